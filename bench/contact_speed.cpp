@@ -7,7 +7,7 @@
 // prints nanoseconds a sample. The last lines, ratios of rounds that were run in turn within
 // milliseconds of each other, are what to trust on a shared machine.
 #include "bench/paired.hpp"
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 
 #include <benchmark/benchmark.h>
 #ifdef TACTUS_HAS_STK
@@ -47,7 +47,7 @@ public:
     body_.set_modes(bar(modes));
     for (std::size_t i = 0; i < masses; ++i) {
       body_.set_impact(i, {3e5, exponent, 0.3}, 0.05);
-      body_.throw_mass(i, 0, 0.01);
+      body_.launch_mass(i, 0, 0.01);
     }
     for (int n = 0; n < 750; ++n)
       block();
@@ -62,17 +62,17 @@ public:
     } else {
       for (std::size_t n = 0; n < sound_.size(); ++n) {
         for (std::size_t i = 0; i < body_.exciters(); ++i)
-          body_.push_mass(i, drive_[n]);
+          body_.set_mass_force(i, drive_[n]);
         body_.step();
-        sound_[n] = body_.hear();
+        sound_[n] = body_.pickup_velocity();
       }
     }
     benchmark::DoNotOptimize(sound_);
   }
-  [[nodiscard]] const TouchedBody& body() const { return body_; }
+  [[nodiscard]] const ExcitedBody& body() const { return body_; }
 
 private:
-  TouchedBody body_;
+  ExcitedBody body_;
   double phase_ = 0;
   Block drive_{}, sound_{}, force_{};
 };
@@ -95,7 +95,7 @@ public:
   }
 
 private:
-  TouchedBody body_;
+  ExcitedBody body_;
   Block velocity_{}, normal_{}, sound_{}, force_{};
 };
 
@@ -109,13 +109,13 @@ public:
   }
   void block() {
     if (rings_ && clock_++ % 750 == 0)
-      body_.knock_body(0, 1);
+      body_.apply_impulse(0, 1);
     body_.run_mass(0, drive_, sound_, force_);
     benchmark::DoNotOptimize(sound_);
   }
 
 private:
-  TouchedBody body_;
+  ExcitedBody body_;
   bool rings_;
   int clock_ = 0;
   Block drive_{}, sound_{}, force_{};
@@ -123,9 +123,9 @@ private:
 
 /// Separate bodies in one list of modes, a mass on each; on some it is pressed so that contact is
 /// never lost, over the others it waits far away.
-class Separate {
+class SeparateBodies {
 public:
-  Separate(std::size_t bodies, std::size_t modes_each, std::size_t pressed)
+  SeparateBodies(std::size_t bodies, std::size_t modes_each, std::size_t pressed)
       : body_(bodies * modes_each, bodies), pressed_(pressed) {
     std::vector<Mode> modes;
     for (std::size_t i = 0; i < bodies; ++i)
@@ -139,10 +139,10 @@ public:
     for (std::size_t i = 0; i < bodies; ++i) {
       const auto own = shape.begin() + static_cast<std::ptrdiff_t>(i * modes_each);
       std::fill_n(own, modes_each, 1.0);
-      body_.set_place(i, shape);
+      body_.set_contact_shape(i, shape);
       std::fill_n(own, modes_each, 0.0);
       body_.set_impact(i, {3e5, 1.5, 0.3}, 0.05);
-      body_.throw_mass(i, i < pressed ? 0 : 1, i < pressed ? 0.01 : 0);
+      body_.launch_mass(i, i < pressed ? 0 : 1, i < pressed ? 0.01 : 0);
     }
     for (int n = 0; n < 50; ++n)
       block();
@@ -151,9 +151,9 @@ public:
     for (double& x : sound_) {
       phase_ = phase_ < 1 ? phase_ + 0.003 : 0;
       for (std::size_t i = 0; i < pressed_; ++i)
-        body_.push_mass(i, 5 + phase_);
+        body_.set_mass_force(i, 5 + phase_);
       body_.step();
-      x = body_.hear();
+      x = body_.pickup_velocity();
     }
     benchmark::DoNotOptimize(sound_);
   }
@@ -165,7 +165,7 @@ public:
   }
 
 private:
-  TouchedBody body_;
+  ExcitedBody body_;
   std::size_t pressed_;
   double phase_ = 0;
   Block sound_{};
@@ -212,8 +212,8 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   Pressed ball(8, 1, 1.5), felt(8, 1, 2.3), many(8, 64, 1.5), some(12, 4, 1.5);
   Rubbed rubbed(8);
-  Separate pebbles(1000, 1, 1000), few(1000, 1, 10), far(1000, 1, 0), bars(2, 20, 2);
-  Two<Separate> apart{Separate(1, 20, 1), Separate(1, 20, 1)};
+  SeparateBodies pebbles(1000, 1, 1000), few(1000, 1, 10), far(1000, 1, 0), bars(2, 20, 2);
+  Two<SeparateBodies> separate{SeparateBodies(1, 20, 1), SeparateBodies(1, 20, 1)};
   Free ringing(8, true), large(64, true), silent(8, false);
   add("impact in contact, 8 modes, exponent 1.5", ball);
   add("impact in contact, 8 modes, exponent 2.3", felt);
@@ -227,7 +227,7 @@ int main(int argc, char** argv) {
   add("1000 pebbles of one mode, ten in contact", few);
   add("1000 pebbles of one mode, none near", far);
   add("two bars of 20 modes in contact, one list", bars);
-  add("two bars of 20 modes in contact, each its own", apart);
+  add("two bars of 20 modes in contact, each its own", separate);
 #ifdef TACTUS_HAS_STK
   Peer peer;
   add("STK ModalBar, 4 modes", peer);
@@ -241,7 +241,7 @@ int main(int argc, char** argv) {
   print_ratio("64 masses in contact / one", many, ball);
   print_ratio("1000 pebbles in contact / one mass on 8 modes", pebbles, ball);
   print_ratio("1000 pebbles, ten in contact / one mass on 8 modes", few, ball);
-  print_ratio("two bars in contact in one list / two separate ones", bars, apart);
+  print_ratio("two bars in contact in one list / two separate ones", bars, separate);
 #ifdef TACTUS_HAS_STK
   print_ratio("impact in contact, exponent 1.5 / STK ModalBar", ball, peer);
   print_ratio("impact in contact, exponent 2.3 / STK ModalBar", felt, peer);

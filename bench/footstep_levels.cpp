@@ -28,12 +28,12 @@ namespace {
 using namespace tactus::footstep;
 using tactus::bench::Walk;
 
-constexpr double kRate = 48000, kSeconds = 30, kFullScale = 2, kKnee = 0.7, kWantedDrive = 0.4,
+constexpr double kRate = 48000, kSeconds = 30, kFullScale = 2, kKnee = 0.7, kTargetDrive = 0.4,
                  kBallDrive = 0.7;
 
 /// dB(A) of a step in hard rubber at 1.4 m/s. Walking noise in a room is 50 to 75 dB(A) by floor
 /// covering; which ground is louder than which is our ear's judgement, good to some 5 dB.
-const std::map<std::string, double> kUsualLevel{
+const std::map<std::string, double> kReferenceLevel{
     {"wood", 54},     {"creak", 58},  {"underbrush", 62}, {"snow", 58},      {"frozensnow", 50},
     {"sand", 56},     {"gravel", 60}, {"metal", 52.5},    {"highgrass", 48}, {"dryleaves", 61},
     {"concrete", 47}, {"dirt", 53},   {"puddle", 60},     {"water", 61},     {"carpet", 49}};
@@ -91,15 +91,15 @@ Steps walk(const Recipe& recipe, const Walk& how) {
       begun = true;
       highest = peak = heel = ball = slope = energy = 0;
     }
-    const double a = weight.next(out.heard);
+    const double a = weight.next(out.pressure_pa);
     power = kept * power + (1 - kept) * a * a;
     highest = std::max(highest, power);
-    peak = std::max(peak, std::abs(out.heard));
+    peak = std::max(peak, std::abs(out.pressure_pa));
     heel = std::max(heel, std::abs(out.heel_drive));
     ball = std::max(ball, std::abs(out.ball_drive));
-    energy += out.heard * out.heard;
-    slope += (out.heard - before) * (out.heard - before);
-    before = out.heard;
+    energy += out.pressure_pa * out.pressure_pa;
+    slope += (out.pressure_pa - before) * (out.pressure_pa - before);
+    before = out.pressure_pa;
   }
   return steps;
 }
@@ -129,8 +129,8 @@ std::string with(const std::string& text, const std::string& key, double value) 
 
 Recipe recipe_of(const std::string& text, const std::string& path) {
   Recipe recipe;
-  if (const std::string complaint = read_recipe(text, recipe); !complaint.empty()) {
-    std::fprintf(stderr, "%s: %s\n", path.c_str(), complaint.c_str());
+  if (const std::string error_text = read_recipe(text, recipe); !error_text.empty()) {
+    std::fprintf(stderr, "%s: %s\n", path.c_str(), error_text.c_str());
     std::exit(1);
   }
   return recipe;
@@ -142,16 +142,16 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 void calibrate(const std::filesystem::path& path) {
-  const auto wanted = kUsualLevel.find(path.stem().string());
-  if (wanted == kUsualLevel.end())
+  const auto target_level = kReferenceLevel.find(path.stem().string());
+  if (target_level == kReferenceLevel.end())
     return;
   std::string text = text_of(path);
   const Recipe recipe = recipe_of(text, path.string());
   const Steps steps = walk(recipe, {});
-  const double factor = std::pow(10, (wanted->second - quantile(steps.level_db, 0.5)) / 20);
+  const double factor = std::pow(10, (target_level->second - quantile(steps.level_db, 0.5)) / 20);
   const double heel = quantile(steps.heel_drive, 0.5), ball = quantile(steps.ball_drive, 0.5);
   text = with(text, "felt_ball", recipe.felt_ball * kBallDrive * heel / ball);
-  text = with(text, "felt", recipe.felt * kWantedDrive / (factor * heel));
+  text = with(text, "felt", recipe.felt * kTargetDrive / (factor * heel));
   text = with(text, "level", recipe.level * factor);
   std::ofstream(path) << text;
 }
@@ -169,12 +169,12 @@ void print(const std::filesystem::path& path) {
   const Steps soft = walk(recipe, {1.4, 700, 0}), hard = walk(recipe, {1.4, 700, 1});
   std::printf("  %5.0f %5.0f %+5.1f", quantile(soft.centroid, 0.5), quantile(hard.centroid, 0.5),
               quantile(hard.level_db, 0.5) - quantile(soft.level_db, 0.5));
-  double quietest = 0;
+  double min_level = 0;
   for (const double speed : {0.3, 0.5, 1.4, 2.5}) {
     const Steps steps = walk(recipe, {speed});
-    quietest = std::min(quietest, quantile(steps.level_db, 0) - quantile(steps.level_db, 0.5));
+    min_level = std::min(min_level, quantile(steps.level_db, 0) - quantile(steps.level_db, 0.5));
   }
-  std::printf("  %5.1f", quietest);
+  std::printf("  %5.1f", min_level);
   const Steps heavy = walk(recipe, {2.5, 1200, 1}),
               run = walk(recipe, {3.5, 700, 0.4, Style::kRun});
   double over = 0;
@@ -188,14 +188,14 @@ void print(const std::filesystem::path& path) {
 
 } // namespace
 
-int main(int count, char** words) {
+int main(int count, char** arguments) {
   std::filesystem::path folder = "data/surfaces";
   bool set = false;
   for (int i = 1; i < count; ++i)
-    if (std::string(words[i]) == "--calibrate")
+    if (std::string(arguments[i]) == "--calibrate")
       set = true;
     else
-      folder = words[i];
+      folder = arguments[i];
   std::vector<std::filesystem::path> files;
   for (const auto& file : std::filesystem::directory_iterator(folder))
     if (file.path().extension() == ".txt")

@@ -31,8 +31,8 @@ using tactus::bench::SoundingSection;
 
 constexpr double kRate = 48000;
 constexpr std::array<double, 3> kSpeeds{0.8, 1.4, 1.8};
-constexpr double kWithin = 1e-4; // of the whole energy: -40 dB
-constexpr double kHeardDb = 1;
+constexpr double kEnergyThreshold = 1e-4; // of the whole energy: -40 dB
+constexpr double kAudibleDb = 1;
 constexpr std::size_t kBands = 9; // octaves from 31.25 Hz to 8 kHz
 constexpr std::array<double, 8> kWindowEdgesMs{0, 10, 25, 50, 100, 200, 400, 800};
 constexpr std::size_t kWindows = kWindowEdgesMs.size() - 1;
@@ -84,8 +84,8 @@ private:
 
 Energy walk(const std::string& text, double speed, double seconds) {
   Recipe recipe;
-  if (const std::string complaint = read_recipe(text, recipe); !complaint.empty()) {
-    std::fprintf(stderr, "%s\n", complaint.c_str());
+  if (const std::string error_text = read_recipe(text, recipe); !error_text.empty()) {
+    std::fprintf(stderr, "%s\n", error_text.c_str());
     std::exit(1);
   }
   tactus::bench::WalkingFoot foot(recipe, {speed}, kRate, 3);
@@ -108,7 +108,7 @@ struct Change {
 Change largest_change(std::span<const double> with, std::span<const double> without, double whole) {
   Change found;
   for (std::size_t i = 0; i < with.size(); ++i)
-    if (with[i] > kWithin * whole)
+    if (with[i] > kEnergyThreshold * whole)
       if (const double db = decibels(without[i] / with[i]); std::abs(db) > std::abs(found.db))
         found = {i, db};
   return found;
@@ -131,7 +131,7 @@ void report(const std::string& name, const std::string& text, double seconds) {
     const Change band = largest_change(whole.band, rest.band, whole.whole);
     const Change window = largest_change(whole.window, rest.window, whole.whole);
     const bool heard =
-        std::max({std::abs(level), std::abs(band.db), std::abs(window.db)}) >= kHeardDb;
+        std::max({std::abs(level), std::abs(band.db), std::abs(window.db)}) >= kAudibleDb;
     std::printf(
         "%-11s %-8s %6.1f %6.1f %6.1f %8.1f dB %7.1f dB at %4.0f Hz %7.1f dB at %3.0f-%3.0f ms"
         "  %s\n",
@@ -145,9 +145,9 @@ void report(const std::string& name, const std::string& text, double seconds) {
 
 } // namespace
 
-int main(int count, char** words) {
-  const std::filesystem::path folder = count > 1 ? words[1] : "data/surfaces";
-  const double seconds = count > 2 ? std::atof(words[2]) : 60;
+int main(int count, char** arguments) {
+  const std::filesystem::path folder = count > 1 ? arguments[1] : "data/surfaces";
+  const double seconds = count > 2 ? std::atof(arguments[2]) : 60;
   std::vector<std::filesystem::path> files;
   for (const auto& file : std::filesystem::directory_iterator(folder))
     if (file.path().extension() == ".txt")

@@ -22,10 +22,10 @@ constexpr std::string_view kTwelveModes = "[solid]\nmodes 12\nfrequency 120\nrat
                                           "length 0.003\n";
 
 /// The same in a room and with a rustle, as grounds in data/surfaces have them.
-constexpr std::string_view kFurnished = "[solid]\nmodes 12\nfrequency 120\nratio 1.4\nt60 0.2\n"
-                                        "[grains]\ncount 220\nheel 0.6\nball 0.4\ndecay 0.1\n"
-                                        "length 0.003\n[rustle]\ndecay 0.1\n"
-                                        "[room]\nlevel -12\nt60 0.4\n";
+constexpr std::string_view kRoomRecipe = "[solid]\nmodes 12\nfrequency 120\nratio 1.4\nt60 0.2\n"
+                                         "[grains]\ncount 220\nheel 0.6\nball 0.4\ndecay 0.1\n"
+                                         "length 0.003\n[rustle]\ndecay 0.1\n"
+                                         "[room]\nlevel -12\nt60 0.4\n";
 
 struct Walker48k {
   Walker48k(std::uint64_t seed, std::string_view text) : foot(std::make_unique<Foot>()) {
@@ -33,14 +33,14 @@ struct Walker48k {
     static_cast<void>(read_recipe(text, recipe));
     foot->prepare(kRate);
     foot->seed(seed);
-    foot->stand_on(1, recipe, 1, recipe, 0);
+    foot->set_grounds(1, recipe, 1, recipe, 0);
     gait.prepare(kRate);
     gait.seed(seed);
     gait.walk(true);
   }
   double next() noexcept {
     gait.next(feet);
-    return foot->next(feet[0]).heard;
+    return foot->next(feet[0]).pressure_pa;
   }
   std::unique_ptr<Foot> foot;
   Gait gait;
@@ -63,7 +63,7 @@ void one_foot(benchmark::State& state) {
 BENCHMARK(one_foot);
 
 void one_foot_with_rustle_and_room(benchmark::State& state) {
-  Walker48k walker(1, kFurnished);
+  Walker48k walker(1, kRoomRecipe);
   for (auto _ : state)
     for (int n = 0; n < 4800; ++n)
       benchmark::DoNotOptimize(walker.next());

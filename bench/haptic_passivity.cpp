@@ -30,7 +30,7 @@ const char* name_of(Velocity velocity) {
   return names[static_cast<int>(velocity)];
 }
 
-std::string describe(const WallCase& c) {
+std::string set_geometry(const WallCase& c) {
   char text[200];
   std::snprintf(text, sizeof text, "%g N/m, %g Hz, encoder %g mm, velocity %s, ",
                 c.stiffness_n_per_m, c.rate_hz, c.encoder_m * 1e3, name_of(c.velocity));
@@ -115,17 +115,17 @@ Sweep sweep(int latency, bool declared, bool quick, std::FILE* csv) {
             result.max_force = std::max(result.max_force, on.max_force_n);
             if (csv)
               std::fprintf(csv, "%d,%d,\"%s\",%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", latency,
-                           declared, describe(c).c_str(), off.stable(), off.force_rms_n,
+                           declared, set_geometry(c).c_str(), off.stable(), off.force_rms_n,
                            on.force_rms_n, off.motion_m, on.motion_m, off.exit_energy,
                            on.exit_energy);
             if (c.scene == Scene::kFlight) {
               if (off.exit_energy > 1)
-                result.exits.add(on.exit_energy, kMaxExitEnergy, describe(c));
+                result.exits.add(on.exit_energy, kMaxExitEnergy, set_geometry(c));
             } else if (off.stable()) {
               result.force.add(on.force_rms_n <= std::max(kSameForce_n, k * encoder)
                                    ? 0.0
                                    : on.force_rms_n / std::max(off.force_rms_n, 1e-9),
-                               kMaxForceRatio, describe(c));
+                               kMaxForceRatio, set_geometry(c));
             }
           }
   return result;

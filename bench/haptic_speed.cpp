@@ -52,7 +52,7 @@ void ticks(benchmark::State& state, Maker make) {
   SimulatedDevice::Settings settings;
   settings.hand.hold = HandSettings::Hold::kRigid;
   device.set(settings);
-  device.follow(CirclePath{{0, 0, 0}, 0.03, 1});
+  device.set_path(CirclePath{{0, 0, 0}, 0.03, 1});
   SceneModel model;
   if (make)
     model.publish(make());

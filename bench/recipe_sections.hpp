@@ -11,9 +11,9 @@
 namespace tactus::bench {
 
 struct SoundingSection {
-  std::string name;      ///< as in the recipe, `solid` as `impact`
-  std::size_t number;    ///< among all sections of the text, from 0
-  std::size_t of_a_name; ///< how many of that name come before
+  std::string name;             ///< as in the recipe, `solid` as `impact`
+  std::size_t number;           ///< among all sections of the text, from 0
+  std::size_t same_name_before; ///< how many of that name come before
 };
 
 /// Calls `line(text of the line, number of its section)`; lines before the first section: -1.
@@ -49,7 +49,8 @@ inline std::vector<SoundingSection> sounding_sections(const std::string& text) {
 }
 
 /// The recipe with `level 0` in every sounding section for which `silent(section)` holds.
-template <typename Silent> std::string silenced(const std::string& text, Silent silent) {
+template <typename ShouldSilence>
+std::string silenced(const std::string& text, ShouldSilence silent) {
   const auto sections = sounding_sections(text);
   std::string out;
   long last = -1;
@@ -76,8 +77,8 @@ inline std::string only(const std::string& text, const SoundingSection& kept) {
   return silenced(text, [&](const SoundingSection& s) { return s.number != kept.number; });
 }
 
-inline std::string without(const std::string& text, const SoundingSection& left_out) {
-  return silenced(text, [&](const SoundingSection& s) { return s.number == left_out.number; });
+inline std::string without(const std::string& text, const SoundingSection& excluded) {
+  return silenced(text, [&](const SoundingSection& s) { return s.number == excluded.number; });
 }
 
 } // namespace tactus::bench

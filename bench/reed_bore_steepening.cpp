@@ -31,7 +31,7 @@ namespace {
 using namespace tactus::reed;
 using Signal = std::vector<double>;
 constexpr double kPi = std::numbers::pi;
-constexpr int kStretch = 32; // samples of one run
+constexpr int kBlock = 32; // samples of one run
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 double decibels(double ratio) { return 20 * std::log10(ratio); }
@@ -47,7 +47,7 @@ double lead_time(double sound_speed) {
 /// stays where it is, as the entropy condition wants it of a jump from -p to p. Third-order
 /// Lagrange: without lead the plain delay.
 void steepen(const double* x, double at, double lead, double reach, double* y, int count) {
-  std::array<double, kStretch> place;
+  std::array<double, kBlock> position;
   const auto shift = [&](double value) {
     const double early = lead * value < reach ? lead * value : reach;
     return early > -reach ? early : -reach;
@@ -59,17 +59,18 @@ void steepen(const double* x, double at, double lead, double reach, double* y, i
   };
   double slope;
   for (int i = 0; i < count; ++i)
-    place[index(i)] = at + i + shift(value_at(at + i, slope));
+    position[index(i)] = at + i + shift(value_at(at + i, slope));
   for (int secant = 0; secant < 2; ++secant)
     for (int i = 0; i < count; ++i) {
-      const double value = value_at(place[index(i)], slope);
+      const double value = value_at(position[index(i)], slope);
       const double left = 1 - lead * slope; // at most 1/4 where a shock is near
-      const double moved = place[index(i)] - (at + i);
-      place[index(i)] = at + i + shift(left > 0.25 ? (value - slope * moved) / left : value);
+      const double displacement = position[index(i)] - (at + i);
+      position[index(i)] =
+          at + i + shift(left > 0.25 ? (value - slope * displacement) / left : value);
     }
   for (int i = 0; i < count; ++i) {
-    const int whole = static_cast<int>(place[index(i)]);
-    const double f = place[index(i)] - whole;
+    const int whole = static_cast<int>(position[index(i)]);
+    const double f = position[index(i)] - whole;
     const double* p = x + whole;
     y[i] = (f + 1) * (f - 2) * ((f - 1) / 2 * p[0] - f / 2 * p[1]) +
            f * (f - 1) * ((f + 1) / 6 * p[2] - (f - 2) / 6 * p[-1]);
@@ -117,7 +118,7 @@ public:
       : steepening_(steepening), line_(1 << 16), back_(1 << 12), out_(1 << 12) {
     p.brassiness = steepening.brassiness;
     design_.set(p, rate);
-    const Playing playing = tuned(p, bore_frequency, p.reed_frequency);
+    const PlayingSetup playing = tuned(p, bore_frequency, p.reed_frequency);
     length_ = playing.length;
     constants_ = ValveConstants::from(playing.valve, design_, rate);
     const double omega = 2 * kPi * p.reed_frequency * playing.reed_scale;
@@ -127,33 +128,33 @@ public:
     // In a cone a wave falls as 1/x and steepens over r_0 ln(1 + L/r_0) only. RadiationPath counts
     // all of L, and so does this, that the two may be compared length by length.
     lead_ = lead_time(design_.air().sound_speed) * rate * length_;
-    reach_ = std::floor(std::min(5e-4 * rate, (trip_.delay - kStretch - 10) / 3));
+    reach_ = std::floor(std::min(5e-4 * rate, (trip_.delay - kBlock - 10) / 3));
   }
-  /// kStretch samples: sound at 1 m and p_b, Pa.
+  /// kBlock samples: sound at 1 m and p_b, Pa.
   void run(const double* mouth, double* sound, double* bore) {
-    std::array<double, kStretch> wave, angle, flow;
+    std::array<double, kBlock> wave, angle, flow;
     const bool inside = steepening_.inside > 0;
     const double lead = inside ? lead_ * steepening_.inside : 0, reach = inside ? reach_ : 0;
-    const double way_back = inside ? reach + 3 : 0; // samples; the rest of the delay is way out
-    line_.read(trip_.delay - way_back, lead, reach, wave.data(), kStretch);
+    const double return_delay = inside ? reach + 3 : 0; // samples; the rest of the delay is way out
+    line_.read(trip_.delay - return_delay, lead, reach, wave.data(), kBlock);
     {
-      RoundTripFilter<double>::Stretch filter(filter_, trip_, path_.returning_share());
-      for (int i = 0; i < kStretch; ++i)
+      RoundTripFilter<double>::BlockFilter filter(filter_, trip_, path_.returning_share());
+      for (int i = 0; i < kBlock; ++i)
         wave[index(i)] = filter(wave[index(i)], sound[i]);
     }
     if (inside) {
-      back_.write(wave.data(), kStretch);
-      back_.read(way_back + kStretch, lead * steepening_.returning, reach, wave.data(), kStretch);
+      back_.write(wave.data(), kBlock);
+      back_.read(return_delay + kBlock, lead * steepening_.returning, reach, wave.data(), kBlock);
     }
     if (steepening_.leaving > 0) {
-      out_.write(sound, kStretch);
-      out_.read(reach_ + 3 + kStretch, lead_ * steepening_.leaving, reach_, sound, kStretch);
+      out_.write(sound, kBlock);
+      out_.read(reach_ + 3 + kBlock, lead_ * steepening_.leaving, reach_, sound, kBlock);
     }
-    path_.run(sound, kStretch, length_);
+    path_.run(sound, kBlock, length_);
     step_valve<false, false, false>(constants_, &coefficients_, 0, state_,
                                     {mouth, nullptr, wave.data(), angle.data(), bore, flow.data()},
-                                    kStretch);
-    line_.write(wave.data(), kStretch);
+                                    kBlock);
+    line_.write(wave.data(), kBlock);
   }
 
 private:
@@ -180,14 +181,14 @@ std::complex<double> component(const Signal& x, std::size_t from, std::size_t co
   return 2.0 * sum / static_cast<double>(count);
 }
 
-struct Heard {
+struct Measurement {
   double cents = 0, level = 0, centroid = 0;
   std::array<double, 20> harmonics{}; // amplitude
 };
 
 /// What the last half second of a note sounds like.
-Heard hear(const Signal& sound, const Signal& bore, double rate, double frequency) {
-  Heard heard;
+Measurement measure(const Signal& sound, const Signal& bore, double rate, double frequency) {
+  Measurement measurement;
   const std::size_t count = index(static_cast<int>(rate / 4)), from = sound.size() - 2 * count;
   // The fundamental turns by the true frequency between two windows: near the note first.
   double turns = frequency / rate, largest = 0;
@@ -204,25 +205,26 @@ Heard hear(const Signal& sound, const Signal& bore, double rate, double frequenc
     const auto second = component(bore, from + apart, count, turns);
     turns += std::arg(second / first * std::polar(1.0, -turned * turns)) / turned;
   }
-  heard.cents = 1200 * std::log2(turns * rate / frequency);
+  measurement.cents = 1200 * std::log2(turns * rate / frequency);
   double power = 0, first_moment = 0;
-  for (std::size_t k = 0; k < heard.harmonics.size(); ++k) {
+  for (std::size_t k = 0; k < measurement.harmonics.size(); ++k) {
     const double number = static_cast<double>(k + 1);
-    heard.harmonics[k] = std::abs(component(sound, from, 2 * count, number * turns));
-    power += std::pow(heard.harmonics[k], 2);
-    first_moment += number * std::pow(heard.harmonics[k], 2);
+    measurement.harmonics[k] = std::abs(component(sound, from, 2 * count, number * turns));
+    power += std::pow(measurement.harmonics[k], 2);
+    first_moment += number * std::pow(measurement.harmonics[k], 2);
   }
-  heard.level = 10 * std::log10(power / 2 + 1e-300);
-  heard.centroid = first_moment / (power + 1e-300);
-  return heard;
+  measurement.level = 10 * std::log10(power / 2 + 1e-300);
+  measurement.centroid = first_moment / (power + 1e-300);
+  return measurement;
 }
 
 /// H1..H10 of both against their strongest, what is below -40 dB counting as -40: rms of the
 /// differences, dB, as bench/realism_reed measures it.
-double distance(const Heard& a, const Heard& b) {
-  const auto level = [](const Heard& heard, std::size_t k) {
-    const double top = *std::max_element(heard.harmonics.begin(), heard.harmonics.begin() + 10);
-    return std::max(-40.0, decibels(heard.harmonics[k] / (top + 1e-300) + 1e-30));
+double distance(const Measurement& a, const Measurement& b) {
+  const auto level = [](const Measurement& measurement, std::size_t k) {
+    const double top =
+        *std::max_element(measurement.harmonics.begin(), measurement.harmonics.begin() + 10);
+    return std::max(-40.0, decibels(measurement.harmonics[k] / (top + 1e-300) + 1e-30));
   };
   double sum = 0;
   for (std::size_t k = 0; k < 10; ++k)
@@ -230,18 +232,18 @@ double distance(const Heard& a, const Heard& b) {
   return std::sqrt(sum / 10);
 }
 
-Heard play(const Parameters& p, const Steepening& steepening, double rate, double frequency,
-           double pressure) {
+Measurement play(const Parameters& p, const Steepening& steepening, double rate, double frequency,
+                 double pressure) {
   Loop loop(p, steepening, rate, frequency);
-  const int samples = static_cast<int>(1.6 * rate) / kStretch * kStretch;
+  const int samples = static_cast<int>(1.6 * rate) / kBlock * kBlock;
   Signal sound(index(samples)), bore(index(samples));
-  for (int i = 0; i < samples; i += kStretch) {
-    std::array<double, kStretch> mouth;
-    for (int k = 0; k < kStretch; ++k)
+  for (int i = 0; i < samples; i += kBlock) {
+    std::array<double, kBlock> mouth;
+    for (int k = 0; k < kBlock; ++k)
       mouth[index(k)] = pressure * std::min(1.0, (i + k) / (0.02 * rate));
     loop.run(mouth.data(), sound.data() + i, bore.data() + i);
   }
-  return hear(sound, bore, rate, frequency);
+  return measure(sound, bore, rate, frequency);
 }
 
 /// n-th harmonic of a sine of amplitude 1 after sigma shock distances (Blackstock 1966): Fubini's
@@ -263,11 +265,11 @@ double blackstock(int n, double sigma) {
 }
 
 /// A travelling sine of 233 Hz and 1000 Pa, `steps` passages long.
-void print_passages(double rate, double sigma, int steps) {
+void print_single_trip(double rate, double sigma, int steps) {
   const double frequency = 233, pressure = 1000, period = rate / frequency;
   const double lead = sigma / steps * period / (2 * kPi * pressure);
   const int reach = static_cast<int>(lead * pressure) + 2, margin = steps * (reach + 8);
-  const int size = static_cast<int>(8 * period) + 2 * margin + 2 * kStretch;
+  const int size = static_cast<int>(8 * period) + 2 * margin + 2 * kBlock;
   Signal wave(index(size)), next(index(size));
   for (int i = 0; i < size; ++i)
     wave[index(i)] = pressure * std::sin(2 * kPi * i / period);
@@ -280,8 +282,8 @@ void print_passages(double rate, double sigma, int steps) {
   };
   double energy = energy_of(), gain = 0; // the largest of one passage
   for (int n = 1; n <= steps; ++n) {
-    for (int i = n * (reach + 8); i + kStretch < size - n * (reach + 8); i += kStretch)
-      steepen(wave.data(), i, lead, reach, next.data() + i, kStretch);
+    for (int i = n * (reach + 8); i + kBlock < size - n * (reach + 8); i += kBlock)
+      steepen(wave.data(), i, lead, reach, next.data() + i, kBlock);
     wave.swap(next);
     const double now = energy_of();
     gain = std::max(gain, now / energy - 1);
@@ -302,17 +304,17 @@ void print_round_trip(double rate, double sigma) {
   for (int i = 0; i < size; ++i)
     wave[index(i)] = std::sin(2 * kPi * i / period);
   std::printf("%6.0f %5.2f  ", rate, sigma);
-  for (int way = 1; way <= 2; ++way) {
-    for (int i = way * (reach + 8); i + kStretch < size - way * (reach + 8); i += kStretch)
-      steepen(wave.data(), i, lead, reach, next.data() + i, kStretch);
+  for (int direction = 1; direction <= 2; ++direction) {
+    for (int i = direction * (reach + 8); i + kBlock < size - direction * (reach + 8); i += kBlock)
+      steepen(wave.data(), i, lead, reach, next.data() + i, kBlock);
     wave.swap(next);
     const auto level = [&](int n) {
       const std::size_t from = index(static_cast<int>(2 * period));
       return decibels(
           std::abs(component(wave, from, index(static_cast<int>(6 * period)), n / period)));
     };
-    std::printf("  %s H1 %+6.2f H2 %+7.2f H3 %+7.2f", way == 1 ? "out" : "back", level(1), level(2),
-                level(3));
+    std::printf("  %s H1 %+6.2f H2 %+7.2f H3 %+7.2f", direction == 1 ? "out" : "back", level(1),
+                level(2), level(3));
     for (double& value : wave)
       value = -value;
   }
@@ -320,7 +322,7 @@ void print_round_trip(double rate, double sigma) {
 }
 
 /// The same for the way out as it is, of which the bell is made flat.
-void print_way_out(double rate, double sigma) {
+void print_outgoing(double rate, double sigma) {
   const double frequency = 466, length = 2, pressure = 600; // within its reach of 24 samples
   Parameters p;
   p.bell = 1e-3;
@@ -330,11 +332,11 @@ void print_way_out(double rate, double sigma) {
       sigma / (2 * kPi * frequency * pressure * lead_time(bore.air().sound_speed) * length);
   RadiationPath path;
   path.set(RadiationConstants::from(p, bore, rate));
-  Signal wave(index(static_cast<int>(rate) / kStretch * kStretch));
+  Signal wave(index(static_cast<int>(rate) / kBlock * kBlock));
   for (std::size_t i = 0; i < wave.size(); ++i)
     wave[i] = pressure * std::sin(2 * kPi * frequency / rate * static_cast<double>(i));
-  for (std::size_t i = 0; i < wave.size(); i += kStretch)
-    path.run(wave.data() + i, kStretch, length);
+  for (std::size_t i = 0; i < wave.size(); i += kBlock)
+    path.run(wave.data() + i, kBlock, length);
   std::printf("%6.0f %5.2f   out  ", rate, sigma);
   for (int n = 1; n <= 6; ++n)
     std::printf(" %+6.2f", decibels(std::abs(component(wave, wave.size() / 2, wave.size() / 4,
@@ -352,7 +354,7 @@ constexpr std::array<Brass, 2> kBrass{{{"trombone", {46, 50, 55}, {1200, 2000, 2
                                        {"trumpet", {58, 62, 67}, {2000, 3000, 4000, 6000}}}};
 double key_frequency(int key) { return 440 * std::exp2((key - 69) / 12.0); }
 
-constexpr std::array<const char*, 7> kWays{
+constexpr std::array<const char*, 7> kVariants{
     "outside, preset's lengths", "the same, RadiationPath", "no steepening",
     "outside, 1 length",         "inside, 1 length",        "inside, 1, back linear",
     "inside, preset's lengths"};
@@ -364,37 +366,38 @@ void print_presets() {
     double cents = 0, centroid = 0, outside = 0, single = 0;
   };
   for (const Brass& brass : kBrass) {
-    std::array<Sum, kWays.size()> sums{};
+    std::array<Sum, kVariants.size()> sums{};
     const double notes = static_cast<double>(brass.keys.size() * brass.pressures.size());
     for (const int key : brass.keys)
       for (const double pressure : brass.pressures) {
         const Parameters p = *find_preset(brass.name);
-        const std::array<Steepening, kWays.size()> ways{Steepening{.leaving = p.brassiness},
-                                                        {.brassiness = p.brassiness},
-                                                        {},
-                                                        {.leaving = 1},
-                                                        {.inside = 1},
-                                                        {.inside = 1, .returning = 0},
-                                                        {.inside = p.brassiness}};
-        std::array<Heard, kWays.size()> heard;
-        for (std::size_t i = 0; i < ways.size(); ++i)
-          heard[i] = play(p, ways[i], 48000, key_frequency(key), pressure);
-        for (std::size_t i = 0; i < ways.size(); ++i) {
-          const double from_outside = distance(heard[i], heard[0]);
+        const std::array<Steepening, kVariants.size()> variants{Steepening{.leaving = p.brassiness},
+                                                                {.brassiness = p.brassiness},
+                                                                {},
+                                                                {.leaving = 1},
+                                                                {.inside = 1},
+                                                                {.inside = 1, .returning = 0},
+                                                                {.inside = p.brassiness}};
+        std::array<Measurement, kVariants.size()> measurement;
+        for (std::size_t i = 0; i < variants.size(); ++i)
+          measurement[i] = play(p, variants[i], 48000, key_frequency(key), pressure);
+        for (std::size_t i = 0; i < variants.size(); ++i) {
+          const double from_outside = distance(measurement[i], measurement[0]);
           std::printf("%-8s %d %4.0f Pa  %-26s %+8.1f | %6.1f | %5.2f | %5.1f\n", brass.name, key,
-                      pressure, kWays[i], heard[i].cents, heard[i].level, heard[i].centroid,
-                      from_outside);
-          sums[i].cents = std::max(sums[i].cents, std::abs(heard[i].cents - heard[2].cents));
-          sums[i].centroid += heard[i].centroid / heard[0].centroid / notes;
+                      pressure, kVariants[i], measurement[i].cents, measurement[i].level,
+                      measurement[i].centroid, from_outside);
+          sums[i].cents =
+              std::max(sums[i].cents, std::abs(measurement[i].cents - measurement[2].cents));
+          sums[i].centroid += measurement[i].centroid / measurement[0].centroid / notes;
           sums[i].outside += from_outside / notes;
-          sums[i].single += distance(heard[i], heard[3]) / notes;
+          sums[i].single += distance(measurement[i], measurement[3]) / notes;
         }
       }
     std::printf("\n%s, all notes: largest change of pitch, cents | mean centroid against the first "
                 "| mean distance from it, dB | from one length outside, dB\n",
                 brass.name);
-    for (std::size_t i = 0; i < kWays.size(); ++i)
-      std::printf("  %-26s %6.1f | %5.2f | %5.1f | %5.1f\n", kWays[i], sums[i].cents,
+    for (std::size_t i = 0; i < kVariants.size(); ++i)
+      std::printf("  %-26s %6.1f | %5.2f | %5.1f | %5.1f\n", kVariants[i], sums[i].cents,
                   sums[i].centroid, sums[i].outside, sums[i].single);
   }
 }
@@ -405,11 +408,12 @@ void print_rates() {
   for (const Brass& brass : kBrass) {
     const Parameters p = *find_preset(brass.name);
     const double frequency = key_frequency(brass.keys[1]), pressure = brass.pressures[2];
-    const Heard finest = play(p, {.inside = 1}, 768000, frequency, pressure);
+    const Measurement finest = play(p, {.inside = 1}, 768000, frequency, pressure);
     for (const double rate : {48000.0, 192000.0, 768000.0}) {
-      const Heard heard = play(p, {.inside = 1}, rate, frequency, pressure);
-      std::printf("%-8s %6.0f  %+8.1f | %6.1f | %5.2f | %5.2f\n", brass.name, rate, heard.cents,
-                  heard.level, heard.centroid, distance(heard, finest));
+      const Measurement measurement = play(p, {.inside = 1}, rate, frequency, pressure);
+      std::printf("%-8s %6.0f  %+8.1f | %6.1f | %5.2f | %5.2f\n", brass.name, rate,
+                  measurement.cents, measurement.level, measurement.centroid,
+                  distance(measurement, finest));
     }
   }
 }
@@ -417,31 +421,30 @@ void print_rates() {
 /// One part of the step, fed with a played wave.
 class Part {
 public:
-  enum class Kind { kPlainRead, kWayOut, kBothWays };
+  enum class Kind { kPlainRead, kOutgoing, kBothWays };
   explicit Part(Kind kind) : kind_(kind), parameters_(*find_preset("trombone")) {
     design_.set(parameters_, 48000);
-    plain_.prepare(longest_delay(48000));
+    plain_.prepare(max_delay(48000));
     path_.set(RadiationConstants::from(parameters_, design_, 48000));
     for (std::size_t n = 0; n < wave_.size(); ++n)
-      source_[n] =
-          1500 * std::sin(2 * kPi * static_cast<double>(n) / static_cast<double>(kStretch));
+      source_[n] = 1500 * std::sin(2 * kPi * static_cast<double>(n) / static_cast<double>(kBlock));
   }
   void block() {
-    for (std::size_t from = 0; from < source_.size(); from += kStretch) {
+    for (std::size_t from = 0; from < source_.size(); from += kBlock) {
       double* wave = wave_.data() + from;
       const double* source = source_.data() + from;
-      if (kind_ == Kind::kWayOut) {
-        std::copy_n(source, kStretch, wave);
-        path_.run(wave, kStretch, 2);
+      if (kind_ == Kind::kOutgoing) {
+        std::copy_n(source, kBlock, wave);
+        path_.run(wave, kBlock, 2);
       } else if (kind_ == Kind::kPlainRead) {
         double* next = plain_.next();
-        plain_.read(560.3, 1e-20, next, kStretch);
-        plain_.advance(kStretch);
+        plain_.read(560.3, 1e-20, next, kBlock);
+        plain_.advance(kBlock);
       } else {
-        line_.write(source, kStretch);
-        line_.read(533.3, 1e-3, 24, wave, kStretch);
-        back_.write(wave, kStretch);
-        back_.read(27 + kStretch, 1e-3, 24, wave, kStretch);
+        line_.write(source, kBlock);
+        line_.read(533.3, 1e-3, 24, wave, kBlock);
+        back_.write(wave, kBlock);
+        back_.read(27 + kBlock, 1e-3, 24, wave, kBlock);
       }
     }
     benchmark::DoNotOptimize(wave_);
@@ -459,7 +462,7 @@ private:
 
 void print_cost(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  Part read(Part::Kind::kPlainRead), out(Part::Kind::kWayOut), inside(Part::Kind::kBothWays);
+  Part read(Part::Kind::kPlainRead), out(Part::Kind::kOutgoing), inside(Part::Kind::kBothWays);
   tactus::bench::add("plain read of the bore's line", read);
   tactus::bench::add("bell with steepening outside", out);
   tactus::bench::add("both steepened reads inside", inside);
@@ -475,13 +478,13 @@ int main(int argc, char** argv) {
       "  rate sigma steps\n");
   for (const double rate : {48000.0, 192000.0, 768000.0}) {
     for (const double sigma : {0.3, 0.7, 0.9})
-      print_passages(rate, sigma, 1);
+      print_single_trip(rate, sigma, 1);
     for (const double sigma : {1.5, 3.0, 8.0})
-      print_passages(rate, sigma, 40);
+      print_single_trip(rate, sigma, 40);
   }
   std::printf("the way out as it is (RadiationPath)\n");
   for (const double sigma : {0.3, 0.7, 0.9})
-    print_way_out(48000, sigma);
+    print_outgoing(48000, sigma);
   std::printf("out, inverted, back: harmonics in dB of the sine that went out\n");
   for (const double sigma : {0.3, 0.7})
     print_round_trip(192000, sigma);

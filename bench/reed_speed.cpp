@@ -8,9 +8,9 @@
 // milliseconds of each other, are what to trust on a shared machine.
 #include "bench/paired.hpp"
 #include "core/reed/bore/bore_line.hpp"
-#include "core/reed/bore/holed_end.hpp"
 #include "core/reed/bore/radiation_path.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
+#include "core/reed/bore/tone_hole_end.hpp"
 #include "core/reed/instrument/instrument.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/instrument/valve_bore_step.hpp"
@@ -40,14 +40,15 @@ constexpr double kRate = 48000;
 /// One greed~ that has played for a second.
 class Scalar {
 public:
-  struct Gesture {
+  struct ControlInput {
     bool moving_reed = false, moving_bore = false; // f_r, f_b always on their way
     bool tune = false;
     float note = 262;
     bool holes = true; // of presets that have them
   };
-  Scalar(std::string_view preset, double pressure) : Scalar(preset, pressure, Gesture{}) {}
-  Scalar(std::string_view preset, double pressure, const Gesture& gesture) : gesture_(gesture) {
+  Scalar(std::string_view preset, double pressure) : Scalar(preset, pressure, ControlInput{}) {}
+  Scalar(std::string_view preset, double pressure, const ControlInput& gesture)
+      : gesture_(gesture) {
     Parameters parameters = *find_preset(preset);
     parameters.tune = gesture.tune;
     parameters.end = gesture.holes ? parameters.end : BoreEnd::kOpen;
@@ -79,7 +80,7 @@ private:
     void fill(double x) { Signal::fill(static_cast<float>(x)); }
   };
   Instrument instrument_;
-  Gesture gesture_;
+  ControlInput gesture_;
   float lip_ = 2500, note_ = 262;
   Filled mouth_{};
   Filled reed_{}, bore_{};
@@ -105,8 +106,8 @@ public:
     if (vibrato_)
       for (float& f : bore_) {
         // The benchmark is not to pay for a sine: a parabola, upside down every half period.
-        place_ = place_ < 1 ? place_ + 12 / kRate : -1;
-        f = static_cast<float>(note_ * (1 + 0.0293 * 4 * place_ * (1 - std::abs(place_))));
+        phase_ = phase_ < 1 ? phase_ + 12 / kRate : -1;
+        f = static_cast<float>(note_ * (1 + 0.0293 * 4 * phase_ * (1 - std::abs(phase_))));
       }
     instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
     benchmark::DoNotOptimize(sound_);
@@ -115,7 +116,7 @@ public:
 private:
   using Signal = std::array<float, kBlock>;
   Instrument instrument_;
-  double note_, place_ = 0;
+  double note_, phase_ = 0;
   bool vibrato_;
   Signal mouth_{}, reed_{}, bore_{}, sound_{}, angle_{}, pressure_{}, flow_{};
 };
@@ -133,11 +134,11 @@ public:
       block();
   }
   void block() {
-    for (std::size_t done = 0; done < kBlock; done += ReedGradient::kHold) {
+    for (std::size_t done = 0; done < kBlock; done += ReedGradient::kHandPeriod) {
       if (moving_)
-        place_ = place_ < 0.51 ? place_ + 1e-5 : 0.5;
-      gradient_.move(0.5, place_, 0);
-      gradient_.process(std::span(sound_).subspan(done, ReedGradient::kHold));
+        phase_ = phase_ < 0.51 ? phase_ + 1e-5 : 0.5;
+      gradient_.move(0.5, phase_, 0);
+      gradient_.process(std::span(sound_).subspan(done, ReedGradient::kHandPeriod));
     }
     benchmark::DoNotOptimize(gradient_.gradient());
     benchmark::DoNotOptimize(sound_);
@@ -146,7 +147,7 @@ public:
 private:
   ReedGradient gradient_;
   bool moving_;
-  double place_ = 0.5;
+  double phase_ = 0.5;
   std::array<double, kBlock> sound_{};
 };
 
@@ -162,7 +163,7 @@ public:
     mouth_.fill(2000);
     for (std::size_t n = 0; n < kBlock; ++n)
       wave_[n] = source_[n] = n % 32 < 16 ? 700.0 : -700.0;
-    line_.prepare(longest_delay(kRate));
+    line_.prepare(max_delay(kRate));
     path_.prepare(kRate);
     end_.set(kRate, 1, parameters_.input_radius);
     end_.finger(fingering_for(BoreEnd::kClarinet, 175));
@@ -177,7 +178,7 @@ public:
     benchmark::DoNotOptimize(wave_);
   }
   void filters() {
-    RoundTripFilter<double>::Stretch filter(filter_, trip_, 0);
+    RoundTripFilter<double>::BlockFilter filter(filter_, trip_, 0);
     for (std::size_t n = 0; n < kBlock; ++n)
       wave_[n] = filter(source_[n], radiated_[n]);
     benchmark::DoNotOptimize(wave_);
@@ -221,7 +222,7 @@ private:
   Signal mouth_{}, source_{}, wave_{}, radiated_{}, angle_{}, bore_{}, flow_{};
   BoreLine<double, static_cast<int>(kBlock)> line_;
   RadiationPath path_;
-  HoledEnd<double> end_;
+  ToneHoleEnd<double> end_;
 };
 
 #ifdef TACTUS_HAS_STK

@@ -26,7 +26,7 @@ public:
     foot_->set_room(0);
     foot_->set_shoe(walk.shoe);
     foot_->set_weight(walk.weight_n);
-    foot_->stand_on(1, recipe, 1, recipe, 0);
+    foot_->set_grounds(1, recipe, 1, recipe, 0);
     foot_->drive().set({.limit_g = 1e6});
     gait_.prepare(sample_rate);
     gait_.seed(seed);

@@ -35,8 +35,8 @@ struct Port {
 /// A message that is not the setting of one number, e.g. `reset`, `range 0 8000 80 900`.
 struct Message {
   std::string_view name;
-  std::string_view arguments; ///< as the help shows them: "p_lo p_hi f_lo f_hi"
-  std::size_t fewest, most;   ///< number of arguments accepted
+  std::string_view arguments;               ///< as the help shows them: "p_lo p_hi f_lo f_hi"
+  std::size_t min_arguments, max_arguments; ///< number of arguments accepted
   std::string_view text;
 };
 

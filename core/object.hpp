@@ -69,11 +69,11 @@ public:
   /// Gives other objects something under a name, whatever module they come from; null takes it
   /// back, and so does the object's end. False while another object holds the name. The name says
   /// what it is, version included: nothing else tells its type.
-  virtual bool offer(std::string_view name, const std::shared_ptr<void>& what) {
+  virtual bool publish(std::string_view name, const std::shared_ptr<void>& what) {
     return static_cast<void>(name), static_cast<void>(what), false;
   }
   /// What an object of this host offers under that name now; null when none does.
-  [[nodiscard]] virtual std::shared_ptr<void> offered(std::string_view name) const {
+  [[nodiscard]] virtual std::shared_ptr<void> find_published(std::string_view name) const {
     return static_cast<void>(name), nullptr;
   }
   /// The one member that any thread may call: posted() follows soon in host time.

@@ -26,7 +26,7 @@ struct Driver {
   std::string_view name;    ///< as in `backend NAME`
   std::string_view summary; ///< which devices, in a few words
   /// Empty when the driver can work on this machine; else what is missing and what to install.
-  std::string (*obstacle)();
+  std::string (*problem)();
   /// May take some hundred milliseconds; for a thread that may wait.
   std::vector<Found> (*list)();
   std::unique_ptr<haptic::Backend> (*make)();

@@ -1,6 +1,6 @@
 #include "devices/servo_thread.hpp"
 
-#include "devices/signals_held_back.hpp"
+#include "devices/scoped_signal_mask.hpp"
 #include "devices/thread_priority.hpp"
 
 #include <array>
@@ -86,7 +86,7 @@ std::string ServoThread::start(haptic::Servo& servo, double period_s, std::share
   if (!stop())
     return "the servo's last thread still waits for its device";
   auto run = std::shared_ptr<Run>(new Run{servo, nullptr, std::move(owner), {period_s}});
-  const SignalsHeldBack held;
+  const ScopedSignalMask held;
   try {
     thread_ = std::thread([run] {
       ServoThread::run(*run);
@@ -109,8 +109,8 @@ std::string ServoThread::start(haptic::Servo& servo, haptic::Backend& device, do
     return "the servo's last thread still waits for its device";
   auto run = std::shared_ptr<Run>(new Run{servo, &device, std::move(owner), {period_s}});
   run->scheduling = kDriversOwn;
-  const SignalsHeldBack held; // the driver's scheduler, too, may start its thread here
-  if (!device.run(&ServoThread::follow, run.get())) {
+  const ScopedSignalMask held; // the driver's scheduler, too, may start its thread here
+  if (!device.run(&ServoThread::step_from_driver, run.get())) {
     const std::string reason = device.trouble();
     return "the device's own scheduler does not start" + (reason.empty() ? "" : ": " + reason);
   }
@@ -120,10 +120,10 @@ std::string ServoThread::start(haptic::Servo& servo, haptic::Backend& device, do
   return {};
 }
 
-void ServoThread::follow(void* run) noexcept {
+void ServoThread::step_from_driver(void* run) noexcept {
   MonotonicClock clock;
   auto& self = *static_cast<Run*>(run);
-  self.servo.follow(clock, self.period_s.load(std::memory_order_relaxed));
+  self.servo.step_from_driver(clock, self.period_s.load(std::memory_order_relaxed));
 }
 
 /// In a thread of its own, since the driver may not return from it. The driver writes the zero.
@@ -132,7 +132,7 @@ void ServoThread::halt_driver() noexcept {
     return;
   halting_ = true;
   if (run_->owner) {
-    const SignalsHeldBack held;
+    const ScopedSignalMask held;
     try {
       std::thread([run = run_] {
         run->driver->halt();
@@ -146,7 +146,7 @@ void ServoThread::halt_driver() noexcept {
   run_->end();
 }
 
-bool ServoThread::stop(double patience_s) noexcept {
+bool ServoThread::stop(double timeout_s) noexcept {
   if (!run_)
     return true;
   if (run_->driver)
@@ -157,7 +157,7 @@ bool ServoThread::stop(double patience_s) noexcept {
     const auto ended = [this] { return run_->ended; };
     if (!run_->owner)
       run_->changed.wait(lock, ended);
-    else if (!run_->changed.wait_for(lock, std::chrono::duration<double>(patience_s), ended))
+    else if (!run_->changed.wait_for(lock, std::chrono::duration<double>(timeout_s), ended))
       return false;
   }
   if (thread_.joinable())

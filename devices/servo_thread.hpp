@@ -28,10 +28,10 @@ public:
   /// As that device wants it.
   [[nodiscard]] std::string start(haptic::Servo& servo, haptic::Backend& device, double period_s,
                                   std::shared_ptr<void> owner = {});
-  /// Asks for the end and waits for it, `patience_s` at most, or as long as it takes without an
+  /// Asks for the end and waits for it, `timeout_s` at most, or as long as it takes without an
   /// owner. True when nobody touches the servo any more; false: not yet, and it may be asked again.
   /// The servo's own thread writes zero force before it ends.
-  [[nodiscard]] bool stop(double patience_s = 0.5) noexcept;
+  [[nodiscard]] bool stop(double timeout_s = 0.5) noexcept;
   [[nodiscard]] bool running() const noexcept { return run_ != nullptr; }
   /// Of the servo's own thread, from its next tick on.
   void set_period(double period_s) noexcept;
@@ -47,7 +47,7 @@ public:
 private:
   struct Run;
   static void run(Run& run) noexcept;
-  static void follow(void* run) noexcept;
+  static void step_from_driver(void* run) noexcept;
   void halt_driver() noexcept;
 
   std::shared_ptr<Run> run_; // shared with whoever steps

@@ -19,7 +19,7 @@ extern char** environ;
 namespace tactus {
 namespace {
 
-constexpr std::size_t kMaxSaid = 4096;
+constexpr std::size_t kMaxStderrBytes = 4096;
 
 /// Closes what it holds.
 class Descriptor {
@@ -34,12 +34,12 @@ public:
     number_ = number;
   }
   /// Above stdin, stdout and stderr, which the child's are made of.
-  [[nodiscard]] bool lift() {
+  [[nodiscard]] bool move_above_stderr() {
     if (number_ > STDERR_FILENO)
       return true;
-    const int lifted = ::fcntl(number_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-    reset(lifted);
-    return lifted >= 0;
+    const int duplicate = ::fcntl(number_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    reset(duplicate);
+    return duplicate >= 0;
   }
   [[nodiscard]] int get() const { return number_; }
   [[nodiscard]] int release() { return std::exchange(number_, -1); }
@@ -94,18 +94,18 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     return failed("no pipe to a program", errno);
-  Descriptor ours(ends[0]), theirs(ends[1]);
+  Descriptor parent_end(ends[0]), child_end(ends[1]);
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
     return failed("no pipe to a program", errno);
-  Descriptor errors(ends[0]), their_errors(ends[1]);
-  if (!theirs.lift() || !their_errors.lift() || !set_nonblocking(ours.get()) ||
-      !set_nonblocking(errors.get()))
+  Descriptor errors(ends[0]), child_stderr(ends[1]);
+  if (!child_end.move_above_stderr() || !child_stderr.move_above_stderr() ||
+      !set_nonblocking(parent_end.get()) || !set_nonblocking(errors.get()))
     return failed("no pipe to a program", errno);
   std::vector<char*> arguments;
   for (const std::string& word : words)
     arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
-  const Surroundings surroundings(theirs.get(), their_errors.get());
+  const Surroundings surroundings(child_end.get(), child_stderr.get());
   std::unique_ptr<ChildProcess> child(new ChildProcess);
   if (const int error = ::posix_spawn(&child->child_, words[0].c_str(), &surroundings.files,
                                       &surroundings.attributes, arguments.data(), environ);
@@ -113,7 +113,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
     child->child_ = -1;
     return failed((words[0] + " does not start").c_str(), error);
   }
-  child->stream_ = ours.release();
+  child->stream_ = parent_end.release();
   child->errors_ = errors.release();
   return child;
 }
@@ -159,9 +159,9 @@ void ChildProcess::read_errors() {
     const ssize_t count = ::read(errors_, piece.data(), piece.size());
     if (count <= 0)
       return;
-    said_.append(piece.data(), static_cast<std::size_t>(count));
-    if (said_.size() > kMaxSaid)
-      said_.erase(0, said_.size() - kMaxSaid);
+    stderr_tail_.append(piece.data(), static_cast<std::size_t>(count));
+    if (stderr_tail_.size() > kMaxStderrBytes)
+      stderr_tail_.erase(0, stderr_tail_.size() - kMaxStderrBytes);
   }
 }
 
@@ -191,9 +191,9 @@ std::string ChildProcess::end(double grace_s) {
     ::close(stream_);
     ::close(errors_);
   }
-  if (const std::size_t last = said_.find_last_not_of("\r\n"); last != std::string::npos) {
-    const std::size_t before = said_.find_last_of("\r\n", last); // npos + 1 is 0
-    return said_.substr(before + 1, last - before);
+  if (const std::size_t last = stderr_tail_.find_last_not_of("\r\n"); last != std::string::npos) {
+    const std::size_t before = stderr_tail_.find_last_of("\r\n", last); // npos + 1 is 0
+    return stderr_tail_.substr(before + 1, last - before);
   }
   return WIFSIGNALED(status_) ? "signal " + std::to_string(WTERMSIG(status_))
                               : "status " + std::to_string(WEXITSTATUS(status_));

@@ -41,7 +41,7 @@ private:
   pid_t child_ = -1; ///< -1: reaped
   int status_ = 0;
   int stream_ = -1, errors_ = -1;
-  std::string said_; ///< the end of its stderr
+  std::string stderr_tail_; ///< the end of its stderr
 };
 
 } // namespace tactus

@@ -1,6 +1,6 @@
 #include "externals/served_program.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -86,7 +86,7 @@ void ServedProgram::ask(ServeKind kind, std::span<const std::byte> payload, doub
   out_.assign(bytes.begin(), bytes.end());
   out_.insert(out_.end(), payload.begin(), payload.end());
   sent_ = 0;
-  awaits_ = true;
+  awaiting_response_ = true;
   set_limit(limit_s);
 }
 
@@ -100,8 +100,8 @@ std::optional<ServedProgram::Message> ServedProgram::poll(const Expects& expects
     lost = "there is not enough memory for the solver's answer";
   }
   if (message)
-    awaits_ = false;
-  else if (lost.empty() && awaits_ && Clock::now() >= limit_)
+    awaiting_response_ = false;
+  else if (lost.empty() && awaiting_response_ && Clock::now() >= limit_)
     lost = "the solver did not answer within " + number_text(limit_s_) + " s and was ended";
   return message;
 }
@@ -117,7 +117,7 @@ std::optional<ServedProgram::Message> ServedProgram::exchange(const Expects& exp
   if (in_.size() >= sizeof(ServeHeader)) {
     const auto header = value_at<ServeHeader>(in_);
     const auto kind = static_cast<ServeKind>(header.kind);
-    if (!(header.magic == ServeHeader::kMagic && awaits_ &&
+    if (!(header.magic == ServeHeader::kMagic && awaiting_response_ &&
           ((kind == ServeKind::refused && header.size <= kMaxSentence) || expects(header)))) {
       lost = "the solver answered what is no answer (magic " + std::to_string(header.magic) +
              ", kind " + std::to_string(header.kind) + ", " + std::to_string(header.size) +

@@ -69,7 +69,7 @@ private:
 
   std::string name_;
   std::unique_ptr<ChildProcess> child_;
-  bool awaits_ = true; ///< an answer
+  bool awaiting_response_ = true; ///< an answer
   Clock::time_point limit_;
   double limit_s_ = 0;
   std::vector<std::byte> out_, in_;

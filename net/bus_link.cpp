@@ -15,14 +15,14 @@
 namespace tactus::net {
 namespace {
 
-using News = BusExchange::News;
+using Notice = BusExchange::Notice;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kConnect_s = 2, kLastWords_s = 0.2;
+constexpr double kConnect_s = 2, kCloseTimeout_s = 0.2;
 constexpr int kSilentAttempts = 2;   ///< to connect, before it is told
 constexpr double kPortInUse_s = 0.5; ///< for a link that has just ended to let go of its port
-constexpr auto kLook = std::chrono::milliseconds(5);
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
 double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
@@ -34,7 +34,7 @@ public:
       entry.thread.join();
   }
   void add(std::thread thread, std::shared_ptr<const std::atomic<bool>> ended) {
-    const std::lock_guard lock(guard_);
+    const std::lock_guard lock(mutex_);
     std::erase_if(entries_, [](Entry& entry) {
       if (!*entry.ended)
         return false;
@@ -49,7 +49,7 @@ private:
     std::thread thread;
     std::shared_ptr<const std::atomic<bool>> ended;
   };
-  std::mutex guard_{};
+  std::mutex mutex_{};
   std::vector<Entry> entries_{};
 };
 
@@ -79,7 +79,7 @@ protected:
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
     while (!stop_ && Clock::now() < until) {
       node_.advance(now_s()); // what is sent meanwhile has nobody to go to
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kPollInterval);
     }
     return !stop_;
   }
@@ -95,12 +95,13 @@ void BusLink::start(std::shared_ptr<Worker> worker) {
       try {
         worker->run();
       } catch (const std::exception& error) {
-        worker->exchange.tell({News::What::kFailed, std::string("it ended: ") + error.what()});
+        worker->exchange.post({Notice::What::kFailed, std::string("it ended: ") + error.what()});
       }
       *worker->ended = true;
     });
   } catch (const std::system_error&) {
-    worker_->exchange.tell({News::What::kFailed, "no thread can be started: close other programs"});
+    worker_->exchange.post(
+        {Notice::What::kFailed, "no thread can be started: close other programs"});
   }
 }
 
@@ -117,7 +118,7 @@ void BusLink::listen(int port, const std::string& address) {
   class Listener final : public Worker {
   public:
     Listener(BusSettings settings, int port, const std::string& address)
-        : Worker(BusSession::Side::kListens, std::move(settings)), wish_{port, address},
+        : Worker(BusSession::Side::kListener, std::move(settings)), wish_{port, address},
           refusal_(server_.open(wish_)) {}
     void run() override {
       for (double waited_s = 0; !refusal_.empty() && waited_s < kPortInUse_s; waited_s += 0.05) {
@@ -126,8 +127,8 @@ void BusLink::listen(int port, const std::string& address) {
         refusal_ = server_.open(wish_);
       }
       if (!refusal_.empty())
-        return exchange.tell({News::What::kFailed, refusal_});
-      exchange.tell({News::What::kListening, server_.addresses(), server_.port()});
+        return exchange.post({Notice::What::kFailed, refusal_});
+      exchange.post({Notice::What::kListening, server_.addresses(), server_.port()});
       server_.run();
     }
     void stop() noexcept override {
@@ -148,29 +149,29 @@ void BusLink::connect(const std::string& host, int port) {
   class Caller final : public Worker {
   public:
     Caller(BusSettings settings, std::string host, int port)
-        : Worker(BusSession::Side::kCalls, std::move(settings)), host_(std::move(host)),
+        : Worker(BusSession::Side::kCaller, std::move(settings)), host_(std::move(host)),
           port_(port) {}
     void run() override {
       Backoff backoff{std::random_device{}()};
       int failures = 0;
       do {
-        const std::string failure = talk();
+        const std::string failure = run_session();
         if (stop_)
           return;
         if (ready_once_) {
           backoff.reset();
           failures = 0;
         } else if (++failures == kSilentAttempts + 1) {
-          exchange.tell({News::What::kFailed, "cannot connect to " + host_ + " port " +
-                                                  std::to_string(port_) + " (" + failure +
-                                                  "): trying again until disconnect"});
+          exchange.post({Notice::What::kFailed, "cannot connect to " + host_ + " port " +
+                                                    std::to_string(port_) + " (" + failure +
+                                                    "): trying again until disconnect"});
         }
       } while (pause(backoff.next()));
     }
 
   private:
     /// One connection, until it ends; why it did.
-    std::string talk() {
+    std::string run_session() {
       ready_once_ = false;
       Wire wire(stop_);
       if (std::string failure = wire.connect(host_, port_, kConnect_s); !failure.empty())
@@ -188,7 +189,7 @@ void BusLink::connect(const std::string& host, int port) {
       }
       if (stop_)
         node_.close("closing");
-      for (const double until_s = now_s() + kLastWords_s;
+      for (const double until_s = now_s() + kCloseTimeout_s;
            wire.open && node_.out(id).size() > 0 && now_s() < until_s;) {
         wire.send(node_.out(id));
         if (node_.out(id).size() > 0)
@@ -217,7 +218,7 @@ void BusLink::set_playout(std::optional<double> delay_s) noexcept {
 void BusLink::observe(double logical_s) noexcept {
   const double time_s = now_s();
   ahead_.add(time_s - logical_s, time_s);
-  clock_.follow(*ahead_.value(time_s), time_s);
+  clock_.update(*ahead_.value(time_s), time_s);
 }
 
 bool BusLink::send(const Message& topic, double logical_s) noexcept {
@@ -268,24 +269,24 @@ double BusLink::poll(double logical_s, const Receiver& receiver) {
   return next_s;
 }
 
-std::vector<News> BusLink::take_news() {
-  std::vector<News> news;
-  if (worker_ && !worker_->exchange.try_take(news))
+std::vector<Notice> BusLink::take_notices() {
+  std::vector<Notice> notices;
+  if (worker_ && !worker_->exchange.try_take(notices))
     return {};
-  return news;
+  return notices;
 }
 
 int BusLink::peers() const noexcept { return worker_ ? worker_->exchange.ready.load() : 0; }
 
-double BusLink::longest_s(std::atomic<double> BusExchange::Incoming::*time) const noexcept {
-  double longest_s = 0;
+double BusLink::max_s(std::atomic<double> BusExchange::Incoming::*time) const noexcept {
+  double max_s = 0;
   if (worker_)
     for (const auto& incoming : worker_->exchange.incoming)
-      longest_s = std::max(longest_s, (incoming.*time).load());
-  return longest_s;
+      max_s = std::max(max_s, (incoming.*time).load());
+  return max_s;
 }
 
-double BusLink::delay_s() const noexcept { return longest_s(&BusExchange::Incoming::delay_s); }
-double BusLink::transit_s() const noexcept { return longest_s(&BusExchange::Incoming::transit_s); }
+double BusLink::delay_s() const noexcept { return max_s(&BusExchange::Incoming::delay_s); }
+double BusLink::transit_s() const noexcept { return max_s(&BusExchange::Incoming::transit_s); }
 
 } // namespace tactus::net

@@ -43,7 +43,7 @@ public:
   /// Lets out what is due. Returns the logical time of the next look.
   double poll(double now_s, const Receiver& receiver);
   /// What happened since the last call.
-  [[nodiscard]] std::vector<BusExchange::News> take_news();
+  [[nodiscard]] std::vector<BusExchange::Notice> take_notices();
 
   [[nodiscard]] int peers() const noexcept;
   /// The longest playout delay among the peers, and the longest way, s.
@@ -56,7 +56,7 @@ private:
   void start(std::shared_ptr<Worker> worker);
   [[nodiscard]] BusSettings settings() const;
   void observe(double logical_s) noexcept;
-  [[nodiscard]] double longest_s(std::atomic<double> BusExchange::Incoming::*time) const noexcept;
+  [[nodiscard]] double max_s(std::atomic<double> BusExchange::Incoming::*time) const noexcept;
 
   std::string token_{};
   double playout_s_ = -1;

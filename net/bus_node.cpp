@@ -7,20 +7,20 @@
 
 namespace tactus::net {
 
-using News = BusExchange::News;
+using Notice = BusExchange::Notice;
 
-void BusExchange::tell(News news) {
-  constexpr std::size_t kMaxNews = 64;
-  const std::lock_guard lock(guard_);
-  if (news_.size() == kMaxNews)
-    news_.erase(news_.begin());
-  news_.push_back(std::move(news));
+void BusExchange::post(Notice notices) {
+  constexpr std::size_t kMaxNotices = 64;
+  const std::lock_guard lock(mutex_);
+  if (notices_.size() == kMaxNotices)
+    notices_.erase(notices_.begin());
+  notices_.push_back(std::move(notices));
 }
 
-bool BusExchange::try_take(std::vector<News>& news) {
-  const std::unique_lock lock(guard_, std::try_to_lock);
+bool BusExchange::try_take(std::vector<Notice>& notices) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
   if (lock)
-    news = std::exchange(news_, {});
+    notices = std::exchange(notices_, {});
   return lock.owns_lock();
 }
 
@@ -30,7 +30,7 @@ std::optional<Service::ClientId> BusNode::connect(std::string_view peer, double 
       continue;
     sessions_[client] =
         std::make_unique<BusSession>(side_, settings_, lock_out_, std::string(peer), now_s);
-    told_ready_[client] = told_late_[client] = false;
+    reported_ready_[client] = reported_late_[client] = false;
     return client;
   }
   return {};
@@ -56,34 +56,34 @@ void BusNode::receive(ClientId client, std::span<const std::uint8_t> bytes, doub
 /// Tells what has changed since the last look.
 void BusNode::watch(ClientId client, double now_s) {
   BusSession& session = *sessions_[client];
-  if (std::string complaint = session.take_complaint(); !complaint.empty())
-    exchange_.tell({News::What::kComplaint, std::move(complaint)});
-  if (session.ready() && !told_ready_[client]) {
-    told_ready_[client] = was_ready_ = true;
-    exchange_.tell({News::What::kConnected, session.name, ++exchange_.ready});
+  if (std::string complaint = session.take_warning(); !complaint.empty())
+    exchange_.post({Notice::What::kWarning, std::move(complaint)});
+  if (session.ready() && !reported_ready_[client]) {
+    reported_ready_[client] = was_ready_ = true;
+    exchange_.post({Notice::What::kConnected, session.name, ++exchange_.ready});
   }
-  if (!told_ready_[client])
+  if (!reported_ready_[client])
     return;
   exchange_.incoming[client].transit_s = session.clock().round_trip_s() / 2;
   const bool late = session.late(now_s);
-  if (late != told_late_[client]) {
-    told_late_[client] = late;
-    exchange_.tell({late ? News::What::kLate : News::What::kBack, session.name});
+  if (late != reported_late_[client]) {
+    reported_late_[client] = late;
+    exchange_.post({late ? Notice::What::kLate : Notice::What::kBack, session.name});
   }
 }
 
 void BusNode::disconnect(ClientId client) {
   const BusSession& session = *sessions_[client];
   last_reason_ = session.reason().empty() ? "the line was cut" : session.reason();
-  if (told_ready_[client])
-    exchange_.tell({News::What::kEnded, last_reason_, --exchange_.ready});
+  if (reported_ready_[client])
+    exchange_.post({Notice::What::kEnded, last_reason_, --exchange_.ready});
   sessions_[client].reset();
 }
 
 void BusNode::close(std::string_view reason) {
   for (const auto& session : sessions_)
     if (session && !session->closing)
-      session->say_goodbye(reason);
+      session->send_bye(reason);
 }
 
 void BusNode::send_all(double now_s) {
@@ -106,7 +106,7 @@ void BusNode::advance(double now_s) {
     if (!sessions_[client])
       continue;
     BusSession& session = *sessions_[client];
-    session.playout().fix(fixed_s < 0 ? std::nullopt : std::optional(fixed_s));
+    session.playout().set_fixed(fixed_s < 0 ? std::nullopt : std::optional(fixed_s));
     session.advance(now_s);
     exchange_.incoming[client].delay_s = session.playout().value(now_s);
     watch(client, now_s);

@@ -27,8 +27,8 @@ public:
     std::atomic<double> transit_s{0}; ///< half the shortest round trip
   };
   /// What happened, for the info outlet: a word, then what belongs to it.
-  struct News {
-    enum class What { kListening, kConnected, kLate, kBack, kEnded, kComplaint, kFailed };
+  struct Notice {
+    enum class What { kListening, kConnected, kLate, kBack, kEnded, kWarning, kFailed };
     What what;
     std::string text{};
     int number = 0; ///< of kListening: port; of kConnected and kEnded: peers that are connected
@@ -40,13 +40,13 @@ public:
   std::atomic<double> playout_s{-1};   ///< fixed delay; below 0: automatic
   std::atomic<bool> overflowed{false}; ///< an event did not fit: the connections end
 
-  void tell(News news);
+  void post(Notice notices);
   /// False when the lock is held just now: ask again later.
-  [[nodiscard]] bool try_take(std::vector<News>& news);
+  [[nodiscard]] bool try_take(std::vector<Notice>& notices);
 
 private:
-  std::mutex guard_{};
-  std::vector<News> news_{};
+  std::mutex mutex_{};
+  std::vector<Notice> notices_{};
 };
 
 /// All connections of a bus link, without sockets, threads and clocks.
@@ -89,7 +89,7 @@ private:
   BusExchange& exchange_;
   LockOut lock_out_{};
   std::array<std::unique_ptr<BusSession>, kMaxClients> sessions_{};
-  std::array<bool, kMaxClients> told_ready_{}, told_late_{};
+  std::array<bool, kMaxClients> reported_ready_{}, reported_late_{};
   bool was_ready_ = false;
   std::string last_reason_{};
 };

@@ -9,7 +9,7 @@ constexpr std::string_view kRole = "bus";
 constexpr std::size_t kMaxText = 256;
 
 /// A stranger's text, to be shown.
-std::string shown(std::string_view text) {
+std::string printable(std::string_view text) {
   std::string clean(text.substr(0, kMaxText));
   for (char& c : clean)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
@@ -24,8 +24,8 @@ std::int32_t wire_integer(std::uint32_t value) noexcept { return static_cast<std
 BusSession::BusSession(Side side, const BusSettings& settings, LockOut& lock_out,
                        std::string peer_address, double now_s)
     : PeerConnection(std::move(peer_address), now_s, kStreamLimit), side_(side),
-      settings_(settings), lock_out_(lock_out), began_s_(now_s) {
-  if (side == Side::kListens)
+      settings_(settings), lock_out_(lock_out), start_s_(now_s) {
+  if (side == Side::kListener)
     return;
   begins_in = Framing::kSlip;
   send_event(Message(Address::kHello)
@@ -39,7 +39,7 @@ void BusSession::end(std::string_view why) {
   if (reason_.empty())
     reason_ = why;
   if (!closing)
-    say_goodbye(why);
+    send_bye(why);
 }
 
 void BusSession::receive(std::span<const std::uint8_t> bytes, double now_s,
@@ -72,14 +72,14 @@ void BusSession::take(FrameReader::Outcome outcome, const Message& message, doub
   }
   flooding = false;
   const Refusal refusal = outcome == FrameReader::Outcome::kBad ? Refusal{"bad", reader.reason()}
-                                                                : obey(message, now_s, receiver);
+                                                                : handle(message, now_s, receiver);
   if (!refusal.code.empty())
-    return count_bad(refusal.code, refusal.text, now_s);
-  heard_s = now_s;
+    return count_bad_packet(refusal.code, refusal.text, now_s);
+  last_message_s = now_s;
 }
 
-BusSession::Refusal BusSession::obey(const Message& message, double now_s,
-                                     const Receiver& receiver) {
+BusSession::Refusal BusSession::handle(const Message& message, double now_s,
+                                       const Receiver& receiver) {
   switch (message.address()) {
   case Address::kHello:
     return on_hello(message, now_s);
@@ -87,11 +87,12 @@ BusSession::Refusal BusSession::obey(const Message& message, double now_s,
     return on_welcome(message, now_s);
   case Address::kError: {
     const auto code = message.string_at(0), text = message.string_at(1);
-    complaint_ = shown(code.value_or("-")) + ": " + shown(text.value_or("-"));
+    warning_ = printable(code.value_or("-")) + ": " + printable(text.value_or("-"));
     return {};
   }
   case Address::kBye:
-    reason_ = "the other side has ended it: " + shown(message.string_at(0).value_or("no reason"));
+    reason_ =
+        "the other side has ended it: " + printable(message.string_at(0).value_or("no reason"));
     closing = true;
     return {};
   default:
@@ -112,10 +113,10 @@ BusSession::Refusal BusSession::obey(const Message& message, double now_s,
 
 BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
   const auto protocol = message.integer_at(0);
-  const auto their_name = message.string_at(1), role = message.string_at(2);
-  if (side_ == Side::kCalls || welcomed_)
+  const auto peer_name = message.string_at(1), role = message.string_at(2);
+  if (side_ == Side::kCaller || welcomed_)
     return {"hello", "hello is said once, by who calls"};
-  if (!protocol || !their_name || !role || message.size() > 4 ||
+  if (!protocol || !peer_name || !role || message.size() > 4 ||
       (message.size() == 4 && !message.string_at(3)))
     return {"arguments", "expected hello protocol name bus token"};
   if (*role != kRole)
@@ -139,7 +140,7 @@ BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
     end("version");
     return {};
   }
-  name = shown(their_name->substr(0, kMaxName));
+  name = printable(peer_name->substr(0, kMaxName));
   send_event(Message(Address::kWelcome).integer(kProtocol).string(settings_.name));
   welcome(now_s);
   return {};
@@ -147,12 +148,12 @@ BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
 
 BusSession::Refusal BusSession::on_welcome(const Message& message, double now_s) {
   const auto protocol = message.integer_at(0);
-  const auto their_name = message.string_at(1);
-  if (side_ == Side::kListens || welcomed_)
+  const auto peer_name = message.string_at(1);
+  if (side_ == Side::kListener || welcomed_)
     return {"hello", "welcome answers hello, once"};
-  if (!protocol || !their_name || message.size() != 2)
+  if (!protocol || !peer_name || message.size() != 2)
     return {"arguments", "expected welcome protocol name"};
-  name = shown(their_name->substr(0, kMaxName));
+  name = printable(peer_name->substr(0, kMaxName));
   welcome(now_s);
   return {};
 }
@@ -185,7 +186,7 @@ BusSession::Refusal BusSession::on_clock(const Message& message, double now_s) {
   const auto stamp = static_cast<std::uint32_t>(*clock_us);
   clock_.add(stamp, now_s);
   if (minimum_us)
-    clock_.hear_minimum(static_cast<std::uint32_t>(*minimum_us), now_s);
+    clock_.set_remote_minimum(static_cast<std::uint32_t>(*minimum_us), now_s);
   if (message.address() == Address::kPing)
     send_clock(Address::kPong, *sequence, now_s);
   if (clock_.known()) {
@@ -223,7 +224,7 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
   const bool taken = receiver(message, now_s - delay_s, late);
   if (!taken && topic.is_event)
     end("busy");
-  left_out_ += taken ? 0 : 1;
+  dropped_ += taken ? 0 : 1;
   return {};
 }
 
@@ -233,7 +234,7 @@ void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
   const bool event = bus_topic(topic.name()).is_event;
   // What the other side would drop is not sent; events count, and go.
   if (!sending_.allow(now_s) && !event) {
-    ++left_out_;
+    ++dropped_;
     return;
   }
   Message message(Address::kTopic, topic.name());
@@ -241,7 +242,7 @@ void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
   for (std::size_t i = 0; i < topic.size(); ++i)
     message.add(topic[i]);
   if (!event)
-    left_out_ += send_sample(message) ? 0 : 1;
+    dropped_ += send_sample(message) ? 0 : 1;
   else if (send_event(message); closing && reason_.empty())
     reason_ = "the other side does not read what it is sent";
 }
@@ -249,15 +250,15 @@ void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
 void BusSession::advance(double now_s) {
   if (closing)
     return;
-  check_time(now_s);
+  check_timeouts(now_s);
   if (closing) {
-    reason_ = now_s - heard_s >= kTimeout_s ? "nothing came for 5 s"
-                                            : "a frame was not complete after 2 s";
+    reason_ = now_s - last_message_s >= kTimeout_s ? "nothing came for 5 s"
+                                                   : "a frame was not complete after 2 s";
     return;
   }
-  if (!welcomed_ && now_s - began_s_ >= (side_ == Side::kCalls ? kWelcome_s : kTimeout_s)) {
+  if (!welcomed_ && now_s - start_s_ >= (side_ == Side::kCaller ? kWelcome_s : kTimeout_s)) {
     end("timeout");
-    reason_ = side_ == Side::kCalls ? "no bus answers there" : "hello was never said";
+    reason_ = side_ == Side::kCaller ? "no bus answers there" : "hello was never said";
     return;
   }
   const double pause_s = ready_ ? kPingInterval_s : kFirstPing_s;

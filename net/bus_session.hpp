@@ -21,7 +21,7 @@ struct BusSettings {
 /// by one clock, never decreasing.
 class BusSession : public PeerConnection {
 public:
-  enum class Side { kListens, kCalls };
+  enum class Side { kListener, kCaller };
   /// Takes a topic's fields behind its head, `sent_s` by this side's clock; late: it came after its
   /// playout time. False: no room for it.
   using Receiver = std::function<bool(const Message& message, double sent_s, bool late)>;
@@ -47,16 +47,18 @@ public:
   /// Both have said hello and know each other's clock: messages go.
   [[nodiscard]] bool ready() const noexcept { return ready_ && !closing; }
   /// Nothing has come for 500 ms.
-  [[nodiscard]] bool late(double now_s) const noexcept { return now_s - heard_s >= kSilence_s; }
+  [[nodiscard]] bool late(double now_s) const noexcept {
+    return now_s - last_message_s >= kSilence_s;
+  }
   [[nodiscard]] PlayoutDelay& playout() noexcept { return playout_; }
   [[nodiscard]] const PlayoutClock& clock() const noexcept { return clock_; }
   /// Why it ends, one sentence or a word of the protocol.
   [[nodiscard]] const std::string& reason() const noexcept { return reason_; }
   /// What the other side has complained of since the last call; empty when of nothing.
-  [[nodiscard]] std::string take_complaint() { return std::exchange(complaint_, {}); }
+  [[nodiscard]] std::string take_warning() { return std::exchange(warning_, {}); }
   /// Events that the other side had sent and that did not come: 0 while both keep to the protocol.
   [[nodiscard]] std::uint64_t lost_events() const noexcept { return lost_events_; }
-  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 
 private:
   struct Refusal {
@@ -65,7 +67,7 @@ private:
 
   void take(FrameReader::Outcome outcome, const Message& message, double now_s,
             const Receiver& receiver);
-  [[nodiscard]] Refusal obey(const Message& message, double now_s, const Receiver& receiver);
+  [[nodiscard]] Refusal handle(const Message& message, double now_s, const Receiver& receiver);
   [[nodiscard]] Refusal on_hello(const Message& message, double now_s);
   [[nodiscard]] Refusal on_welcome(const Message& message, double now_s);
   [[nodiscard]] Refusal on_clock(const Message& message, double now_s);
@@ -81,12 +83,12 @@ private:
   PlayoutClock clock_{};
   PlayoutDelay playout_{};
   RateLimit sending_{kTopics_hz};
-  double began_s_, pinged_s_ = -1e18;
+  double start_s_, pinged_s_ = -1e18;
   bool welcomed_ = false, ready_ = false;
   std::int32_t pings_ = 0, clocks_ = 0; ///< sent; clocks of the other side that were taken
   std::uint32_t events_sent_ = 0, events_taken_ = 0;
-  std::uint64_t lost_events_ = 0, left_out_ = 0;
-  std::string reason_{}, complaint_{};
+  std::uint64_t lost_events_ = 0, dropped_ = 0;
+  std::string reason_{}, warning_{};
 };
 
 } // namespace tactus::net

@@ -43,7 +43,7 @@ void Client::send(const Message& message) {
 void Client::connect(double now_s) {
   disconnect();
   trouble_.clear();
-  heard_s_ = connected_s_ = pinged_s_ = now_s;
+  last_message_s_ = connected_s_ = pinged_s_ = now_s;
   send(Message(Address::kHello)
            .integer(kProtocol)
            .string(settings_.name)
@@ -136,7 +136,7 @@ bool Client::advance(double now_s) {
     trouble_ = "no haptic server answers there";
     return false;
   }
-  if (now_s - heard_s_ >= kSilence_s) {
+  if (now_s - last_message_s_ >= kSilence_s) {
     trouble_ = "the server has fallen silent";
     return false;
   }
@@ -163,7 +163,7 @@ bool Client::receive(std::span<const std::uint8_t> bytes, double now_s) {
       ended_ = true;
       break;
     }
-    heard_s_ = now_s;
+    last_message_s_ = now_s;
     take(message, now_s);
   }
   return false;

@@ -101,7 +101,7 @@ private:
   OutQueue out_{};
   Welcome welcome_{};
   bool welcomed_ = false, ready_ = false, in_control_ = false, ended_ = false;
-  double heard_s_ = 0, pinged_s_ = 0, connected_s_ = 0;
+  double last_message_s_ = 0, pinged_s_ = 0, connected_s_ = 0;
   std::optional<std::int32_t> server_ms_{}; ///< its time, as said last
   std::int32_t ping_ = 0, force_ = 0, feedback_ = 0;
   DatagramReceiver datagrams_{};

@@ -49,11 +49,11 @@ void DatagramSender::take_probe(std::int32_t sequence, double now_s) noexcept {
 void DatagramSender::add(Message message) noexcept {
   newest_ = message.integer_at(0).value_or(newest_);
   const Datagram datagram = encoded(message.integer(key_));
-  if (count_ == kWaiting) {
-    begin_ = (begin_ + 1) % kWaiting;
+  if (count_ == kMaxQueued) {
+    begin_ = (begin_ + 1) % kMaxQueued;
     --count_;
   }
-  waiting_[(begin_ + count_) % kWaiting] = datagram;
+  waiting_[(begin_ + count_) % kMaxQueued] = datagram;
   ++count_;
 }
 
@@ -61,7 +61,7 @@ std::optional<Datagram> DatagramSender::take() noexcept {
   if (count_ == 0)
     return {};
   const Datagram& datagram = waiting_[begin_];
-  begin_ = (begin_ + 1) % kWaiting;
+  begin_ = (begin_ + 1) % kMaxQueued;
   --count_;
   return datagram;
 }

@@ -69,13 +69,13 @@ public:
   [[nodiscard]] std::optional<Datagram> take() noexcept;
 
 private:
-  static constexpr std::size_t kWaiting = 4; ///< pos and vel of a tick, and of a late one
+  static constexpr std::size_t kMaxQueued = 4; ///< pos and vel of a tick, and of a late one
 
   std::int32_t key_ = 0;
   std::int32_t newest_ = -1;    ///< that was added
   std::int32_t confirmed_ = -1; ///< that came
   double probed_s_ = -1e9, confirmed_s_ = -1e9;
-  std::array<Datagram, kWaiting> waiting_{};
+  std::array<Datagram, kMaxQueued> waiting_{};
   std::size_t begin_ = 0, count_ = 0;
 };
 

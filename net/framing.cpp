@@ -32,7 +32,7 @@ FrameReader::Outcome FrameReader::broken(std::string_view reason) noexcept {
 }
 
 /// False when the packet is full.
-bool FrameReader::keep(std::uint8_t byte) noexcept {
+bool FrameReader::append_byte(std::uint8_t byte) noexcept {
   if (size_ == packet_.size())
     return false;
   packet_[size_++] = byte;
@@ -69,7 +69,7 @@ FrameReader::Outcome FrameReader::take_slip(std::uint8_t byte, Message& message)
     escaping_ = true;
     return Outcome::kNeedMore;
   }
-  if (keep(byte))
+  if (append_byte(byte))
     return Outcome::kNeedMore;
   discarding_ = true;
   return bad(kTooLong);
@@ -95,7 +95,7 @@ FrameReader::Outcome FrameReader::take_length(std::uint8_t byte, Message& messag
       begin_frame();
     return Outcome::kNeedMore;
   }
-  static_cast<void>(keep(byte)); // it fits: length_ is bounded
+  static_cast<void>(append_byte(byte)); // it fits: length_ is bounded
   return size_ == length_ ? decode_packet(message) : Outcome::kNeedMore;
 }
 
@@ -118,7 +118,7 @@ FrameReader::Outcome FrameReader::take_text(std::uint8_t byte, Message& message)
   }
   in_frame_ = true;
   escaping_ = byte == '\\' && !escaping_;
-  if (discarding_ || keep(byte))
+  if (discarding_ || append_byte(byte))
     return Outcome::kNeedMore;
   discarding_ = true;
   return bad(kTooLong);

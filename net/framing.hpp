@@ -46,7 +46,7 @@ private:
   [[nodiscard]] Outcome decode_packet(Message& message) noexcept;
   [[nodiscard]] Outcome bad(std::string_view reason) noexcept;
   [[nodiscard]] Outcome broken(std::string_view reason) noexcept;
-  [[nodiscard]] bool keep(std::uint8_t byte) noexcept;
+  [[nodiscard]] bool append_byte(std::uint8_t byte) noexcept;
   void begin_frame() noexcept;
 
   std::optional<Framing> framing_{};

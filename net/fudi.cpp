@@ -8,7 +8,7 @@ namespace {
 
 struct Word {
   std::string_view text;
-  bool escaped = false; ///< had a backslash, so that it is no number
+  bool has_escape = false; ///< had a backslash, so that it is no number
 };
 
 constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -32,13 +32,13 @@ bool reads_as_number(std::string_view text) noexcept {
 std::string_view take_word(std::span<char> text, std::size_t& read, std::size_t& write,
                            Word& word) noexcept {
   const std::size_t begin = write;
-  word.escaped = false;
+  word.has_escape = false;
   for (; read < text.size() && !is_blank(text[read]); ++read) {
     char c = text[read];
     if (c == '\\') {
       if (++read == text.size())
         return "the message ends in a backslash";
-      word.escaped = true;
+      word.has_escape = true;
       c = text[read];
     } else if (c == ',') {
       return "a comma: send each message with a semicolon of its own";
@@ -52,17 +52,17 @@ std::string_view take_word(std::span<char> text, std::size_t& read, std::size_t&
 }
 
 std::string_view add_word(const Word& word, Message& message) noexcept {
-  if (word.escaped || !reads_as_number(word.text)) {
+  if (word.has_escape || !reads_as_number(word.text)) {
     message.string(word.text);
     return {};
   }
   const char* begin =
       word.text.data() + (word.text.starts_with('+') && !word.text.starts_with("+-") ? 1 : 0);
   const char* end = word.text.data() + word.text.size();
-  std::int32_t whole = 0;
-  if (const auto [stopped, failed] = std::from_chars(begin, end, whole);
+  std::int32_t integer_value = 0;
+  if (const auto [stopped, failed] = std::from_chars(begin, end, integer_value);
       failed == std::errc() && stopped == end) {
-    message.integer(whole);
+    message.integer(integer_value);
     return {};
   }
   double number = 0;

@@ -1,6 +1,6 @@
 #include "net/host_messages.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "net/token_file.hpp"
 
 #include <utility>

@@ -32,18 +32,18 @@ inline constexpr int kSequenceWindow = 1000;
 /// So many events a second, and so many at once, as a leaky bucket.
 class RateLimit {
 public:
-  explicit RateLimit(double per_second) noexcept : per_second_(per_second), left_(per_second) {}
+  explicit RateLimit(double per_second) noexcept : per_second_(per_second), tokens_(per_second) {}
   [[nodiscard]] bool allow(double now_s) noexcept {
-    left_ = std::min(per_second_, left_ + std::max(0.0, now_s - last_s_) * per_second_);
+    tokens_ = std::min(per_second_, tokens_ + std::max(0.0, now_s - last_s_) * per_second_);
     last_s_ = std::max(last_s_, now_s);
-    if (left_ < 1)
+    if (tokens_ < 1)
       return false;
-    left_ -= 1;
+    tokens_ -= 1;
     return true;
   }
 
 private:
-  double per_second_, left_, last_s_ = 0;
+  double per_second_, tokens_, last_s_ = 0;
 };
 
 /// True at the 20th event within a second.
@@ -68,16 +68,16 @@ public:
   static constexpr double kReturn_s = 0.1;
 
   void start(double now_s) noexcept {
-    heard_s_ = alive_s_ = now_s;
+    last_message_s_ = alive_s_ = now_s;
     lost_ = false;
   }
-  void hear(double now_s) noexcept {
-    if (now_s - heard_s_ > kHold_s) {
+  void on_message(double now_s) noexcept {
+    if (now_s - last_message_s_ > kHold_s) {
       lost_ = true;
-      returning_s_ = now_s;
+      resumed_s_ = now_s;
     }
-    heard_s_ = now_s;
-    if (lost_ && now_s - returning_s_ >= kReturn_s)
+    last_message_s_ = now_s;
+    if (lost_ && now_s - resumed_s_ >= kReturn_s)
       lost_ = false;
     if (!lost_)
       alive_s_ = now_s;
@@ -86,7 +86,7 @@ public:
   [[nodiscard]] double alive_s() const noexcept { return alive_s_; }
 
 private:
-  double heard_s_ = 0, alive_s_ = 0, returning_s_ = 0;
+  double last_message_s_ = 0, alive_s_ = 0, resumed_s_ = 0;
   bool lost_ = false;
 };
 

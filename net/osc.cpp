@@ -17,17 +17,17 @@ public:
   [[nodiscard]] std::size_t left() const noexcept { return packet_.size() - at_; }
 
   bool string(std::string_view& text) noexcept {
-    const auto rest = packet_.subspan(at_);
-    const auto zero = std::find(rest.begin(), rest.end(), std::uint8_t{0});
-    if (zero == rest.end())
+    const auto remaining = packet_.subspan(at_);
+    const auto zero = std::find(remaining.begin(), remaining.end(), std::uint8_t{0});
+    if (zero == remaining.end())
       return false;
-    const auto length = static_cast<std::size_t>(zero - rest.begin());
+    const auto length = static_cast<std::size_t>(zero - remaining.begin());
     const std::size_t padded = (length / 4 + 1) * 4;
-    if (padded > rest.size() ||
-        std::any_of(zero, rest.begin() + static_cast<std::ptrdiff_t>(padded),
+    if (padded > remaining.size() ||
+        std::any_of(zero, remaining.begin() + static_cast<std::ptrdiff_t>(padded),
                     [](std::uint8_t byte) { return byte != 0; }))
       return false;
-    text = {reinterpret_cast<const char*>(rest.data()), length};
+    text = {reinterpret_cast<const char*>(remaining.data()), length};
     at_ += padded;
     return true;
   }
@@ -126,9 +126,9 @@ std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& messa
   if (address.starts_with(kBusPrefix) && address.size() > kBusPrefix.size()) {
     message = Message(Address::kTopic, address.substr(kBusPrefix.size()));
   } else {
-    const bool ours = address.starts_with(kPrefix);
-    const std::string_view name = ours ? address.substr(kPrefix.size()) : address;
-    message = Message(ours ? find_address(name) : Address::kUnknown, name);
+    const bool is_own_prefix = address.starts_with(kPrefix);
+    const std::string_view name = is_own_prefix ? address.substr(kPrefix.size()) : address;
+    message = Message(is_own_prefix ? find_address(name) : Address::kUnknown, name);
   }
   for (const char tag : tags)
     if (const std::string_view reason = decode_argument(tag, reader, message); !reason.empty())

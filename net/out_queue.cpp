@@ -20,7 +20,7 @@ bool OutQueue::add_event(std::span<const std::uint8_t> bytes) {
 
 bool OutQueue::add_sample(std::span<const std::uint8_t> bytes) {
   if (size() + bytes.size() > stream_limit_) {
-    ++left_out_;
+    ++dropped_;
     return false;
   }
   add(bytes);

@@ -27,7 +27,7 @@ public:
   }
   /// So many bytes of front() were sent.
   void consume(std::size_t count) noexcept;
-  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 
 private:
   void add(std::span<const std::uint8_t> bytes);
@@ -35,7 +35,7 @@ private:
   std::size_t stream_limit_;
   std::vector<std::uint8_t> bytes_{};
   std::size_t begin_ = 0; ///< of what was not sent yet
-  std::uint64_t left_out_ = 0;
+  std::uint64_t dropped_ = 0;
 };
 
 } // namespace tactus::net

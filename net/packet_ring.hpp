@@ -34,12 +34,12 @@ public:
     const std::size_t used = head - tail_.load(std::memory_order_acquire);
     if (used + skipped + needed + reserve > capacity_)
       return false;
-    if (skipped >= sizeof(Head))
+    if (skipped >= sizeof(Header))
       put(head, {0, kSkipped, false});
     const std::size_t at = head + skipped;
     put(at, {time_s, static_cast<std::uint32_t>(bytes.size()), late});
     if (!bytes.empty())
-      std::memcpy(memory_.get() + at % capacity_ + sizeof(Head), bytes.data(), bytes.size());
+      std::memcpy(memory_.get() + at % capacity_ + sizeof(Header), bytes.data(), bytes.size());
     head_.store(at + needed, std::memory_order_release);
     return true;
   }
@@ -50,13 +50,13 @@ public:
     if (tail == head_.load(std::memory_order_acquire))
       return {};
     const std::size_t left = capacity_ - tail % capacity_;
-    if (left < sizeof(Head) || get(tail).size == kSkipped) {
+    if (left < sizeof(Header) || get(tail).size == kSkipped) {
       tail += left;
       tail_.store(tail, std::memory_order_release);
     }
-    const Head head = get(tail);
+    const Header head = get(tail);
     return Packet{
-        head.time_s, head.late, {memory_.get() + tail % capacity_ + sizeof(Head), head.size}};
+        head.time_s, head.late, {memory_.get() + tail % capacity_ + sizeof(Header), head.size}};
   }
   /// Drops what front() gave.
   void pop() noexcept {
@@ -69,7 +69,7 @@ public:
   }
 
 private:
-  struct Head {
+  struct Header {
     double time_s;
     std::uint32_t size;
     bool late;
@@ -77,13 +77,13 @@ private:
   static constexpr std::uint32_t kSkipped = ~std::uint32_t{0};
 
   [[nodiscard]] static std::size_t size_of(std::size_t bytes) noexcept {
-    return sizeof(Head) + (bytes + 7) / 8 * 8;
+    return sizeof(Header) + (bytes + 7) / 8 * 8;
   }
-  void put(std::size_t at, const Head& head) noexcept {
+  void put(std::size_t at, const Header& head) noexcept {
     std::memcpy(memory_.get() + at % capacity_, &head, sizeof head);
   }
-  [[nodiscard]] Head get(std::size_t at) const noexcept {
-    Head head;
+  [[nodiscard]] Header get(std::size_t at) const noexcept {
+    Header head;
     std::memcpy(&head, memory_.get() + at % capacity_, sizeof head);
     return head;
   }

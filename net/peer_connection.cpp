@@ -32,7 +32,7 @@ void PeerConnection::send_error(std::string_view code, std::string_view text, do
     send_event(Message(Address::kError).string(code).string(text.substr(0, kMaxText)));
 }
 
-void PeerConnection::say_goodbye(std::string_view reason) {
+void PeerConnection::send_bye(std::string_view reason) {
   send_event(Message(Address::kBye).string(reason));
   closing = true;
 }
@@ -47,19 +47,19 @@ FrameReader::Outcome PeerConnection::next(std::span<const std::uint8_t>& bytes, 
   return outcome;
 }
 
-void PeerConnection::count_bad(std::string_view code, std::string_view text, double now_s) {
+void PeerConnection::count_bad_packet(std::string_view code, std::string_view text, double now_s) {
   send_error(code, text, now_s);
   if (bad_packets.add(now_s))
-    say_goodbye("bad");
+    send_bye("bad");
 }
 
-void PeerConnection::check_time(double now_s) {
+void PeerConnection::check_timeouts(double now_s) {
   if (closing)
     return;
   if (reader.in_frame() && now_s - frame_since_s >= kFrameTimeout_s)
-    say_goodbye("frame");
-  else if (now_s - heard_s >= kTimeout_s)
-    say_goodbye("timeout");
+    send_bye("frame");
+  else if (now_s - last_message_s >= kTimeout_s)
+    send_bye("timeout");
 }
 
 } // namespace tactus::net

@@ -14,15 +14,16 @@ struct PeerConnection {
 
   PeerConnection(std::string peer_address, double now_s,
                  std::size_t stream_limit = OutQueue::kStreamLimit)
-      : peer(std::move(peer_address)), out(stream_limit), heard_s(now_s), frame_since_s(now_s) {}
+      : peer(std::move(peer_address)), out(stream_limit), last_message_s(now_s),
+        frame_since_s(now_s) {}
 
   std::string peer, name = "-";
   bool closing = false; ///< what waits is sent, then the connection ends
 
   FrameReader reader{};
   OutQueue out;
-  double heard_s;       ///< the last good message
-  double frame_since_s; ///< when last no frame was open
+  double last_message_s; ///< the last good message
+  double frame_since_s;  ///< when last no frame was open
   RateLimit packets{kPackets_hz}, errors{kErrors_hz};
   BadPackets bad_packets{};
   bool flooding = false; ///< and was told so
@@ -33,15 +34,15 @@ struct PeerConnection {
   bool send_sample(const Message& message);
   /// At most kErrors_hz a second are said.
   void send_error(std::string_view code, std::string_view text, double now_s);
-  void say_goodbye(std::string_view reason);
+  void send_bye(std::string_view reason);
 
   /// The next frame of what came, and since when none is open.
   [[nodiscard]] FrameReader::Outcome next(std::span<const std::uint8_t>& bytes, Message& message,
                                           double now_s) noexcept;
   /// Answers a packet that is dropped; the 20th within a second ends the connection.
-  void count_bad(std::string_view code, std::string_view text, double now_s);
+  void count_bad_packet(std::string_view code, std::string_view text, double now_s);
   /// No frame stays open for 2 s, nobody silent for 5 s.
-  void check_time(double now_s);
+  void check_timeouts(double now_s);
 
 protected:
   /// The framing of who speaks first; who answers follows the other's.

@@ -40,7 +40,7 @@ std::optional<double> MinimumFilter::value(double now_s) const noexcept {
   return minimum;
 }
 
-void SlewedOffset::follow(double target_s, double now_s) noexcept {
+void SlewedOffset::update(double target_s, double now_s) noexcept {
   if (!known_)
     first_s_ = now_s;
   const double passed_s = known_ ? std::max(0.0, now_s - last_s_) : 0;
@@ -63,14 +63,14 @@ void PlayoutClock::add(std::uint32_t stamp, double arrived_s) noexcept {
   minimum_.add(sample_of(stamp, arrived_s), arrived_s);
 }
 
-void PlayoutClock::hear_minimum(std::uint32_t minimum_us, double now_s) noexcept {
+void PlayoutClock::set_remote_minimum(std::uint32_t minimum_us, double now_s) noexcept {
   const auto minimum_s = minimum_.value(now_s);
   if (!minimum_s)
     return;
   // The sum of both minima is the shortest round trip: small, however far apart the clocks are.
   const auto here_us = *origin_ + stamp_of(*minimum_s);
   round_trip_s_ = std::max(0.0, difference_s(here_us + minimum_us, 0));
-  offset_.follow(*minimum_s - round_trip_s_ / 2, now_s);
+  offset_.update(*minimum_s - round_trip_s_ / 2, now_s);
 }
 
 std::optional<std::uint32_t> PlayoutClock::minimum_us(double now_s) const noexcept {

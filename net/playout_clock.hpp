@@ -40,7 +40,7 @@ public:
   static constexpr double kMin_rate = 2e-3, kMax_rate = 0.5, kTimeConstant_s = 4;
 
   explicit SlewedOffset(double warm_up_s) noexcept : warm_up_s_(warm_up_s) {}
-  void follow(double target_s, double now_s) noexcept;
+  void update(double target_s, double now_s) noexcept;
   [[nodiscard]] bool known() const noexcept { return known_; }
   [[nodiscard]] double value() const noexcept { return value_s_; }
 
@@ -62,7 +62,7 @@ public:
   /// Stamps that differ by more than this from the first would be ambiguous.
   void add(std::uint32_t stamp, double arrived_s) noexcept;
   /// What the other side says of its minimum.
-  void hear_minimum(std::uint32_t minimum_us, double now_s) noexcept;
+  void set_remote_minimum(std::uint32_t minimum_us, double now_s) noexcept;
 
   /// For the other side; nothing before the first sample.
   [[nodiscard]] std::optional<std::uint32_t> minimum_us(double now_s) const noexcept;

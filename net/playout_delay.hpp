@@ -12,12 +12,12 @@ namespace tactus::net {
 /// them. Of the n samples of the last kWindow_s the delay settles at the m-th smallest and a
 /// margin,
 ///
-///     d = w_(m) + kMargin_s,   m = 1 + floor(kShare (n - 1)),
+///     d = w_(m) + kMargin_s,   m = 1 + floor(kPercentile (n - 1)),
 ///
 /// a percentile playout (Moon, Kurose and Towsley, Multimedia Systems 6, 1998). What a stalled
 /// computer or line has held back arrives together, in a slot or two however many messages it is,
 /// and stays above the percentile; a line that has become slower fills all slots, and counts
-/// after 1 - kShare of kWindow_s.
+/// after 1 - kPercentile of kWindow_s.
 ///
 /// A message that is later than the delay raises it to its own way at once, since those behind it
 /// are as late, and the delay falls back to d by kFall_rate: the spike mode of Ramjee, Kurose,
@@ -26,11 +26,11 @@ namespace tactus::net {
 /// most: who is later is late.
 class PlayoutDelay {
 public:
-  static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kShare = 0.9;
+  static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kPercentile = 0.9;
   static constexpr double kSlot_s = 0.05, kWindow_s = 5, kFall_rate = 0.25;
 
   /// s, 0 to kMax_s; nothing: automatic.
-  void fix(std::optional<double> delay_s) noexcept { fixed_s_ = delay_s; }
+  void set_fixed(std::optional<double> delay_s) noexcept { fixed_s_ = delay_s; }
   /// A message that was on its way for so long, 0 or more.
   void add(double delay_s, double now_s) noexcept;
   [[nodiscard]] double value(double now_s) noexcept;
@@ -39,15 +39,15 @@ private:
   static constexpr std::size_t kSlots = static_cast<std::size_t>(kWindow_s / kSlot_s + 0.5);
   struct Slot {
     std::int64_t number = -1;
-    double longest_s = 0;
+    double max_s = 0;
   };
 
-  void follow(double now_s) noexcept;
+  void update(double now_s) noexcept;
   [[nodiscard]] std::optional<double> percentile_s() const noexcept;
 
   std::optional<double> fixed_s_{};
   std::array<Slot, kSlots> slots_{}; ///< by number modulo kSlots
-  std::int64_t looked_ = 0;          ///< the slot of the last look
+  std::int64_t last_slot_ = 0;       ///< the slot of the last look
   double last_s_ = -1e18, value_s_ = 0, target_s_ = 0;
 };
 

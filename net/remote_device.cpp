@@ -18,10 +18,10 @@ using haptic::Vec3;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kConnect_s = 2, kPatience_s = 4;
+constexpr double kConnect_s = 2, kWelcomeTimeout_s = 4;
 constexpr double kStale_s = 0.1; ///< no force upon older positions
 /// As long as the servo takes to see a failure, and more.
-constexpr double kNoticed_s = 0.1;
+constexpr double kFailureHold_s = 0.1;
 /// A velocity is held while positions are a little late, as a lost packet of TCP makes them, so
 /// that a hit is told of what then comes at once; later the handle counts as standing, for the sake
 /// of dampers.
@@ -29,7 +29,7 @@ constexpr double kHeldVelocity_s = 0.05;
 constexpr double kRepeat_s = 0.1;    ///< of a force that stays
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
 constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
-constexpr auto kLook = std::chrono::milliseconds(5);
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
 double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
@@ -47,17 +47,17 @@ RemoteDevice::RemoteDevice() = default;
 RemoteDevice::~RemoteDevice() { close(); }
 
 std::string RemoteDevice::configure(std::span<const std::string> words) {
-  const std::lock_guard lock(guard_);
+  const std::lock_guard lock(mutex_);
   if (words.size() >= 2 && words[words.size() - 2] == "udp") {
     const std::string& on = words.back();
     if (on != "0" && on != "1")
       return "net: udp " + on + " is not understood: expected udp 0 or udp 1";
-    const bool before = std::exchange(wish_.udp, on == "1");
+    const bool before = std::exchange(settings_.udp, on == "1");
     if (words.size() == 2)
       return {};
     std::string refusal = configure_locked(words.first(words.size() - 2));
     if (!refusal.empty())
-      wish_.udp = before;
+      settings_.udp = before;
     return refusal;
   }
   return configure_locked(words);
@@ -70,7 +70,7 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
   if (words.size() == 2 && words[0] == "token") {
     TokenFile file = read_token_file(words[1]);
     if (file.error.empty())
-      wish_.token = std::move(file.token);
+      settings_.token = std::move(file.token);
     return file.error.empty() ? std::string() : "net: " + file.error;
   }
   if (words.size() == 2 && words[0] == "rate") {
@@ -79,7 +79,7 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
         std::from_chars(words[1].data(), words[1].data() + words[1].size(), rate_hz);
     if (failed != std::errc() || !(rate_hz >= 50 && rate_hz <= 4000))
       return "net: the rate " + words[1] + " is not from 50 to 4000 Hz";
-    wish_.rate_hz = rate_hz;
+    settings_.rate_hz = rate_hz;
     return {};
   }
   if (words.size() == 2 && words[0] == "device") {
@@ -88,8 +88,8 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     const int port = has_port ? port_of(words[1].substr(colon + 1)) : kPort;
     if (port == 0)
       return refused_port(words[1].substr(colon + 1));
-    wish_.host = has_port ? words[1].substr(0, colon) : words[1];
-    wish_.port = port;
+    settings_.host = has_port ? words[1].substr(0, colon) : words[1];
+    settings_.port = port;
     return {};
   }
   const bool named = words.size() == 3 && words[0] == "host";
@@ -97,8 +97,8 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     const std::string &host = words[named ? 1 : 0], &port = words[named ? 2 : 1];
     if (port_of(port) == 0)
       return refused_port(port);
-    wish_.host = host;
-    wish_.port = port_of(port);
+    settings_.host = host;
+    settings_.port = port_of(port);
     return {};
   }
   return "net: " + (words.empty() ? "nothing" : words[0]) +
@@ -108,8 +108,8 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
 std::string RemoteDevice::open() {
   close();
   {
-    const std::lock_guard lock(guard_);
-    used_ = wish_;
+    const std::lock_guard lock(mutex_);
+    active_settings_ = settings_;
     trouble_.clear();
     welcome_.reset();
   }
@@ -127,25 +127,25 @@ std::string RemoteDevice::open() {
   }
   std::string sentence;
   {
-    std::unique_lock lock(guard_);
+    std::unique_lock lock(mutex_);
     const auto until =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kPatience_s));
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kWelcomeTimeout_s));
     while (!welcome_ && !cancelled_ && Clock::now() < until)
-      changed_.wait_for(lock, kLook);
+      changed_.wait_for(lock, kPollInterval);
     if (welcome_) {
-      settle_caps(*welcome_, round_trip_s_, used_.rate_hz);
+      update_caps(*welcome_, round_trip_s_, active_settings_.rate_hz);
       return {};
     }
     sentence = cancelled_         ? "net: the opening was cancelled: open the device again"
-               : trouble_.empty() ? "net: the haptic server on " + used_.host + ":" +
-                                        std::to_string(used_.port) + " does not answer"
+               : trouble_.empty() ? "net: the haptic server on " + active_settings_.host + ":" +
+                                        std::to_string(active_settings_.port) + " does not answer"
                                   : "net: " + trouble_;
   }
   close();
   return sentence;
 }
 
-void RemoteDevice::settle_caps(const Welcome& welcome, double round_trip_s,
+void RemoteDevice::update_caps(const Welcome& welcome, double round_trip_s,
                                double rate_hz) noexcept {
   const double period_s = 1 / rate_hz;
   caps_ = {};
@@ -163,7 +163,8 @@ void RemoteDevice::settle_caps(const Welcome& welcome, double round_trip_s,
   caps_.position_noise_m = kRounding_m;
   caps_.latency_ticks = 1 + static_cast<int>(std::ceil(round_trip_s / period_s));
   caps_.has_buttons = caps_.has_velocity = true;
-  identity_ = {"tactus", welcome.device, used_.host + ":" + std::to_string(used_.port)};
+  identity_ = {"tactus", welcome.device,
+               active_settings_.host + ":" + std::to_string(active_settings_.port)};
   last_position_ = (welcome.workspace.min + welcome.workspace.max) * 0.5;
 }
 
@@ -175,12 +176,12 @@ void RemoteDevice::close() noexcept {
 }
 
 std::string RemoteDevice::trouble() const {
-  const std::lock_guard lock(guard_);
+  const std::lock_guard lock(mutex_);
   return trouble_.empty() ? std::string() : "net: " + trouble_;
 }
 
-void RemoteDevice::tell(const std::string& trouble) {
-  const std::lock_guard lock(guard_);
+void RemoteDevice::set_trouble(const std::string& trouble) {
+  const std::lock_guard lock(mutex_);
   trouble_ = trouble;
   changed_.notify_all();
 }
@@ -194,7 +195,7 @@ bool RemoteDevice::read(const haptic::Tick& /*tick*/, State& state) noexcept {
     return false;
   if (age_s >= kHeldVelocity_s)
     state.velocity = {};
-  haptic::check_reach(caps_, state, last_position_);
+  haptic::reject_unreachable(caps_, state, last_position_);
   if (age_s >= kStale_s)
     state.flags |= State::kUnreachable;
   if (sample.failed)
@@ -210,23 +211,23 @@ bool RemoteDevice::write(const Vec3& force_n) noexcept {
 
 void RemoteDevice::serve() noexcept {
   try {
-    connect_and_talk();
+    run_connection();
   } catch (const std::exception& error) {
-    tell(std::string("the connection ended: ") + error.what() + "; open the device again");
+    set_trouble(std::string("the connection ended: ") + error.what() + "; open the device again");
   }
   sample_.connected = false;
   samples_.write(sample_);
 }
 
-void RemoteDevice::connect_and_talk() {
+void RemoteDevice::run_connection() {
   Backoff backoff{std::random_device{}()};
-  const std::string server = used_.host + ":" + std::to_string(used_.port);
+  const std::string server = active_settings_.host + ":" + std::to_string(active_settings_.port);
   while (!stop_) {
     const auto wire = std::make_unique<Wire>(stop_);
-    std::string failure = wire->connect(used_.host, used_.port, kConnect_s);
+    std::string failure = wire->connect(active_settings_.host, active_settings_.port, kConnect_s);
     if (failure.empty()) {
       const double began_s = now_s();
-      failure = talk(*wire);
+      failure = run_session(*wire);
       if (now_s() - began_s > 1)
         backoff.reset();
     } else {
@@ -236,20 +237,21 @@ void RemoteDevice::connect_and_talk() {
     // The servo sees for long enough that there is no device, and stops its motors.
     sample_.connected = false;
     samples_.write(sample_);
-    down_until_s_ = now_s() + kNoticed_s;
+    down_until_s_ = now_s() + kFailureHold_s;
     if (stop_)
       return;
-    tell(failure);
+    set_trouble(failure);
     const auto until =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(backoff.next()));
     while (!stop_ && Clock::now() < until)
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kPollInterval);
   }
 }
 
-std::string RemoteDevice::talk(Wire& wire) {
+std::string RemoteDevice::run_session(Wire& wire) {
   const auto client = std::make_unique<Client>(
-      ClientSettings{"tactus-" + std::to_string(name_), used_.token, used_.rate_hz, used_.udp});
+      ClientSettings{"tactus-" + std::to_string(name_), active_settings_.token,
+                     active_settings_.rate_hz, active_settings_.udp});
   may_start_ = false;
   refusals_ = 0;
   sent_force_ = {};
@@ -266,14 +268,14 @@ std::string RemoteDevice::talk(Wire& wire) {
     const bool measured = client->round_trip_s() && now_s() - began_s > kMeasure_s;
     if (!told && client->ready() && measured) {
       told = true;
-      const std::lock_guard lock(guard_);
+      const std::lock_guard lock(mutex_);
       welcome_ = client->welcome();
       round_trip_s_ = *client->round_trip_s();
-      trouble_ = client->udp_refused()
-                     ? "the haptic server on " + used_.host + ":" + std::to_string(used_.port) +
-                           " sends no datagrams, so positions come over TCP: "
-                           "start haptic_server with --udp"
-                     : std::string();
+      trouble_ = client->udp_refused() ? "the haptic server on " + active_settings_.host + ":" +
+                                             std::to_string(active_settings_.port) +
+                                             " sends no datagrams, so positions come over TCP: "
+                                             "start haptic_server with --udp"
+                                       : std::string();
       changed_.notify_all();
     }
   }
@@ -282,7 +284,7 @@ std::string RemoteDevice::talk(Wire& wire) {
     wire.send(client->out());
     return {};
   }
-  const std::string server = used_.host + ":" + std::to_string(used_.port);
+  const std::string server = active_settings_.host + ":" + std::to_string(active_settings_.port);
   const std::string reason = client->trouble().empty() ? wire.failure : client->trouble();
   return "the connection to the haptic server on " + server + " was lost (" + reason +
          "): it is looked for again; then switch the motors on";
@@ -307,10 +309,10 @@ void RemoteDevice::exchange(Client& client, double now) {
   }
   if (client.refusals() != refusals_) {
     refusals_ = client.refusals();
-    failed_until_s_ = now + kNoticed_s;
+    failed_until_s_ = now + kFailureHold_s;
     ++failures_;
     may_start_ = false;
-    tell(client.trouble());
+    set_trouble(client.trouble());
   }
   sample_.connected = client.ready() && now >= down_until_s_;
   sample_.failures = failures_;

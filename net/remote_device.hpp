@@ -46,7 +46,7 @@ private:
     bool failed = false; ///< the server has ended our control
     std::uint32_t failures = 0;
   };
-  struct Wish {
+  struct Settings {
     std::string host = "127.0.0.1";
     int port = kPort;
     std::string token{};
@@ -56,12 +56,12 @@ private:
 
   [[nodiscard]] std::string configure_locked(std::span<const std::string> words);
   void serve() noexcept;
-  void connect_and_talk();
+  void run_connection();
   /// Until the connection is lost; why.
-  [[nodiscard]] std::string talk(Wire& wire);
+  [[nodiscard]] std::string run_session(Wire& wire);
   void exchange(Client& client, double now_s);
-  void tell(const std::string& trouble);
-  void settle_caps(const Welcome& welcome, double round_trip_s, double rate_hz) noexcept;
+  void set_trouble(const std::string& trouble);
+  void update_caps(const Welcome& welcome, double round_trip_s, double rate_hz) noexcept;
 
   haptic::Mailbox<Sample> samples_;
   haptic::TimedMailbox<haptic::Vec3> forces_;
@@ -83,9 +83,9 @@ private:
   haptic::Caps caps_{};
   haptic::Identity identity_{};
 
-  mutable std::mutex guard_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
-  Wish wish_{}, used_{};
+  Settings settings_{}, active_settings_{};
   std::string trouble_{};
   std::optional<Welcome> welcome_{};
   double round_trip_s_ = 0;

@@ -22,7 +22,7 @@ using Endpoints = std::vector<tcp::endpoint>;
 
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(20);
+constexpr auto kPollInterval = std::chrono::milliseconds(20);
 constexpr auto kTick = std::chrono::milliseconds(1);
 
 Clock::time_point after(double seconds) {
@@ -76,7 +76,7 @@ std::string Wire::connect(const std::string& host, int port, double timeout_s) {
   asio::async_connect(socket, endpoints,
                       [&outcome](Error failed, const tcp::endpoint&) { outcome = failed; });
   while (!outcome && !stop && Clock::now() < until)
-    context.run_one_until(std::min(until, Clock::now() + kLook));
+    context.run_one_until(std::min(until, Clock::now() + kPollInterval));
   if (!outcome) {
     socket.close(error);
     while (!outcome && context.run_one() > 0) {

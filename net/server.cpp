@@ -17,7 +17,7 @@ std::optional<Server::ClientId> Server::connect(std::string_view peer, double no
       continue;
     sessions_[client] = std::make_unique<Session>(std::string(peer), udp_port, now_s);
     Setup& setup = sessions_[client]->setup;
-    ++visits_;
+    ++connections_made_;
     setup.workspace = settings_.workspace;
     setup.force_limit_n = settings_.force_limit_n;
     return client;
@@ -26,7 +26,7 @@ std::optional<Server::ClientId> Server::connect(std::string_view peer, double no
 }
 
 void Server::disconnect(ClientId client) {
-  note(*sessions_[client], "left");
+  log_event(*sessions_[client], "left");
   if (controller_ == sessions_[client].get())
     release_control("disconnected");
   sessions_[client].reset();
@@ -62,7 +62,7 @@ Server::receive_datagram(std::string_view peer, std::span<const std::uint8_t> by
 void Server::take(Session& session, Outcome outcome, const Message& message, double now_s) {
   if (outcome == Outcome::kBroken) {
     session.send_error("frame", session.reader.reason(), now_s);
-    return session.say_goodbye("frame");
+    return session.send_bye("frame");
   }
   if (!session.packets.allow(now_s)) {
     if (!session.flooding)
@@ -72,47 +72,47 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
   }
   session.flooding = false;
   if (outcome == Outcome::kBad)
-    return session.count_bad("bad", session.reader.reason(), now_s);
-  const Refusal refusal = obey(session, message, now_s);
+    return session.count_bad_packet("bad", session.reader.reason(), now_s);
+  const Refusal refusal = handle(session, message, now_s);
   if (refusal.bad)
-    return session.count_bad(refusal.code, refusal.text, now_s);
+    return session.count_bad_packet(refusal.code, refusal.text, now_s);
   if (!refusal.code.empty())
     session.send_error(refusal.code, refusal.text, now_s);
-  session.heard_s = now_s;
-  if (controller_ == &session && is_fresh(session, now_s)) {
-    liveness_.hear(now_s);
-    orders_.alive_s = liveness_.alive_s();
+  session.last_message_s = now_s;
+  if (controller_ == &session && is_recent(session, now_s)) {
+    liveness_.on_message(now_s);
+    servo_command_.alive_s = liveness_.alive_s();
   }
 }
 
 /// What a slow line delivers may be older than its sender's life.
-bool Server::is_fresh(const Session& session, double now_s) noexcept {
+bool Server::is_recent(const Session& session, double now_s) noexcept {
   return !session.echoed_s || now_s - *session.echoed_s < kMaxAge_s;
 }
 
 /// The force ends whether or not the session that had control still exists.
 void Server::release_control(std::string_view why) {
   release_point();
-  note(*controller_, "no longer controls: " + std::string(why));
+  log_event(*controller_, "no longer controls: " + std::string(why));
   controller_ = nullptr;
-  orders_.running = false;
-  orders_.render.mode = RenderMode::kStopped;
-  orders_.force_n = {};
-  ++orders_.forces;
-  tell_all(Message(Address::kStatus).string("stopped").string(why));
+  servo_command_.running = false;
+  servo_command_.render.mode = RenderMode::kStopped;
+  servo_command_.force_n = {};
+  ++servo_command_.forces;
+  broadcast(Message(Address::kStatus).string("stopped").string(why));
 }
 
-void Server::note(const Session& session, std::string_view what) {
-  constexpr std::size_t kMaxNews = 64;
-  if (news_.size() == kMaxNews)
-    news_.erase(news_.begin());
+void Server::log_event(const Session& session, std::string_view what) {
+  constexpr std::size_t kMaxNotices = 64;
+  if (notices_.size() == kMaxNotices)
+    notices_.erase(notices_.begin());
   std::string line = session.peer + " ";
   for (const char c : session.name) // a stranger's text
     line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  news_.push_back(line + " " + std::string(what));
+  notices_.push_back(line + " " + std::string(what));
 }
 
-void Server::tell_all(const Message& message) {
+void Server::broadcast(const Message& message) {
   for (const auto& session : sessions_)
     if (session && session->welcomed())
       session->send_event(message);
@@ -122,15 +122,15 @@ void Server::advance(const DeviceReport& report, double now_s) {
   report_ = report;
   for (const auto& session : sessions_)
     if (session)
-      session->check_time(now_s);
+      session->check_timeouts(now_s);
   if (controller_ && controller_->closing)
     release_control("closed");
   if (controller_ && (report.emergency_stopped || report.faults != faults_))
     release_control(report.emergency_stopped ? "estop" : "fault");
-  if (controller_ && now_s - controller_->heard_s >= kSilence_s &&
-      !(orders_.force_n == haptic::Vec3{})) {
-    orders_.force_n = {}; // who comes back begins at none
-    ++orders_.forces;
+  if (controller_ && now_s - controller_->last_message_s >= kSilence_s &&
+      !(servo_command_.force_n == haptic::Vec3{})) {
+    servo_command_.force_n = {}; // who comes back begins at none
+    ++servo_command_.forces;
   }
   drag();
   for (const auto& session : sessions_)
@@ -143,7 +143,7 @@ void Server::close(std::string_view reason) {
     release_control(reason);
   for (const auto& session : sessions_)
     if (session && !session->closing)
-      session->say_goodbye(reason);
+      session->send_bye(reason);
 }
 
 } // namespace tactus::net

@@ -32,7 +32,7 @@ struct DeviceReport {
 };
 
 /// What the servo is to do.
-struct ServoOrders {
+struct ServoCommand {
   bool running = false; ///< a client has said start; else the motors are off
   RenderRequest render{};
   haptic::Vec3 force_n{};   ///< of force mode
@@ -62,7 +62,7 @@ public:
   /// Once a servo's period: what depends on time alone, and streams.
   void advance(const DeviceReport& report, double now_s);
   /// A button of the device.
-  void press(int number, bool on);
+  void set_button(int number, bool on);
   void close(std::string_view reason) override;
 
   [[nodiscard]] bool connected(ClientId client) const noexcept {
@@ -82,14 +82,14 @@ public:
   }
   [[nodiscard]] std::uint64_t ignored_datagrams() const noexcept { return ignored_datagrams_; }
 
-  [[nodiscard]] const ServoOrders& orders() const noexcept { return orders_; }
+  [[nodiscard]] const ServoCommand& servo_command() const noexcept { return servo_command_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
   [[nodiscard]] std::size_t clients() const noexcept;
   /// How many there have been.
-  [[nodiscard]] std::uint64_t visits() const noexcept { return visits_; }
+  [[nodiscard]] std::uint64_t connections_made() const noexcept { return connections_made_; }
   /// What happened since the last call, a line each, for who runs the server; the oldest are left
   /// out when nobody asks.
-  [[nodiscard]] std::vector<std::string> take_news() { return std::exchange(news_, {}); }
+  [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
   /// Name of the client in control; empty when there is none.
   [[nodiscard]] std::string_view controller_name() const noexcept {
     return controller_ ? std::string_view(controller_->name) : std::string_view{};
@@ -105,13 +105,13 @@ private:
 
   // server.cpp: connections and time
   void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
-  [[nodiscard]] static bool is_fresh(const Session& session, double now_s) noexcept;
+  [[nodiscard]] static bool is_recent(const Session& session, double now_s) noexcept;
   void release_control(std::string_view why);
-  void tell_all(const Message& message);
-  void note(const Session& session, std::string_view what);
+  void broadcast(const Message& message);
+  void log_event(const Session& session, std::string_view what);
 
   // server_messages.cpp: what clients say
-  [[nodiscard]] Refusal obey(Session& session, Words message, double now_s);
+  [[nodiscard]] Refusal handle(Session& session, Words message, double now_s);
   [[nodiscard]] Refusal on_hello(Session& session, Words message, double now_s);
   [[nodiscard]] Refusal on_start(Session& session, Words message, double now_s);
   [[nodiscard]] Refusal on_force(Session& session, Words message);
@@ -141,15 +141,15 @@ private:
   LockOut lock_out_{};
   Session* controller_ = nullptr;
   Liveness liveness_{};
-  ServoOrders orders_{};
+  ServoCommand servo_command_{};
   DeviceReport report_{};
   std::optional<double> origin_s_{}; ///< of milliseconds()
 
   std::optional<std::size_t> grabbed_{}; ///< a control point of the controller's
   haptic::Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
-  std::vector<std::string> news_{};
-  std::uint64_t visits_ = 0, ignored_datagrams_ = 0;
+  std::vector<std::string> notices_{};
+  std::uint64_t connections_made_ = 0, ignored_datagrams_ = 0;
 };
 
 } // namespace tactus::net

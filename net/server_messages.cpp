@@ -39,7 +39,7 @@ Order order_of(const std::optional<std::int32_t>& last, std::int32_t sequence) n
 
 } // namespace
 
-Server::Refusal Server::obey(Session& session, Words message, double now_s) {
+Server::Refusal Server::handle(Session& session, Words message, double now_s) {
   const Address address = message.address();
   if (address == Address::kHello)
     return on_hello(session, message, now_s);
@@ -106,27 +106,27 @@ Server::Refusal Server::on_hello(Session& session, Words message, double now_s) 
     return {"hello", "hello was said already"};
   if (lock_out_.locked(session.peer, now_s)) {
     session.send_error("locked", "too many wrong tokens: wait ten seconds", now_s);
-    session.say_goodbye("locked");
+    session.send_bye("locked");
     return {};
   }
   if (!settings_.token.empty()) {
     if (!equal_in_constant_time(settings_.token, message.string_at(3).value_or(""))) {
       lock_out_.fail(session.peer, now_s);
-      note(session, "brought a wrong token");
+      log_event(session, "brought a wrong token");
       session.send_error("token", "the token is wrong", now_s);
-      session.say_goodbye("token");
+      session.send_bye("token");
       return {};
     }
     lock_out_.succeed(session.peer);
   }
   if (*protocol < kProtocol) {
     session.send_error("version", "this server speaks protocol 1", now_s);
-    session.say_goodbye("version");
+    session.send_bye("version");
     return {};
   }
   session.name = name->empty() ? "-" : name->substr(0, kMaxName);
   session.role = controls ? Session::Role::kControl : Session::Role::kObserve;
-  note(session, controls ? "is welcome" : "is welcome, to observe");
+  log_event(session, controls ? "is welcome" : "is welcome, to observe");
   welcome(session);
   return {};
 }
@@ -165,16 +165,16 @@ Server::Refusal Server::on_start(Session& session, Words message, double now_s) 
   session.force_sequence.reset();
   session.feedback_sequence.reset();
   liveness_.start(now_s);
-  orders_.running = true;
-  orders_.render.mode = *mode;
-  orders_.render.gamma = {};
-  ++orders_.render.starts;
-  orders_.force_n = {};
-  ++orders_.forces;
-  orders_.alive_s = now_s;
+  servo_command_.running = true;
+  servo_command_.render.mode = *mode;
+  servo_command_.render.gamma = {};
+  ++servo_command_.render.starts;
+  servo_command_.force_n = {};
+  ++servo_command_.forces;
+  servo_command_.alive_s = now_s;
   apply_setup();
-  note(session, "controls: " + std::string(*word));
-  tell_all(Message(Address::kStatus).string("started").string(*word).string(session.name));
+  log_event(session, "controls: " + std::string(*word));
+  broadcast(Message(Address::kStatus).string("started").string(*word).string(session.name));
   return {};
 }
 
@@ -184,7 +184,7 @@ Server::Refusal Server::on_force(Session& session, Words message) {
   const auto force_n = vector_at(message, numbered ? 1 : 0);
   if (!force_n || (!numbered && message.size() != 3) || (numbered && !sequence))
     return {"arguments", "expected force fx fy fz, or force sequence fx fy fz", true};
-  if (controller_ != &session || orders_.render.mode != RenderMode::kForce)
+  if (controller_ != &session || servo_command_.render.mode != RenderMode::kForce)
     return {"stopped", "send start force first"};
   if (numbered) {
     const Order order = order_of(session.force_sequence, *sequence);
@@ -194,8 +194,8 @@ Server::Refusal Server::on_force(Session& session, Words message) {
       return {};
     session.force_sequence = sequence;
   }
-  orders_.force_n = *force_n;
-  ++orders_.forces;
+  servo_command_.force_n = *force_n;
+  ++servo_command_.forces;
   return {};
 }
 
@@ -210,7 +210,7 @@ Server::Refusal Server::on_feedback(Session& session, Words message) {
   for (int axis = 0; axis < 3; ++axis)
     if (!((*gamma)[axis] >= 0 && (*gamma)[axis] <= 1))
       return {"range", "gamma is from 0 to 1", true};
-  const RenderMode mode = orders_.render.mode;
+  const RenderMode mode = servo_command_.render.mode;
   if (controller_ != &session || (mode != RenderMode::kSpring && mode != RenderMode::kDamper))
     return {"stopped", "send start spring or start damper first"};
   const Order order = order_of(session.feedback_sequence, *sequence);
@@ -219,7 +219,7 @@ Server::Refusal Server::on_feedback(Session& session, Words message) {
   if (order == Order::kOld)
     return {};
   session.feedback_sequence = sequence;
-  orders_.render.gamma = *gamma;
+  servo_command_.render.gamma = *gamma;
   return {};
 }
 

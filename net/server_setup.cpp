@@ -26,10 +26,10 @@ bool numbers(const Message& message, std::array<double, N>& values) noexcept {
 /// The orders follow the setup of who is in control.
 void Server::apply_setup() noexcept {
   const Setup& setup = controller_->setup;
-  orders_.render.gains = setup.gains;
-  orders_.render.anchored = setup.anchor.has_value();
-  orders_.render.anchor = setup.anchor.value_or(Vec3{});
-  orders_.force_limit_n = setup.force_limit_n;
+  servo_command_.render.gains = setup.gains;
+  servo_command_.render.anchored = setup.anchor.has_value();
+  servo_command_.render.anchor = setup.anchor.value_or(Vec3{});
+  servo_command_.force_limit_n = setup.force_limit_n;
 }
 
 Server::Refusal Server::on_workspace(Session& session, Words message) {

@@ -32,8 +32,8 @@ void Server::send_streams(Session& session, double now_s) {
 }
 
 /// A button is an event; the first one grabs the nearest control point within reach.
-void Server::press(int number, bool on) {
-  tell_all(Message(Address::kButton).integer(number).integer(on ? 1 : 0));
+void Server::set_button(int number, bool on) {
+  broadcast(Message(Address::kButton).integer(number).integer(on ? 1 : 0));
   if (number != 0)
     return;
   if (!on)
@@ -52,7 +52,7 @@ void Server::press(int number, bool on) {
   if (!grabbed_)
     return;
   grab_offset_ = points[*grabbed_] - report_.state.position;
-  tell_all(Message(Address::kGrab).integer(static_cast<std::int32_t>(*grabbed_)).integer(1));
+  broadcast(Message(Address::kGrab).integer(static_cast<std::int32_t>(*grabbed_)).integer(1));
 }
 
 /// The grabbed point follows the handle within the client's workspace.
@@ -79,8 +79,8 @@ Message Server::move_message() const noexcept {
 void Server::release_point() {
   if (!grabbed_)
     return;
-  tell_all(move_message());
-  tell_all(Message(Address::kGrab).integer(static_cast<std::int32_t>(*grabbed_)).integer(0));
+  broadcast(move_message());
+  broadcast(Message(Address::kGrab).integer(static_cast<std::int32_t>(*grabbed_)).integer(0));
   grabbed_.reset();
 }
 

@@ -16,35 +16,35 @@ void ServoLink::exchange(Server& server, double now_s) {
   haptic::Event event;
   while (exchange_.events.pop(event))
     if (event.kind == haptic::Event::Kind::kButton)
-      server.press(event.number, event.on);
+      server.set_button(event.number, event.on);
   exchange_.reports.read();
   const haptic::Report& report = exchange_.reports.latest();
   server.advance({report.state, exchange_.motors.request().stopped, report.faults}, now_s);
-  give(server.orders());
+  send(server.servo_command());
 }
 
-void ServoLink::give(const ServoOrders& orders) noexcept {
-  if (orders.force_limit_n != settings_.chain.force_limit_n) {
-    settings_.chain.force_limit_n = orders.force_limit_n;
+void ServoLink::send(const ServoCommand& servo_command) noexcept {
+  if (servo_command.force_limit_n != settings_.chain.force_limit_n) {
+    settings_.chain.force_limit_n = servo_command.force_limit_n;
     exchange_.settings.write(settings_);
   }
-  if (!(orders.render == sent_)) {
-    sent_ = orders.render;
+  if (!(servo_command.render == sent_)) {
+    sent_ = servo_command.render;
     model_.set(sent_);
   }
   haptic::Command command;
-  command.force_n = orders.force_n;
-  command.number = orders.forces;
-  command.heartbeat_s = orders.alive_s;
+  command.force_n = servo_command.force_n;
+  command.number = servo_command.forces;
+  command.heartbeat_s = servo_command.alive_s;
   exchange_.commands.write(command);
   // A failure of the device ends with the next start, as with the motors' switch beside it.
-  if (orders.render.starts != starts_ && orders.running &&
+  if (servo_command.render.starts != starts_ && servo_command.running &&
       exchange_.reports.latest().fault != haptic::Fault::kNone &&
       !exchange_.motors.request().stopped)
     exchange_.motors.enable();
-  starts_ = orders.render.starts;
-  if (orders.running != running_) {
-    running_ = orders.running;
+  starts_ = servo_command.render.starts;
+  if (servo_command.running != running_) {
+    running_ = servo_command.running;
     exchange_.motors.pause(!running_);
   }
 }

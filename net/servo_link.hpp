@@ -17,7 +17,7 @@ public:
   /// Once a millisecond, by the thread of the server.
   void exchange(Server& server, double now_s);
   /// The orders alone: as soon as something has been received.
-  void give(const ServoOrders& orders) noexcept;
+  void send(const ServoCommand& servo_command) noexcept;
 
 private:
   haptic::Exchange& exchange_;

@@ -24,25 +24,25 @@ class PointList {
 public:
   void begin(std::size_t count) {
     points_.assign(count, {});
-    given_.assign(count, false);
-    left_ = count;
+    is_set_.assign(count, false);
+    missing_ = count;
     open_ = true;
   }
   [[nodiscard]] bool open() const noexcept { return open_; }
   [[nodiscard]] std::size_t size() const noexcept { return points_.size(); }
-  [[nodiscard]] std::size_t missing() const noexcept { return left_; }
+  [[nodiscard]] std::size_t missing() const noexcept { return missing_; }
   void set(std::size_t id, const haptic::Vec3& position) noexcept {
     points_[id] = position;
-    left_ -= given_[id] ? 0 : 1;
-    given_[id] = true;
+    missing_ -= is_set_[id] ? 0 : 1;
+    is_set_[id] = true;
   }
   void close() noexcept { open_ = false; }
   [[nodiscard]] const std::vector<haptic::Vec3>& points() const noexcept { return points_; }
 
 private:
   std::vector<haptic::Vec3> points_{};
-  std::vector<bool> given_{};
-  std::size_t left_ = 0;
+  std::vector<bool> is_set_{};
+  std::size_t missing_ = 0;
   bool open_ = false;
 };
 

@@ -26,15 +26,15 @@ double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
 constexpr auto kTick = std::chrono::milliseconds(1);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
-constexpr double kFarewell_s = 1; ///< for what a closing connection still has to send
-constexpr auto kLastWords = std::chrono::milliseconds(200);
+constexpr double kCloseFlush_s = 1; ///< for what a closing connection still has to send
+constexpr auto kCloseTimeout = std::chrono::milliseconds(200);
 
 /// One client's socket. Handlers keep it alive; `open` says whether it still is a connection.
 struct Connection {
-  Connection(tcp::socket accepted, std::size_t of_door)
-      : socket(std::move(accepted)), door(of_door) {}
+  Connection(tcp::socket accepted, std::size_t from_acceptor)
+      : socket(std::move(accepted)), acceptor_index(from_acceptor) {}
   tcp::socket socket;
-  std::size_t door; ///< the acceptor, and the socket for datagrams, that it came to
+  std::size_t acceptor_index; ///< the acceptor, and the socket for datagrams, that it came to
   Service::ClientId client = 0;
   std::optional<udp::endpoint> datagrams_to{}; ///< where its newest probe came from
   std::array<std::uint8_t, 1u << 14> received{};
@@ -105,9 +105,11 @@ struct TcpServer::Parts {
     return error.message();
   }
 
-  [[nodiscard]] int datagram_port(std::size_t door) const noexcept {
+  [[nodiscard]] int datagram_port(std::size_t acceptor_index) const noexcept {
     Error error;
-    return door < datagram_sockets.size() ? datagram_sockets[door].local_endpoint(error).port() : 0;
+    return acceptor_index < datagram_sockets.size()
+               ? datagram_sockets[acceptor_index].local_endpoint(error).port()
+               : 0;
   }
 
   /// A bounded number, so that a flood of them delays nothing else.
@@ -134,8 +136,8 @@ struct TcpServer::Parts {
     while (const auto next = sender ? sender->take() : std::nullopt) {
       Error ignored;
       if (connection.datagrams_to)
-        datagram_sockets[connection.door].send_to(asio::buffer(next->bytes.data(), next->size),
-                                                  *connection.datagrams_to, 0, ignored);
+        datagram_sockets[connection.acceptor_index].send_to(
+            asio::buffer(next->bytes.data(), next->size), *connection.datagrams_to, 0, ignored);
     }
   }
 
@@ -156,7 +158,7 @@ struct TcpServer::Parts {
     });
   }
 
-  void take(tcp::socket socket, std::size_t door) {
+  void take(tcp::socket socket, std::size_t acceptor_index) {
     Error error;
     const auto peer = socket.remote_endpoint(error);
     if (!error)
@@ -165,10 +167,11 @@ struct TcpServer::Parts {
       socket.set_option(tcp::no_delay(true), error);
     if (error)
       return;
-    const auto client = service.connect(peer.address().to_string(), now_s(), datagram_port(door));
+    const auto client =
+        service.connect(peer.address().to_string(), now_s(), datagram_port(acceptor_index));
     if (!client)
       return; // the socket closes: there are as many as there may be
-    auto connection = std::make_shared<Connection>(std::move(socket), door);
+    auto connection = std::make_shared<Connection>(std::move(socket), acceptor_index);
     connection->client = *client;
     connections[*client] = connection;
     receive(connection);
@@ -182,8 +185,8 @@ struct TcpServer::Parts {
           if (error)
             return drop(*connection);
           service.receive(connection->client, {connection->received.data(), count}, now_s());
-          if (hooks.on_orders)
-            hooks.on_orders();
+          if (hooks.on_servo_command)
+            hooks.on_servo_command();
           send_all();
           if (connection->open)
             receive(connection);
@@ -234,7 +237,7 @@ struct TcpServer::Parts {
     if (connection.closing_since_s == 0)
       connection.closing_since_s = now;
     if (service.out(connection.client).size() == 0 ||
-        now - connection.closing_since_s > kFarewell_s)
+        now - connection.closing_since_s > kCloseFlush_s)
       drop(connection);
   }
 
@@ -247,8 +250,8 @@ struct TcpServer::Parts {
     connection.socket.close(ignored);
     service.disconnect(connection.client);
     connections[connection.client].reset();
-    if (hooks.on_orders)
-      hooks.on_orders();
+    if (hooks.on_servo_command)
+      hooks.on_servo_command();
   }
 
   void tick() {
@@ -261,18 +264,18 @@ struct TcpServer::Parts {
     send_all();
   }
 
-  void keep_ticking() {
+  void schedule_tick() {
     timer.async_wait([this](Error aborted) {
       if (aborted || stopping)
         return context.stop();
       tick();
       timer.expires_at(std::max(timer.expiry() + kTick, Clock::now()));
-      keep_ticking();
+      schedule_tick();
     });
   }
 
   /// Tells everybody and waits so long for sockets that are full.
-  void say_goodbye(Clock::duration patience) {
+  void send_bye(Clock::duration patience) {
     acceptors.clear();
     service.close("closing");
     tick();
@@ -354,9 +357,9 @@ std::string TcpServer::addresses() const {
 void TcpServer::run() {
   Parts& p = *parts_;
   p.timer.expires_after(kTick);
-  p.keep_ticking();
+  p.schedule_tick();
   p.context.run();
-  p.say_goodbye(kLastWords);
+  p.send_bye(kCloseTimeout);
 }
 
 void TcpServer::stop() noexcept { parts_->stopping = true; }
@@ -367,6 +370,6 @@ void TcpServer::poll() {
   parts_->tick();
 }
 
-void TcpServer::close() { parts_->say_goodbye({}); }
+void TcpServer::close() { parts_->send_bye({}); }
 
 } // namespace tactus::net

@@ -20,10 +20,10 @@ public:
     std::string listen{}; ///< a numeric address; empty: loopback alone
     bool udp = false;     ///< clients may have positions as datagrams
   };
-  /// on_tick: once a millisecond. on_orders: after each piece that was received.
+  /// on_tick: once a millisecond. on_servo_command: after each piece that was received.
   struct Hooks {
     std::function<void(double now_s)> on_tick;
-    std::function<void()> on_orders;
+    std::function<void()> on_servo_command;
   };
 
   TcpServer(Service& service, Hooks hooks);

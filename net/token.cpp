@@ -21,7 +21,7 @@ bool LockOut::locks(const Entry& entry, double now_s) noexcept {
 
 /// A lock-out that is over begins anew, and so do failures of long ago.
 bool LockOut::expired(const Entry& entry, double now_s) noexcept {
-  return entry.failures == 0 || now_s - entry.last_s >= kForgotten_s ||
+  return entry.failures == 0 || now_s - entry.last_s >= kExpiry_s ||
          (entry.failures >= kMaxFailures && now_s - entry.last_s >= kLocked_s);
 }
 
@@ -29,7 +29,7 @@ bool LockOut::locked(std::string_view peer, double now_s) const noexcept {
   const auto* found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.failures > 0 && entry.peer == peer;
   });
-  return locks(found != entries_.end() ? *found : others_, now_s);
+  return locks(found != entries_.end() ? *found : overflow_, now_s);
 }
 
 void LockOut::fail(std::string_view peer, double now_s) {
@@ -39,7 +39,7 @@ void LockOut::fail(std::string_view peer, double now_s) {
   if (found == entries_.end())
     found = std::find_if(entries_.begin(), entries_.end(),
                          [now_s](const Entry& entry) { return expired(entry, now_s); });
-  Entry& entry = found != entries_.end() ? *found : others_;
+  Entry& entry = found != entries_.end() ? *found : overflow_;
   if (expired(entry, now_s))
     entry.failures = 0;
   entry.peer = peer;

@@ -18,7 +18,7 @@ inline constexpr std::size_t kMinToken = 16, kMaxToken = 1024;
 class LockOut {
 public:
   static constexpr int kMaxFailures = 3;
-  static constexpr double kLocked_s = 10, kForgotten_s = 60;
+  static constexpr double kLocked_s = 10, kExpiry_s = 60;
 
   [[nodiscard]] bool locked(std::string_view peer, double now_s) const noexcept;
   void fail(std::string_view peer, double now_s);
@@ -34,7 +34,7 @@ private:
   [[nodiscard]] static bool locks(const Entry& entry, double now_s) noexcept;
 
   std::array<Entry, 64> entries_{};
-  Entry others_{}; ///< for whom the table has no room
+  Entry overflow_{}; ///< for whom the table has no room
 };
 
 } // namespace tactus::net

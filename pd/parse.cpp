@@ -1,6 +1,6 @@
 #include "pd/parse.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <cmath>
 
@@ -23,7 +23,7 @@ std::string set_parameter(const Declaration& declaration, std::size_t index,
   if (given.is_word) {
     const auto choice = find_choice(parameter, given.word);
     if (!choice)
-      return expectation(parameter, given.word);
+      return out_of_range_text(parameter, given.word);
     value = static_cast<double>(*choice);
   } else if (!parameter.choices.empty()) {
     value = std::floor(value);
@@ -32,20 +32,21 @@ std::string set_parameter(const Declaration& declaration, std::size_t index,
   for (const double bound : {parameter.lowest, parameter.highest})
     if (static_cast<t_float>(value) == static_cast<t_float>(bound))
       value = bound;
-  if (!allows(parameter, value))
-    return expectation(parameter, number_text(given.number));
+  if (!is_allowed(parameter, value))
+    return out_of_range_text(parameter, number_text(given.number));
   receiver.set(index, value);
   return {};
 }
 
 std::string argument_count(const Message& message, std::size_t given) {
   const std::string name(message.name);
-  if (message.most == 0)
+  if (message.max_arguments == 0)
     return name + ": expected no arguments, got " + std::to_string(given);
-  std::string count = std::to_string(message.fewest);
-  if (message.most != message.fewest)
-    count += message.most > 64 ? " or more" : ".." + std::to_string(message.most);
-  return name + ": expected " + count + (message.most == 1 ? " argument (" : " arguments (") +
+  std::string count = std::to_string(message.min_arguments);
+  if (message.max_arguments != message.min_arguments)
+    count += message.max_arguments > 64 ? " or more" : ".." + std::to_string(message.max_arguments);
+  return name + ": expected " + count +
+         (message.max_arguments == 1 ? " argument (" : " arguments (") +
          std::string(message.arguments) + "), got " + std::to_string(given);
 }
 
@@ -90,7 +91,7 @@ std::string creation_commands(const Declaration& declaration, int count, const t
     Command command{given[i].word.substr(1), {}};
     if (!find_parameter(declaration, command.name) && !find_message(declaration, command.name))
       return "creation flag '" + text_of(given[i]) +
-             "': " + unknown_name(declaration, command.name);
+             "': " + unknown_name_text(declaration, command.name);
     for (++i; i < given.size() && !is_flag(given[i]); ++i)
       command.arguments.push_back(given[i]);
     commands.push_back(std::move(command));
@@ -104,9 +105,10 @@ std::string execute(const Declaration& declaration, const Command& command,
     return set_parameter(declaration, *parameter, command.arguments, receiver);
   const auto index = find_message(declaration, command.name);
   if (!index)
-    return unknown_name(declaration, command.name);
+    return unknown_name_text(declaration, command.name);
   const Message& message = declaration.messages[*index];
-  if (command.arguments.size() < message.fewest || command.arguments.size() > message.most)
+  if (command.arguments.size() < message.min_arguments ||
+      command.arguments.size() > message.max_arguments)
     return argument_count(message, command.arguments.size());
   receiver.message(*index, command.arguments);
   return {};

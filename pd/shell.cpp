@@ -1,9 +1,9 @@
 #include "pd/shell.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "pd/host_features.hpp"
-#include "pd/offers.hpp"
 #include "pd/parse.hpp"
+#include "pd/published.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -49,7 +49,7 @@ class PdObject final : public Host {
 public:
   PdObject(Instance& instance, const PdClass& record)
       : instance_(instance), record_(record), declaration_(*record.traits.declaration),
-        canvas_(canvas_getcurrent()), born_(clock_getlogicaltime()),
+        canvas_(canvas_getcurrent()), creation_time_(clock_getlogicaltime()),
         signal_inlets_(count_signals(declaration_.inlets)),
         signal_outlets_(count_signals(declaration_.outlets)) {
     voices_.emplace_back(record.make());
@@ -173,7 +173,7 @@ public:
     else
       clock_delay(timers_[timer].clock, milliseconds);
   }
-  double now_ms() const override { return clock_gettimesince(born_); }
+  double now_ms() const override { return clock_gettimesince(creation_time_); }
   std::string find_file(std::string_view name) const override {
     char folder[MAXPDSTRING];
     char* base = nullptr;
@@ -202,13 +202,15 @@ public:
     return true;
   }
   bool real_time() const override { return !runs_in_batch(); }
-  bool offer(std::string_view name, const std::shared_ptr<void>& what) override {
+  bool publish(std::string_view name, const std::shared_ptr<void>& what) override {
     if (!what)
-      return offers_.erase(std::string(name)) > 0;
-    auto made = Offer::make(name, what);
-    return made && offers_.emplace(std::string(name), std::move(made)).second;
+      return published_.erase(std::string(name)) > 0;
+    auto made = PublishedObject::make(name, what);
+    return made && published_.emplace(std::string(name), std::move(made)).second;
   }
-  std::shared_ptr<void> offered(std::string_view name) const override { return pd::offered(name); }
+  std::shared_ptr<void> find_published(std::string_view name) const override {
+    return pd::find_published(name);
+  }
   void wake_from_thread() noexcept override {
     if (posted_.exchange(true, std::memory_order_acq_rel))
       return;
@@ -254,9 +256,9 @@ private:
   }
 
   void numbers_to_inlets(int count, const t_atom* atoms) {
-    const auto wanted =
+    const auto requested =
         std::min<std::size_t>(static_cast<std::size_t>(count), declaration_.inlets.size());
-    for (std::size_t i = wanted; i-- > 0;)
+    for (std::size_t i = requested; i-- > 0;)
       if (atoms[i].a_type == A_FLOAT)
         scalar(i, static_cast<double>(atoms[i].a_w.w_float));
   }
@@ -270,7 +272,7 @@ private:
       if (index)
         send_parameter(*index);
       else
-        error("get " + text_of(name) + ": " + unknown_name(declaration_, text_of(name)));
+        error("get " + text_of(name) + ": " + unknown_name_text(declaration_, text_of(name)));
     }
   }
 
@@ -369,7 +371,7 @@ private:
   const Declaration& declaration_;
   t_canvas* canvas_;
   t_pdinstance* pd_ = pd_this; // a worker thread has no pd_this of its own
-  double born_;
+  double creation_time_;
   double block_ms_ = 0, tick_ms_ = 0; // lengths
   double performed_ms_ = -1, next_block_ms_ = 0;
   std::size_t signal_inlets_, signal_outlets_;
@@ -380,7 +382,7 @@ private:
   t_clock* report_clock_ = nullptr;
   t_clock* post_clock_ = nullptr;
   std::atomic<bool> posted_{false};
-  std::map<std::string, std::unique_ptr<Offer>> offers_;
+  std::map<std::string, std::unique_ptr<PublishedObject>> published_;
   std::vector<const t_sample*> in_;
   std::vector<t_sample*> out_;
 };

@@ -146,7 +146,7 @@ int main(int count, char** words) {
   Server server{ServerSettings{}};
   ServoLink link(servo, model, {});
   TcpServer sockets(server, {[&](double now_s) { link.exchange(server, now_s); },
-                             [&] { link.give(server.orders()); }});
+                             [&] { link.send(server.servo_command()); }});
   if (const std::string error = sockets.open({0, ""}); !error.empty())
     return std::fprintf(stderr, "bench_haptic_network: %s\n", error.c_str()), 1;
   std::thread network([&] { sockets.run(); });

@@ -30,7 +30,7 @@ struct alignas(64) Sixteen {
 struct Modes {
   explicit Modes(std::size_t count, std::size_t group)
       : padded((count + group - 1) / group * group), square(padded / 16 + 1), kappa(square.size()),
-        gain(square.size()), speed(square.size()), place(square.size()) {
+        gain(square.size()), speed(square.size()), displacement(square.size()) {
     for (std::size_t k = 0; k < count; ++k) {
       const double r = std::exp(-2.0 / 48000),
                    w = 2 * std::numbers::pi / 48000 *
@@ -41,7 +41,7 @@ struct Modes {
     }
   }
   std::size_t padded;
-  std::vector<Sixteen> square, kappa, gain, speed, place;
+  std::vector<Sixteen> square, kappa, gain, speed, displacement;
 };
 
 // The two bodies are one text for both instruction sets: a function is compiled for the set that
@@ -54,29 +54,29 @@ struct Modes {
     for (auto& s : sum)                                                                            \
       s = ALL(0.0F);                                                                               \
     for (std::size_t at = 0; at < m.padded; at += kFlight * kWidth) {                              \
-      V square[kFlight], kappa[kFlight], gain[kFlight], speed[kFlight], place[kFlight];            \
+      V square[kFlight], kappa[kFlight], gain[kFlight], speed[kFlight], displacement[kFlight];     \
       for (std::size_t r = 0; r < kFlight; ++r) {                                                  \
         const std::size_t i = at + r * kWidth;                                                     \
         square[r] = LOAD(m.square[0].v + i);                                                       \
         kappa[r] = LOAD(m.kappa[0].v + i);                                                         \
         gain[r] = LOAD(m.gain[0].v + i);                                                           \
         speed[r] = LOAD(m.speed[0].v + i);                                                         \
-        place[r] = LOAD(m.place[0].v + i);                                                         \
+        displacement[r] = LOAD(m.displacement[0].v + i);                                           \
       }                                                                                            \
       for (std::size_t n = 0; n < 64; ++n) {                                                       \
         const V x = ALL(in[n]);                                                                    \
         V s = sum[n];                                                                              \
         for (std::size_t r = 0; r < kFlight; ++r) {                                                \
           speed[r] = FMADD(square[r], speed[r],                                                    \
-                           FNMADD(kappa[r], place[r], FMADD(gain[r], x, ALL(0.0F))));              \
-          place[r] = ADD(place[r], speed[r]);                                                      \
-          s = ADD(s, place[r]);                                                                    \
+                           FNMADD(kappa[r], displacement[r], FMADD(gain[r], x, ALL(0.0F))));       \
+          displacement[r] = ADD(displacement[r], speed[r]);                                        \
+          s = ADD(s, displacement[r]);                                                             \
         }                                                                                          \
         sum[n] = s;                                                                                \
       }                                                                                            \
       for (std::size_t r = 0; r < kFlight; ++r) {                                                  \
         STORE(m.speed[0].v + at + r * kWidth, speed[r]);                                           \
-        STORE(m.place[0].v + at + r * kWidth, place[r]);                                           \
+        STORE(m.displacement[0].v + at + r * kWidth, displacement[r]);                             \
       }                                                                                            \
     }                                                                                              \
     for (std::size_t n = 0; n < 64; ++n)                                                           \
@@ -161,16 +161,16 @@ double multiply_adds_per_ns(VectorSet set) {
     return 0;
   const bool wide = set == VectorSet::kAvx512;
   volatile float sink = 0;
-  double most = 0;
+  double maximum = 0;
   for (int round = 0; round < 20; ++round) {
     const auto begin = std::chrono::steady_clock::now();
     sink = wide ? products_avx512() : products_avx2();
     const double ns =
         std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count();
-    most = std::max(most, 12.0 * kProducts * (wide ? 16 : 8) / ns);
+    maximum = std::max(maximum, 12.0 * kProducts * (wide ? 16 : 8) / ns);
   }
   static_cast<void>(sink);
-  return most;
+  return maximum;
 }
 
 #else

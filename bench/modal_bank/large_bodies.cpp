@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-double own_seconds() {
+double thread_cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
@@ -72,9 +72,9 @@ struct Plate {
       : Plate(table, with(listeners)) {}
   Plate(const std::shared_ptr<const LoadedTable>& table, const BodySettings& settings) {
     body.prepare(48000);
-    const double begin = own_seconds();
+    const double begin = thread_cpu_seconds();
     body.publish(std::make_unique<BodyModel>(table, settings), false);
-    model_s = own_seconds() - begin;
+    model_s = thread_cpu_seconds() - begin;
     body.adopt();
   }
   static BodySettings with(std::size_t listeners) {
@@ -98,18 +98,18 @@ struct Plate {
 
 /// The longest of `blocks` blocks: the least and the largest of some rounds, s.
 std::pair<double, double> longest_block(int blocks, const std::function<void(int)>& block) {
-  double least = 1e30, largest = 0;
+  double minimum = 1e30, largest = 0;
   for (int round = 0; round < 12; ++round) {
     double longest = 0;
     for (int n = 0; n < blocks; ++n) {
-      const double begin = own_seconds();
+      const double begin = thread_cpu_seconds();
       block(n);
-      longest = std::max(longest, own_seconds() - begin);
+      longest = std::max(longest, thread_cpu_seconds() - begin);
     }
-    least = std::min(least, longest);
+    minimum = std::min(minimum, longest);
     largest = std::max(largest, longest);
   }
-  return {least, largest};
+  return {minimum, largest};
 }
 
 } // namespace
@@ -135,8 +135,8 @@ void large_bodies(std::size_t only) {
         print(strikes == 1 ? "1 strike:" : "8 strikes at one sample:",
               longest_block(40, [&](int n) {
                 for (int i = 0; i < strikes && n == 0; ++i) {
-                  const SurfacePoint place = plate.at(0.13 + 0.03 * i, 0.11 - 0.04 * i);
-                  plate.body.schedule_hit({place, place.normal, 1}, plate.body.clock());
+                  const SurfacePoint point = plate.at(0.13 + 0.03 * i, 0.11 - 0.04 * i);
+                  plate.body.schedule_hit({point, point.normal, 1}, plate.body.clock());
                 }
                 plate.block();
               }));
@@ -144,21 +144,21 @@ void large_bodies(std::size_t only) {
       std::int64_t sample = plate.body.clock();
       print("point moved at 1 kHz:", longest_block(40, [&](int n) {
               for (; sample < plate.body.clock() + 64; sample += 48) {
-                const SurfacePoint place = plate.at(0.01 * n, 0.1);
-                plate.body.schedule_point(place, place.normal, sample);
+                const SurfacePoint point = plate.at(0.01 * n, 0.1);
+                plate.body.schedule_point(point, point.normal, sample);
               }
               plate.block();
             }));
       plate.force.fill(0);
       plate.height.fill(-1e-5F);
       StruckBody::Options options = plate.body.options();
-      options.led = true;
+      options.driven = true;
       plate.body.set_options(options);
       sample = plate.body.clock();
       print("hand dragged at 1 kHz:", longest_block(40, [&](int n) {
               for (; sample < plate.body.clock() + 64; sample += 48) {
-                const SurfacePoint place = plate.at(0.01 * n, 0.1);
-                plate.body.schedule_point(place, place.normal, sample);
+                const SurfacePoint point = plate.at(0.01 * n, 0.1);
+                plate.body.schedule_point(point, point.normal, sample);
               }
               plate.block();
             }));
@@ -180,23 +180,23 @@ void resting_bodies() {
         settings.rest.point_m.push_back({-0.5 + 0.13 * along, 0.05 + 0.03 * along, 0});
       }
       Plate plate(both, settings);
-      const SurfacePoint place = plate.at(0.13, 0.11);
-      plate.body.schedule_hit({place, place.normal, 1}, plate.body.clock());
+      const SurfacePoint point = plate.at(0.13, 0.11);
+      plate.body.schedule_hit({point, point.normal, 1}, plate.body.clock());
       for (int n = 0; n < 75; ++n) // until the striker has gone
         plate.block();
-      double least = 1e30;
+      double minimum = 1e30;
       for (int round = 0; round < 12; ++round) {
-        const double begin = own_seconds();
+        const double begin = thread_cpu_seconds();
         for (int n = 0; n < 20; ++n)
           plate.block();
-        least = std::min(least, (own_seconds() - begin) / (20 * 64));
+        minimum = std::min(minimum, (thread_cpu_seconds() - begin) / (20 * 64));
       }
       if (points == 0)
-        apart = least;
+        apart = minimum;
       std::printf(
           "two bodies of %3zu modes, %zu points of rest: %6.0f ns a sample, %5.1f times apart, "
           "%u steps\n",
-          modes, points, least * 1e9, least / apart, plate.body.model()->solver.steps());
+          modes, points, minimum * 1e9, minimum / apart, plate.body.model()->solver.steps());
       std::fflush(stdout);
     }
   }

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 /// Time that this thread has had the processor for, s: what others take of it does not count.
-double own_seconds();
+double thread_cpu_seconds();
 
 /// The dearest block of 64 samples of plates with thousands of modes and a surface of 2501 vertices
 /// that is heard by 1, 2 and 4 listeners: struck by 1 or 8 balls at one sample, pushed at a point

@@ -190,32 +190,33 @@ void bodies() {
     voices.push_back(std::make_unique<Body>(64));
   double best = 1e30;
   for (int round = 0; round < 5; ++round) {
-    const double begin = own_seconds();
+    const double begin = thread_cpu_seconds();
     for (std::size_t b = 0; b < 750; ++b)
       for (std::size_t i = 0; i < kVoices; ++i) {
         if ((b + 7 * i) % 187 == 0)
           voices[i]->body.hit({{}, {0, 0, 1}, 1});
         voices[i]->block(false);
       }
-    best = std::min(best, own_seconds() - begin);
+    best = std::min(best, thread_cpu_seconds() - begin);
   }
   std::printf("64 modes, coupled, 4 blows a second: %.1f ns a sample, %.0f voices a core\n",
               best * 1e9 / (kVoices * 48000), kVoices / best);
 }
 
 /// A led striker that never lets go.
-void hand_that_stays(const char* what, const Striker& striker, double depth, double swing) {
+void lasting_contact(const char* what, const Striker& striker, double depth, double amplitude) {
   Body hand(64);
   StruckBody::Options options;
-  options.led = true;
+  options.driven = true;
   hand.body.set_options(options);
   hand.body.set_striker(striker);
   for (std::size_t n = 0; n < 64; ++n)
-    hand.height[n] = static_cast<float>(-depth + swing * std::sin(static_cast<double>(n) * 0.1));
-  double least = 1e30;
+    hand.height[n] =
+        static_cast<float>(-depth + amplitude * std::sin(static_cast<double>(n) * 0.1));
+  double minimum = 1e30;
   for (int round = 0; round < 10 * kRounds; ++round)
-    least = std::min(least, seconds([&] { hand.block(false); }, 40) * 1e9 / (40 * 64));
-  std::printf("64 modes in lasting contact, %s: %.1f ns a sample (%zu contact)\n", what, least,
+    minimum = std::min(minimum, seconds([&] { hand.block(false); }, 40) * 1e9 / (40 * 64));
+  std::printf("64 modes in lasting contact, %s: %.1f ns a sample (%zu contact)\n", what, minimum,
               hand.body.contacts());
 }
 
@@ -232,8 +233,8 @@ int main(int count, char** words) {
     spring.stiffness = 1e4;
     spring.exponent = 1;
     ball.stiffness = 1e6;
-    hand_that_stays("spring", spring, 1e-3, 1e-5);
-    hand_that_stays("ball", ball, 1e-4, 1e-6);
+    lasting_contact("spring", spring, 1e-3, 1e-5);
+    lasting_contact("ball", ball, 1e-4, 1e-6);
   }
   if (part.empty() || part == "resting")
     resting_bodies();

@@ -45,7 +45,7 @@ Sound walked(const Recipe& recipe, const Walk& walk, bool room) {
   foot->seed(walk.seed);
   if (!room)
     foot->set_room(0);
-  foot->stand_on(1, recipe, 1, recipe, 0);
+  foot->set_grounds(1, recipe, 1, recipe, 0);
   Gait gait;
   gait.prepare(walk.rate);
   gait.seed(walk.seed);
@@ -59,7 +59,7 @@ Sound walked(const Recipe& recipe, const Walk& walk, bool room) {
     gait.next(feet);
     if (feet[0].heel_landing > 0)
       sound.contacts.push_back(sound.samples.size());
-    sound.samples.push_back(static_cast<float>(foot->next(feet[0]).heard));
+    sound.samples.push_back(static_cast<float>(foot->next(feet[0]).pressure_pa));
   }
   return sound;
 }
@@ -82,36 +82,36 @@ bool write(const Sound& sound, const Walk& walk, const char* path) {
 
 } // namespace
 
-int main(int count, char** words) {
+int main(int count, char** arguments) {
   if (count < 4) {
     std::fprintf(stderr, "render_footstep RECIPE OUT STEPS [SEED [SPEED [RATE [shares]]]]\n");
     return 2;
   }
-  std::ifstream file(words[1]);
+  std::ifstream file(arguments[1]);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   Recipe recipe;
   if (const std::string error = read_recipe(text, recipe); !file || !error.empty()) {
-    std::fprintf(stderr, "%s: %s\n", words[1], file ? error.c_str() : "cannot be read");
+    std::fprintf(stderr, "%s: %s\n", arguments[1], file ? error.c_str() : "cannot be read");
     return 1;
   }
   Walk walk;
-  walk.steps = std::atol(words[3]);
+  walk.steps = std::atol(arguments[3]);
   if (count > 4)
-    walk.seed = std::strtoull(words[4], nullptr, 10);
+    walk.seed = std::strtoull(arguments[4], nullptr, 10);
   if (count > 5)
-    walk.speed = std::atof(words[5]);
+    walk.speed = std::atof(arguments[5]);
   if (count > 6)
-    walk.rate = std::atof(words[6]);
-  const bool shares = count > 7 && std::string(words[7]) == "shares";
+    walk.rate = std::atof(arguments[6]);
+  const bool shares = count > 7 && std::string(arguments[7]) == "shares";
 
-  const bool written = write(walked(recipe, walk, true), walk, words[2]);
+  const bool written = write(walked(recipe, walk, true), walk, arguments[2]);
   std::printf("%zu\n", stride_samples(walk));
   if (shares)
     for (const auto& section : tactus::bench::sounding_sections(text)) {
       Recipe alone;
       if (const std::string error = read_recipe(tactus::bench::only(text, section), alone);
           !error.empty()) {
-        std::fprintf(stderr, "%s: %s\n", words[1], error.c_str());
+        std::fprintf(stderr, "%s: %s\n", arguments[1], error.c_str());
         return 1;
       }
       double energy = 0;

@@ -13,16 +13,16 @@ namespace tactus::contact {
 struct ModesView {
   double* real;
   double* imaginary;
-  const double *turn_real, *turn_imaginary;         ///< P
+  const double *pole_real, *pole_imaginary;         ///< P
   const double *response_real, *response_imaginary; ///< B
   const double *mean_real, *mean_imaginary;
   const double* mobility;
-  const double* slowing;
+  const double* decay_over_omega;
   std::size_t padded;
 };
 
 /// A force at a place with this shape, over sqrt(m).
-struct Push {
+struct PointForce {
   const double* shape;
   double force;
 };
@@ -37,27 +37,28 @@ struct Steps {
 /// in the step after the next is linear in the state after the next and in the next force: ahead .
 /// z + answer F. So the sums over modes of a step need not wait for its force, nor its force for
 /// them.
-struct PlaceView {
-  const double* shape;                        ///< g, over sqrt(m)
-  const double *push_real, *push_imaginary;   ///< g B
-  const double *ahead_real, *ahead_imaginary; ///< free mean velocity of the step after this one
-  double answer; ///< of the next step's mean velocity to this one's force
+struct PointView {
+  const double* shape;                                                ///< g, over sqrt(m)
+  const double *response_at_point_real, *response_at_point_imaginary; ///< g B
+  const double *next_mean_real,
+      *next_mean_imaginary; ///< free mean velocity of the step after this one
+  double next_mobility;     ///< of the next step's mean velocity to this one's force
 };
 
 /// Sums over modes that a step leaves to the next ones.
-struct Foresight {
+struct Prediction {
   double free = 0; ///< the place's free mean velocity in the next step
   double base = 0; ///< and in the one after it, without the force of the next
 };
 
 /// Samples of one exciter in a row, as long as nothing but the steps themselves has to be done:
 /// inputs, outputs, and what ends it early.
-struct Stretch {
+struct SampleBatch {
   const double* drive;  ///< force on the mass, N, or velocity of the rubbing surface, m/s
   const double* normal; ///< of friction, N
-  double* heard;        ///< velocity at the ear; null: not wanted
+  double* output;       ///< velocity at the ear; null: not wanted
   double* force;        ///< mean of each sample; null: not wanted
-  const double *ear_real, *ear_imaginary;
+  const double *pickup_real, *pickup_imaginary;
   std::size_t count;
 };
 
@@ -68,26 +69,26 @@ public:
   /// A step of a body that nothing touches.
   virtual void ring(const ModesView&) const noexcept = 0;
   /// The same, and dots() of the ear's arrays and the state after it.
-  virtual double ring_heard(const ModesView&, const double* ear_real,
-                            const double* ear_imaginary) const noexcept = 0;
+  virtual double ring_with_output(const ModesView&, const double* pickup_real,
+                                  const double* pickup_imaginary) const noexcept = 0;
   /// Foresight from the state alone.
-  [[nodiscard]] virtual Foresight foresee(const ModesView&, const PlaceView&) const noexcept = 0;
+  [[nodiscard]] virtual Prediction predict(const ModesView&, const PointView&) const noexcept = 0;
   /// Samples with one exciter on the body that is near; no outer forces. Returns how many: it ends
-  /// early after one that leaves the exciter in need of a look (TouchedBody::look_around).
-  virtual std::size_t touch(const ModesView&, const PlaceView&, Foresight&, Exciter&, Steps,
-                            const Stretch&) const noexcept = 0;
+  /// early after one that leaves the exciter in need of a look (ExcitedBody::update_proximity).
+  virtual std::size_t advance_contact(const ModesView&, const PointView&, Prediction&, Exciter&,
+                                      Steps, const SampleBatch&) const noexcept = 0;
   /// mean[i] = the modes' mean velocity in a step with these forces. Null `outer`: none.
-  virtual void mean(const ModesView&, const double* outer, std::span<const Push>,
+  virtual void mean(const ModesView&, const double* external, std::span<const PointForce>,
                     double* mean) const noexcept = 0;
   /// The same without forces.
   virtual void free_mean(const ModesView&, double* mean) const noexcept = 0;
   /// A step on under these forces.
-  virtual void advance(const ModesView&, const double* outer,
-                       std::span<const Push>) const noexcept = 0;
+  virtual void advance(const ModesView&, const double* external,
+                       std::span<const PointForce>) const noexcept = 0;
   /// Marks the contacts of the blocks that are about to end or whose energy is no longer what their
   /// steps were chosen for. `look`: their depths anew from where all is.
-  virtual void look_at(std::span<PressedBlock>, const double* real, const double* imaginary,
-                       bool look, double h) const noexcept = 0;
+  virtual void check_pressed(std::span<PressedBlock>, const double* real, const double* imaginary,
+                             bool measure, double h) const noexcept = 0;
   /// Their step of a sample, from one state of the modes into another, which may be the same.
   /// Marks those that have ended, which are still to be released and booked, or that are not sane.
   virtual void press(std::span<PressedBlock>, const double* from_real, const double* from_imaginary,
@@ -106,7 +107,7 @@ public:
                                     const double* d, std::size_t padded) const noexcept = 0;
   /// Velocity at a place with this shape: sum of shape (real - slowing imaginary).
   [[nodiscard]] virtual double velocity(const double* shape, const double* real,
-                                        const double* imaginary, const double* slowing,
+                                        const double* imaginary, const double* decay_over_omega,
                                         std::size_t padded) const noexcept = 0;
 };
 

@@ -11,32 +11,32 @@ Islands::Islands(std::size_t max_modes, std::size_t max_contacts) {
   modes_.reserve(max_modes);
 }
 
-PlaceModes::PlaceModes(std::size_t max_modes, std::size_t places)
-    : modes_(places), owner_(max_modes, kNone), parent_(places), island_(places) {
+PointModes::PointModes(std::size_t max_modes, std::size_t points)
+    : modes_(points), owner_(max_modes, kNone), parent_(points), island_(points) {
   for (std::vector<std::uint32_t>& modes : modes_)
     modes.reserve(max_modes);
 }
 
-void PlaceModes::set(std::size_t place, std::span<const double> shape) noexcept {
-  modes_[place].clear();
+void PointModes::set(std::size_t point, std::span<const double> shape) noexcept {
+  modes_[point].clear();
   for (std::size_t i = 0; i < shape.size(); ++i)
     if (shape[i] != 0)
-      modes_[place].push_back(static_cast<std::uint32_t>(i));
+      modes_[point].push_back(static_cast<std::uint32_t>(i));
 }
 
-std::uint32_t PlaceModes::root(std::uint32_t contact) noexcept {
+std::uint32_t PointModes::root(std::uint32_t contact) noexcept {
   while (parent_[contact] != contact)
     contact = parent_[contact] = parent_[parent_[contact]];
   return contact;
 }
 
 /// Union-find over the modes (Tarjan 1975); the root is always the first contact.
-void PlaceModes::divide(std::span<const std::size_t> places, Islands& into) noexcept {
-  const auto count = static_cast<std::uint32_t>(places.size());
+void PointModes::divide(std::span<const std::size_t> points, Islands& into) noexcept {
+  const auto count = static_cast<std::uint32_t>(points.size());
   std::size_t end = 0; // of the modes that any moves
   for (std::uint32_t c = 0; c < count; ++c) {
     parent_[c] = c;
-    for (const std::uint32_t mode : modes_[places[c]]) {
+    for (const std::uint32_t mode : modes_[points[c]]) {
       if (owner_[mode] == kNone) {
         owner_[mode] = c;
         continue;
@@ -46,8 +46,8 @@ void PlaceModes::divide(std::span<const std::size_t> places, Islands& into) noex
         std::swap(a, b);
       parent_[b] = a;
     }
-    if (!modes_[places[c]].empty())
-      end = std::max<std::size_t>(end, modes_[places[c]].back() + 1);
+    if (!modes_[points[c]].empty())
+      end = std::max<std::size_t>(end, modes_[points[c]].back() + 1);
   }
   into.islands_.clear();
   for (std::uint32_t c = 0; c < count; ++c) {
@@ -72,7 +72,7 @@ void PlaceModes::divide(std::span<const std::size_t> places, Islands& into) noex
   into.modes_.resize(modes);
   for (std::uint32_t c = 0; c < count; ++c) {
     Islands::Island& island = into.islands_[island_[c]];
-    into.slots_[island.first_slot + island.slots++] = places[c];
+    into.slots_[island.first_slot + island.slots++] = points[c];
   }
   for (std::size_t mode = 0; mode < end; ++mode) {
     if (owner_[mode] == kNone)

@@ -32,26 +32,26 @@ public:
   }
 
 private:
-  friend class PlaceModes;
+  friend class PointModes;
   std::vector<Island> islands_; ///< in the order of their first contacts
   std::vector<std::size_t> slots_;
   std::vector<std::uint32_t> modes_;
 };
 
 /// The modes that a contact at each place moves: those whose shape there is not zero.
-class PlaceModes {
+class PointModes {
 public:
-  PlaceModes(std::size_t max_modes, std::size_t places);
+  PointModes(std::size_t max_modes, std::size_t points);
 
   /// From the place's shape.
-  void set(std::size_t place, std::span<const double> shape) noexcept;
+  void set(std::size_t point, std::span<const double> shape) noexcept;
   /// Ascending.
-  [[nodiscard]] std::span<const std::uint32_t> operator[](std::size_t place) const noexcept {
-    return modes_[place];
+  [[nodiscard]] std::span<const std::uint32_t> operator[](std::size_t point) const noexcept {
+    return modes_[point];
   }
   /// Divides the contacts at these places into islands. Time: of the contacts' modes and those up
   /// to the last.
-  void divide(std::span<const std::size_t> places, Islands& into) noexcept;
+  void divide(std::span<const std::size_t> points, Islands& into) noexcept;
 
 private:
   [[nodiscard]] std::uint32_t root(std::uint32_t contact) noexcept;

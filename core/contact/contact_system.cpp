@@ -7,14 +7,14 @@ namespace tactus::contact {
 namespace {
 
 /// In theory 1: mobilities summed in single precision may not be quite positive.
-constexpr double kLeastPivot = 0.5;
+constexpr double kMinPivot = 0.5;
 
 } // namespace
 
 ContactSystem::ContactSystem(std::size_t max_contacts)
     : dense_(&dense_kernel()), stride_(whole_lanes(max_contacts)), block_{0, 0, stride_},
       terms_(max_contacts), coupling_(max_contacts * stride_), matrix_(max_contacts * stride_),
-      right_(max_contacts), other_(max_contacts), root_(max_contacts), answers_(max_contacts),
+      right_(max_contacts), other_(max_contacts), root_(max_contacts), solution_(max_contacts),
       column_(max_contacts) {
   acting_.reserve(max_contacts);
 }
@@ -23,7 +23,7 @@ void ContactSystem::clear_coupling(std::size_t contacts) noexcept {
   std::fill_n(coupling_.data() + block_.at, contacts * block_.stride, 0.0);
 }
 
-void ContactSystem::leave_out(std::size_t contacts) noexcept {
+void ContactSystem::find_inactive_velocities(std::size_t contacts) noexcept {
   for (std::size_t c = 0; c < contacts; ++c) {
     ContactTerm& t = (*this)[c];
     if (t.acts)
@@ -37,21 +37,21 @@ void ContactSystem::leave_out(std::size_t contacts) noexcept {
 
 void ContactSystem::solve_one() noexcept {
   ContactTerm& t = (*this)[acting_[0]];
-  t.solve(coupling(acting_[0], acting_[0]) + t.own);
+  t.solve(coupling(acting_[0], acting_[0]) + t.own_mobility);
 }
 
 /// Two by elimination; the pivots are those of solve_acting(), 1 and above.
 void ContactSystem::solve_two() noexcept {
   ContactTerm &a = (*this)[acting_[0]], &b = (*this)[acting_[1]];
   const double y = coupling(acting_[1], acting_[0]);
-  const double ya = coupling(acting_[0], acting_[0]) + a.own,
-               yb = coupling(acting_[1], acting_[1]) + b.own;
+  const double ya = coupling(acting_[0], acting_[0]) + a.own_mobility,
+               yb = coupling(acting_[1], acting_[1]) + b.own_mobility;
   const double sa = a.law.slope_ns_per_m, sb = b.law.slope_ns_per_m;
   const double fa = a.law.offset_n, fb = b.law.offset_n;
   const double va = a.free - (ya * fa + y * fb), vb = b.free - (y * fa + yb * fb);
   const double pa = fa + sa * a.free, pb = fb + sb * b.free;
   const double first = 1 / (1 + sa * ya);
-  const double second = 1 / std::max(1 + sb * yb - sa * sb * y * y * first, kLeastPivot);
+  const double second = 1 / std::max(1 + sb * yb - sa * sb * y * y * first, kMinPivot);
   b.mean = (vb - y * sa * first * va) * second;
   a.mean = (va - y * sb * b.mean) * first;
   b.force = (pb - y * sb * first * pa) * second;
@@ -67,9 +67,9 @@ void ContactSystem::solve_acting(std::size_t contacts) noexcept {
     return solve_two();
   const std::size_t count = acting_.size(), stride = whole_lanes(count);
   const DenseView matrix{matrix_.data(), count, stride};
-  double *const root = root_.data(), *const answer = answers_.data();
+  double *const root = root_.data(), *const solution = solution_.data();
   std::fill_n(root, stride, 0.0);
-  std::fill_n(answer, stride, 0.0);
+  std::fill_n(solution, stride, 0.0);
   for (std::size_t i = 0; i < count; ++i)
     root[i] = std::sqrt((*this)[acting_[i]].law.slope_ns_per_m);
   for (std::size_t j = 0; j < count; ++j) {
@@ -80,19 +80,19 @@ void ContactSystem::solve_acting(std::size_t contacts) noexcept {
         column_[i] = column[acting_[i]];
       column = column_.data();
     }
-    dense_->take_column(matrix.at + j * stride, answer, column, root, root[j], t.law.offset_n,
+    dense_->take_column(matrix.at + j * stride, solution, column, root, root[j], t.law.offset_n,
                         stride);
-    matrix(j, j) += 1 + t.law.slope_ns_per_m * t.own;
-    answer[j] += t.own * t.law.offset_n;
+    matrix(j, j) += 1 + t.law.slope_ns_per_m * t.own_mobility;
+    solution[j] += t.own_mobility * t.law.offset_n;
   }
   std::fill_n(right_.data(), stride, 0.0);
   std::fill_n(other_.data(), stride, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
     const ContactTerm& t = (*this)[acting_[i]];
-    right_[i] = root[i] * (t.free - answer[i]);
+    right_[i] = root[i] * (t.free - solution[i]);
     other_[i] = t.law.offset_n / root[i] + root[i] * t.free;
   }
-  dense_->factorise(matrix, kLeastPivot);
+  dense_->factorise(matrix, kMinPivot);
   dense_->substitute(matrix, right_.data(), other_.data());
   for (std::size_t i = 0; i < count; ++i) {
     ContactTerm& t = (*this)[acting_[i]];

@@ -45,27 +45,27 @@ public:
   }
   void clear_coupling(std::size_t contacts) noexcept;
 
-  /// Finds all forces and mean velocities of the first so many. `solve_otherwise(acting)` may find
-  /// those of the contacts that act in another way and return true.
-  template <class Otherwise>
-  void solve(std::size_t contacts, const Otherwise& solve_otherwise) noexcept {
+  /// Finds all forces and mean velocities of the first so many. `alternative_solver(acting)` may
+  /// find those of the contacts that act in another way and return true.
+  template <class AlternativeSolver>
+  void solve(std::size_t contacts, const AlternativeSolver& alternative_solver) noexcept {
     for (std::size_t c = 0; c < contacts; ++c)
-      (*this)[c].acts = (*this)[c].law.slope_ns_per_m > kLeastSlope;
+      (*this)[c].acts = (*this)[c].law.slope_ns_per_m > kMinSlope;
     // Every round takes out at least one: it ends.
-    for (bool pulls = true; pulls;) {
+    for (bool has_tension = true; has_tension;) {
       acting_.clear();
       for (std::size_t c = 0; c < contacts; ++c)
         if ((*this)[c].acts)
           acting_.push_back(c);
       if (acting_.empty())
         return;
-      if (!solve_otherwise(acting()))
+      if (!alternative_solver(acting()))
         solve_acting(contacts);
-      pulls = false;
+      has_tension = false;
       for (const std::size_t c : acting_)
-        if (ContactTerm& t = (*this)[c]; t.force < 0 && !t.may_pull) {
+        if (ContactTerm& t = (*this)[c]; t.force < 0 && !t.may_be_negative) {
           t.acts = false;
-          pulls = true;
+          has_tension = true;
         }
     }
   }
@@ -73,14 +73,14 @@ public:
     solve(contacts, [](std::span<const std::size_t>) { return false; });
   }
   /// The mean velocities of those that have no force, under the others' forces.
-  void leave_out(std::size_t contacts) noexcept;
+  void find_inactive_velocities(std::size_t contacts) noexcept;
   /// The contacts with a force in the last solution.
   [[nodiscard]] std::span<const std::size_t> acting() const noexcept { return acting_; }
 
   void use_baseline() noexcept { dense_ = &baseline_dense_kernel(); }
   [[nodiscard]] const DenseKernel& dense() const noexcept { return *dense_; }
 
-  static constexpr double kLeastSlope = 1e-250; ///< N s/m; a softer contact has no force
+  static constexpr double kMinSlope = 1e-250; ///< N s/m; a softer contact has no force
 
 private:
   void solve_acting(std::size_t contacts) noexcept;
@@ -93,7 +93,7 @@ private:
   std::vector<ContactTerm> terms_;
   std::vector<std::size_t> acting_;
   ModeArray coupling_, matrix_;
-  ModeArray right_, other_, root_, answers_, column_;
+  ModeArray right_, other_, root_, solution_, column_;
 };
 
 } // namespace tactus::contact

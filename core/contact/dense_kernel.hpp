@@ -21,7 +21,7 @@ class DenseKernel {
 public:
   virtual ~DenseKernel() = default;
   /// Cholesky's factorisation, in place; pivots that rounding has made smaller count as `least`.
-  virtual void factorise(const DenseView& matrix, double least) const noexcept = 0;
+  virtual void factorise(const DenseView& matrix, double min_pivot) const noexcept = 0;
   /// Solves with the factorised matrix for two right sides of `stride` numbers, in place.
   virtual void substitute(const DenseView& factor, double* first,
                           double* second) const noexcept = 0;

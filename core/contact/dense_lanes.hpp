@@ -43,14 +43,14 @@ template <class Set> class DenseLanes final : public DenseKernel, Lanes<Set> {
   }
 
 public:
-  void factorise(const DenseView& m, double least) const noexcept override {
+  void factorise(const DenseView& m, double min_pivot) const noexcept override {
     for (std::size_t column = 0; column < m.count; ++column) {
       std::size_t row = lanes_from(column);
       for (; row + 2 * kModeLanes <= m.stride; row += 2 * kModeLanes)
         reduce<2>(m, row, column);
       if (row < m.stride)
         reduce<1>(m, row, column);
-      const double root = std::sqrt(std::max(m(column, column), least));
+      const double root = std::sqrt(std::max(m(column, column), min_pivot));
       const V over = all(1 / root);
       double* const to = m.at + column * m.stride;
       for (row = lanes_from(column); row < m.stride; row += kWidth)

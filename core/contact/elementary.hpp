@@ -16,12 +16,12 @@ namespace tactus::contact {
 }
 /// x held within low and high, `otherwise` for what is not finite.
 [[nodiscard, gnu::always_inline]] inline double within(double x, double low, double high,
-                                                       double otherwise) noexcept {
-  return std::isfinite(x) ? (x < low ? low : (x > high ? high : x)) : otherwise;
+                                                       double fallback) noexcept {
+  return std::isfinite(x) ? (x < low ? low : (x > high ? high : x)) : fallback;
 }
 
 /// 2^y for |y| <= 1000, relative error below 1e-12; beyond, the value there.
-[[nodiscard, gnu::always_inline]] inline double power_of_two(double y) noexcept {
+[[nodiscard, gnu::always_inline]] inline double exp2_of(double y) noexcept {
   y = y < -1000 ? -1000 : (y > 1000 ? 1000 : y);
   // y + kRound has y's nearest integer in its last bits, from where it goes to the exponent's.
   constexpr double kRound = 0x1.8p52;
@@ -39,7 +39,7 @@ namespace tactus::contact {
 }
 
 /// log2 x for a normal number x > 0, absolute error below 1e-14.
-[[nodiscard, gnu::always_inline]] inline double logarithm_of_two(double x) noexcept {
+[[nodiscard, gnu::always_inline]] inline double log2_of(double x) noexcept {
   // x = 2^k m with m in [sqrt(1/2), sqrt(2)); ln m = 2 artanh(s), s = (m - 1)/(m + 1).
   constexpr std::int64_t kHalfRoot = 0x3fe6a09e667f3bcd; // bits of sqrt(1/2)
   const auto bits = std::bit_cast<std::int64_t>(x);
@@ -78,7 +78,7 @@ public:
     case 5:
       return x * std::sqrt(std::sqrt(x));
     default:
-      return power_of_two(exponent_ * logarithm_of_two(x));
+      return exp2_of(exponent_ * log2_of(x));
     }
   }
   [[nodiscard]] double exponent() const noexcept { return exponent_; }
@@ -90,9 +90,9 @@ private:
 
 /// x^e for x that moves little at a time: by its binomial series from where the power was last
 /// taken, as long as x stays within 1/16 of there. Relative error below 1e-9 for 0 <= e <= 5/2.
-class FollowedPower {
+class TaylorPower {
 public:
-  explicit FollowedPower(double exponent = 0) noexcept : power_(exponent) {
+  explicit TaylorPower(double exponent = 0) noexcept : power_(exponent) {
     double factor = 1;
     for (int k = 0; k < kTerms; ++k)
       term_[k] = factor *= (exponent - k) / (k + 1);
@@ -101,10 +101,10 @@ public:
   [[nodiscard, gnu::always_inline]] double operator()(double x) noexcept {
     if (power_.exponent() == 0)
       return 1;
-    const double d = x * over_ - 1;
+    const double d = x * inverse_ - 1;
     if (!(std::abs(d) < kReach)) {
       value_ = power_(x);
-      over_ = 1 / x;
+      inverse_ = 1 / x;
       return value_;
     }
     const double d2 = d * d;
@@ -116,19 +116,19 @@ public:
   static constexpr double kReach = 0.0625; ///< |d| below which the series is taken
   /// Where it was last taken: x^e and 1/x.
   struct Anchor {
-    double value = 0, over = 0;
+    double value = 0, inverse = 0;
   };
-  [[nodiscard]] Anchor anchor() const noexcept { return {value_, over_}; }
+  [[nodiscard]] Anchor anchor() const noexcept { return {value_, inverse_}; }
   void set_anchor(const Anchor& anchor) noexcept {
     value_ = anchor.value;
-    over_ = anchor.over;
+    inverse_ = anchor.inverse;
   }
   [[nodiscard]] double exponent() const noexcept { return power_.exponent(); }
   [[nodiscard]] double term(int k) const noexcept { return term_[k]; }
 
 private:
   Power power_;
-  double value_ = 0, over_ = 0;
+  double value_ = 0, inverse_ = 0;
   double term_[kTerms];
 };
 

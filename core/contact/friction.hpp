@@ -52,7 +52,7 @@ public:
   void set(const FrictionLaw& law) noexcept;
   [[nodiscard]] const FrictionLaw& law() const noexcept { return law_; }
   void release() noexcept {
-    bend_ = slip_ = sliding_ = give_ = viscosity_ = 0;
+    bend_ = slip_ = sliding_ = bristle_impedance_ = viscosity_ = 0;
     scale_ = 1;
     pressed_ = false;
   }
@@ -62,7 +62,7 @@ public:
   [[gnu::always_inline]] void enter_step(double normal_force_n, double velocity, double noise,
                                          double h) noexcept {
     h_ = h;
-    if (!(normal_force_n > kLightest)) {
+    if (!(normal_force_n > kMinNormalForce)) {
       release();
       return;
     }
@@ -72,32 +72,32 @@ public:
     viscosity_ = law_.viscosity_ns_per_m;
     if (law_.roughness > 0)
       viscosity_ += law_.roughness * std::abs(noise) *
-                    std::sqrt(normal_force_n / (std::abs(velocity) + kSlowest));
-    look<true>(velocity, bend_ + 0.5 * h * velocity);
+                    std::sqrt(normal_force_n / (std::abs(velocity) + kMinSpeed));
+    linearise<true>(velocity, bend_ + 0.5 * h * velocity);
   }
   /// The force of the step as the stage at hand has it.
   [[nodiscard, gnu::always_inline]] ScaledForce stage() const noexcept {
     if (!pressed_)
       return {};
-    return {(scale_ * law_.stiffness_n_per_m - give_ * slip_) * bend_,
-            give_ * sliding_ + scale_ * viscosity_, scale_};
+    return {(scale_ * law_.stiffness_n_per_m - bristle_impedance_ * slip_) * bend_,
+            bristle_impedance_ * sliding_ + scale_ * viscosity_, scale_};
   }
   /// The mean velocity that follows with this stage's force from the free one and the mobility of
   /// the place; quicker than by way of stage().
   [[nodiscard, gnu::always_inline]] double mean(double free, double mobility) const noexcept {
     return (scale_ * (free - mobility * law_.stiffness_n_per_m * bend_) +
-            mobility * give_ * (slip_ * bend_)) *
-           under(mobility);
+            mobility * bristle_impedance_ * (slip_ * bend_)) *
+           inverse_denominator(mobility);
   }
   /// And the force.
   [[nodiscard, gnu::always_inline]] double force(double free, double mobility) const noexcept {
     const ScaledForce f = stage();
-    return (f.offset + f.slope * free) * under(mobility);
+    return (f.offset + f.slope * free) * inverse_denominator(mobility);
   }
   /// The next stage, from the mean velocity that the stage before led to.
   [[gnu::always_inline]] void refine(double mean_velocity) noexcept {
     if (pressed_)
-      look<false>(mean_velocity, bend_ + 0.5 * h_ * growth(mean_velocity));
+      linearise<false>(mean_velocity, bend_ + 0.5 * h_ * growth(mean_velocity));
   }
   /// Ends the step.
   [[gnu::always_inline]] void pass_step(double mean_velocity) noexcept {
@@ -112,11 +112,11 @@ public:
   }
 
 private:
-  [[nodiscard, gnu::always_inline]] double under(double mobility) const noexcept {
-    return 1 / (scale_ * (1 + mobility * viscosity_) + mobility * give_ * sliding_);
+  [[nodiscard, gnu::always_inline]] double inverse_denominator(double mobility) const noexcept {
+    return 1 / (scale_ * (1 + mobility * viscosity_) + mobility * bristle_impedance_ * sliding_);
   }
   /// 2^-y for y >= 0, relative error below 1e-8.
-  [[nodiscard, gnu::always_inline]] static double bell_of(double y) noexcept {
+  [[nodiscard, gnu::always_inline]] static double gaussian(double y) noexcept {
     constexpr double kRound = 0x1.8p52;
     y = y > 1000 ? 1000 : y;
     const double shifted = kRound - y, t = (kRound - shifted) - y; // |t| <= 1/2
@@ -128,23 +128,25 @@ private:
                     (t2 * t2) * ((9.6181291076284772e-3 + t * 1.3333558146428443e-3) +
                                  t2 * (1.5403530393381609e-4 + t * 1.5252733804059840e-5)));
   }
-  static constexpr double kLightest = 1e-12; ///< N; below it nothing rubs
-  static constexpr double kTangent = 0.2;    ///< of v/v_s
-  static constexpr double kNowhere = 1e300;  ///< of v/v_s
-  static constexpr double kSlowest = 1e-4; ///< m/s; bounds the viscosity of a rough contact at rest
+  static constexpr double kMinNormalForce = 1e-12; ///< N; below it nothing rubs
+  static constexpr double kTangentReach = 0.2;     ///< of v/v_s
+  static constexpr double kUnsetRatio = 1e300;     ///< of v/v_s
+  static constexpr double kMinSpeed =
+      1e-4; ///< m/s; bounds the viscosity of a rough contact at rest
 
   /// Takes the nonlinear terms at a velocity and a bend. All of the step is multiplied by
   /// scale = |z_ss| (1 + a h/2), which saves divisions one after another. The first stage, which
   /// only has to come near, goes along the tangent of exp(-(v/v_s)^2) where it was last taken.
-  template <bool first> [[gnu::always_inline]] void look(double v, double z) noexcept {
-    const double ratio = v * over_stribeck_, way = ratio - ratio_; // 2^-ratio^2 = e^-(v/v_s)^2
+  template <bool first> [[gnu::always_inline]] void linearise(double v, double z) noexcept {
+    const double ratio = v * inverse_stribeck_,
+                 ratio_change = ratio - ratio_; // 2^-ratio^2 = e^-(v/v_s)^2
     const double size = std::abs(z), elastic = law_.breakaway * slide_, speed = std::abs(v);
-    sliding_ = slide_ + stick_ * (bell_ + tangent_ * v); // |z_ss|
-    if (!first || !(std::abs(way) < kTangent)) {
-      const double bell = bell_of(ratio * ratio);
+    sliding_ = slide_ + stick_ * (gaussian_ + tangent_ * v); // |z_ss|
+    if (!first || !(std::abs(ratio_change) < kTangentReach)) {
+      const double bell = gaussian(ratio * ratio);
       ratio_ = ratio;
-      tangent_ = -2 * std::numbers::ln2 * ratio * over_stribeck_ * bell;
-      bell_ = bell - tangent_ * v;
+      tangent_ = -2 * std::numbers::ln2 * ratio * inverse_stribeck_ * bell;
+      gaussian_ = bell - tangent_ * v;
       sliding_ = slide_ + stick_ * bell;
     }
     slip_ = 0;
@@ -160,7 +162,7 @@ private:
       }
     }
     scale_ = sliding_ + 0.5 * h_ * slip_;
-    give_ = 0.5 * h_ * s0 + s1;
+    bristle_impedance_ = 0.5 * h_ * s0 + s1;
   }
   /// z' of the step.
   [[nodiscard, gnu::always_inline]] double growth(double mean_velocity) const noexcept {
@@ -175,14 +177,14 @@ private:
 
   double bend_ = 0; ///< z, m
   double h_ = 0, slide_ = 0, stick_ = 0, viscosity_ = 0;
-  double sliding_ = 1; ///< |z_ss|, m
-  double slip_ = 0;    ///< alpha |v| = a |z_ss|, m/s
-  double scale_ = 1;   ///< |z_ss| (1 + a h/2), m
-  double give_ = 0;    ///< sigma0 h/2 + sigma1, N s/m
-  /// exp(-(v/v_s)^2) near the velocity it was last taken at: bell_ + tangent_ v.
-  double ratio_ = kNowhere, bell_ = 1, tangent_ = 0;
+  double sliding_ = 1;           ///< |z_ss|, m
+  double slip_ = 0;              ///< alpha |v| = a |z_ss|, m/s
+  double scale_ = 1;             ///< |z_ss| (1 + a h/2), m
+  double bristle_impedance_ = 0; ///< sigma0 h/2 + sigma1, N s/m
+  /// exp(-(v/v_s)^2) near the velocity it was last taken at: gaussian_ + tangent_ v.
+  double ratio_ = kUnsetRatio, gaussian_ = 1, tangent_ = 0;
   bool pressed_ = false;
-  double dynamic_over_stiffness_ = 0, excess_over_stiffness_ = 0, over_stribeck_ = 0;
+  double dynamic_over_stiffness_ = 0, excess_over_stiffness_ = 0, inverse_stribeck_ = 0;
   FrictionLaw law_;
 };
 

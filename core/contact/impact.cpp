@@ -15,9 +15,10 @@ constexpr double kExact = 1e-13; // of the penetration
 } // namespace
 
 ImpactLaw ImpactLaw::within_range() const noexcept {
-  const ImpactLaw usual;
-  return {within(stiffness, 1e-3, 1e18, usual.stiffness), within(exponent, 1, 6, usual.exponent),
-          within(dissipation_s_per_m, 0, 1e6, usual.dissipation_s_per_m),
+  const ImpactLaw defaults;
+  return {within(stiffness, 1e-3, 1e18, defaults.stiffness),
+          within(exponent, 1, 6, defaults.exponent),
+          within(dissipation_s_per_m, 0, 1e6, defaults.dissipation_s_per_m),
           within(compliance_m_per_n, 0, 1e6, 0)};
 }
 
@@ -91,8 +92,8 @@ double restitution(double y) noexcept {
   const double kept = y - std::log1p(y);
   double t = kept + std::sqrt(2 * kept);
   for (int round = 0; round < 60; ++round) {
-    const double rest = -std::expm1(-t); // 1 - exp(-t)
-    const double step = (t - rest - kept) / rest;
+    const double slope = -std::expm1(-t); // 1 - exp(-t)
+    const double step = (t - slope - kept) / slope;
     t -= step;
     if (!(std::abs(step) > 1e-14 * t))
       break;
@@ -117,7 +118,7 @@ double dissipation_for(double restitution, double speed_m_per_s) noexcept {
 void Impact::set(const ImpactLaw& law) noexcept {
   law_ = law.within_range();
   const double k = law_.stiffness, a = law_.exponent;
-  power_ = FollowedPower(0.5 * (a - 1));
+  power_ = TaylorPower(0.5 * (a - 1));
   gamma_scale_ = std::sqrt(0.5 * k * (a + 1));
   psi_scale_ = std::sqrt(2 * k / (a + 1));
   loss_scale_ = k * law_.dissipation_s_per_m;
@@ -125,7 +126,7 @@ void Impact::set(const ImpactLaw& law) noexcept {
   rate_scale_ = a * k * std::pow((a + 1) / k, (a - 1) / (a + 1));
 }
 
-Impact::Yield Impact::yield(double x) noexcept {
+Impact::ElasticState Impact::relax(double x) noexcept {
   // x = d + C k d^a by Newton's method, from above after one round (ImpactLaw::indentation()),
   // begun where it was last.
   const double a = law_.exponent, c = law_.compliance_m_per_n, k = law_.stiffness;
@@ -144,37 +145,37 @@ Impact::Yield Impact::yield(double x) noexcept {
   return {force, std::sqrt(2 * force * d / (a + 1) + c * force * force)};
 }
 
-LinearForce Impact::enter_yielding_step(double x, double way, double h) noexcept {
-  const double end = x + way;
+LinearForce Impact::enter_compliant_step(double x, double travel, double h) noexcept {
+  const double end = x + travel;
   if (x > 0 && end > 0) {
-    const Yield middle = yield(within_reach(x + 0.5 * way));
+    const ElasticState middle = relax(within_reach(x + 0.5 * travel));
     gamma_ = middle.force_n / middle.psi; // psi*' = F/psi*
     return {gamma_ * psi_, 0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * middle.force_n};
   }
-  return x <= 0 ? arrive(yield(within_reach(end)).psi, way, h) : depart(way, h);
+  return x <= 0 ? begin_contact(relax(within_reach(end)).psi, travel, h) : end_contact(travel, h);
 }
 
-void Impact::lend(PressedBlock& b, std::size_t l) const noexcept {
+void Impact::store_to_lane(PressedBlock& b, std::size_t l) const noexcept {
   b.psi[l] = psi_;
-  b.bank[l] = bank_j_;
+  b.energy_account[l] = energy_account_j_;
   b.gamma_scale[l] = gamma_scale_;
   b.psi_scale[l] = psi_scale_;
   b.loss_scale[l] = loss_scale_;
-  const auto [value, over] = power_.anchor();
+  const auto [value, inverse] = power_.anchor();
   b.exponent[l] = power_.exponent();
   const bool constant = power_.exponent() == 0; // 1 at any depth
   b.power_value[l] = constant ? 1 : value;
-  b.power_over[l] = constant ? 1 : over;
-  b.power_limit[l] = constant ? std::numeric_limits<double>::infinity() : FollowedPower::kReach;
-  for (int k = 0; k < FollowedPower::kTerms; ++k)
+  b.power_inverse[l] = constant ? 1 : inverse;
+  b.power_limit[l] = constant ? std::numeric_limits<double>::infinity() : TaylorPower::kReach;
+  for (int k = 0; k < TaylorPower::kTerms; ++k)
     b.power_term[static_cast<std::size_t>(k)][l] = constant ? 0 : power_.term(k);
 }
 
-void Impact::take_back(const PressedBlock& b, std::size_t l) noexcept {
+void Impact::load_from_lane(const PressedBlock& b, std::size_t l) noexcept {
   psi_ = b.psi[l];
-  bank_j_ = b.bank[l];
+  energy_account_j_ = b.energy_account[l];
   if (power_.exponent() != 0)
-    power_.set_anchor({b.power_value[l], b.power_over[l]});
+    power_.set_anchor({b.power_value[l], b.power_inverse[l]});
 }
 
 } // namespace tactus::contact

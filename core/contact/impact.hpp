@@ -76,7 +76,8 @@ struct ImpactLaw {
 ///
 /// psi drifts from the exact psi*(x) = sqrt(2 k x^(a+1)/(a+1)) by the error of the step. After each
 /// step it is put back, and what that frees or takes is kept in an account that never falls below
-/// zero (`bank_j`): the sum stays what it was, and a rebound does not depend on the drift.
+/// zero (`energy_account_j`): the sum stays what it was, and a rebound does not depend on the
+/// drift.
 ///
 /// In the step within which a contact begins, gamma is the chord of psi* over the step's expected
 /// way, so that psi ends at psi*(x) wherever between two steps the surface was met; in the step
@@ -89,7 +90,7 @@ public:
   [[nodiscard]] const ImpactLaw& law() const noexcept { return law_; }
   /// No contact, nothing stored.
   void release() noexcept {
-    psi_ = bank_j_ = 0;
+    psi_ = energy_account_j_ = 0;
     touching_ = false;
   }
 
@@ -101,24 +102,25 @@ public:
   }
 
   /// True if a step of h seconds from penetration x with this rate is one of contact.
-  [[nodiscard, gnu::always_inline]] static bool meets(double x, double rate, double h) noexcept {
+  [[nodiscard, gnu::always_inline]] static bool in_contact(double x, double rate,
+                                                           double h) noexcept {
     return x > 0 || x + h * rate > kTouch;
   }
   /// The force of such a step. A sum below zero counts as no force: leave out pass_step() then.
-  /// `may_yield`: the law may have a compliance; without it all stays in registers.
-  template <bool may_yield = true>
+  /// `has_compliance`: the law may have a compliance; without it all stays in registers.
+  template <bool has_compliance = true>
   [[nodiscard, gnu::always_inline]] LinearForce enter_step(double x, double rate,
                                                            double h) noexcept {
     if (!touching_) {
       touching_ = true;
-      bank_j_ = 0;
+      energy_account_j_ = 0;
     }
-    const double way = h * rate, end = x + way;
-    if constexpr (may_yield)
-      if (yields())
-        return enter_yielding_step(x, way, h);
+    const double travel = h * rate, end = x + travel;
+    if constexpr (has_compliance)
+      if (compliant())
+        return enter_compliant_step(x, travel, h);
     if (x > 0 && end > 0) {
-      const double depth = within_reach(x + 0.5 * way);
+      const double depth = within_reach(x + 0.5 * travel);
       const double power = power_(depth); // x^((a-1)/2)
       gamma_ = gamma_scale_ * power;
       const double slope = 0.5 * h * gamma_ * gamma_ + loss_scale_ * depth * power * power;
@@ -126,44 +128,44 @@ public:
     }
     if (x <= 0) {
       const double depth = within_reach(end);
-      return arrive(psi_scale_ * depth * power_(depth), way, h);
+      return begin_contact(psi_scale_ * depth * power_(depth), travel, h);
     }
-    return depart(way, h);
+    return end_contact(travel, h);
   }
   /// After enter_step(): the step's mean velocity into the body, 0 if it made no force.
   [[gnu::always_inline]] void pass_step(double mean_velocity, double h) noexcept {
     psi_ += gamma_ * h * mean_velocity;
   }
   /// After every step, with or without contact: where it has led to.
-  template <bool may_yield = true> [[gnu::always_inline]] void leave_step(double x) noexcept {
+  template <bool has_compliance = true> [[gnu::always_inline]] void leave_step(double x) noexcept {
     if (x <= 0) {
-      bank_j_ += 0.5 * psi_ * psi_;
+      energy_account_j_ += 0.5 * psi_ * psi_;
       psi_ = 0;
       touching_ = false;
       return;
     }
     const double depth = within_reach(x);
-    double wanted = 0;
-    if (may_yield && yields())
-      wanted = yield(depth).psi;
+    double target_psi = 0;
+    if (has_compliance && compliant())
+      target_psi = relax(depth).psi;
     else
-      wanted = psi_scale_ * depth * power_(depth);
-    const double surplus = 0.5 * (wanted * wanted - psi_ * psi_);
-    if (surplus <= bank_j_) {
-      bank_j_ -= surplus;
-      psi_ = wanted;
+      target_psi = psi_scale_ * depth * power_(depth);
+    const double energy_error = 0.5 * (target_psi * target_psi - psi_ * psi_);
+    if (energy_error <= energy_account_j_) {
+      energy_account_j_ -= energy_error;
+      psi_ = target_psi;
     } else {
-      psi_ = std::sqrt(psi_ * psi_ + 2 * bank_j_);
-      bank_j_ = 0;
+      psi_ = std::sqrt(psi_ * psi_ + 2 * energy_account_j_);
+      energy_account_j_ = 0;
     }
   }
 
   [[nodiscard]] bool touching() const noexcept { return touching_; }
   /// A compliance is in series with the law.
-  [[nodiscard]] bool yields() const noexcept { return law_.compliance_m_per_n > 0; }
+  [[nodiscard]] bool compliant() const noexcept { return law_.compliance_m_per_n > 0; }
   /// Stored elastically, and in the account, J.
   [[nodiscard]] double stored_j() const noexcept { return 0.5 * psi_ * psi_; }
-  [[nodiscard]] double bank_j() const noexcept { return bank_j_; }
+  [[nodiscard]] double energy_account_j() const noexcept { return energy_account_j_; }
   /// Square of the angular frequency, 1/s^2, that the contact and a mass make at the deepest point
   /// that this energy leads to: a k x^(a-1)/m. It tells how fine the steps must be.
   [[nodiscard, gnu::always_inline]] double stiffest(double energy_j,
@@ -176,48 +178,49 @@ public:
     return stiffness / ((1 + stiffness * law_.compliance_m_per_n) * mass_kg);
   }
 
-  static constexpr double kLeastDepth = 1e-100, kMostDepth = 1e3; ///< m, that powers are taken of
+  static constexpr double kMinDepth = 1e-100, kMaxDepth = 1e3; ///< m, that powers are taken of
   /// What a step needs of a contact that does not yield, into a lane of a block, and what steps
   /// have made of it.
-  void lend(PressedBlock& block, std::size_t lane) const noexcept;
-  void take_back(const PressedBlock& block, std::size_t lane) noexcept;
+  void store_to_lane(PressedBlock& block, std::size_t lane) const noexcept;
+  void load_from_lane(const PressedBlock& block, std::size_t lane) noexcept;
 
 private:
   static constexpr double kTouch = 1e-60; ///< m
   /// Keeps the powers among normal numbers; the energy balance holds for any depth read.
   [[nodiscard, gnu::always_inline]] static double within_reach(double x) noexcept {
-    return x < kLeastDepth ? kLeastDepth : (x > kMostDepth ? kMostDepth : x);
+    return x < kMinDepth ? kMinDepth : (x > kMaxDepth ? kMaxDepth : x);
   }
 
   /// The contact begins within the step; at the end of its way psi would be `all`.
-  [[nodiscard, gnu::always_inline]] LinearForce arrive(double all, double way, double h) noexcept {
-    gamma_ = all / way;
-    return chord(0.5 * all * all, way, h);
+  [[nodiscard, gnu::always_inline]] LinearForce begin_contact(double all, double travel,
+                                                              double h) noexcept {
+    gamma_ = all / travel;
+    return chord(0.5 * all * all, travel, h);
   }
   /// It ends within the step, and all that is stored is given back.
-  [[nodiscard, gnu::always_inline]] LinearForce depart(double way, double h) noexcept {
-    const double stored = 0.5 * psi_ * psi_ + bank_j_;
-    bank_j_ = 0;
+  [[nodiscard, gnu::always_inline]] LinearForce end_contact(double travel, double h) noexcept {
+    const double stored = 0.5 * psi_ * psi_ + energy_account_j_;
+    energy_account_j_ = 0;
     psi_ = std::sqrt(2 * stored);
-    gamma_ = psi_ / -way;
-    return chord(stored, way, h);
+    gamma_ = psi_ / -travel;
+    return chord(stored, travel, h);
   }
-  [[nodiscard, gnu::always_inline]] LinearForce chord(double work_j, double way,
+  [[nodiscard, gnu::always_inline]] LinearForce chord(double work_j, double travel,
                                                       double h) const noexcept {
     return {gamma_ * psi_,
-            0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * work_j / std::abs(way)};
+            0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * work_j / std::abs(travel)};
   }
   /// With a compliance in series: elastic force and psi* at a penetration.
-  struct Yield {
+  struct ElasticState {
     double force_n, psi;
   };
-  [[nodiscard]] Yield yield(double penetration) noexcept;
-  [[nodiscard]] LinearForce enter_yielding_step(double x, double way, double h) noexcept;
+  [[nodiscard]] ElasticState relax(double penetration) noexcept;
+  [[nodiscard]] LinearForce enter_compliant_step(double x, double travel, double h) noexcept;
 
-  double psi_ = 0, bank_j_ = 0, gamma_ = 0;
+  double psi_ = 0, energy_account_j_ = 0, gamma_ = 0;
   double indentation_ = 0; ///< where yield() was last
   bool touching_ = false;
-  FollowedPower power_{0.25};
+  TaylorPower power_{0.25};
   double gamma_scale_ = 0, psi_scale_ = 0, loss_scale_ = 0;
   Power rate_power_{0.2};
   double rate_scale_ = 0;

@@ -10,9 +10,9 @@
 namespace tactus::contact {
 namespace {
 
-constexpr double kHighest = 0.49; // of the sample rate
-constexpr double kStill = 1e-20;  // sqrt(J); a mode below it comes to rest
-constexpr double kAbsurd = 1e60;  // sqrt(J)
+constexpr double kMaxRateFraction = 0.49; // of the sample rate
+constexpr double kMinAmplitude = 1e-20;   // sqrt(J); a mode below it comes to rest
+constexpr double kAbsurd = 1e60;          // sqrt(J)
 /// 1/s of a rigid motion: after a second its speed has changed by less than 1e-16 of itself.
 constexpr double kRigid = 1e-8;
 constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
@@ -38,8 +38,8 @@ Step step_of(std::complex<double> rate, double h) noexcept {
 } // namespace
 
 ModalBody::ModalBody(std::size_t max_modes)
-    : real(max_modes), imaginary(max_modes), displacement(max_modes), slowing(max_modes),
-      max_modes_(max_modes), wanted_(max_modes), per_root_mass_(max_modes) {
+    : real(max_modes), imaginary(max_modes), displacement(max_modes), decay_over_omega(max_modes),
+      max_modes_(max_modes), requested_(max_modes), inverse_sqrt_mass_(max_modes) {
   const ModeArray none(max_modes);
   for (Level& level : levels_)
     level = {none, none, none, none, none, none, none};
@@ -47,56 +47,57 @@ ModalBody::ModalBody(std::size_t max_modes)
 
 void ModalBody::prepare(double sample_rate) noexcept {
   sample_rate_ = within(sample_rate, 1000, 1e7, 48000);
-  work_out();
+  compute();
 }
 
 void ModalBody::set_modes(std::span<const Mode> modes) noexcept {
   count_ = std::min(modes.size(), max_modes_);
-  const Mode usual;
+  const Mode defaults;
   for (std::size_t i = 0; i < count_; ++i)
-    wanted_[i] = {modes[i].frequency_hz == 0
-                      ? 0
-                      : within(modes[i].frequency_hz, 1e-3, 1e7, usual.frequency_hz),
-                  within(modes[i].t60_s, 1e-4, 1e4, usual.t60_s),
-                  within(modes[i].mass_kg, 1e-6, 1e9, usual.mass_kg)};
-  work_out();
+    requested_[i] = {modes[i].frequency_hz == 0
+                         ? 0
+                         : within(modes[i].frequency_hz, 1e-3, 1e7, defaults.frequency_hz),
+                     within(modes[i].t60_s, 1e-4, 1e4, defaults.t60_s),
+                     within(modes[i].mass_kg, 1e-6, 1e9, defaults.mass_kg)};
+  compute();
 }
 
-void ModalBody::work_out() noexcept {
+void ModalBody::compute() noexcept {
   for (std::size_t i = 0; i < real.padded(); ++i) {
-    const bool sounds = i < count_ && wanted_[i].frequency_hz < kHighest * sample_rate_;
-    const double velocity = real[i] - slowing[i] * imaginary[i];
-    const double stretch = std::sqrt(1 + slowing[i] * slowing[i]); // of omega^2 + d^2 over omega^2
+    const bool sounds = i < count_ && requested_[i].frequency_hz < kMaxRateFraction * sample_rate_;
+    const double velocity = real[i] - decay_over_omega[i] * imaginary[i];
+    const double batch =
+        std::sqrt(1 + decay_over_omega[i] * decay_over_omega[i]); // of omega^2 + d^2 over omega^2
     if (!sounds) {
-      real[i] = imaginary[i] = displacement[i] = slowing[i] = 0;
+      real[i] = imaginary[i] = displacement[i] = decay_over_omega[i] = 0;
       if (i < max_modes_)
-        per_root_mass_[i] = 0;
+        inverse_sqrt_mass_[i] = 0;
       for (Level& level : levels_)
-        level.turn_real[i] = level.turn_imaginary[i] = level.response_real[i] =
+        level.pole_real[i] = level.pole_imaginary[i] = level.response_real[i] =
             level.response_imaginary[i] = level.mean_real[i] = level.mean_imaginary[i] =
                 level.mobility[i] = 0;
       continue;
     }
-    per_root_mass_[i] = 1 / std::sqrt(wanted_[i].mass_kg);
-    const bool rigid = wanted_[i].frequency_hz == 0;
-    const double decay = rigid ? 0 : kSixtyDecibels / wanted_[i].t60_s;
-    const double omega = rigid ? kRigid : 2 * std::numbers::pi * wanted_[i].frequency_hz;
+    inverse_sqrt_mass_[i] = 1 / std::sqrt(requested_[i].mass_kg);
+    const bool rigid = requested_[i].frequency_hz == 0;
+    const double decay = rigid ? 0 : kSixtyDecibels / requested_[i].t60_s;
+    const double omega = rigid ? kRigid : 2 * std::numbers::pi * requested_[i].frequency_hz;
     displacement[i] = 1 / omega;
-    slowing[i] = decay / omega;
-    imaginary[i] *= stretch / std::sqrt(1 + slowing[i] * slowing[i]);
-    real[i] = velocity + slowing[i] * imaginary[i];
+    decay_over_omega[i] = decay / omega;
+    imaginary[i] *= batch / std::sqrt(1 + decay_over_omega[i] * decay_over_omega[i]);
+    real[i] = velocity + decay_over_omega[i] * imaginary[i];
     for (std::size_t l = 0; l < kLevels; ++l) {
       const double h = 1 / (sample_rate_ * static_cast<double>(std::size_t{1} << l));
       const auto [change, response] = step_of({-decay, omega}, h);
-      const double per_way = 1 / (omega * h);
+      const double per_phase = 1 / (omega * h);
       Level& level = levels_[l];
-      level.turn_real[i] = 1 + change.real();
-      level.turn_imaginary[i] = change.imag();
+      level.pole_real[i] = 1 + change.real();
+      level.pole_imaginary[i] = change.imag();
       level.response_real[i] = response.real();
       level.response_imaginary[i] = response.imag();
-      level.mean_real[i] = change.imag() * per_way;
-      level.mean_imaginary[i] = change.real() * per_way;
-      level.mobility[i] = response.imag() * per_way;
+      level.mean_real[i] = change.imag() * per_phase;
+      level.mean_imaginary[i] = change.real() * per_phase;
+      level.mobility[i] = response.imag() * per_phase;
     }
   }
 }
@@ -104,17 +105,17 @@ void ModalBody::work_out() noexcept {
 double ModalBody::energy() const noexcept {
   double twice = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    const double q = imaginary[i], velocity = real[i] - slowing[i] * q;
-    twice += velocity * velocity + (1 + slowing[i] * slowing[i]) * q * q;
+    const double q = imaginary[i], velocity = real[i] - decay_over_omega[i] * q;
+    twice += velocity * velocity + (1 + decay_over_omega[i] * decay_over_omega[i]) * q * q;
   }
   return 0.5 * twice;
 }
 
-bool ModalBody::tidy() noexcept {
+bool ModalBody::flush_denormals() noexcept {
   bool finite = true; // and of this world
   for (std::size_t i = 0; i < count_; ++i) {
     const double size = std::abs(real[i]) + std::abs(imaginary[i]);
-    if (size < kStill)
+    if (size < kMinAmplitude)
       real[i] = imaginary[i] = 0;
     finite = finite && size < kAbsurd;
   }

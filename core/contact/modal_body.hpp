@@ -40,7 +40,7 @@ public:
 
   /// What a step of one length does; of a force F, F/sqrt(m) counts.
   struct Level {
-    ModeArray turn_real, turn_imaginary;         ///< P
+    ModeArray pole_real, pole_imaginary;         ///< P
     ModeArray response_real, response_imaginary; ///< B
     ModeArray mean_real,
         mean_imaginary; ///< mean velocity of a step = these times the state's parts
@@ -54,27 +54,27 @@ public:
     return (count_ + kModeLanes - 1) / kModeLanes * kModeLanes;
   }
   /// 1/sqrt(m) of a mode, 0 if it is left out.
-  [[nodiscard]] double per_root_mass(std::size_t mode) const noexcept {
-    return per_root_mass_[mode];
+  [[nodiscard]] double inverse_sqrt_mass(std::size_t mode) const noexcept {
+    return inverse_sqrt_mass_[mode];
   }
   [[nodiscard]] double sample_rate() const noexcept { return sample_rate_; }
 
-  ModeArray real, imaginary; ///< z
-  ModeArray displacement;    ///< 1/omega: sqrt(m) q = imaginary part times it
-  ModeArray slowing;         ///< d/omega: sqrt(m) q' = real part - imaginary part times it
+  ModeArray real, imaginary;  ///< z
+  ModeArray displacement;     ///< 1/omega: sqrt(m) q = imaginary part times it
+  ModeArray decay_over_omega; ///< d/omega: sqrt(m) q' = real part - imaginary part times it
   /// J.
   [[nodiscard]] double energy() const noexcept;
   /// Modes too quiet for normal numbers come to rest. False if a state is not finite.
-  bool tidy() noexcept;
+  bool flush_denormals() noexcept;
   void silence() noexcept;
 
 private:
-  void work_out() noexcept;
+  void compute() noexcept;
 
   std::size_t max_modes_, count_ = 0;
   double sample_rate_ = 48000;
-  std::vector<Mode> wanted_;
-  ModeArray per_root_mass_;
+  std::vector<Mode> requested_;
+  ModeArray inverse_sqrt_mass_;
   std::array<Level, kLevels> levels_;
 };
 

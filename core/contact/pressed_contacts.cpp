@@ -9,15 +9,15 @@ void for_each_row(Block& a, Other& b, const Work& work) noexcept {
   using Member = PressedBlock::Row PressedBlock::*;
   using B = PressedBlock;
   for (const Member row :
-       {&B::depth,       &B::approach,       &B::mean_velocity, &B::place,
-        &B::velocity,    &B::outer_force,    &B::force,         &B::judged,
-        &B::duration,    &B::impulse,        &B::highest,       &B::own,
-        &B::mobility,    &B::mass,           &B::psi,           &B::bank,
-        &B::gamma_scale, &B::psi_scale,      &B::loss_scale,    &B::power_value,
-        &B::power_over,  &B::power_limit,    &B::exponent,      &B::shape,
-        &B::turn_real,   &B::turn_imaginary, &B::response_real, &B::response_imaginary,
-        &B::mean_real,   &B::mean_imaginary, &B::displacement,  &B::slowing,
-        &B::before,      &B::step_force})
+       {&B::depth,         &B::approach,       &B::mean_velocity, &B::position,
+        &B::velocity,      &B::external_force, &B::force,         &B::level_energy,
+        &B::duration,      &B::impulse,        &B::peak,          &B::own_mobility,
+        &B::mobility,      &B::mass,           &B::psi,           &B::energy_account,
+        &B::gamma_scale,   &B::psi_scale,      &B::loss_scale,    &B::power_value,
+        &B::power_inverse, &B::power_limit,    &B::exponent,      &B::shape,
+        &B::pole_real,     &B::pole_imaginary, &B::response_real, &B::response_imaginary,
+        &B::mean_real,     &B::mean_imaginary, &B::displacement,  &B::decay_over_omega,
+        &B::before,        &B::step_force})
     work(a.*row, b.*row);
   for (std::size_t k = 0; k < a.power_term.size(); ++k)
     work(a.power_term[k], b.power_term[k]);
@@ -38,12 +38,12 @@ void PressedContacts::clear(PressedBlock& block, std::size_t lane) noexcept {
   for_each_row(block, none, [lane](PressedBlock::Row& to, const PressedBlock::Row& from) {
     to[lane] = from[lane];
   });
-  block.depth[lane] = block.turn_real[lane] = block.power_over[lane] = block.place[lane] = 1;
+  block.depth[lane] = block.pole_real[lane] = block.power_inverse[lane] = block.position[lane] = 1;
   block.power_limit[lane] = 1;
-  block.judged[lane] = 0;
+  block.level_energy[lane] = 0;
 }
 
-void PressedContacts::add(std::size_t slot, const Exciter& e, const Place& place,
+void PressedContacts::add(std::size_t slot, const Exciter& e, const ModeStep& position,
                           double sample_s) noexcept {
   const std::size_t at = count_++, l = at % PressedBlock::kLanes;
   PressedBlock& b = blocks_[at / PressedBlock::kLanes];
@@ -53,29 +53,29 @@ void PressedContacts::add(std::size_t slot, const Exciter& e, const Place& place
   b.depth[l] = e.depth_m;
   b.approach[l] = e.approach_m_per_s;
   b.mean_velocity[l] = e.mean_velocity_m_per_s;
-  b.place[l] = e.place_m;
+  b.position[l] = e.position_m;
   b.velocity[l] = e.velocity_m_per_s;
-  b.outer_force[l] = e.outer_force_n;
+  b.external_force[l] = e.external_force_n;
   b.force[l] = e.force_n;
   b.step_force[l] = e.impulse_ns / sample_s;
-  b.judged[l] = e.judged_j;
-  b.duration[l] = e.open.duration_s;
-  b.impulse[l] = e.open.impulse_ns;
-  b.highest[l] = e.open.highest_n;
-  b.own[l] = 0.5 * sample_s * e.per_mass;
+  b.level_energy[l] = e.level_energy_j;
+  b.duration[l] = e.ongoing.duration_s;
+  b.impulse[l] = e.ongoing.impulse_ns;
+  b.peak[l] = e.ongoing.peak_n;
+  b.own_mobility[l] = 0.5 * sample_s * e.inverse_mass;
   b.mobility[l] = e.mobility[0];
   b.mass[l] = e.effective_mass_kg;
-  e.impact.lend(b, l);
-  b.mode[l] = place.mode;
-  b.shape[l] = place.shape;
-  b.turn_real[l] = place.turn_real;
-  b.turn_imaginary[l] = place.turn_imaginary;
-  b.response_real[l] = place.response_real;
-  b.response_imaginary[l] = place.response_imaginary;
-  b.mean_real[l] = place.mean_real;
-  b.mean_imaginary[l] = place.mean_imaginary;
-  b.displacement[l] = place.displacement;
-  b.slowing[l] = place.slowing;
+  e.impact.store_to_lane(b, l);
+  b.mode[l] = position.mode;
+  b.shape[l] = position.shape;
+  b.pole_real[l] = position.pole_real;
+  b.pole_imaginary[l] = position.pole_imaginary;
+  b.response_real[l] = position.response_real;
+  b.response_imaginary[l] = position.response_imaginary;
+  b.mean_real[l] = position.mean_real;
+  b.mean_imaginary[l] = position.mean_imaginary;
+  b.displacement[l] = position.displacement;
+  b.decay_over_omega[l] = position.decay_over_omega;
 }
 
 void PressedContacts::read(std::size_t slot, Exciter& e, double sample_s) const noexcept {
@@ -84,13 +84,13 @@ void PressedContacts::read(std::size_t slot, Exciter& e, double sample_s) const 
   e.depth_m = b.depth[l];
   e.approach_m_per_s = b.approach[l];
   e.mean_velocity_m_per_s = b.mean_velocity[l];
-  e.place_m = b.place[l];
+  e.position_m = b.position[l];
   e.velocity_m_per_s = b.velocity[l];
-  e.outer_force_n = b.outer_force[l];
+  e.external_force_n = b.external_force[l];
   e.force_n = b.force[l];
   e.impulse_ns = sample_s * b.step_force[l];
-  e.open = {b.duration[l], b.impulse[l], b.highest[l]};
-  e.impact.take_back(b, l);
+  e.ongoing = {b.duration[l], b.impulse[l], b.peak[l]};
+  e.impact.load_from_lane(b, l);
 }
 
 void PressedContacts::remove(std::size_t slot, Exciter& e, double sample_s) noexcept {

@@ -20,27 +20,27 @@ struct PressedBlock {
   using Row = std::array<double, kLanes>;
 
   // Exciter.
-  alignas(64) Row depth{}, approach{}, mean_velocity{}, place{}, velocity{}, outer_force{};
-  Row force{}, judged{}, duration{}, impulse{}, highest{};
-  Row own{};      ///< the mass's mobility, m/(N s)
-  Row mobility{}; ///< and with the body's
-  Row mass{};     ///< effective
+  alignas(64) Row depth{}, approach{}, mean_velocity{}, position{}, velocity{}, external_force{};
+  Row force{}, level_energy{}, duration{}, impulse{}, peak{};
+  Row own_mobility{}; ///< the mass's mobility, m/(N s)
+  Row mobility{};     ///< and with the body's
+  Row mass{};         ///< effective
   // Impact.
-  Row psi{}, bank{}, gamma_scale{}, psi_scale{}, loss_scale{};
-  Row power_value{}, power_over{}, power_limit{}, exponent{}; ///< of FollowedPower
+  Row psi{}, energy_account{}, gamma_scale{}, psi_scale{}, loss_scale{};
+  Row power_value{}, power_inverse{}, power_limit{}, exponent{}; ///< of TaylorPower
   std::array<Row, 6> power_term{};
   // The place, and its mode's step.
-  Row shape{}, turn_real{}, turn_imaginary{}, response_real{}, response_imaginary{}, mean_real{},
-      mean_imaginary{}, displacement{}, slowing{};
+  Row shape{}, pole_real{}, pole_imaginary{}, response_real{}, response_imaginary{}, mean_real{},
+      mean_imaginary{}, displacement{}, decay_over_omega{};
   Row before{}, step_force{}; ///< depth before the last step, and its force
 
   std::array<std::uint32_t, kLanes> mode{};
   std::array<std::size_t, kLanes> slot{};
-  std::uint32_t used = 0;      ///< lanes, from the first on
-  std::uint32_t attention = 0; ///< bits of lanes that a kernel leaves to the general way
+  std::uint32_t used = 0;            ///< lanes, from the first on
+  std::uint32_t needs_attention = 0; ///< bits of lanes that a kernel leaves to the general way
 };
 
-/// The impacts of a TouchedBody that are in PressedBlocks: their Exciters are brought up to date
+/// The impacts of a ExcitedBody that are in PressedBlocks: their Exciters are brought up to date
 /// when they leave or are looked at.
 class PressedContacts {
 public:
@@ -59,21 +59,22 @@ public:
   [[nodiscard]] Step last_step(std::size_t slot) const noexcept {
     return {block_of(slot).before[lane_of(slot)], block_of(slot).step_force[lane_of(slot)]};
   }
-  void set_outer_force(std::size_t slot, double force_n) noexcept {
-    block_of(slot).outer_force[lane_of(slot)] = force_n;
+  void set_external_force(std::size_t slot, double force_n) noexcept {
+    block_of(slot).external_force[lane_of(slot)] = force_n;
   }
   [[nodiscard]] std::span<PressedBlock> blocks() noexcept {
     return std::span(blocks_).first((count_ + PressedBlock::kLanes - 1) / PressedBlock::kLanes);
   }
 
   /// A contact's mode, and what a step of a sample does to it.
-  struct Place {
+  struct ModeStep {
     std::uint32_t mode = 0;
-    double shape = 0, turn_real = 1, turn_imaginary = 0, response_real = 0, response_imaginary = 0,
-           mean_real = 0, mean_imaginary = 0, displacement = 0, slowing = 0;
+    double shape = 0, pole_real = 1, pole_imaginary = 0, response_real = 0, response_imaginary = 0,
+           mean_real = 0, mean_imaginary = 0, displacement = 0, decay_over_omega = 0;
   };
   /// Takes in an impact under way whose law does not yield; `sample_s`: the length of its steps.
-  void add(std::size_t slot, const Exciter& exciter, const Place& place, double sample_s) noexcept;
+  void add(std::size_t slot, const Exciter& exciter, const ModeStep& position,
+           double sample_s) noexcept;
   /// What the exciter would be had it not been here.
   void read(std::size_t slot, Exciter& exciter, double sample_s) const noexcept;
   /// Reads it and lets it go.
@@ -82,8 +83,8 @@ public:
   /// then.
   template <class Leave> void for_each_marked(const Leave& leave) noexcept {
     for (std::size_t b = blocks().size(); b-- > 0;) {
-      const std::uint32_t marked = blocks_[b].attention;
-      blocks_[b].attention = 0;
+      const std::uint32_t marked = blocks_[b].needs_attention;
+      blocks_[b].needs_attention = 0;
       // From behind: the last of all takes the place of one that goes.
       for (std::size_t lane = PressedBlock::kLanes; marked != 0 && lane-- > 0;)
         if ((marked >> lane & 1U) != 0 && lane < blocks_[b].used)

@@ -26,21 +26,21 @@ template <class Set> class PressedLanes {
   using Vector [[gnu::vector_size(Set::register_bytes), gnu::may_alias]] = double;
 
   [[gnu::always_inline]] static V within_reach(const V& x) noexcept {
-    return simd::select(x < V(Impact::kLeastDepth), V(Impact::kLeastDepth),
-                        simd::select(x > V(Impact::kMostDepth), V(Impact::kMostDepth), x));
+    return simd::select(x < V(Impact::kMinDepth), V(Impact::kMinDepth),
+                        simd::select(x > V(Impact::kMaxDepth), V(Impact::kMaxDepth), x));
   }
-  /// FollowedPower of the lanes that are asked for; of others any number.
+  /// TaylorPower of the lanes that are asked for; of others any number.
   [[gnu::always_inline]] static V power(PressedBlock& b, const V& x,
-                                        const typename V::MaskType& asked) noexcept {
-    V d = x * load(b.power_over) - V(1), value = load(b.power_value);
-    const auto far = asked & !(simd::absolute(d) < load(b.power_limit));
+                                        const typename V::MaskType& active_lanes) noexcept {
+    V d = x * load(b.power_inverse) - V(1), value = load(b.power_value);
+    const auto far = active_lanes & !(simd::absolute(d) < load(b.power_limit));
     if (simd::any(far)) {
       for (int l = 0; l < kLanes; ++l)
         if (simd::lane(far, l)) {
           const auto i = static_cast<std::size_t>(l);
           const double at = simd::lane(x, l), taken = Power(b.exponent[i])(at);
           b.power_value[i] = taken;
-          b.power_over[i] = 1 / at;
+          b.power_inverse[i] = 1 / at;
           simd::set_lane(value, l, taken);
           simd::set_lane(d, l, 0.0);
         }
@@ -64,24 +64,25 @@ template <class Set> class PressedLanes {
   }
 
 public:
-  /// BodyKernel::look_at().
-  [[gnu::always_inline]] static void look_at(PressedBlock& b, const double* real,
-                                             const double* imaginary, bool look,
-                                             double h) noexcept {
+  /// BodyKernel::check_pressed().
+  [[gnu::always_inline]] static void check_pressed(PressedBlock& b, const double* real,
+                                                   const double* imaginary, bool measure,
+                                                   double h) noexcept {
     V x = load(b.depth), rate = load(b.approach);
-    if (look) {
+    if (measure) {
       const State z = gather(b, real, imaginary);
       const V shape = load(b.shape);
-      x = load(b.place) - shape * z.imaginary * load(b.displacement);
-      rate = load(b.velocity) - shape * (z.real - load(b.slowing) * z.imaginary);
+      x = load(b.position) - shape * z.imaginary * load(b.displacement);
+      rate = load(b.velocity) - shape * (z.real - load(b.decay_over_omega) * z.imaginary);
       store(b.depth, x);
       store(b.approach, rate);
     }
-    const V psi = load(b.psi), judged = load(b.judged);
+    const V psi = load(b.psi), level_energy = load(b.level_energy);
     const V energy = V(0.5) * load(b.mass) * rate * rate + V(0.5) * psi * psi;
-    const auto steady = (x > V(0)) & (x + V(h) * rate > V(0)) & (energy <= V(1.1) * judged) &
-                        (energy >= V(0.5) * judged);
-    b.attention = simd::bits(!steady);
+    const auto level_valid_lanes = (x > V(0)) & (x + V(h) * rate > V(0)) &
+                                   (energy <= V(1.1) * level_energy) &
+                                   (energy >= V(0.5) * level_energy);
+    b.needs_attention = simd::bits(!level_valid_lanes);
   }
 
   /// BodyKernel::press().
@@ -92,27 +93,29 @@ public:
     const State z = gather(b, from_real, from_imaginary);
     const V shape = load(b.shape), x = load(b.depth), rate = load(b.approach), step(h);
     const V body_free = shape * (load(b.mean_real) * z.real + load(b.mean_imaginary) * z.imaginary);
-    const V own = load(b.own), velocity = load(b.velocity), mobility = load(b.mobility);
-    const V own_free = velocity + own * load(b.outer_force), free = own_free - body_free;
+    const V own_mobility = load(b.own_mobility), velocity = load(b.velocity),
+            mobility = load(b.mobility);
+    const V own_free_velocity = velocity + own_mobility * load(b.external_force),
+            free = own_free_velocity - body_free;
 
     const V middle = within_reach(x + V(0.5) * (step * rate));
     const V root = power(b, middle, V(0) < V(1));
     const V gamma = load(b.gamma_scale) * root, psi_before = load(b.psi);
     const V offset = gamma * psi_before;
     const V slope = V(0.5 * h) * gamma * gamma + load(b.loss_scale) * middle * root * root;
-    const V under = V(1) / (V(1) + mobility * slope);
-    const V full_force = (offset + slope * free) * under;
-    const auto acts = (slope > V(ContactSystem::kLeastSlope)) & !(full_force < V(0));
-    const V force = simd::select(acts, full_force, V(0));
-    const V mean = simd::select(acts, (free - mobility * offset) * under, free);
+    const V inverse_denominator = V(1) / (V(1) + mobility * slope);
+    const V unclamped_force = (offset + slope * free) * inverse_denominator;
+    const auto acts = (slope > V(ContactSystem::kMinSlope)) & !(unclamped_force < V(0));
+    const V force = simd::select(acts, unclamped_force, V(0));
+    const V mean = simd::select(acts, (free - mobility * offset) * inverse_denominator, free);
     V psi = simd::select(acts, psi_before + gamma * step * mean, psi_before);
 
-    const V own_mean = own_free - own * force, after = x + step * mean;
-    const V next_velocity = V(2) * own_mean - velocity;
+    const V own_mean_velocity = own_free_velocity - own_mobility * force, after = x + step * mean;
+    const V next_velocity = V(2) * own_mean_velocity - velocity;
     const V next_rate = mean + V(0.5) * (mean - load(b.mean_velocity));
     store(b.before, x);
     store(b.depth, after);
-    store(b.place, load(b.place) + step * own_mean);
+    store(b.position, load(b.position) + step * own_mean_velocity);
     store(b.velocity, next_velocity);
     store(b.approach, next_rate);
     store(b.mean_velocity, mean);
@@ -120,28 +123,32 @@ public:
     store(b.force, step * force * V(rate_hz));
 
     // What the contact stores is put back to what the depth asks for.
-    const auto stays = after > V(0);
-    const V depth = within_reach(after), bank = load(b.bank);
-    const V wanted = load(b.psi_scale) * depth * power(b, depth, stays);
-    const V surplus = V(0.5) * (wanted * wanted - psi * psi);
-    const auto paid = surplus <= bank;
-    const V rest = simd::select(paid, wanted, simd::square_root(psi * psi + V(2) * bank));
-    psi = simd::select(stays, rest, psi);
+    const auto still_touching = after > V(0);
+    const V depth = within_reach(after), energy_account = load(b.energy_account);
+    const V target_psi = load(b.psi_scale) * depth * power(b, depth, still_touching);
+    const V energy_error = V(0.5) * (target_psi * target_psi - psi * psi);
+    const auto affordable = energy_error <= energy_account;
+    const V next_psi =
+        simd::select(affordable, target_psi, simd::square_root(psi * psi + V(2) * energy_account));
+    psi = simd::select(still_touching, next_psi, psi);
     store(b.psi, psi);
-    store(b.bank, simd::select(stays, simd::select(paid, bank - surplus, V(0)), bank));
+    store(b.energy_account,
+          simd::select(still_touching,
+                       simd::select(affordable, energy_account - energy_error, V(0)),
+                       energy_account));
 
-    const V highest = load(b.highest);
-    store(b.duration, simd::select(stays, load(b.duration) + step, load(b.duration)));
-    store(b.impulse, simd::select(stays, load(b.impulse) + step * force, load(b.impulse)));
-    store(b.highest, simd::select(stays & (force > highest), force, highest));
-    b.attention = simd::bits(!(stays & (simd::absolute(next_velocity) < V(kFastest)) &
-                               (simd::absolute(force) < V(kMostState)) &
-                               (simd::absolute(mean) < V(kMostState))));
+    const V peak = load(b.peak);
+    store(b.duration, simd::select(still_touching, load(b.duration) + step, load(b.duration)));
+    store(b.impulse, simd::select(still_touching, load(b.impulse) + step * force, load(b.impulse)));
+    store(b.peak, simd::select(still_touching & (force > peak), force, peak));
+    b.needs_attention = simd::bits(
+        !(still_touching & (simd::absolute(next_velocity) < V(kMaxSpeed)) &
+          (simd::absolute(force) < V(kMaxState)) & (simd::absolute(mean) < V(kMaxState))));
 
-    const V push = shape * force, cosine = load(b.turn_real), sine = load(b.turn_imaginary);
+    const V modal_force = shape * force, cosine = load(b.pole_real), sine = load(b.pole_imaginary);
     alignas(64) Row re, im;
-    store(re, cosine * z.real - sine * z.imaginary + load(b.response_real) * push);
-    store(im, cosine * z.imaginary + sine * z.real + load(b.response_imaginary) * push);
+    store(re, cosine * z.real - sine * z.imaginary + load(b.response_real) * modal_force);
+    store(im, cosine * z.imaginary + sine * z.real + load(b.response_imaginary) * modal_force);
     for (std::size_t l = 0; l < b.used; ++l) {
       real[b.mode[l]] = re[l];
       imaginary[b.mode[l]] = im[l];

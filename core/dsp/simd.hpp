@@ -231,10 +231,10 @@ copy_sign(const Lanes<T, N, Set>& size, const Lanes<T, N, Set>& from) noexcept {
   const Lanes<T, N, Set> sign(-0.0);
   Lanes<T, N, Set> r;
   for (int i = 0; i < r.registers; ++i) {
-    const auto place = reinterpret_cast<typename R::Bits>(sign.v[i]);
+    const auto sign_mask = reinterpret_cast<typename R::Bits>(sign.v[i]);
     r.v[i] = reinterpret_cast<typename R::Vector>(
-        (reinterpret_cast<typename R::Bits>(size.v[i]) & ~place) |
-        (reinterpret_cast<typename R::Bits>(from.v[i]) & place));
+        (reinterpret_cast<typename R::Bits>(size.v[i]) & ~sign_mask) |
+        (reinterpret_cast<typename R::Bits>(from.v[i]) & sign_mask));
   }
   return r;
 }
@@ -242,20 +242,20 @@ copy_sign(const Lanes<T, N, Set>& size, const Lanes<T, N, Set>& from) noexcept {
 /// True when the comparison holds in at least one lane.
 template <class T, int N, class Set>
 [[nodiscard, gnu::always_inline]] inline bool any(const Mask<T, N, Set>& mask) noexcept {
-  auto joined = mask.v[0];
+  auto combined = mask.v[0];
   for (int i = 1; i < mask.registers; ++i)
-    joined |= mask.v[i];
+    combined |= mask.v[i];
 #if defined(__AVX2__)
   if constexpr (Set::register_bytes == 32)
-    return _mm256_movemask_epi8(reinterpret_cast<__m256i>(joined)) != 0;
+    return _mm256_movemask_epi8(reinterpret_cast<__m256i>(combined)) != 0;
 #endif
 #if defined(__SSE2__)
   if constexpr (Set::register_bytes == 16)
-    return _mm_movemask_epi8(reinterpret_cast<__m128i>(joined)) != 0;
+    return _mm_movemask_epi8(reinterpret_cast<__m128i>(combined)) != 0;
 #endif
   typename Register<T, Set>::Integer found = 0;
   for (int k = 0; k < Register<T, Set>::width; ++k)
-    found |= joined[k];
+    found |= combined[k];
   return found != 0;
 }
 
@@ -267,26 +267,26 @@ template <class T, int N, class Set>
   constexpr int width = Register<T, Set>::width;
   std::uint32_t found = 0;
   for (int i = 0; i < mask.registers; ++i) {
-    int some = 0;
+    int register_bits = 0;
 #if defined(__AVX2__)
     if constexpr (Set::register_bytes == 32) {
-      some = sizeof(T) == 8 ? _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.v[i]))
-                            : _mm256_movemask_ps(reinterpret_cast<__m256>(mask.v[i]));
-      found |= static_cast<std::uint32_t>(some) << (i * width);
+      register_bits = sizeof(T) == 8 ? _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.v[i]))
+                                     : _mm256_movemask_ps(reinterpret_cast<__m256>(mask.v[i]));
+      found |= static_cast<std::uint32_t>(register_bits) << (i * width);
       continue;
     }
 #endif
 #if defined(__SSE2__)
     if constexpr (Set::register_bytes == 16) {
-      some = sizeof(T) == 8 ? _mm_movemask_pd(reinterpret_cast<__m128d>(mask.v[i]))
-                            : _mm_movemask_ps(reinterpret_cast<__m128>(mask.v[i]));
-      found |= static_cast<std::uint32_t>(some) << (i * width);
+      register_bits = sizeof(T) == 8 ? _mm_movemask_pd(reinterpret_cast<__m128d>(mask.v[i]))
+                                     : _mm_movemask_ps(reinterpret_cast<__m128>(mask.v[i]));
+      found |= static_cast<std::uint32_t>(register_bits) << (i * width);
       continue;
     }
 #endif
     for (int k = 0; k < width; ++k)
-      some |= static_cast<int>(mask.v[i][k] != 0) << k;
-    found |= static_cast<std::uint32_t>(some) << (i * width);
+      register_bits |= static_cast<int>(mask.v[i][k] != 0) << k;
+    found |= static_cast<std::uint32_t>(register_bits) << (i * width);
   }
   return found;
 }

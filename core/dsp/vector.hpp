@@ -48,16 +48,16 @@ template <class Set, class T, std::size_t group> struct Vectors {
   /// Sum of a group's registers and of their lanes, the upper half onto the lower until one is
   /// left: the same order for every width.
   [[gnu::always_inline]] static T across(const V* sums) noexcept {
-    V left[kRegisters];
+    V partial[kRegisters];
 #pragma GCC unroll 8
     for (std::size_t r = 0; r < kRegisters; ++r)
-      left[r] = sums[r];
+      partial[r] = sums[r];
 #pragma GCC unroll 4
     for (std::size_t count = kRegisters / 2; count > 0; count /= 2)
 #pragma GCC unroll 8
       for (std::size_t r = 0; r < count; ++r)
-        left[r] += left[r + count];
-    return halves(left[0]);
+        partial[r] += partial[r + count];
+    return halves(partial[0]);
   }
 
 private:

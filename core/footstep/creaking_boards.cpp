@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kReferenceRate = 10; // reference weights a second
 constexpr double kWobbleTime = 0.02;  // s
-constexpr double kRest = 0.06;        // s without sound after which the boards rest
+constexpr double kSilenceTime = 0.06; // s without sound after which the boards rest
 constexpr double kInaudible = 1e-6;   // of the loudest
-constexpr double kLeastLoad = 0.01;   // reference weights; less presses nothing together
+constexpr double kMinLoad = 0.01;     // reference weights; less presses nothing together
 
 } // namespace
 
@@ -22,7 +22,7 @@ CreakingBoards::CreakingBoards() : body_(kModes + kJoint, 1, 1) {}
 void CreakingBoards::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
   body_.prepare(sample_rate);
-  wobble_kept_ = std::exp(-1 / (kWobbleTime * sample_rate));
+  wobble_pole_ = std::exp(-1 / (kWobbleTime * sample_rate));
 }
 
 void CreakingBoards::seed(std::uint64_t value) noexcept {
@@ -34,7 +34,7 @@ void CreakingBoards::reset() noexcept {
   body_.reset();
   body_.rub(0, 0, 0);
   wobble_ = 0;
-  quiet_ = loudest_ = 0;
+  silent_samples_ = peak_ = 0;
   active_ = false;
 }
 
@@ -42,46 +42,46 @@ void CreakingBoards::set(const FrictionRecipe& friction) noexcept {
   body_.set_friction(0, friction.law);
 }
 
-void CreakingBoards::tune_to(const FrictionRecipe& friction, std::span<const double> detune,
-                             double frequency, double decay) noexcept {
+void CreakingBoards::scale_modes(const FrictionRecipe& friction, std::span<const double> detune,
+                                 double frequency, double decay) noexcept {
   const std::array<contact::Mode, kJoint> joint{
       contact::Mode{friction.joint_hz * frequency, friction.joint_t60_s, friction.joint_kg}};
-  tune(body_, friction.modes, detune.first(std::min(detune.size(), kModes)), frequency, decay,
-       joint);
+  set_body_modes(body_, friction.modes, detune.first(std::min(detune.size(), kModes)), frequency,
+                 decay, joint);
 }
 
-void CreakingBoards::choose_place(const FrictionRecipe& friction) noexcept {
+void CreakingBoards::draw_contact_position(const FrictionRecipe& friction) noexcept {
   std::array<double, kModes + kJoint> shape{};
-  const auto places = place_shape(friction.modes, random_);
+  const auto mode_shares = draw_mode_shape(friction.modes, random_);
   shape[0] = 1;
-  std::copy_n(places.begin(), kModes, shape.begin() + kJoint);
-  body_.set_place(0, shape);
-  speed_factor_ = drawn(friction.scatter.level, random_);
+  std::copy_n(mode_shares.begin(), kModes, shape.begin() + kJoint);
+  body_.set_contact_shape(0, shape);
+  speed_factor_ = lognormal_factor(friction.scatter.level, random_);
 }
 
 double CreakingBoards::next(const FrictionRecipe& friction, double load, double bending) noexcept {
-  if (load > kLeastLoad) {
+  if (load > kMinLoad) {
     wobble_ =
-        wobble_kept_ * wobble_ + std::sqrt(1 - wobble_kept_ * wobble_kept_) * random_.normal();
+        wobble_pole_ * wobble_ + std::sqrt(1 - wobble_pole_ * wobble_pole_) * random_.normal();
     const double uneven = std::max(0.0, 1 + friction.wobble * wobble_);
-    body_.rub(0, (friction.pressed_n + friction.load_n * load) * uneven,
+    body_.rub(0, (friction.preload_n + friction.load_n * load) * uneven,
               friction.slip_m_per_s * speed_factor_ * bending / kReferenceRate * uneven);
     active_ = true;
-    quiet_ = 0;
+    silent_samples_ = 0;
   } else if (active_) {
-    body_.rub(0, friction.pressed_n, 0);
-    if (++quiet_ > kRest * sample_rate_) {
+    body_.rub(0, friction.preload_n, 0);
+    if (++silent_samples_ > kSilenceTime * sample_rate_) {
       active_ = false;
-      loudest_ = 0;
+      peak_ = 0;
     }
   }
   if (!active_)
     return 0;
   body_.step();
-  const double sound = body_.hear(0), size = std::abs(sound);
-  loudest_ = std::max(loudest_, size);
-  if (size > kInaudible * loudest_)
-    quiet_ = 0;
+  const double sound = body_.pickup_velocity(0), size = std::abs(sound);
+  peak_ = std::max(peak_, size);
+  if (size > kInaudible * peak_)
+    silent_samples_ = 0;
   return sound;
 }
 

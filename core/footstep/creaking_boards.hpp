@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/dsp/random.hpp"
 #include "core/footstep/recipe.hpp"
 
@@ -24,10 +24,10 @@ public:
   /// What sounds goes on.
   void set(const FrictionRecipe& friction) noexcept;
   /// Modes of the recipe, scaled in frequency and decay time; where they rub stays.
-  void tune_to(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
-               double decay) noexcept;
+  void scale_modes(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
+                   double decay) noexcept;
   /// Draws how the modes take part in the joint, and how fast it bends.
-  void choose_place(const FrictionRecipe& friction) noexcept;
+  void draw_contact_position(const FrictionRecipe& friction) noexcept;
 
   /// Velocity that is heard, m/s, one sample on. load: on the floor, in reference weights; bending:
   /// rate of the load that bends it, reference weights a second, negative while it springs back.
@@ -37,13 +37,13 @@ public:
 private:
   static constexpr std::size_t kModes = 8, kJoint = 1;
 
-  contact::TouchedBody body_;
+  contact::ExcitedBody body_;
   Random random_;
-  double wobble_ = 0, wobble_kept_ = 0.999;
+  double wobble_ = 0, wobble_pole_ = 0.999;
   double speed_factor_ = 1;
   double sample_rate_ = 48000;
-  double quiet_ = 0;   ///< samples without sound since the load has left
-  double loudest_ = 0; ///< since the boards were last at rest
+  double silent_samples_ = 0; ///< samples without sound since the load has left
+  double peak_ = 0;           ///< since the boards were last at rest
   bool active_ = false;
 };
 

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLowEdgeHz = 50, kHighEdgeHz = 500;
-constexpr double kRingsOut = 2;   // s, of band and equaliser: 60 dB take a tenth of that
-constexpr double kConstantHz = 2; // the elliptic band alone keeps a hundredth of a constant
-constexpr double kNothing = 1e-30;
+constexpr double kRingOutTime = 2; // s, of band and equaliser: 60 dB take a tenth of that
+constexpr double kDcCutoffHz = 2;  // the elliptic band alone keeps a hundredth of a constant
+constexpr double kSilenceThreshold = 1e-30;
 
 /// A pair of poles and of zeros of the analogue low-pass with its -3 dB point at 1.
 struct Pair {
@@ -43,7 +43,7 @@ void HapticBand::prepare(double sample_rate) noexcept {
     return Section{(n2 + n0 * k2) * norm, 2 * (n0 * k2 - n2) * norm, (n2 + n0 * k2) * norm,
                    2 * (d0 * k2 - d2) * norm, (d2 - d1 * k + d0 * k2) * norm};
   };
-  follow_ = 1 - std::exp(-2 * kPi * kConstantHz / sample_rate);
+  dc_coefficient_ = 1 - std::exp(-2 * kPi * kDcCutoffHz / sample_rate);
   std::size_t i = 0;
   for (const Pair& p : kFourth) // 1/s in place of s
     section_[i++] = bilinear(kLowEdgeHz, p.pole_squared, p.pole_squared / (p.zero * p.zero),
@@ -54,15 +54,15 @@ void HapticBand::prepare(double sample_rate) noexcept {
 }
 
 HeelBall HapticBand::next(HeelBall x) noexcept {
-  constant_ += follow_ * (x - constant_);
-  x -= constant_;
+  dc_ += dc_coefficient_ * (x - dc_);
+  x -= dc_;
   for (std::size_t i = 0; i < kSections; ++i)
     x = filtered(section_[i], state_[i], x);
   // Long tails end before they become denormal.
   for (std::size_t side = 0; side < 2; ++side)
-    if (std::abs(x[side]) < kNothing && std::abs(state_[0].s1[side]) < kNothing &&
-        std::abs(constant_[side]) < kNothing) {
-      constant_[side] = 0;
+    if (std::abs(x[side]) < kSilenceThreshold && std::abs(state_[0].s1[side]) < kSilenceThreshold &&
+        std::abs(dc_[side]) < kSilenceThreshold) {
+      dc_[side] = 0;
       for (State& state : state_)
         state.s1[side] = state.s2[side] = 0;
     }
@@ -71,12 +71,12 @@ HeelBall HapticBand::next(HeelBall x) noexcept {
 
 void DriveEqualiser::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
-  work_out();
+  compute_coefficients();
 }
 
 bool DriveEqualiser::set(std::span<const double> table) noexcept {
   const std::size_t count = table.size() / 2;
-  if (table.size() % 2 || count > kMost)
+  if (table.size() % 2 || count > kMaxFilters)
     return false;
   for (std::size_t i = 0; i < count; ++i) {
     const double f = table[2 * i], g = table[2 * i + 1];
@@ -85,17 +85,17 @@ bool DriveEqualiser::set(std::span<const double> table) noexcept {
   }
   for (std::size_t i = 0; i < count; ++i) {
     frequency_hz_[i] = table[2 * i];
-    wanted_db_[i] = table[2 * i + 1];
+    target_db_[i] = table[2 * i + 1];
   }
   count_ = count;
-  work_out();
+  compute_coefficients();
   return true;
 }
 
-void DriveEqualiser::work_out() noexcept {
+void DriveEqualiser::compute_coefficients() noexcept {
   constexpr double kQuality = 1.4;
   constexpr int kRounds = 40;
-  std::array<double, kMost> gain_db = wanted_db_;
+  std::array<double, kMaxFilters> gain_db = target_db_;
   const auto peaking = [&](std::size_t i) { // Bristow-Johnson's peaking filter
     const double w = 2 * kPi * std::min(frequency_hz_[i] / sample_rate_, 0.45);
     const double a = std::pow(10.0, gain_db[i] / 40), alpha = std::sin(w) / (2 * kQuality);
@@ -107,7 +107,7 @@ void DriveEqualiser::work_out() noexcept {
     peaking(i);
   // Neighbours add up: correct each by what the whole misses at its frequency.
   for (int round = 0; round < kRounds; ++round) {
-    std::array<double, kMost> missing{};
+    std::array<double, kMaxFilters> missing{};
     for (std::size_t i = 0; i < count_; ++i) {
       const auto z = std::polar(1.0, -2 * kPi * frequency_hz_[i] / sample_rate_);
       double db = 0;
@@ -116,7 +116,7 @@ void DriveEqualiser::work_out() noexcept {
         db += 20 *
               std::log10(std::abs((c.b0 + z * (c.b1 + z * c.b2)) / (1.0 + z * (c.a1 + z * c.a2))));
       }
-      missing[i] = wanted_db_[i] - db;
+      missing[i] = target_db_[i] - db;
     }
     for (std::size_t i = 0; i < count_; ++i) {
       gain_db[i] = std::clamp(gain_db[i] + 0.5 * missing[i], -40.0, 40.0);
@@ -160,16 +160,16 @@ double Drive::Channel::next(double x, std::size_t at, std::size_t delay) noexcep
 void Drive::prepare(double sample_rate) {
   const bool changed = sample_rate != sample_rate_ || channel_[0].line.empty();
   sample_rate_ = sample_rate;
-  rest_ = static_cast<std::size_t>((kRingsOut + kLongestDelay) * sample_rate);
+  ring_out_samples_ = static_cast<std::size_t>((kRingOutTime + kMaxDelay) * sample_rate);
   band_.prepare(sample_rate);
   for (Channel& channel : channel_) {
     channel.equaliser.prepare(sample_rate);
     channel.limit.prepare(sample_rate);
     if (changed)
-      channel.line.assign(static_cast<std::size_t>(kLongestDelay * sample_rate) + 2, 0.0);
+      channel.line.assign(static_cast<std::size_t>(kMaxDelay * sample_rate) + 2, 0.0);
   }
   if (changed)
-    at_ = 0;
+    write_index_ = 0;
   set(settings_);
 }
 
@@ -179,7 +179,7 @@ void Drive::set(const Settings& settings) noexcept {
   settings_.common = std::clamp(settings.common, 0.0, 1.0);
   limit_ = settings_.limit_g / settings_.sensitivity_g;
   const auto delay = static_cast<std::size_t>(
-      std::lround(std::clamp(settings.delay_s, 0.0, kLongestDelay) * sample_rate_));
+      std::lround(std::clamp(settings.delay_s, 0.0, kMaxDelay) * sample_rate_));
   if (delay_ == 0 && delay > 0) // without a delay nothing is written into the lines
     for (Channel& channel : channel_)
       std::fill(channel.line.begin(), channel.line.end(), 0.0);
@@ -197,38 +197,39 @@ void Drive::reset() noexcept {
   last_heel_n_ = last_total_n_ = 1;
 }
 
-Drive::Pair Drive::next(double heel_felt, double ball_felt, double heel_n, double ball_n) noexcept {
+Drive::Pair Drive::next(double heel_vibration, double ball_vibration, double heel_n,
+                        double ball_n) noexcept {
   const double total = heel_n + ball_n;
   if (total > 0) {
     last_heel_n_ = heel_n;
     last_total_n_ = total;
   }
-  if (heel_felt != 0 || ball_felt != 0) {
-    still_ = 0;
-  } else if (++still_ > rest_) {
-    still_ = rest_;
-    if (resting_)
+  if (heel_vibration != 0 || ball_vibration != 0) {
+    silent_samples_ = 0;
+  } else if (++silent_samples_ > ring_out_samples_) {
+    silent_samples_ = ring_out_samples_;
+    if (at_rest_)
       return {};
-    resting_ = true;
+    at_rest_ = true;
     const double last_heel_n = last_heel_n_, last_total_n = last_total_n_;
     reset();
     last_heel_n_ = last_heel_n;
     last_total_n_ = last_total_n;
     return {};
   }
-  resting_ = false;
-  const double own = settings_.gain * (1 - settings_.common);
-  HeelBall moved{own * heel_felt, own * ball_felt};
+  at_rest_ = false;
+  const double separate_gain = settings_.gain * (1 - settings_.common);
+  HeelBall moved{separate_gain * heel_vibration, separate_gain * ball_vibration};
   if (settings_.common > 0) {
-    const double common = settings_.gain * settings_.common * (heel_felt + ball_felt);
+    const double common = settings_.gain * settings_.common * (heel_vibration + ball_vibration);
     const double share = std::clamp(last_heel_n_ / last_total_n_, 0.0, 1.0);
     moved += HeelBall{common * share, common * (1 - share)};
   }
   moved = band_.next(moved);
-  const double heel = channel_[0].next(moved[0], at_, delay_);
-  const double ball = channel_[1].next(moved[1], at_, delay_);
-  if (!channel_[0].line.empty() && ++at_ == channel_[0].line.size())
-    at_ = 0;
+  const double heel = channel_[0].next(moved[0], write_index_, delay_);
+  const double ball = channel_[1].next(moved[1], write_index_, delay_);
+  if (!channel_[0].line.empty() && ++write_index_ == channel_[0].line.size())
+    write_index_ = 0;
   return {channel_[0].limit.next(heel, limit_), channel_[1].limit.next(ball, limit_)};
 }
 

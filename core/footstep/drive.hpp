@@ -19,7 +19,7 @@ public:
   void prepare(double sample_rate) noexcept;
   void reset() noexcept {
     state_ = {};
-    constant_ = HeelBall{};
+    dc_ = HeelBall{};
   }
   HeelBall next(HeelBall x) noexcept;
 
@@ -33,14 +33,14 @@ private:
   };
   std::array<Section, kSections> section_{};
   std::array<State, kSections> state_{};
-  HeelBall constant_{}; ///< taken away before
-  double follow_ = 0;
+  HeelBall dc_{}; ///< taken away before
+  double dc_coefficient_ = 0;
 };
 
 /// Undoes an actuator's response: peaking filters an octave or so wide, at most 16.
 class DriveEqualiser {
 public:
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMaxFilters = 16;
   void prepare(double sample_rate) noexcept;
   /// Frequencies in Hz (20..2000, rising) and gains in dB (-24..24) in turn; the curve passes
   /// through them. False, and nothing changes, when they are none of that. An empty list: flat.
@@ -49,7 +49,7 @@ public:
   double next(double x) noexcept;
 
 private:
-  void work_out() noexcept;
+  void compute_coefficients() noexcept;
   struct Section {
     double b0 = 1, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   };
@@ -58,9 +58,9 @@ private:
   };
   double sample_rate_ = 48000;
   std::size_t count_ = 0;
-  std::array<double, kMost> frequency_hz_{}, wanted_db_{};
-  std::array<Section, kMost> section_{};
-  std::array<State, kMost> state_{};
+  std::array<double, kMaxFilters> frequency_hz_{}, target_db_{};
+  std::array<Section, kMaxFilters> section_{};
+  std::array<State, kMaxFilters> state_{};
 };
 
 /// Keeps an acceleration within a limit: gain falls at once, recovers within 50 ms. Never exceeded.
@@ -80,7 +80,7 @@ private:
 /// one signal).
 class Drive {
 public:
-  static constexpr double kLongestDelay = 0.2; ///< s
+  static constexpr double kMaxDelay = 0.2; ///< s
   struct Settings {
     double gain = 1;          ///< of the drive for the ground's motion
     double sensitivity_g = 3; ///< acceleration (in g) at a drive of 1
@@ -98,7 +98,7 @@ public:
   };
   /// Motions under heel and ball. Forces decide the shares of what is common; without any the last
   /// shares stay.
-  Pair next(double heel_felt, double ball_felt, double heel_n, double ball_n) noexcept;
+  Pair next(double heel_vibration, double ball_vibration, double heel_n, double ball_n) noexcept;
 
 private:
   /// To one actuator.
@@ -114,9 +114,10 @@ private:
   double last_heel_n_ = 1, last_total_n_ = 1; ///< when the foot last bore a load
   HapticBand band_;
   std::array<Channel, 2> channel_; ///< heel, ball
-  std::size_t at_ = 0, delay_ = 0;
-  std::size_t still_ = 0, rest_ = 48000; ///< samples without motion; after so many nothing is left
-  bool resting_ = false;
+  std::size_t write_index_ = 0, delay_ = 0;
+  std::size_t silent_samples_ = 0,
+              ring_out_samples_ = 48000; ///< samples without motion; after so many nothing is left
+  bool at_rest_ = false;
 };
 
 } // namespace tactus::footstep

@@ -2,8 +2,9 @@
 
 namespace tactus::footstep {
 
-void tune(contact::TouchedBody& body, const ModesRecipe& modes, std::span<const double> detune,
-          double frequency, double decay, std::span<const contact::Mode> before) noexcept {
+void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
+                    std::span<const double> detune, double frequency, double decay,
+                    std::span<const contact::Mode> before) noexcept {
   std::array<contact::Mode, kMaxModes> tuned{};
   std::array<double, kMaxModes> ear{};
   const std::size_t first = std::min(before.size(), kMaxModes);
@@ -19,13 +20,13 @@ void tune(contact::TouchedBody& body, const ModesRecipe& modes, std::span<const 
     step *= modes.ratio;
   }
   body.set_modes(std::span(tuned.data(), first + count));
-  body.set_ear(0, std::span(ear.data(), first + count));
+  body.set_pickup(0, std::span(ear.data(), first + count));
 }
 
-std::array<double, kMaxModes> place_shape(const ModesRecipe& modes, Random& random) noexcept {
+std::array<double, kMaxModes> draw_mode_shape(const ModesRecipe& modes, Random& random) noexcept {
   std::array<double, kMaxModes> shape{};
   for (double& s : shape)
-    s = drawn(modes.place, random);
+    s = lognormal_factor(modes.mode_share_scatter, random);
   return shape;
 }
 

@@ -28,35 +28,36 @@ public:
   /// Of the body, N.
   void set_weight(double weight_n) noexcept;
   /// Grounds by identity: the same number again keeps what sounds. mix 0: all a, 1: all b.
-  void stand_on(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
-                double mix) noexcept;
+  void set_grounds(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
+                   double mix) noexcept;
   void set_mix(double mix) noexcept;
   Drive& drive() noexcept { return drive_; }
   void reset() noexcept;
 
   struct Out {
-    double heard = 0, heel_drive = 0, ball_drive = 0;
+    double pressure_pa = 0, heel_drive = 0, ball_drive = 0;
   };
   Out next(const SoleState& sole) noexcept;
 
 private:
   static constexpr std::size_t kGrounds = 4;
-  struct Stand {
+  struct GroundSlot {
     Ground ground;
     Recipe recipe;
-    double to_room = 0;          ///< amplitude of what the room sends back
+    double reverb_send = 0;      ///< amplitude of what the room sends back
     std::uint64_t id = 0;        ///< 0: none
-    double part = 0, wanted = 0; ///< of the sound, now and soon
+    double gain = 0, target = 0; ///< of the sound, now and soon
     std::uint64_t since = 0;
   };
-  void furnish() noexcept;
-  Stand* take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept;
+  void update_room() noexcept;
+  GroundSlot* acquire_slot(std::uint64_t id, const Recipe& recipe, const GroundSlot* keep) noexcept;
 
-  std::array<Stand, kGrounds> stands_;
-  std::array<Stand*, kGrounds> in_use_{}; ///< those with an id
-  std::size_t used_ = 0;
-  Stand *a_ = nullptr, *b_ = nullptr;
-  double mix_ = 0, weight_n_ = 700, shoe_ = 0.4, glide_ = 0.001, leave_ = 0.0001;
+  std::array<GroundSlot, kGrounds> slots_;
+  std::array<GroundSlot*, kGrounds> active_{}; ///< those with an id
+  std::size_t active_count_ = 0;
+  GroundSlot *a_ = nullptr, *b_ = nullptr;
+  double mix_ = 0, weight_n_ = 700, shoe_ = 0.4, glide_coefficient_ = 0.001,
+         leave_coefficient_ = 0.0001;
   double room_factor_ = 1;
   std::uint64_t clock_ = 0;
   Drive drive_;

@@ -11,7 +11,7 @@ double Footfall::Impact::impulse() const noexcept {
 }
 
 void Footfall::start() noexcept {
-  under_way_ = true;
+  active_ = true;
   heel_is_up_ = false;
   landed_ = {};
   time_s_ = 0;
@@ -50,19 +50,19 @@ void Footfall::land(SoleState& sole) noexcept {
 }
 
 void Footfall::advance(double step_s, SoleState& sole) noexcept {
-  if (!under_way_)
+  if (!active_)
     return;
   const bool impacts_under_way = time_s_ < impacts_end_s_;
   if (impacts_under_way)
     land(sole);
   time_s_ += step_s;
-  const double whole = load.at(time_s_, load_piece_);
-  double heel = whole * std::clamp(heel_share.at(time_s_, share_piece_), 0.0, 1.0);
-  double ball = whole - heel;
+  const double total_n = load.at(time_s_, load_piece_);
+  double heel = total_n * std::clamp(heel_share.at(time_s_, share_piece_), 0.0, 1.0);
+  double ball = total_n - heel;
   if (impacts_under_way)
     for (const Impact& impact : impacts)
       (impact.heel ? heel : ball) += impact.force(time_s_ - impact.at_s);
-  const bool ends = !stays && time_s_ >= load.duration_s();
+  const bool ends = !ends_standing && time_s_ >= load.duration_s();
   if (ends)
     heel = ball = 0;
   sole.heel_n += heel;
@@ -80,7 +80,7 @@ void Footfall::advance(double step_s, SoleState& sole) noexcept {
     sole.heel_up = true;
   }
   if (ends) {
-    under_way_ = false;
+    active_ = false;
     sole.toe_off = true;
   }
 }

@@ -31,25 +31,25 @@ public:
   std::array<Impact, 2> impacts{};
   double heel_up_s = -1;      ///< negative: the heel does not leave before the rest
   bool unloads_other = false; ///< its load is taken from the other foot, which carries the body
-  bool stays = false;         ///< keeps its last load; else the foot leaves the ground at the end
+  bool ends_standing = false; ///< keeps its last load; else the foot leaves the ground at the end
 
   /// To be called once before it is played: where it begins loaded, that is no sudden change.
   void start() noexcept;
   /// Adds the next sample to what the foot does.
   void advance(double step_s, SoleState& sole) noexcept;
-  [[nodiscard]] bool under_way() const noexcept { return under_way_; }
+  [[nodiscard]] bool active() const noexcept { return active_; }
   /// Stands with a load that does not change any more.
-  [[nodiscard]] bool settled() const noexcept {
-    return under_way_ && stays && time_s_ >= load.duration_s();
+  [[nodiscard]] bool at_rest() const noexcept {
+    return active_ && ends_standing && time_s_ >= load.duration_s();
   }
   [[nodiscard]] double force_n() const noexcept { return heel_n_ + ball_n_; }
   [[nodiscard]] double time_s() const noexcept { return time_s_; }
-  void end() noexcept { under_way_ = false; }
+  void end() noexcept { active_ = false; }
 
 private:
   void land(SoleState& sole) noexcept;
 
-  bool under_way_ = false, heel_is_up_ = false;
+  bool active_ = false, heel_is_up_ = false;
   std::array<bool, 2> landed_{};
   double time_s_ = 0, heel_n_ = 0, ball_n_ = 0;
   double impacts_end_s_ = 0; ///< from then on no part lands and no impact bears a force

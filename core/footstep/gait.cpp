@@ -15,7 +15,7 @@ constexpr double kMaxLog = 1.3863;    // ln 4
 constexpr double kScuffLength = 0.15; // m
 constexpr double kScuffSpeed = 1.4;   // of the walking speed: a swinging foot that is held up
 constexpr double kScuffAt = 0.35;     // of the swing
-constexpr double kDragAt = 0.02, kFree = 0.05; // s after and before a foot stands
+constexpr double kDragAt = 0.02, kClearance_s = 0.05; // s after and before a foot stands
 
 } // namespace
 
@@ -31,12 +31,12 @@ void Gait::set(const Walker& walker, double variation) noexcept {
 
 void Gait::reset() noexcept {
   state_ = State::kAir;
-  until_s_ = 0;
+  time_left_s_ = 0;
   next_foot_ = 0;
   steps_ = 0;
   turn_rad_ = jump_m_ = 0;
-  lands_ = false;
-  swings_ = {};
+  landing_pending_ = false;
+  swing_actions_ = {};
   unloaded_ = {};
   for (auto& foot : footfalls_)
     for (Footfall& footfall : foot)
@@ -52,19 +52,19 @@ double Gait::swing_s() const noexcept { return reaction_.stride_s() - reaction_.
 
 bool Gait::on_ground(std::size_t foot) const noexcept {
   return std::any_of(footfalls_[foot].begin(), footfalls_[foot].end(),
-                     [](const Footfall& one) { return one.under_way(); });
+                     [](const Footfall& one) { return one.active(); });
 }
 
 bool Gait::standing() const noexcept {
   return std::all_of(footfalls_.begin(), footfalls_.end(), [](const auto& foot) {
-    return std::any_of(foot.begin(), foot.end(), [](const Footfall& one) { return one.settled(); });
+    return std::any_of(foot.begin(), foot.end(), [](const Footfall& one) { return one.at_rest(); });
   });
 }
 
-bool Gait::both_stay() const noexcept {
+bool Gait::both_standing() const noexcept {
   return std::all_of(footfalls_.begin(), footfalls_.end(), [](const auto& foot) {
     return std::any_of(foot.begin(), foot.end(),
-                       [](const Footfall& one) { return one.under_way() && one.stays; });
+                       [](const Footfall& one) { return one.active() && one.ends_standing; });
   });
 }
 
@@ -72,7 +72,7 @@ bool Gait::both_stay() const noexcept {
 void Gait::lift_feet() noexcept {
   for (auto& foot : footfalls_)
     for (Footfall& one : foot)
-      if (one.under_way() && one.stays)
+      if (one.active() && one.ends_standing)
         one = lift(one.load.at(one.time_s()));
   state_ = State::kAir;
 }
@@ -80,21 +80,20 @@ void Gait::lift_feet() noexcept {
 /// A free place, else the oldest's.
 Footfall& Gait::play(std::size_t foot, const Footfall& footfall) noexcept {
   auto& all = footfalls_[foot];
-  Footfall& place =
+  Footfall& slot =
       *std::max_element(all.begin(), all.end(), [](const Footfall& a, const Footfall& b) {
-        return a.under_way() != b.under_way() ? a.under_way()
-                                              : a.under_way() && a.time_s() < b.time_s();
+        return a.active() != b.active() ? a.active() : a.active() && a.time_s() < b.time_s();
       });
-  place = footfall;
+  slot = footfall;
   in_use_[foot] =
-      std::max(in_use_[foot], static_cast<std::size_t>(std::distance(all.data(), &place)) + 1);
-  return place;
+      std::max(in_use_[foot], static_cast<std::size_t>(std::distance(all.data(), &slot)) + 1);
+  return slot;
 }
 
 /// What stands becomes something else that begins with the same load.
 void Gait::replace(std::size_t foot, const Footfall& footfall) noexcept {
   for (Footfall& one : footfalls_[foot])
-    if (one.under_way() && one.stays) {
+    if (one.active() && one.ends_standing) {
       one = footfall;
       return;
     }
@@ -107,10 +106,10 @@ void Gait::begin_step(std::size_t foot) noexcept {
     vary.heel_speed *= kSetOff[steps_];
     vary.ball_speed *= kSetOff[steps_];
   }
-  Footfall made = stance(reaction_, vary);
+  Footfall planned = stance(reaction_, vary);
   if (turn_rad_ > 0)
-    pivot(made, reaction_, std::exchange(turn_rad_, 0.0));
-  play(foot, made);
+    pivot(planned, reaction_, std::exchange(turn_rad_, 0.0));
+  play(foot, planned);
 }
 
 void Gait::step(std::size_t foot) noexcept {
@@ -133,31 +132,33 @@ void Gait::jump(double height_m) noexcept {
 
 void Gait::scuff(std::size_t foot) noexcept {
   if (foot < kFeet)
-    swings_[foot] = {Swing::Kind::kScuff, kScuffLength * varied(4),
-                     kScuffSpeed * std::clamp(walker_.speed_m_per_s, 0.3, 3.0) * varied(2), -1};
+    swing_actions_[foot] = {SwingAction::Kind::kScuff, kScuffLength * varied(4),
+                            kScuffSpeed * std::clamp(walker_.speed_m_per_s, 0.3, 3.0) * varied(2),
+                            -1};
 }
 
 void Gait::drag(std::size_t foot, double length_m, double speed_m_per_s) noexcept {
   if (foot < kFeet && std::isfinite(length_m) && std::isfinite(speed_m_per_s))
-    swings_[foot] = {Swing::Kind::kDrag, length_m, speed_m_per_s, -1};
+    swing_actions_[foot] = {SwingAction::Kind::kDrag, length_m, speed_m_per_s, -1};
 }
 
 void Gait::begin_halt() noexcept {
-  BothFeet pair = footstep::halt(reaction_);
+  FootfallPair pair = footstep::halt(reaction_);
   play(next_foot_, pair.feet[0]);
-  closing_ = pair.feet[1];
-  until_s_ = pair.then_s;
+  second_footfall_ = pair.feet[1];
+  time_left_s_ = pair.next_start_s;
   next_foot_ = 1 - next_foot_;
   state_ = State::kHalting;
 }
 
 void Gait::begin_jump() noexcept {
-  const Jump made = footstep::jump(std::exchange(jump_m_, 0.0) * varied(1), reaction_.weight_n());
+  const Jump planned =
+      footstep::jump(std::exchange(jump_m_, 0.0) * varied(1), reaction_.weight_n());
   for (std::size_t foot = 0; foot < kFeet; ++foot)
-    replace(foot, made.push_off);
-  landing_ = made.landing;
-  lands_ = true;
-  until_s_ = made.then_s;
+    replace(foot, planned.push_off);
+  landing_ = planned.landing;
+  landing_pending_ = true;
+  time_left_s_ = planned.next_start_s;
   state_ = State::kBusy;
 }
 
@@ -169,26 +170,26 @@ void Gait::start_from_air() noexcept {
     state_ = State::kStanding;
   } else if (walk_requested_) {
     state_ = State::kWalking;
-    until_s_ = 0;
+    time_left_s_ = 0;
     steps_ = 0;
   }
 }
 
 /// Scuffs and drags of feet that swing or have nothing to do.
-void Gait::begin_swings() noexcept {
+void Gait::begin_swing_actions() noexcept {
   for (std::size_t foot = 0; foot < kFeet; ++foot) {
-    Swing& swing = swings_[foot];
-    if (swing.kind == Swing::Kind::kNone)
+    SwingAction& swing = swing_actions_[foot];
+    if (swing.kind == SwingAction::Kind::kNone)
       continue;
     const double weight_n = reaction_.weight_n();
-    const bool scuffs = swing.kind == Swing::Kind::kScuff;
+    const bool scuffs = swing.kind == SwingAction::Kind::kScuff;
     if (state_ == State::kStanding) {
       if (!standing())
         continue;
-      BothFeet pair = standing_drag(swing.length_m, swing.speed_m_per_s, weight_n);
+      FootfallPair pair = standing_drag(swing.length_m, swing.speed_m_per_s, weight_n);
       replace(foot, pair.feet[0]);
       replace(1 - foot, pair.feet[1]);
-      until_s_ = pair.then_s;
+      time_left_s_ = pair.next_start_s;
       state_ = State::kBusy;
     } else if (state_ == State::kBusy || on_ground(foot)) {
       swing.wait_s = -1;
@@ -201,31 +202,32 @@ void Gait::begin_swings() noexcept {
       if (swing.wait_s < 0)
         swing.wait_s = scuffs ? kScuffAt * swing_s() : kDragAt;
       swing.wait_s -= step_s_;
-      const double left = until_s_ + (next_foot_ == foot ? 0 : 0.5 * reaction_.stride_s()) - kFree;
-      if (swing.wait_s > 0 || left < kScuffAt * swing_s())
+      const double time_left_s =
+          time_left_s_ + (next_foot_ == foot ? 0 : 0.5 * reaction_.stride_s()) - kClearance_s;
+      if (swing.wait_s > 0 || time_left_s < kScuffAt * swing_s())
         continue;
-      Footfall made;
+      Footfall planned;
       if (scuffs) { // half a cosine's mean is 1/2
-        const double length = std::min(swing.length_m, 0.5 * swing.speed_m_per_s * left);
-        made = footstep::scuff(length, swing.speed_m_per_s, weight_n);
+        const double length = std::min(swing.length_m, 0.5 * swing.speed_m_per_s * time_left_s);
+        planned = footstep::scuff(length, swing.speed_m_per_s, weight_n);
       } else { // as far as a stride, as fast as the swing is short
         const double length =
             std::min(swing.length_m, walker_.speed_m_per_s * reaction_.stride_s());
-        made = footstep::drag(length, drag_speed(length, left), weight_n);
+        planned = footstep::drag(length, drag_speed(length, time_left_s), weight_n);
       }
-      made.unloads_other = true;
-      play(foot, made);
+      planned.unloads_other = true;
+      play(foot, planned);
     }
     swing = {};
   }
 }
 
-void Gait::decide() noexcept {
+void Gait::update_state() noexcept {
   if (state_ == State::kAir)
     start_from_air();
   switch (state_) {
   case State::kWalking:
-    if (until_s_ <= 0) {
+    if (time_left_s_ <= 0) {
       if (!walk_requested_ || jump_m_ > 0) {
         begin_halt();
         break;
@@ -233,21 +235,21 @@ void Gait::decide() noexcept {
       begin_step(next_foot_);
       steps_ = std::min(steps_ + 1, 2);
       const double half_stride = 0.5 * reaction_.stride_s();
-      until_s_ += half_stride * std::max(0.2, 1 + variation_ * random_.normal());
+      time_left_s_ += half_stride * std::max(0.2, 1 + variation_ * random_.normal());
       next_foot_ = 1 - next_foot_;
     }
     break;
   case State::kHalting:
-    if (until_s_ <= 0) {
-      play(next_foot_, closing_);
+    if (time_left_s_ <= 0) {
+      play(next_foot_, second_footfall_);
       next_foot_ = 1 - next_foot_;
       state_ = State::kStanding;
     }
     break;
   case State::kBusy:
-    if (until_s_ <= 0) {
+    if (time_left_s_ <= 0) {
       state_ = State::kStanding;
-      if (std::exchange(lands_, false))
+      if (std::exchange(landing_pending_, false))
         for (std::size_t foot = 0; foot < kFeet; ++foot) {
           Footfall& one = play(foot, landing_);
           for (Footfall::Impact& impact : one.impacts)
@@ -256,7 +258,7 @@ void Gait::decide() noexcept {
     }
     break;
   case State::kStanding:
-    if (!both_stay()) { // steps on command have taken the place of one
+    if (!both_standing()) { // steps on command have taken the place of one
       lift_feet();
       break;
     }
@@ -265,10 +267,10 @@ void Gait::decide() noexcept {
     if (jump_m_ > 0) {
       begin_jump();
     } else {
-      const BothFeet pair = set_off(reaction_);
+      const FootfallPair pair = set_off(reaction_);
       replace(1 - next_foot_, pair.feet[0]);
       replace(next_foot_, pair.feet[1]);
-      until_s_ = pair.then_s;
+      time_left_s_ = pair.next_start_s;
       steps_ = 0;
       state_ = State::kWalking;
     }
@@ -281,28 +283,28 @@ void Gait::decide() noexcept {
 void Gait::next(std::array<SoleState, kFeet>& feet) noexcept {
   for (SoleState& foot : feet)
     foot = {};
-  decide();
-  begin_swings();
-  until_s_ -= step_s_;
-  std::array<double, kFeet> taken_n{};
+  update_state();
+  begin_swing_actions();
+  time_left_s_ -= step_s_;
+  std::array<double, kFeet> unloaded_n{};
   for (std::size_t i = 0; i < kFeet; ++i) {
     for (std::size_t k = 0; k < in_use_[i]; ++k) {
       Footfall& footfall = footfalls_[i][k];
       footfall.advance(step_s_, feet[i]);
-      if (footfall.under_way() && footfall.unloads_other)
-        taken_n[1 - i] += footfall.force_n();
+      if (footfall.active() && footfall.unloads_other)
+        unloaded_n[1 - i] += footfall.force_n();
     }
-    while (in_use_[i] > 0 && !footfalls_[i][in_use_[i] - 1].under_way())
+    while (in_use_[i] > 0 && !footfalls_[i][in_use_[i] - 1].active())
       --in_use_[i];
   }
   for (std::size_t i = 0; i < kFeet; ++i)
-    unload(i, taken_n[i], feet[i]);
+    unload(i, unloaded_n[i], feet[i]);
 }
 
 /// What a foot of a walker bears while it scuffs or drags, the other one does not.
 void Gait::unload(std::size_t foot, double force_n, SoleState& sole) noexcept {
-  const double whole = sole.heel_n + sole.ball_n;
-  const double part = force_n > 0 && whole > 0 ? std::min(force_n / whole, 1.0) : 0;
+  const double total_n = sole.heel_n + sole.ball_n;
+  const double part = force_n > 0 && total_n > 0 ? std::min(force_n / total_n, 1.0) : 0;
   const double before = std::exchange(unloaded_[foot], part);
   if (part == 0 && before == 0)
     return;

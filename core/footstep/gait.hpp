@@ -54,7 +54,7 @@ public:
 private:
   enum class State { kAir, kWalking, kHalting, kStanding, kBusy };
   /// Something that a foot does once it is free.
-  struct Swing {
+  struct SwingAction {
     enum class Kind { kNone, kScuff, kDrag } kind = Kind::kNone;
     double length_m = 0, speed_m_per_s = 0;
     double wait_s = -1; ///< since the foot left the ground; negative: it has not yet
@@ -65,12 +65,12 @@ private:
   void begin_halt() noexcept;
   void begin_jump() noexcept;
   void start_from_air() noexcept;
-  void begin_swings() noexcept;
+  void begin_swing_actions() noexcept;
   void unload(std::size_t foot, double force_n, SoleState& sole) noexcept;
-  void decide() noexcept;
+  void update_state() noexcept;
   [[nodiscard]] bool on_ground(std::size_t foot) const noexcept;
   [[nodiscard]] bool standing() const noexcept;
-  [[nodiscard]] bool both_stay() const noexcept;
+  [[nodiscard]] bool both_standing() const noexcept;
   void lift_feet() noexcept;
   [[nodiscard]] double varied(double times) noexcept;
   [[nodiscard]] double swing_s() const noexcept;
@@ -80,13 +80,13 @@ private:
   double variation_ = 0.04, step_s_ = 1.0 / 48000;
   bool walk_requested_ = false;
   State state_ = State::kAir;
-  double until_s_ = 0; ///< until the next contact, or the end of what is under way
+  double time_left_s_ = 0; ///< until the next contact, or the end of what is under way
   std::size_t next_foot_ = 0;
-  int steps_ = 0;                    ///< since setting off, as far as they differ
-  double turn_rad_ = 0, jump_m_ = 0; ///< what is still to be done
-  Footfall closing_, landing_;       ///< what comes at the end of until_s_
-  bool lands_ = false;
-  std::array<Swing, kFeet> swings_{};
+  int steps_ = 0;                      ///< since setting off, as far as they differ
+  double turn_rad_ = 0, jump_m_ = 0;   ///< what is still to be done
+  Footfall second_footfall_, landing_; ///< what comes at the end of time_left_s_
+  bool landing_pending_ = false;
+  std::array<SwingAction, kFeet> swing_actions_{};
   std::array<double, kFeet> unloaded_{}; ///< part of its load that a foot does not bear just now
   Random random_;
   std::array<std::array<Footfall, kOverlap>, kFeet> footfalls_{};

@@ -11,18 +11,18 @@ namespace tactus::footstep {
 namespace {
 
 constexpr std::size_t kHeel = 0, kBall = 1;
-constexpr double kUsualLanding = 0.5; // m/s
+constexpr double kReferenceLandingSpeed = 0.5; // m/s
 // What no walker does is no step: landings and slopes beyond these count as these.
-constexpr double kHardestLanding = 4, kSteepest = 200; // m/s, reference weights a second
+constexpr double kMaxLandingSpeed = 4, kMaxLoadRate = 200; // m/s, reference weights a second
 // Of the load's own rise and fall, what bends the boards before the joint is free.
 constexpr double kBending = 0.8, kSpringBack = 0.2;
-constexpr double kLightest = 1e-3, kHeaviest = 20; // reference weights
+constexpr double kMinWeight = 1e-3, kMaxWeight = 20; // reference weights
 
 /// What a landing puts into particles, times `heel` or `ball`. A cloud of energy E has events at a
 /// rate ~ E and of energies ~ E: its sound has the power E^2. What sounds is to be a fixed part of
 /// the landing's energy ~ m v^2, so E ~ sqrt(m) v.
 double landing(double weight, double speed) noexcept {
-  return std::sqrt(weight) * std::min(speed, kHardestLanding) / kUsualLanding;
+  return std::sqrt(weight) * std::min(speed, kMaxLandingSpeed) / kReferenceLandingSpeed;
 }
 
 } // namespace
@@ -62,7 +62,7 @@ void Ground::reset() noexcept {
     p.heel.reset();
   }
   radiation_ = load_ = 0;
-  heel_down_ = has_place_ = false;
+  heel_down_ = has_contact_position_ = false;
   silent_ = true;
 }
 
@@ -75,7 +75,7 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
   if (recipe.solid.present) {
     for (StruckFloor& floor : floor_) {
       floor.set(recipe.solid, shoe_);
-      floor.tune_to(recipe.solid, detune_, 1, 1);
+      floor.scale_modes(recipe.solid, detune_, 1, 1);
     }
     // What lies between sole and floor is pressed by the force of the landing. For one energy that
     // goes with k^(1/(a + 1)).
@@ -87,7 +87,7 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
   }
   if (recipe.friction.present) {
     boards_.set(recipe.friction);
-    boards_.tune_to(recipe.friction, detune_, 1, 1);
+    boards_.scale_modes(recipe.friction, detune_, 1, 1);
   }
   for (std::size_t i = 0; i < recipe.clouds; ++i) {
     const particle::CloudSettings& settings = recipe.cloud[i].settings;
@@ -97,47 +97,47 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
 }
 
 void Ground::set_weight(double weight_n) noexcept {
-  weight_ = weight_n > 0 ? std::min(weight_n / kReferenceWeight, kHeaviest) : 0;
-  root_weight_ = std::sqrt(std::max(weight_, kLightest));
+  weight_ = weight_n > 0 ? std::min(weight_n / kReferenceWeight, kMaxWeight) : 0;
+  root_weight_ = std::sqrt(std::max(weight_, kMinWeight));
 }
 
 /// Where floors and boards are touched, for a step whose landing was on another ground.
-void Ground::choose_places() noexcept {
-  has_place_ = true;
+void Ground::draw_contact_positions() noexcept {
+  has_contact_position_ = true;
   if (recipe_.solid.present)
     for (StruckFloor& floor : floor_)
-      floor.choose_places(recipe_.solid);
+      floor.draw_contact_positions(recipe_.solid);
   if (recipe_.friction.present)
-    boards_.choose_place(recipe_.friction);
+    boards_.draw_contact_position(recipe_.friction);
 }
 
-void Ground::new_place() noexcept {
-  has_place_ = true;
-  const double all_frequency = drawn(recipe_.vary_frequency, random_);
-  const double all_decay = drawn(recipe_.vary_decay, random_);
+void Ground::begin_step_variation() noexcept {
+  has_contact_position_ = true;
+  const double all_frequency = lognormal_factor(recipe_.vary_frequency, random_);
+  const double all_decay = lognormal_factor(recipe_.vary_decay, random_);
   if (const SolidRecipe& solid = recipe_.solid; solid.present) {
-    const double frequency = all_frequency * drawn(solid.scatter.frequency, random_);
-    const double decay = all_decay * drawn(solid.scatter.decay, random_);
+    const double frequency = all_frequency * lognormal_factor(solid.scatter.frequency, random_);
+    const double decay = all_decay * lognormal_factor(solid.scatter.decay, random_);
     for (StruckFloor& floor : floor_) {
-      floor.tune_to(solid, detune_, frequency, decay);
-      floor.choose_places(solid);
+      floor.scale_modes(solid, detune_, frequency, decay);
+      floor.draw_contact_positions(solid);
     }
-    speed_factor_ = drawn(solid.scatter.level, random_);
+    speed_factor_ = lognormal_factor(solid.scatter.level, random_);
   }
   if (const FrictionRecipe& friction = recipe_.friction; friction.present) {
-    const double frequency = all_frequency * drawn(friction.scatter.frequency, random_);
-    boards_.tune_to(friction, detune_, frequency,
-                    all_decay * drawn(friction.scatter.decay, random_));
-    boards_.choose_place(friction);
+    const double frequency = all_frequency * lognormal_factor(friction.scatter.frequency, random_);
+    boards_.scale_modes(friction, detune_, frequency,
+                        all_decay * lognormal_factor(friction.scatter.decay, random_));
+    boards_.draw_contact_position(friction);
   }
   // A heavier body sinks in deeper, for longer.
-  const double deeper = root_weight_;
+  const double decay_scale = root_weight_;
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const Scatter& scatter = recipe_.cloud[i].scatter;
     const particle::CloudSettings& settings = recipe_.cloud[i].settings;
-    const double frequency = all_frequency * drawn(scatter.frequency, random_);
-    const double decay = deeper * all_decay * drawn(scatter.decay, random_);
-    particles_[i].cloud.vary(frequency, decay, drawn(scatter.level, random_));
+    const double frequency = all_frequency * lognormal_factor(scatter.frequency, random_);
+    const double decay = decay_scale * all_decay * lognormal_factor(scatter.decay, random_);
+    particles_[i].cloud.vary(frequency, decay, lognormal_factor(scatter.level, random_));
     particles_[i].heel.set(sample_rate_, settings.attack_s, settings.decay_s * decay);
   }
 }
@@ -154,13 +154,13 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   }
   // The first landing of a step; a heel that lands twice without leaving begins another.
   if (((heel_lands || ball_lands) && load_ <= 0) || (heel_lands && heel_down_))
-    new_place();
-  else if (!has_place_) // a ground that comes under a foot which is already down
-    choose_places();
+    begin_step_variation();
+  else if (!has_contact_position_) // a ground that comes under a foot which is already down
+    draw_contact_positions();
   heel_down_ = heel_lands || (heel_down_ && load > 0);
   load_ = load;
   const auto slope = [](double newton_per_s) {
-    return std::clamp(newton_per_s / kReferenceWeight, -kSteepest, kSteepest);
+    return std::clamp(newton_per_s / kReferenceWeight, -kMaxLoadRate, kMaxLoadRate);
   };
   const double heel_slope = slope(sole.heel_slope), ball_slope = slope(sole.ball_slope);
   std::array<double, kRegions> felt{};
@@ -193,28 +193,28 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
     silent = silent && !boards_.active();
   }
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
-    const CloudRecipe& from = recipe_.cloud[i];
+    const CloudRecipe& cloud_recipe = recipe_.cloud[i];
     Particles& p = particles_[i];
-    const auto power = [&](double slope_now, double slid) {
-      return ((slope_now > 0 ? from.load * slope_now : -from.release * slope_now) +
-              from.slide * slid) /
+    const auto power = [&](double slope_now, double slip_load) {
+      return ((slope_now > 0 ? cloud_recipe.load * slope_now : -cloud_recipe.release * slope_now) +
+              cloud_recipe.slide * slip_load) /
              root_weight_; // as landings: ~ sqrt(m)
     };
     const double heel_power = power(heel_slope, heel_load * std::abs(sole.heel_slip));
     const double ball_power = power(ball_slope, ball_load * std::abs(sole.ball_slip));
     if (heel_lands) {
-      const double energy = from.heel * landing(weight_, sole.heel_landing);
-      p.cloud.blow(energy);
-      p.heel.blow(energy);
+      const double energy = cloud_recipe.heel * landing(weight_, sole.heel_landing);
+      p.cloud.add_energy(energy);
+      p.heel.add_energy(energy);
     }
     if (ball_lands)
-      p.cloud.blow(from.ball * landing(weight_, sole.ball_landing));
+      p.cloud.add_energy(cloud_recipe.ball * landing(weight_, sole.ball_landing));
     if (p.cloud.silent() && heel_power + ball_power <= 0)
       continue;
-    const double of_heel = p.heel.advance(heel_power);
+    const double heel_energy = p.heel.advance(heel_power);
     const double sound = sole_factor_ * p.cloud.next(heel_power + ball_power);
     const double energy = p.cloud.energy();
-    const double share = energy > 0 ? std::min(of_heel / energy, 1.0) : 0;
+    const double share = energy > 0 ? std::min(heel_energy / energy, 1.0) : 0;
     felt[kHeel] += share * sound;
     felt[kBall] += (1 - share) * sound;
     silent = silent && p.cloud.silent();

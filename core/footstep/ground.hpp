@@ -34,8 +34,9 @@ public:
   void reset() noexcept;
 
   struct Sound {
-    double heel_felt = 0, ball_felt = 0; ///< the ground's motion under each, for the drives
-    double heard = 0;                    ///< sound pressure, Pa: what of their sum the air takes
+    double heel_vibration = 0,
+           ball_vibration = 0; ///< the ground's motion under each, for the drives
+    double pressure_pa = 0;    ///< sound pressure, Pa: what of their sum the air takes
   };
   /// One sample.
   Sound next(const SoleState& sole) noexcept;
@@ -48,8 +49,8 @@ private:
     particle::EnergyStore heel; ///< as the cloud's own store, fed by the heel alone
   };
   static constexpr std::size_t kRegions = 2; ///< heel and ball
-  void new_place() noexcept;
-  void choose_places() noexcept;
+  void begin_step_variation() noexcept;
+  void draw_contact_positions() noexcept;
 
   Recipe recipe_;
   double sample_rate_ = 48000, shoe_ = 0.4, weight_ = 1; ///< in reference weights
@@ -62,9 +63,9 @@ private:
   double speed_factor_ = 1;
   double sole_factor_ = 1; ///< of particles between sole and floor, for a hard or soft sole
   double radiation_ = 0, radiation_gain_ = 0;
-  double load_ = 0;        ///< of the last sample, in reference weights
-  bool heel_down_ = false; ///< the heel has landed since the foot was last in the air
-  bool has_place_ = false; ///< one has been drawn since the last reset
+  double load_ = 0;                   ///< of the last sample, in reference weights
+  bool heel_down_ = false;            ///< the heel has landed since the foot was last in the air
+  bool has_contact_position_ = false; ///< one has been drawn since the last reset
   bool silent_ = true;
 };
 

@@ -12,11 +12,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.81;          // m/s^2
 constexpr double kMaxTransient = 0.6;      // weights
-constexpr double kUsualSpeed = 1.4;        // m/s
+constexpr double kDefaultSpeed = 1.4;      // m/s
 constexpr double kShareShape = 0.8;        // the heel's share is 1/2 at 63 % of its fall
 constexpr double kContactSlip = 0.2 / 1.4; // of the walking speed: 3 mm in 30 ms at 1.4 m/s
 constexpr double kMaxWalk = 2.5, kMinWalk = 0.3, kMaxRun = 8, kMinRun = 1.5; // m/s
-constexpr double kSprint = 6; // m/s, from where runners land on the ball
+constexpr double kMinSprint = 6; // m/s, from where runners land on the ball
 
 // Effective masses behind a landing, parts of the body's (docs/footstep.md).
 constexpr double kHeelWalking = 0.063, kHeelRunning = 0.053, kHeelCrouched = 0.037;
@@ -77,7 +77,7 @@ double GroundReaction::landing_mean() const noexcept {
 }
 
 void GroundReaction::set_share() noexcept {
-  share_ = heel_share_track(heel_.at, ball_.at, release_at_, highest_heel_share_);
+  share_ = heel_share_track(heel_.at, ball_.at, release_at_, max_heel_share_);
 }
 
 void GroundReaction::set_walk(const Shape& shape) noexcept {
@@ -138,10 +138,10 @@ void GroundReaction::set(const Walker& walker) noexcept {
   weight_n_ = std::clamp(finite(walker.weight_n, Walker{}.weight_n), 0.0, 1e5);
   style_ = walker.style;
   const bool run = style_ == Style::kRun;
-  const double speed = std::clamp(finite(walker.speed_m_per_s, kUsualSpeed),
+  const double speed = std::clamp(finite(walker.speed_m_per_s, kDefaultSpeed),
                                   run ? kMinRun : kMinWalk, run ? kMaxRun : kMaxWalk);
   const double shoe = std::clamp(finite(walker.shoe, Walker{}.shoe), 0.0, 1.0);
-  const double pace = std::pow(speed / kUsualSpeed, 0.8);
+  const double pace = std::pow(speed / kDefaultSpeed, 0.8);
   const double walking_cadence = std::clamp(100 + 27.8 * (speed - 1), 70.0, 145.0); // steps / min
   const auto times = [this](double steps_a_minute, double duty) {
     stride_s_ = 2 * 60 / steps_a_minute;
@@ -151,20 +151,20 @@ void GroundReaction::set(const Walker& walker) noexcept {
   contact_slip_ = kContactSlip * speed;
   heel_up_at_ = 0.62;
   release_at_ = 0.66;
-  highest_heel_share_ = 1;
+  max_heel_share_ = 1;
   switch (style_) {
   case Style::kRun: {
     const double cadence = 150 + 8 * speed;
     times(cadence, std::clamp(0.32 - 0.02 * speed, 0.16, 0.29) * cadence / 120);
     const double landing = 0.6 + 0.15 * speed;
-    if (speed < kSprint) {
+    if (speed < kMinSprint) {
       heel_ = {0, landing, kHeelRunning};
       ball_ = {0.04, 0.6 * landing, kFoot};
       transient_ = kMaxTransient * shoe;
     } else { // the heel hardly comes down
       ball_ = {0, landing, kBallFirst};
       heel_ = {0.15, 0.2 * landing, kFoot};
-      highest_heel_share_ = 0.2;
+      max_heel_share_ = 0.2;
     }
     set_run();
     break;
@@ -184,14 +184,14 @@ void GroundReaction::set(const Walker& walker) noexcept {
     times(0.77 * walking_cadence, kUp.duty);
     ball_ = {0, 0.1 + 0.15 * pace, kBallFirst};
     heel_ = {0.12, 0.1 + 0.08 * pace, kFoot};
-    highest_heel_share_ = 0.55;
+    max_heel_share_ = 0.55;
     set_walk(kUp);
     break;
   case Style::kDownstairs:
     times(0.91 * walking_cadence, kDown.duty);
     ball_ = {0, 0.6 * pace, kBallFirst};
     heel_ = {0.14, 0.1 + 0.25 * pace, kFoot};
-    highest_heel_share_ = 0.6;
+    max_heel_share_ = 0.6;
     set_walk(kDown);
     break;
   case Style::kWalk: {

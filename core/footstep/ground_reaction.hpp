@@ -68,7 +68,7 @@ public:
   [[nodiscard]] const Landing& ball() const noexcept { return ball_; }
   [[nodiscard]] double heel_up_at() const noexcept { return heel_up_at_; }
   [[nodiscard]] double release_at() const noexcept { return release_at_; }
-  [[nodiscard]] double highest_heel_share() const noexcept { return highest_heel_share_; }
+  [[nodiscard]] double max_heel_share() const noexcept { return max_heel_share_; }
   /// sin^2 of kTransientTime that a hard heel adds, weights.
   static constexpr double kTransientTime = 0.033; ///< s, as wide as a bell curve of 7 ms deviation
   [[nodiscard]] double transient() const noexcept { return transient_; }
@@ -87,7 +87,7 @@ private:
   Style style_ = Style::kWalk;
   Track load_, first_half_, second_half_, share_; // over x
   Landing heel_, ball_;
-  double heel_up_at_ = 0.62, release_at_ = 0.66, highest_heel_share_ = 1;
+  double heel_up_at_ = 0.62, release_at_ = 0.66, max_heel_share_ = 1;
   double transient_ = 0, contact_slip_ = 0;
 };
 

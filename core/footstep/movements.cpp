@@ -8,12 +8,12 @@ namespace tactus::footstep {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kGravity = 9.81;      // m/s^2
-constexpr double kStandingShare = 0.6; // under the heels of people who stand
-constexpr double kShift = 0.7;         // s, of the weight to one foot; the other is free after
-constexpr double kFree = 0.6;          // that part of it
-constexpr double kGentle = 0.15;       // m/s, of a foot that is put down to stand
-constexpr double kGentleMass = 0.0145; // of the body's
+constexpr double kGravity = 9.81;       // m/s^2
+constexpr double kStandingShare = 0.6;  // under the heels of people who stand
+constexpr double kShift = 0.7;          // s, of the weight to one foot; the other is free after
+constexpr double kFree = 0.6;           // that part of it
+constexpr double kPlacingSpeed = 0.15;  // m/s, of a foot that is put down to stand
+constexpr double kPlacingMass = 0.0145; // of the body's
 
 Footfall::Impact impact(bool heel, double at_s, double speed, double mass,
                         double weight_n) noexcept {
@@ -35,9 +35,8 @@ Footfall stance(const GroundReaction& reaction, const StepVariation& vary) noexc
   step.impacts = {land(true, reaction.heel(), vary.heel_speed, vary.roll),
                   land(false, reaction.ball(), vary.ball_speed, vary.roll)};
   step.impacts[0].bell_n = force * reaction.transient();
-  step.heel_share =
-      heel_share_track(step.impacts[0].at_s, step.impacts[1].at_s, reaction.release_at() * stance_s,
-                       reaction.highest_heel_share());
+  step.heel_share = heel_share_track(step.impacts[0].at_s, step.impacts[1].at_s,
+                                     reaction.release_at() * stance_s, reaction.max_heel_share());
   step.heel_up_s = reaction.heel_up_at() * stance_s;
   // Sliding over the ground until the contact holds.
   Track& slip = reaction.ball_first() ? step.ball_slip : step.heel_slip;
@@ -53,16 +52,16 @@ void pivot(Footfall& step, const GroundReaction& reaction, double angle_rad) noe
   const double from = 0.36 * stance_s, during = 0.42 * stance_s;
   step.heel_share = heel_share_track(step.impacts[0].at_s, step.impacts[1].at_s,
                                      std::max(from, step.impacts[1].at_s + 0.1 * stance_s),
-                                     reaction.highest_heel_share());
+                                     reaction.max_heel_share());
   step.heel_up_s = from;
   const double distance = std::abs(angle_rad) * kBallRadius * 2 / 3;
   step.ball_slip = Track(0);
   step.ball_slip.hold(from).to(0, during, 0, 2 * distance / during);
 }
 
-BothFeet set_off(const GroundReaction& reaction) noexcept {
-  BothFeet pair;
-  Footfall &carries = pair.feet[0], &leaves = pair.feet[1];
+FootfallPair set_off(const GroundReaction& reaction) noexcept {
+  FootfallPair pair;
+  Footfall &support = pair.feet[0], &lifted = pair.feet[1];
   const double stance_s = reaction.stance_s();
   const bool run = reaction.flight_s() > 0;
   const double level = run ? 1 : reaction.second_half().at(0);
@@ -76,30 +75,30 @@ BothFeet set_off(const GroundReaction& reaction) noexcept {
     const double peak =
         (0.5 * reaction.flight_s() + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
     load.to(peak, rise).to(0, fall, 1);
-    pair.then_s = load.duration_s() + reaction.flight_s();
+    pair.next_start_s = load.duration_s() + reaction.flight_s();
   } else {
     load.append(reaction.second_half().scaled(1, stance_s));
-    pair.then_s = kShift + 0.5 * reaction.stride_s() - reaction.middle() * stance_s;
+    pair.next_start_s = kShift + 0.5 * reaction.stride_s() - reaction.middle() * stance_s;
   }
-  carries.load = load.scaled(reaction.weight_n(), 1);
+  support.load = load.scaled(reaction.weight_n(), 1);
   const double rest = load.duration_s() - kShift;
-  carries.heel_share = Track(kStandingShare);
-  carries.heel_share.hold(kShift).to(0, 0.4 * rest);
-  carries.heel_up_s = kShift + 0.3 * rest;
-  leaves.load = Track(0.5 * reaction.weight_n());
-  leaves.load.to(0, kFree * kShift);
-  leaves.heel_share = Track(kStandingShare);
-  leaves.heel_share.to(0, 0.6 * kFree * kShift);
-  leaves.heel_up_s = 0.5 * kFree * kShift;
+  support.heel_share = Track(kStandingShare);
+  support.heel_share.hold(kShift).to(0, 0.4 * rest);
+  support.heel_up_s = kShift + 0.3 * rest;
+  lifted.load = Track(0.5 * reaction.weight_n());
+  lifted.load.to(0, kFree * kShift);
+  lifted.heel_share = Track(kStandingShare);
+  lifted.heel_share.to(0, 0.6 * kFree * kShift);
+  lifted.heel_up_s = 0.5 * kFree * kShift;
   for (Footfall& foot : pair.feet)
     foot.start();
   return pair;
 }
 
-BothFeet halt(const GroundReaction& reaction) noexcept {
+FootfallPair halt(const GroundReaction& reaction) noexcept {
   // The last landing is softer, and so is the closing one.
   constexpr double kLast = 0.8, kClosing = 0.5;
-  BothFeet pair;
+  FootfallPair pair;
   Footfall &last = pair.feet[0], &closing = pair.feet[1];
   const double stance_s = reaction.stance_s(), weight_n = reaction.weight_n();
   const bool run = reaction.flight_s() > 0;
@@ -122,7 +121,7 @@ BothFeet halt(const GroundReaction& reaction) noexcept {
   load.to(0.5, kShift, 0, 2 * (1 - 0.25 * kFree) - (0.5 + level));
   last.load = load.scaled(weight_n, 1);
   last.heel_up_s = -1;
-  last.stays = true;
+  last.ends_standing = true;
   if (reaction.ball_first()) {
     last.heel_share = Track(0);
     last.heel_share.hold(last.impacts[0].at_s).to(kStandingShare, 0.5 * middle);
@@ -132,13 +131,13 @@ BothFeet halt(const GroundReaction& reaction) noexcept {
   }
   last.start();
 
-  pair.then_s = middle + (1 - kFree) * kShift;
+  pair.next_start_s = middle + (1 - kFree) * kShift;
   closing = stand(weight_n);
   closing.load = Track(0);
   closing.load.to(0.5 * weight_n, kFree * kShift);
   const Landing &heel = reaction.heel(), &ball = reaction.ball();
-  closing.impacts = {impact(true, 0, kClosing * heel.speed_m_per_s, kGentleMass, weight_n),
-                     impact(false, 0, kClosing * ball.speed_m_per_s, kGentleMass, weight_n)};
+  closing.impacts = {impact(true, 0, kClosing * heel.speed_m_per_s, kPlacingMass, weight_n),
+                     impact(false, 0, kClosing * ball.speed_m_per_s, kPlacingMass, weight_n)};
   constexpr double kFlat = 0.06; // s between the two: nearly flat
   closing.impacts[reaction.ball_first() ? 0 : 1].at_s = kFlat;
   closing.heel_share = Track(reaction.ball_first() ? 0 : 1);
@@ -152,9 +151,9 @@ Footfall stand(double weight_n) noexcept {
   foot.load.to(0.5 * weight_n, 0.3);
   foot.heel_share = Track(0);
   foot.heel_share.hold(0.03).to(kStandingShare, 0.2);
-  foot.impacts = {impact(true, 0.03, kGentle, kGentleMass, weight_n),
-                  impact(false, 0, kGentle, kGentleMass, weight_n)};
-  foot.stays = true;
+  foot.impacts = {impact(true, 0.03, kPlacingSpeed, kPlacingMass, weight_n),
+                  impact(false, 0, kPlacingSpeed, kPlacingMass, weight_n)};
+  foot.ends_standing = true;
   foot.start();
   return foot;
 }
@@ -190,7 +189,7 @@ Jump jump(double height_m, double weight_n) noexcept {
   made.push_off.heel_share.hold(crouch + rise).to(0, 0.6 * fall);
   made.push_off.heel_up_s = crouch + rise + 0.4 * fall;
   made.push_off.start();
-  made.then_s = push.duration_s() + 2 * speed / kGravity;
+  made.next_start_s = push.duration_s() + 2 * speed / kGravity;
 
   // Landing: the ball's impact, the heel's, and the legs, which lead the rest of the momentum off.
   constexpr double kBallMass = 0.04, kHeelAt = 0.025, kHeelTime = 0.06, kLegsRise = 0.08;
@@ -208,7 +207,7 @@ Jump jump(double height_m, double weight_n) noexcept {
   landing.heel_share.hold(kHeelAt).to(kStandingShare, 0.12);
   landing.impacts = {Footfall::Impact{true, kHeelAt, 0.5 * speed, 0, heel * half, kHeelTime},
                      Footfall::Impact{false, 0, speed, ball * half}};
-  landing.stays = true;
+  landing.ends_standing = true;
   landing.start();
   return made;
 }
@@ -222,21 +221,21 @@ Footfall scuff(double length_m, double speed_m_per_s, double weight_n) noexcept 
   foot.heel_share = Track(0);
   foot.ball_slip = Track(speed);
   foot.ball_slip.to(0, during);
-  foot.impacts[1] = impact(false, 0, 0.1 * speed, kGentleMass, weight_n);
+  foot.impacts[1] = impact(false, 0, 0.1 * speed, kPlacingMass, weight_n);
   foot.start();
   return foot;
 }
 
 namespace {
 
-constexpr double kLongestRamp = 0.12, kRampPart = 0.25; // s; of the way's time at full speed
+constexpr double kMaxRampTime = 0.12, kRampShare = 0.25; // s; of the way's time at full speed
 
 /// A foot bears its load after one ramp, is up to its speed after another, and so down again.
 struct Sliding {
   Sliding(double length_m, double speed_m_per_s) noexcept {
     const double speed = std::clamp(speed_m_per_s, kMinDragSpeed, kMaxDragSpeed);
     const double whole = std::clamp(length_m, kMinDrag, kMaxDrag) / speed;
-    ramp_s = std::min(kLongestRamp, kRampPart * whole);
+    ramp_s = std::min(kMaxRampTime, kRampShare * whole);
     slides_s = whole + ramp_s;
     slip.hold(ramp_s).to(speed, ramp_s).hold(whole - ramp_s).to(0, ramp_s);
   }
@@ -246,11 +245,11 @@ struct Sliding {
 
 } // namespace
 
-double drag_speed(double length_m, double lasts_s) noexcept {
+double drag_speed(double length_m, double total_s) noexcept {
   // Both ramps of the load and half of each of the speed's are beyond the way's time.
-  const double speed = (1 + 3 * kRampPart) * length_m / lasts_s;
-  return kRampPart * length_m / speed < kLongestRamp ? speed
-                                                     : length_m / (lasts_s - 3 * kLongestRamp);
+  const double speed = (1 + 3 * kRampShare) * length_m / total_s;
+  return kRampShare * length_m / speed < kMaxRampTime ? speed
+                                                      : length_m / (total_s - 3 * kMaxRampTime);
 }
 
 Footfall drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
@@ -259,14 +258,14 @@ Footfall drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
   foot.ball_slip = foot.heel_slip = sliding.slip;
   foot.load.to(kDragLoad * weight_n, sliding.ramp_s).hold(sliding.slides_s).to(0, sliding.ramp_s);
   foot.heel_share = Track(0.3); // it trails
-  foot.impacts[1] = impact(false, 0, kGentle, kGentleMass, weight_n);
+  foot.impacts[1] = impact(false, 0, kPlacingSpeed, kPlacingMass, weight_n);
   foot.start();
   return foot;
 }
 
-BothFeet standing_drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
+FootfallPair standing_drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
   const Sliding sliding(length_m, speed_m_per_s);
-  BothFeet pair;
+  FootfallPair pair;
   pair.feet[0].ball_slip = pair.feet[0].heel_slip = sliding.slip;
   for (std::size_t i = 0; i < 2; ++i) {
     Footfall& foot = pair.feet[i];
@@ -275,10 +274,10 @@ BothFeet standing_drag(double length_m, double speed_m_per_s, double weight_n) n
         .hold(sliding.slides_s)
         .to(0.5 * weight_n, sliding.ramp_s);
     foot.heel_share = Track(kStandingShare);
-    foot.stays = true;
+    foot.ends_standing = true;
     foot.start();
   }
-  pair.then_s = pair.feet[0].load.duration_s();
+  pair.next_start_s = pair.feet[0].load.duration_s();
   return pair;
 }
 

@@ -23,19 +23,20 @@ struct StepVariation {
 void pivot(Footfall& step, const GroundReaction& reaction, double angle_rad) noexcept;
 
 /// Two footfalls that begin together, and when what follows may begin.
-struct BothFeet {
+struct FootfallPair {
   std::array<Footfall, 2> feet;
-  double then_s = 0;
+  double next_start_s = 0;
 };
 
 /// From standing to walking: feet[0] takes over the weight and pushes off, feet[1] leaves the
-/// ground; it lands after `then_s`. The body's vertical momentum is zero while standing and at the
-/// middle of a stance: the shift of weight leaves it so. A runner pushes off to the first flight.
-[[nodiscard]] BothFeet set_off(const GroundReaction& reaction) noexcept;
+/// ground; it lands after `next_start_s`. The body's vertical momentum is zero while standing and
+/// at the middle of a stance: the shift of weight leaves it so. A runner pushes off to the first
+/// flight.
+[[nodiscard]] FootfallPair set_off(const GroundReaction& reaction) noexcept;
 
 /// The reverse of that: feet[0] lands with the last step and stays; feet[1] is to land beside it
-/// `then_s` later and stays as well. Both then carry half of the weight.
-[[nodiscard]] BothFeet halt(const GroundReaction& reaction) noexcept;
+/// `next_start_s` later and stays as well. Both then carry half of the weight.
+[[nodiscard]] FootfallPair halt(const GroundReaction& reaction) noexcept;
 
 /// A foot that is put down gently and stands with half of the weight.
 [[nodiscard]] Footfall stand(double weight_n) noexcept;
@@ -44,10 +45,10 @@ struct BothFeet {
 
 /// A jump on both feet from standing to standing, the same for each: crouch, push-off,
 /// 2 sqrt(2 h / g) in the air, landing with sqrt(2 g h) on the ball, then the heel. The first
-/// lasts until take-off, the second begins at the landing, `then_s` after the first's begin.
+/// lasts until take-off, the second begins at the landing, `next_start_s` after the first's begin.
 struct Jump {
   Footfall push_off, landing;
-  double then_s = 0;
+  double next_start_s = 0;
 };
 inline constexpr double kMinJump = 0.01, kMaxJump = 1.0; ///< m
 [[nodiscard]] Jump jump(double height_m, double weight_n) noexcept;
@@ -62,9 +63,9 @@ inline constexpr double kMinDragSpeed = 0.02, kMaxDragSpeed = 5; ///< m/s
 /// standing feet[0] slides and feet[1] carries the rest; both stand before and after.
 inline constexpr double kDragLoad = 0.3;
 /// The speed at which a drag takes that long from first to last touch.
-[[nodiscard]] double drag_speed(double length_m, double lasts_s) noexcept;
+[[nodiscard]] double drag_speed(double length_m, double total_s) noexcept;
 [[nodiscard]] Footfall drag(double length_m, double speed_m_per_s, double weight_n) noexcept;
-[[nodiscard]] BothFeet standing_drag(double length_m, double speed_m_per_s,
-                                     double weight_n) noexcept;
+[[nodiscard]] FootfallPair standing_drag(double length_m, double speed_m_per_s,
+                                         double weight_n) noexcept;
 
 } // namespace tactus::footstep

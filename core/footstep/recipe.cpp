@@ -1,6 +1,6 @@
 #include "core/footstep/recipe.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -11,11 +11,11 @@ namespace tactus::footstep {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-constexpr double kUsualRoom = -10; // dB, where a section [room] names none
+constexpr double kDefaultRoomLevel = -10; // dB, where a section [room] names none
 constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
                                                     "bubbles", "rustle",   "room"};
 
-std::vector<std::string_view> words_of(std::string_view line) {
+std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
   line = line.substr(0, line.find('#'));
   for (;;) {
@@ -37,7 +37,7 @@ bool to_number(std::string_view word, double& value) {
 class Reader {
 public:
   std::string line(std::string_view text) {
-    const auto words = words_of(text);
+    const auto words = split_words(text);
     if (words.empty())
       return {};
     if (words[0].front() == '[')
@@ -78,7 +78,7 @@ private:
     } else if (section_ == "friction") {
       recipe.friction.present = true;
     } else if (section_ == "room") {
-      recipe.room.level_db = kUsualRoom;
+      recipe.room.level_db = kDefaultRoomLevel;
     } else {
       if (recipe.clouds == kMaxClouds)
         return "more than " + number_text(kMaxClouds) + " sections of grains, bubbles and rustle";
@@ -113,8 +113,8 @@ std::string read_recipe(std::string_view text, Recipe& recipe) {
   Reader reader;
   for (int number = 1; !text.empty(); ++number) {
     const auto end = std::min(text.find('\n'), text.size());
-    if (const std::string complaint = reader.line(text.substr(0, end)); !complaint.empty())
-      return "line " + number_text(number) + ": " + complaint;
+    if (const std::string error_text = reader.line(text.substr(0, end)); !error_text.empty())
+      return "line " + number_text(number) + ": " + error_text;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   if (!reader.recipe.solid.present && !reader.recipe.friction.present && reader.recipe.clouds == 0)

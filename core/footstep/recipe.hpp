@@ -30,7 +30,8 @@ struct Scatter {
 struct ModesRecipe {
   double count = 6, frequency_hz = 150, ratio = 1.4, detune = 0.05;
   double t60_s = 0.1, t60_tilt = 0.5, tilt = 0.5, mass_kg = 0.25;
-  double place = 0.3; ///< log. standard deviation of a mode's share in a step: no two places alike
+  double mode_share_scatter =
+      0.3; ///< log. standard deviation of a mode's share in a step: no two places alike
   std::array<double, kMaxModes> gains_db{};
 };
 
@@ -58,7 +59,7 @@ struct FrictionRecipe {
   contact::FrictionLaw law{0.8, 0.3, 0.06, 0.4, 8e4, 20, 0.4, 0};
   double joint_hz = 90, joint_kg = 0.1; ///< spring and mass of the joint
   double joint_t60_s = 0.05;
-  double pressed_n = 6;       ///< in the joint without load
+  double preload_n = 6;       ///< in the joint without load
   double load_n = 20;         ///< more under kReferenceWeight
   double slip_m_per_s = 0.02; ///< while 10 reference weights a second move from heel to ball
   double wobble = 0.2;        ///< slow unevenness of pressure and slip, relative

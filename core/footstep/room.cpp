@@ -10,10 +10,10 @@ namespace {
 /// Without common divisors at common rates, so that their echoes rarely meet.
 constexpr double kDelays[] = {0.00711, 0.00967, 0.01229, 0.01493,
                               0.01787, 0.02111, 0.02473, 0.02887};
-constexpr double kNothing = 1e-12, kLoudest = 1e9;
-constexpr double kInaudible = 1.5; // times t60: 90 dB
+constexpr double kSilenceThreshold = 1e-12, kMaxPressure = 1e9;
+constexpr double kRingOutFactor = 1.5; // times t60: 90 dB
 
-double held(double value, double lowest, double highest) noexcept {
+double clamped(double value, double lowest, double highest) noexcept {
   return value > lowest ? std::min(value, highest) : lowest;
 }
 
@@ -30,11 +30,11 @@ void Room::prepare(double sample_rate) {
   sample_rate_ = sample_rate;
   for (std::size_t i = 0; i < kLines; ++i) {
     const auto length = static_cast<std::size_t>(kDelays[i] * sample_rate) | 1U;
-    if (lines_[i].kept.size() != length) {
-      lines_[i].kept.assign(length, 0.0);
+    if (lines_[i].samples.size() != length) {
+      lines_[i].samples.assign(length, 0.0);
       lines_[i].at = 0;
-      low_[i] = 0;
-      left_ = 0;
+      filter_state_[i] = 0;
+      ring_out_left_ = 0;
     }
   }
   set(settings_);
@@ -42,9 +42,9 @@ void Room::prepare(double sample_rate) {
 
 void Room::set(const Settings& settings) noexcept {
   settings_ = settings;
-  const double t60 = held(settings.t60_s, 0.02, 10);
+  const double t60 = clamped(settings.t60_s, 0.02, 10);
   const double w =
-      2 * std::numbers::pi * held(settings.bright_hz, 100, 0.45 * sample_rate_) / sample_rate_;
+      2 * std::numbers::pi * clamped(settings.bright_hz, 100, 0.45 * sample_rate_) / sample_rate_;
   double mean = 0; // of the gains' squares
   for (std::size_t i = 0; i < kLines; ++i) {
     gain_[i] = std::pow(10.0, -3 * kDelays[i] / t60);
@@ -53,34 +53,33 @@ void Room::set(const Settings& settings) noexcept {
   }
   // An impulse spreads over the lines; each round through them leaves `mean` of its energy, so that
   // mean + mean^2 + ... comes out.
-  const double level_db = held(settings.level_db, kLowestLevel, 40);
-  level_ =
-      level_db > kLowestLevel ? std::sqrt(std::pow(10.0, level_db / 10) * (1 - mean) / mean) : 0;
-  ring_ = static_cast<long>(kInaudible * t60 * sample_rate_);
+  const double level_db = clamped(settings.level_db, kMinLevel, 40);
+  level_ = level_db > kMinLevel ? std::sqrt(std::pow(10.0, level_db / 10) * (1 - mean) / mean) : 0;
+  ring_out_samples_ = static_cast<long>(kRingOutFactor * t60 * sample_rate_);
 }
 
 void Room::reset() noexcept {
   for (Line& line : lines_)
-    std::fill(line.kept.begin(), line.kept.end(), 0.0);
-  low_ = {};
-  left_ = 0;
+    std::fill(line.samples.begin(), line.samples.end(), 0.0);
+  filter_state_ = {};
+  ring_out_left_ = 0;
 }
 
 double Room::next(double direct) noexcept {
-  if (!(std::abs(direct) < kLoudest))
+  if (!(std::abs(direct) < kMaxPressure))
     direct = 0;
-  if (level_ > 0 && std::abs(direct) > kNothing)
-    left_ = ring_;
-  else if (left_ == 0)
+  if (level_ > 0 && std::abs(direct) > kSilenceThreshold)
+    ring_out_left_ = ring_out_samples_;
+  else if (ring_out_left_ == 0)
     return 0;
   else
-    --left_;
+    --ring_out_left_;
   std::array<double, kLines> v;
   for (std::size_t i = 0; i < kLines; ++i)
-    v[i] = lines_[i].kept[lines_[i].at];
+    v[i] = lines_[i].samples[lines_[i].at];
   for (std::size_t i = 0; i < kLines; ++i) {
-    const double arrived = gain_[i] * v[i];
-    v[i] = low_[i] = arrived + pole_[i] * (low_[i] - arrived);
+    const double decayed = gain_[i] * v[i];
+    v[i] = filter_state_[i] = decayed + pole_[i] * (filter_state_[i] - decayed);
   }
   double out = 0;
   for (std::size_t i = 0; i < kLines; ++i)
@@ -97,8 +96,8 @@ double Room::next(double direct) noexcept {
   for (std::size_t i = 0; i < kLines; ++i) {
     Line& line = lines_[i];
     const double in = kShare * (v[i] + (i % 2 ? -direct : direct));
-    line.kept[line.at] = std::abs(in) > kNothing * kNothing ? in : 0;
-    if (++line.at == line.kept.size())
+    line.samples[line.at] = std::abs(in) > kSilenceThreshold * kSilenceThreshold ? in : 0;
+    if (++line.at == line.samples.size())
       line.at = 0;
   }
   return level_ * out;

@@ -14,10 +14,10 @@ namespace tactus::footstep {
 /// distance in critical distances (Kuttruff, Room Acoustics, ch. 5); that ratio is the level.
 class Room {
 public:
-  static constexpr double kLowestLevel = -60; ///< dB, no room from there down
+  static constexpr double kMinLevel = -60; ///< dB, no room from there down
 
   struct Settings {
-    double level_db = kLowestLevel; ///< energy of the answer over the direct sound's
+    double level_db = kMinLevel; ///< energy of the answer over the direct sound's
     double t60_s = 0.3;
     double bright_hz = 4000; ///< where the decay time is half
 
@@ -29,21 +29,22 @@ public:
   void reset() noexcept;
   /// One sample of the direct sound in, the room's answer out, without the direct sound.
   double next(double direct) noexcept;
-  [[nodiscard]] bool silent() const noexcept { return left_ == 0; }
+  [[nodiscard]] bool silent() const noexcept { return ring_out_left_ == 0; }
 
 private:
   static constexpr std::size_t kLines = 8;
   struct Line {
-    std::vector<double> kept;
+    std::vector<double> samples;
     std::size_t at = 0;
   };
 
   Settings settings_;
   double sample_rate_ = 48000;
   double level_ = 0;
-  long ring_ = 0, left_ = 0; ///< samples until 90 dB are lost: of a sound, of what still sounds
+  long ring_out_samples_ = 0,
+       ring_out_left_ = 0; ///< samples until 90 dB are lost: of a sound, of what still sounds
   std::array<Line, kLines> lines_;
-  std::array<double, kLines> gain_{}, pole_{}, low_{}; ///< of each line's filter
+  std::array<double, kLines> gain_{}, pole_{}, filter_state_{}; ///< of each line's filter
 };
 
 } // namespace tactus::footstep

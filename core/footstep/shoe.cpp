@@ -29,12 +29,13 @@ contact::ImpactLaw sole_law(double hardness, double exponent) noexcept {
 contact::ImpactLaw in_series(const contact::ImpactLaw& ground,
                              const contact::ImpactLaw& sole) noexcept {
   const double a = ground.exponent;
-  const double of_ground = std::pow(ground.stiffness, -1 / a);
-  const double of_sole = std::pow(sole.stiffness, -1 / a);
-  const double whole = of_ground + of_sole;
-  const double ground_share = of_ground / whole, sole_share = of_sole / whole;
+  const double ground_compliance = std::pow(ground.stiffness, -1 / a);
+  const double sole_compliance = std::pow(sole.stiffness, -1 / a);
+  const double compliance = ground_compliance + sole_compliance;
+  const double ground_share = ground_compliance / compliance,
+               sole_share = sole_compliance / compliance;
   contact::ImpactLaw law = ground;
-  law.stiffness = std::pow(whole, -a);
+  law.stiffness = std::pow(compliance, -a);
   law.dissipation_s_per_m = ground_share * ground_share * ground.dissipation_s_per_m +
                             sole_share * sole_share * sole.dissipation_s_per_m;
   return law;

@@ -32,8 +32,9 @@ public:
   void prepare(double sample_rate); ///< may allocate
   void reset() noexcept;
   /// `lifted`: the foot is in the air, the baseline may follow, down to `lowest_n`. `free`: this
-  /// part of it is, floor and noise are followed; what rises by more than touch_n is no noise.
-  void next(double force_n, bool lifted, bool free = false, double touch_n = 20,
+  /// part of it is, floor and noise are followed; what rises by more than touch_threshold_n is no
+  /// noise.
+  void next(double force_n, bool lifted, bool free = false, double touch_threshold_n = 20,
             double lowest_n = -20) noexcept;
   [[nodiscard]] double force() const noexcept { return force_; }         ///< N
   [[nodiscard]] double slope() const noexcept { return slope_ * rate_; } ///< N/s
@@ -41,28 +42,29 @@ public:
   [[nodiscard]] double rise() const noexcept { return rise_; }
   /// The rise that noise does not reach, N: seven of its standard deviations, within 0.15 to 2.5 %
   /// of the weight.
-  [[nodiscard]] double touch_n(double weight_n) const noexcept;
+  [[nodiscard]] double touch_threshold_n(double weight_n) const noexcept;
   /// What it reads now is the floor.
-  void land_on_floor() noexcept { floor_ += rise_; }
+  void rebase_floor() noexcept { floor_ += rise_; }
 
 private:
   void start_sums() noexcept;
 
   double rate_ = 48000, force_ = 0, slope_ = 0, baseline_ = 0;
-  double follow_slow_ = 0, follow_fast_ = 0, follow_floor_ = 0, follow_noise_ = 0;
-  double floor_ = 0, rise_ = 0, variance_ = 0, known_ = 0; ///< known: weight of the variance
+  double slow_coefficient_ = 0, fast_coefficient_ = 0, floor_coefficient_ = 0,
+         noise_coefficient_ = 0;
+  double floor_ = 0, rise_ = 0, variance_ = 0, noise_weight_ = 0; ///< known: weight of the variance
   double b0_ = 1, b1_ = 0, b2_ = 0, a1_ = 0, a2_ = 0, s1_ = 0, s2_ = 0; // low-pass
-  std::vector<double> recent_;
-  std::size_t at_ = 0;
-  double sum_ = 0, weighted_ = 0; // over the last 5 ms
+  std::vector<double> window_;
+  std::size_t write_index_ = 0;
+  double sum_ = 0, index_weighted_sum_ = 0; // over the last 5 ms
 };
 
 /// Two sensors of one foot to its forces and the phases of its steps. A region lands once it has
-/// risen for 2.2 ms (3.5 ms if firmly) above what it read in the air by more than noise (touch_n),
-/// and how hard is told by the slope then; at the latest it lands when it carries 5 % of the body's
-/// weight. It lifts below 2.5 %, or, if it never carried 5 %, where it began. A stance lasts at
-/// least 80 ms and a swing 60 ms. A pad of F ~ x^1.5 (Hertz) pressed at v has a slope ~ v^1.5 by
-/// that time.
+/// risen for 2.2 ms (3.5 ms if firmly) above what it read in the air by more than noise
+/// (touch_threshold_n), and how hard is told by the slope then; at the latest it lands when it
+/// carries 5 % of the body's weight. It lifts below 2.5 %, or, if it never carried 5 %, where it
+/// began. A stance lasts at least 80 ms and a swing 60 ms. A pad of F ~ x^1.5 (Hertz) pressed at v
+/// has a slope ~ v^1.5 by that time.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
@@ -78,12 +80,13 @@ public:
 private:
   struct Region {
     SoleChannel channel;
-    double usual_speed, usual_slope;   ///< landing speed in m/s, weights a second by then
-    bool down = false, loaded = false; ///< loaded: has carried 5 % since it landed
-    double since_s = 1, touching_s = 0, touch_n = 17.5;
+    double typical_speed, typical_slope; ///< landing speed in m/s, weights a second by then
+    bool down = false, loaded = false;   ///< loaded: has carried 5 % since it landed
+    double since_s = 1, contact_s = 0, touch_threshold_n = 17.5;
   };
   /// `stands`: the other part of the sole is down already.
-  void update(Region& region, double force_n, bool stands, double& landing, bool& lifted) noexcept;
+  void update(Region& region, double force_n, bool other_down, double& landing,
+              bool& lifted) noexcept;
 
   double weight_n_ = 700, step_s_ = 1.0 / 48000;
   Calibration heel_table_, ball_table_;

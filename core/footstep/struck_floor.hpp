@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/dsp/random.hpp"
 #include "core/footstep/recipe.hpp"
 
@@ -25,10 +25,10 @@ public:
   /// Contact law of ground and sole in series. What sounds goes on.
   void set(const SolidRecipe& solid, double shoe) noexcept;
   /// Modes of the recipe, scaled in frequency and decay time; where it is struck stays.
-  void tune_to(const SolidRecipe& solid, std::span<const double> detune, double frequency,
-               double decay) noexcept;
+  void scale_modes(const SolidRecipe& solid, std::span<const double> detune, double frequency,
+                   double decay) noexcept;
   /// Draws where the parts of the sole meet the modes.
-  void choose_places(const SolidRecipe& solid) noexcept;
+  void draw_contact_positions(const SolidRecipe& solid) noexcept;
   /// A mass (kg) arrives at a speed (m/s, > 0).
   void land(const SolidRecipe& solid, double mass_kg, double speed_m_per_s) noexcept;
   /// The sole slides at a speed (m/s) under a force (N) from now on; 0 N: it does not.
@@ -36,18 +36,20 @@ public:
 
   /// Velocity that is heard, m/s, one sample on.
   double next() noexcept;
-  [[nodiscard]] bool active() const noexcept { return sliding_ || arriving_ > 0 || body_.active(); }
+  [[nodiscard]] bool active() const noexcept {
+    return sliding_ || landing_samples_left_ > 0 || body_.active();
+  }
 
 private:
   static constexpr std::size_t kSole = kMaxPatches; ///< slot of the sole that slides
 
-  contact::TouchedBody body_;
+  contact::ExcitedBody body_;
   contact::ImpactLaw law_;
   Random random_;
   double sample_rate_ = 48000;
   bool sliding_ = false; ///< or holds still
-  double pressing_n_ = 0, pressing_kept_ = 0.999;
-  double arriving_ = 0; ///< samples until the last part of a landing has touched
+  double normal_force_n_ = 0, normal_force_decay_ = 0.999;
+  double landing_samples_left_ = 0; ///< samples until the last part of a landing has touched
 };
 
 } // namespace tactus::footstep

@@ -166,10 +166,10 @@ SurfacePoint Surface::on(std::size_t triangle, double u, double v) const noexcep
 
 double Surface::diagonal() const noexcept { return norm(boxes_[0].high - boxes_[0].low); }
 
-Vec3 along_surface(const Vec3& normal, const Vec3& wanted) noexcept {
+Vec3 along_surface(const Vec3& normal, const Vec3& desired) noexcept {
   constexpr double kFacet = 0.342; // sine of 20 degrees
   constexpr double kLeast = 1e-3;  // of the length wanted
-  for (const Vec3& direction : {wanted, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
+  for (const Vec3& direction : {desired, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
     const double length = norm(direction), off = dot(direction, normal);
     const Vec3 along = direction - off * normal;
     if (length > 0 && std::abs(off) < kFacet * length)

@@ -57,6 +57,6 @@ private:
 /// The direction, of length 1, along a surface with this normal that is nearest to the one wanted.
 /// One within 20 degrees of the plane is along: facets of a curved surface lie so far off it. Along
 /// the normal there is none: the nearest to x or y then.
-[[nodiscard]] Vec3 along_surface(const Vec3& normal, const Vec3& wanted) noexcept;
+[[nodiscard]] Vec3 along_surface(const Vec3& normal, const Vec3& desired) noexcept;
 
 } // namespace tactus::modal

@@ -39,7 +39,7 @@ inline double norm(const Vec3& a) noexcept {
 
 /// The vector itself, or one of that length in the same direction when it is longer; none when it
 /// is not finite.
-inline Vec3 limited(const Vec3& a, double longest) noexcept {
+inline Vec3 limited(const Vec3& a, double max_norm) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
   if (!is_finite(a))
     return {};
@@ -47,7 +47,7 @@ inline Vec3 limited(const Vec3& a, double longest) noexcept {
     return a;
   const Vec3 scaled{a.x / largest, a.y / largest, a.z / largest};
   const double length = std::sqrt(dot(scaled, scaled));
-  return largest * length > longest ? scaled * (longest / length) : a;
+  return largest * length > max_norm ? scaled * (max_norm / length) : a;
 }
 
 } // namespace tactus::haptic

@@ -20,7 +20,7 @@ void BubbleBank::prepare(double sample_rate) noexcept {
 }
 
 void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept {
-  if (count_ == kMost || !(std::abs(amplitude) > 0))
+  if (count_ == kMaxBubbles || !(std::abs(amplitude) > 0))
     return;
   const double radius = std::clamp(radius_m, 0.15e-3, 0.15);
   const double decay = bubble_decay_per_s(radius);
@@ -50,13 +50,15 @@ double BubbleBank::next() noexcept {
   for (std::size_t i = 0; i < count_;) {
     Bubble& b = bubbles_[i];
     sum += b.imaginary;
-    const double real = b.real * b.turn_real - b.imaginary * b.turn_imaginary;
-    b.imaginary = b.real * b.turn_imaginary + b.imaginary * b.turn_real;
+    const double real = b.real * b.rotation_real - b.imaginary * b.rotation_imaginary;
+    b.imaginary = b.real * b.rotation_imaginary + b.imaginary * b.rotation_real;
     b.real = real;
-    const double turn = b.turn_real * b.quicken_real - b.turn_imaginary * b.quicken_imaginary;
-    b.turn_imaginary = b.turn_real * b.quicken_imaginary + b.turn_imaginary * b.quicken_real;
-    b.turn_real = turn;
-    if (--b.left <= 0)
+    const double new_rotation_real =
+        b.rotation_real * b.chirp_real - b.rotation_imaginary * b.chirp_imaginary;
+    b.rotation_imaginary =
+        b.rotation_real * b.chirp_imaginary + b.rotation_imaginary * b.chirp_real;
+    b.rotation_real = new_rotation_real;
+    if (--b.samples_left <= 0)
       b = bubbles_[--count_];
     else
       ++i;

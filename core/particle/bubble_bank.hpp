@@ -16,7 +16,7 @@ namespace tactus::particle {
 /// complex rotations a sample give it exactly.
 class BubbleBank {
 public:
-  static constexpr std::size_t kMost = 128; ///< bubbles at once; more are left out
+  static constexpr std::size_t kMaxBubbles = 128; ///< bubbles at once; more are left out
 
   void prepare(double sample_rate) noexcept;
   void reset() noexcept { count_ = 0; }
@@ -27,14 +27,14 @@ public:
 
 private:
   struct Bubble {
-    double real, imaginary;                 ///< of a exp(-d t + j phase)
-    double turn_real, turn_imaginary;       ///< to the next sample
-    double quicken_real, quicken_imaginary; ///< of the turn, to its next
-    long left;
+    double real, imaginary;                   ///< of a exp(-d t + j phase)
+    double rotation_real, rotation_imaginary; ///< to the next sample
+    double chirp_real, chirp_imaginary;       ///< of the turn, to its next
+    long samples_left;
   };
   double sample_rate_ = 48000;
   std::size_t count_ = 0;
-  std::array<Bubble, kMost> bubbles_{};
+  std::array<Bubble, kMaxBubbles> bubbles_{};
 };
 
 } // namespace tactus::particle

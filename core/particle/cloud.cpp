@@ -8,7 +8,7 @@ namespace tactus::particle {
 namespace {
 
 /// What is no number becomes the lowest.
-double held(double value, double lowest, double highest) noexcept {
+double clamped(double value, double lowest, double highest) noexcept {
   return value > lowest ? std::min(value, highest) : lowest;
 }
 
@@ -24,15 +24,15 @@ void Cloud::prepare(double sample_rate) noexcept {
 
 void Cloud::set(const CloudSettings& settings) noexcept {
   settings_ = settings;
-  settings_.count = held(settings.count, 0, 1e6);
-  settings_.decay_s = held(settings.decay_s, 1e-4, 60);
-  settings_.frequency_hz = held(settings.frequency_hz, 10, 20000);
-  settings_.spread = held(settings.spread, 0, 3);
-  settings_.lower_by_size = held(settings.lower_by_size, 0, 2);
-  settings_.quality = held(settings.quality, 0.1, 200);
-  settings_.length_s = held(settings.length_s, 1e-5, 2);
-  settings_.rise = held(settings.rise, 0, 1);
-  settings_.level = held(settings.level, 0, 1e4);
+  settings_.count = clamped(settings.count, 0, 1e6);
+  settings_.decay_s = clamped(settings.decay_s, 1e-4, 60);
+  settings_.frequency_hz = clamped(settings.frequency_hz, 10, 20000);
+  settings_.spread = clamped(settings.spread, 0, 3);
+  settings_.lower_by_size = clamped(settings.lower_by_size, 0, 2);
+  settings_.quality = clamped(settings.quality, 0.1, 200);
+  settings_.length_s = clamped(settings.length_s, 1e-5, 2);
+  settings_.rise = clamped(settings.rise, 0, 1);
+  settings_.level = clamped(settings.level, 0, 1e4);
   set_store();
   energies_.set(settings.exponent, settings.largest);
   normal_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
@@ -45,9 +45,9 @@ void Cloud::tune_rustle() noexcept {
 }
 
 void Cloud::vary(double frequency, double decay, double level) noexcept {
-  frequency_factor_ = held(frequency, 0.1, 10);
-  decay_factor_ = held(decay, 0.1, 10);
-  level_factor_ = held(level, 0, 100);
+  frequency_factor_ = clamped(frequency, 0.1, 10);
+  decay_factor_ = clamped(decay, 0.1, 10);
+  level_factor_ = clamped(level, 0, 100);
   set_store();
   tune_rustle();
 }

@@ -45,7 +45,7 @@ public:
   void reset() noexcept;
   void seed(std::uint64_t value) noexcept { random_.seed(value); }
 
-  void blow(double energy) noexcept { store_.blow(energy); }
+  void add_energy(double energy) noexcept { store_.add_energy(energy); }
   /// One sample: energy at that power (1/s) goes in, the sound comes out.
   double next(double power) noexcept;
   /// Sum over the last sample's events of sqrt(event energy * E), scaled so that `level` times it

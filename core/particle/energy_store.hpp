@@ -17,25 +17,25 @@ public:
     attack_s_ = std::clamp(attack_s, 1e-5, 60.0);
     decay_s_ = std::clamp(decay_s, 1e-5, 60.0);
     const double step_s = 1 / sample_rate;
-    kept_ = std::exp(-step_s / decay_s_);
-    pending_kept_ = std::exp(-step_s / attack_s_);
-    arriving_ = (1 - pending_kept_) * sample_rate;
-    taken_up_ = decay_s_ * (1 - kept_);
+    decay_factor_ = std::exp(-step_s / decay_s_);
+    attack_factor_ = std::exp(-step_s / attack_s_);
+    release_rate_ = (1 - attack_factor_) * sample_rate;
+    energy_per_power_ = decay_s_ * (1 - decay_factor_);
   }
 
   void reset() noexcept { energy_ = pending_ = 0; }
 
   /// Energy that arrives within the attack time.
-  void blow(double energy) noexcept { pending_ += energy > 0 ? std::min(energy, 1e3) : 0; }
+  void add_energy(double energy) noexcept { pending_ += energy > 0 ? std::min(energy, 1e3) : 0; }
 
   /// One sample with that power (1/s) in addition; the energy at its end. Power is held within
   /// 0..1e6; what is no number is none.
   double advance(double power) noexcept {
     power = power > 0 ? std::min(power, 1e6) : 0;
-    power += pending_ * arriving_;
-    pending_ *= pending_kept_;
-    energy_ = energy_ * kept_ + power * taken_up_;
-    if (energy_ + pending_ < kNothing)
+    power += pending_ * release_rate_;
+    pending_ *= attack_factor_;
+    energy_ = energy_ * decay_factor_ + power * energy_per_power_;
+    if (energy_ + pending_ < kEmptyThreshold)
       energy_ = pending_ = 0;
     return energy_;
   }
@@ -45,12 +45,12 @@ public:
   [[nodiscard]] bool empty() const noexcept { return energy_ + pending_ == 0; }
 
 private:
-  static constexpr double kNothing = 1e-9; ///< below, the store is empty: no endless tail
+  static constexpr double kEmptyThreshold = 1e-9; ///< below, the store is empty: no endless tail
 
   double attack_s_ = 0.01, decay_s_ = 0.1;
-  double kept_ = 0, pending_kept_ = 0;
-  double arriving_ = 0; ///< mean power of what arrives in a sample, for the energy pending, 1/s
-  double taken_up_ = 0; ///< energy at the end of a sample for a power in it, s
+  double decay_factor_ = 0, attack_factor_ = 0;
+  double release_rate_ = 0; ///< mean power of what arrives in a sample, for the energy pending, 1/s
+  double energy_per_power_ = 0; ///< energy at the end of a sample for a power in it, s
   double energy_ = 0, pending_ = 0;
 };
 

@@ -15,11 +15,11 @@ void GrainBank::prepare(double sample_rate) noexcept {
 
 void GrainBank::reset() noexcept {
   count_ = 0;
-  until_look_ = kLookAfter;
+  until_check_ = kCheckInterval;
 }
 
 void GrainBank::start(const Grain& grain, Random& random) noexcept {
-  if (count_ == kMost || !(grain.strength > 0))
+  if (count_ == kMaxGrains || !(grain.strength > 0))
     return;
   const double frequency = std::clamp(grain.frequency_hz, 10.0, 0.45 * sample_rate_);
   const double quality = std::clamp(grain.quality, 0.1, 200.0);
@@ -33,7 +33,7 @@ void GrainBank::start(const Grain& grain, Random& random) noexcept {
   constexpr double kIntegerDeviation = 4294967296.0 / 3.4641016151377546;
   const std::size_t i = count_++;
   envelope_[i] = noise_deviation / kIntegerDeviation;
-  kept_[i] = kept;
+  decay_factor_[i] = kept;
   gain_[i] = a / (1 + a);
   a1_[i] = -2 * std::cos(w) / (1 + a);
   a2_[i] = (1 - a) / (1 + a);
@@ -41,7 +41,7 @@ void GrainBank::start(const Grain& grain, Random& random) noexcept {
   noise_[i] = static_cast<std::uint32_t>(random.next() >> 32) | 1U;
   // Until envelope and filter have both lost 60 dB.
   const double life_s = 6.9 * (length + quality / (std::numbers::pi * frequency));
-  left_[i] = static_cast<std::int32_t>(std::min(life_s, 4.0) * sample_rate_) + 1;
+  samples_left_[i] = static_cast<std::int32_t>(std::min(life_s, 4.0) * sample_rate_) + 1;
 }
 
 double GrainBank::next() noexcept {
@@ -55,20 +55,20 @@ double GrainBank::next() noexcept {
     n ^= n << 5;
     noise_[i] = n;
     const double x = envelope_[i] * static_cast<double>(static_cast<std::int32_t>(n));
-    envelope_[i] *= kept_[i];
+    envelope_[i] *= decay_factor_[i];
     const double y = gain_[i] * (x - x2_[i]) - a1_[i] * y1_[i] - a2_[i] * y2_[i];
     x2_[i] = x1_[i];
     x1_[i] = x;
     y2_[i] = y1_[i];
     y1_[i] = y;
     sound_[i] = y;
-    --left_[i];
+    --samples_left_[i];
   }
   double sum = 0;
   for (std::size_t i = 0; i < count; ++i)
     sum += sound_[i];
-  if (--until_look_ == 0) {
-    until_look_ = kLookAfter;
+  if (--until_check_ == 0) {
+    until_check_ = kCheckInterval;
     remove_ended();
   }
   return sum;
@@ -76,15 +76,15 @@ double GrainBank::next() noexcept {
 
 void GrainBank::remove_ended() noexcept {
   for (std::size_t i = 0; i < count_;) {
-    if (left_[i] > 0) {
+    if (samples_left_[i] > 0) {
       ++i;
       continue;
     }
     const std::size_t last = --count_;
-    for (auto* values : {&envelope_, &kept_, &gain_, &a1_, &a2_, &x1_, &x2_, &y1_, &y2_})
+    for (auto* values : {&envelope_, &decay_factor_, &gain_, &a1_, &a2_, &x1_, &x2_, &y1_, &y2_})
       (*values)[i] = (*values)[last];
     noise_[i] = noise_[last];
-    left_[i] = left_[last];
+    samples_left_[i] = samples_left_[last];
   }
 }
 

@@ -22,7 +22,7 @@ struct Grain {
 /// sum of h^2, and for the bilinear band-pass sum h^2 = a / (1 + a), a = sin(w) / (2 Q).
 class GrainBank {
 public:
-  static constexpr std::size_t kMost = 256; ///< grains at once; more are left out
+  static constexpr std::size_t kMaxGrains = 256; ///< grains at once; more are left out
 
   void prepare(double sample_rate) noexcept;
   void reset() noexcept;
@@ -32,17 +32,17 @@ public:
   [[nodiscard]] std::size_t sounding() const noexcept { return count_; }
 
 private:
-  static constexpr unsigned kLookAfter = 32; ///< samples between two searches for ended grains
+  static constexpr unsigned kCheckInterval = 32; ///< samples between two searches for ended grains
   void remove_ended() noexcept;
 
   double sample_rate_ = 48000;
   std::size_t count_ = 0;
-  unsigned until_look_ = kLookAfter;
+  unsigned until_check_ = kCheckInterval;
   // One array a quantity, so that the loop over grains is vectorised.
-  std::array<double, kMost> envelope_{}, kept_{}, gain_{}, a1_{}, a2_{};
-  std::array<double, kMost> x1_{}, x2_{}, y1_{}, y2_{}, sound_{};
-  std::array<std::uint32_t, kMost> noise_{};
-  std::array<std::int32_t, kMost> left_{}; ///< samples of life
+  std::array<double, kMaxGrains> envelope_{}, decay_factor_{}, gain_{}, a1_{}, a2_{};
+  std::array<double, kMaxGrains> x1_{}, x2_{}, y1_{}, y2_{}, sound_{};
+  std::array<std::uint32_t, kMaxGrains> noise_{};
+  std::array<std::int32_t, kMaxGrains> samples_left_{}; ///< samples of life
 };
 
 } // namespace tactus::particle

@@ -37,13 +37,13 @@ void ParticleSystem::seed(std::uint64_t value) noexcept {
 
 void ParticleSystem::shake(double energy) noexcept {
   if (fade_left_ > 0)
-    waiting_ += energy > 0 ? std::min(energy, 1e3) : 0;
+    pending_energy_ += energy > 0 ? std::min(energy, 1e3) : 0;
   else
-    cloud_.blow(energy);
+    cloud_.add_energy(energy);
 }
 
 void ParticleSystem::reset() noexcept {
-  waiting_ = 0;
+  pending_energy_ = 0;
   if (at_rest())
     silence();
   else if (fade_left_ == 0)
@@ -54,8 +54,8 @@ void ParticleSystem::silence() noexcept {
   fade_left_ = 0;
   cloud_.reset();
   body_.reset();
-  cloud_.blow(waiting_);
-  waiting_ = 0;
+  cloud_.add_energy(pending_energy_);
+  pending_energy_ = 0;
 }
 
 double ParticleSystem::fade() noexcept {

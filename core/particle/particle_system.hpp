@@ -58,7 +58,7 @@ private:
   double sample_rate_ = 48000;
   double direct_ = 1, smooth_direct_ = 1, gain_ = 1, smooth_gain_ = 1, smoothing_step_ = 1;
   int fade_samples_ = 240, fade_left_ = 0; ///< of a reset under way
-  double waiting_ = 0;                     ///< energy of shakes that wait for it
+  double pending_energy_ = 0;              ///< energy of shakes that wait for it
 };
 
 } // namespace tactus::particle

@@ -13,7 +13,7 @@ namespace tactus::particle {
 class PoissonClock {
 public:
   /// More in one interval are left out: 64 a sample are 3 million a second.
-  static constexpr int kMostEvents = 64;
+  static constexpr int kMaxEvents = 64;
 
   void reset() noexcept { armed_ = false; }
 
@@ -23,20 +23,20 @@ public:
     if (!(expected > 0))
       return 0;
     if (!armed_) {
-      waiting_ = exponential(random);
+      time_to_event_ = exponential(random);
       armed_ = true;
     }
-    double passed = 0;
+    double elapsed = 0;
     int count = 0;
-    while (waiting_ < expected - passed) {
-      passed += waiting_;
-      waiting_ = exponential(random);
-      if (count == kMostEvents)
+    while (time_to_event_ < expected - elapsed) {
+      elapsed += time_to_event_;
+      time_to_event_ = exponential(random);
+      if (count == kMaxEvents)
         return count; // the process forgets: a fresh waiting time is as good as the rest of this
       ++count;
-      event(passed / expected);
+      event(elapsed / expected);
     }
-    waiting_ -= expected - passed;
+    time_to_event_ -= expected - elapsed;
     return count;
   }
 
@@ -44,7 +44,7 @@ public:
   static double exponential(Random& random) noexcept { return -std::log1p(-random.uniform()); }
 
 private:
-  double waiting_ = 0; ///< integral of the rate until the next event
+  double time_to_event_ = 0; ///< integral of the rate until the next event
   bool armed_ = false;
 };
 

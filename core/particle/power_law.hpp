@@ -17,22 +17,22 @@ public:
   void set(double exponent, double largest) noexcept {
     exponent_ = std::clamp(exponent, 0.05, 20.0);
     largest_ = std::clamp(largest, 1.001, 1e9);
-    covered_ = 1 - std::pow(largest_, -exponent_);
+    truncated_mass_ = 1 - std::pow(largest_, -exponent_);
   }
 
   [[nodiscard]] double draw(Random& random) const noexcept {
-    return std::min(std::pow(1 - random.uniform() * covered_, -1 / exponent_), largest_);
+    return std::min(std::pow(1 - random.uniform() * truncated_mass_, -1 / exponent_), largest_);
   }
 
   /// Expectation of the energy.
   [[nodiscard]] double mean() const noexcept {
     if (std::abs(exponent_ - 1) < 1e-9)
-      return std::log(largest_) / covered_;
-    return exponent_ / covered_ * (1 - std::pow(largest_, 1 - exponent_)) / (exponent_ - 1);
+      return std::log(largest_) / truncated_mass_;
+    return exponent_ / truncated_mass_ * (1 - std::pow(largest_, 1 - exponent_)) / (exponent_ - 1);
   }
 
 private:
-  double exponent_, largest_, covered_;
+  double exponent_, largest_, truncated_mass_;
 };
 
 } // namespace tactus::particle

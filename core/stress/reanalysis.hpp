@@ -28,8 +28,8 @@ public:
     Method method = Method::kPcg;
     unsigned iterations = 0;
     double seconds = 0;
-    bool old_sensitivities = false; ///< those in the base belong to an earlier shape
-    bool lost = false;              ///< the solver has ended: it must not be asked again
+    bool stale_sensitivities = false; ///< those in the base belong to an earlier shape
+    bool lost = false;                ///< the solver has ended: it must not be asked again
   };
 
   virtual ~Reanalysis() = default;

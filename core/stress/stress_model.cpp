@@ -17,7 +17,7 @@ const StressField& StressModel::field(const StressBase& base) const noexcept {
   return settings_.state == State::kShear && table_->has_shear() ? base.max_shear : base.von_mises;
 }
 
-void StressModel::weigh(const StressField& field, Weighting& weighting) const {
+void StressModel::compute_weighting(const StressField& field, Weighting& weighting) const {
   weighting = {};
   if (settings_.mapping == Mapping::kMean)
     return;
@@ -64,11 +64,11 @@ FeedbackTask StressModel::task(const StressField& field,
 }
 
 void StressModel::prepare() {
-  weigh(field(base()), weighting_);
+  compute_weighting(field(base()), weighting_);
   Weighting first;
   const StressField& own = field(table_->base);
   if (base_)
-    weigh(own, first);
+    compute_weighting(own, first);
   const FeedbackTask at_rest = task(own, base_ ? first : weighting_);
   initial_ = feedback_kernel().run(at_rest);
   scale_pa_ = initial_.stress.max > 0 ? initial_.stress.max : 1;

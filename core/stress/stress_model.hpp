@@ -49,7 +49,7 @@ private:
     std::array<std::vector<float>, 3> mean;
   };
   [[nodiscard]] const StressField& field(const StressBase& base) const noexcept;
-  void weigh(const StressField& field, Weighting& weighting) const;
+  void compute_weighting(const StressField& field, Weighting& weighting) const;
   [[nodiscard]] FeedbackTask task(const StressField& field,
                                   const Weighting& weighting) const noexcept;
   void prepare();

@@ -19,11 +19,11 @@ class Numbering {
 public:
   explicit Numbering(std::size_t count) : number_(count, kNone) {}
   /// The number of a thing, and whether it is new.
-  std::pair<std::size_t, bool> of(std::size_t thing) {
-    const bool is_new = number_[thing] == kNone;
+  std::pair<std::size_t, bool> of(std::size_t item) {
+    const bool is_new = number_[item] == kNone;
     if (is_new)
-      number_[thing] = count_++;
-    return {number_[thing], is_new};
+      number_[item] = count_++;
+    return {number_[item], is_new};
   }
 
 private:
@@ -37,17 +37,17 @@ private:
 StressPicture::StressPicture(const StressTable& table) {
   const auto& nodes = table.surface_node_m;
   const auto at = [&](std::int32_t node) { return nodes[static_cast<std::size_t>(node)]; };
-  std::vector<std::pair<double, std::array<std::int32_t, 3>>> seen;
+  std::vector<std::pair<double, std::array<std::int32_t, 3>>> visible;
   for (const auto& triangle : table.surface_triangle) {
     const Vec3 a = at(triangle[0]), b = at(triangle[1]), c = at(triangle[2]);
     const Vec3 normal = haptic::cross(b - a, c - a);
     if (normal.z > kEdgeOn * haptic::norm(normal))
-      seen.emplace_back(a.z + b.z + c.z, triangle);
+      visible.emplace_back(a.z + b.z + c.z, triangle);
   }
-  std::stable_sort(seen.begin(), seen.end(),
+  std::stable_sort(visible.begin(), visible.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   Numbering vertex_number(nodes.size()), element_number(table.elements());
-  for (const auto& [depth, triangle] : seen) {
+  for (const auto& [depth, triangle] : visible) {
     auto& face = faces_.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
       const auto node = static_cast<std::size_t>(triangle[k]);

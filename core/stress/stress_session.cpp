@@ -1,6 +1,6 @@
 #include "core/stress/stress_session.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -56,7 +56,7 @@ void StressSession::take_solution() {
   if (solved->method == Method::kFull)
     factorised_m_ = solved->base->displacement_m;
   base_method_ = solved->method;
-  old_sensitivities_ = solved->old_sensitivities;
+  stale_sensitivities_ = solved->stale_sensitivities;
   result_.iterations = solved->iterations;
   result_.solve_s = solved->seconds;
   const auto solution = solved->base;
@@ -65,12 +65,13 @@ void StressSession::take_solution() {
   if (series.trust_ratio > kReached && mean > 0)
     error_at_trust_ =
         std::abs(series.mean_pa / mean - 1) / (series.trust_ratio * series.trust_ratio);
-  ++result_.swaps;
+  ++result_.base_changes;
   const double trust_m = model_.table().trust_m;
-  if (const double way = model_.distance_m(asked_m_, solution->displacement_m);
-      way > kReached * trust_m) {
+  if (const double distance = model_.distance_m(requested_m_, solution->displacement_m);
+      distance > kReached * trust_m) {
     refusal_ = "resolve: elements would turn inside out before this shape: the stress is solved " +
-               number_text(1e3 * way) + " mm before it, and Taylor's series goes on from there";
+               number_text(1e3 * distance) +
+               " mm before it, and Taylor's series goes on from there";
     failed_ = true;
   }
 }
@@ -79,7 +80,7 @@ void StressSession::take_solution() {
 std::optional<Method> StressSession::due(double now_s, const SessionRequest& request) {
   const double ratio = result_.feedback.trust_ratio;
   if (ratio <= UpdatePolicy::kMinRatio)
-    return old_sensitivities_ && policy_.at_rest(now_s) &&
+    return stale_sensitivities_ && policy_.at_rest(now_s) &&
                    (request.resolve == Resolve::kAuto || request.resolve == Resolve::kFull)
                ? std::optional(Method::kFull)
                : std::nullopt;
@@ -101,7 +102,7 @@ void StressSession::start_solve(double now_s, const SessionRequest& request) {
   if (!method)
     return;
   const bool sensitivities = result_.feedback.trust_ratio <= UpdatePolicy::kMinRatio;
-  asked_m_ = request.displacement_m;
+  requested_m_ = request.displacement_m;
   if (const std::string refusal =
           reanalysis_->start(request.displacement_m, *method, sensitivities);
       !refusal.empty())
@@ -118,7 +119,7 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
                   request.control_point < 0
                       ? std::nullopt
                       : std::optional(static_cast<std::size_t>(request.control_point)));
-    ++result_.swaps;
+    ++result_.base_changes;
     selected_ = true;
   }
   if (request.displacement_m != request_.displacement_m) {
@@ -126,7 +127,7 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
     failed_ = false;
   }
   request_ = request;
-  stepped_s_ = now_s;
+  last_step_s_ = now_s;
   result_.table = request.table;
   result_.feedback = model_.update(request.displacement_m);
   const double ratio = result_.feedback.trust_ratio;
@@ -146,7 +147,7 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
 double StressSession::due_in_s(double now_s) const noexcept {
   if (!reanalysis_)
     return std::numeric_limits<double>::infinity();
-  const auto in = [&](double poll_s) { return std::max(0.0, stepped_s_ + poll_s - now_s); };
+  const auto in = [&](double poll_s) { return std::max(0.0, last_step_s_ + poll_s - now_s); };
   if (result_.solving)
     return in(kPoll_s);
   if (failed_ || request_.resolve == Resolve::kTaylor)
@@ -154,8 +155,9 @@ double StressSession::due_in_s(double now_s) const noexcept {
   if (result_.solver == Solver::kStarting)
     return in(kStartingPoll_s);
   const bool moved = result_.feedback.trust_ratio > UpdatePolicy::kMinRatio;
-  const bool refreshes = old_sensitivities_ && request_.resolve != Resolve::kPcg;
-  return moved || refreshes ? std::min(in(kIdlePoll_s), policy_.rest_in_s(now_s)) : in(kIdlePoll_s);
+  const bool refreshes = stale_sensitivities_ && request_.resolve != Resolve::kPcg;
+  return moved || refreshes ? std::min(in(kIdlePoll_s), policy_.time_to_rest_s(now_s))
+                            : in(kIdlePoll_s);
 }
 
 } // namespace tactus::stress

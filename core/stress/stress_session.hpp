@@ -26,7 +26,7 @@ enum class Solver : std::uint8_t { kNone, kStarting, kReady };
 
 struct SessionResult {
   std::uint64_t table = 0;
-  std::uint64_t swaps = 0; ///< counts new bases and settings: gamma is cross-faded
+  std::uint64_t base_changes = 0; ///< counts new bases and settings: gamma is cross-faded
   Feedback feedback;
   Method method = Method::kTaylor; ///< of this value
   unsigned iterations = 0;         ///< of the last solve
@@ -79,10 +79,10 @@ private:
   SessionResult result_;
   Method base_method_ = Method::kTaylor;
   std::vector<double> factorised_m_; ///< [P] shape of the last full solution
-  std::vector<double> asked_m_;      ///< [P] of the last solve that was started
-  bool old_sensitivities_ = false;   ///< the base's belong to an earlier shape
+  std::vector<double> requested_m_;  ///< [P] of the last solve that was started
+  bool stale_sensitivities_ = false; ///< the base's belong to an earlier shape
   double error_at_trust_ = kTrustError;
-  double stepped_s_ = 0;
+  double last_step_s_ = 0;
   bool selected_ = false, failed_ = false;
   std::string refusal_;
 };

@@ -7,11 +7,12 @@ namespace tactus::stress {
 
 void CostModel::learn(const Reanalysis::Result& result, double ratio) noexcept {
   if (result.method == Method::kPcg && result.iterations > 0)
-    scale_ = std::clamp(result.iterations / (kFewest + kSlope * ratio), 0.1, 100.0);
+    scale_ =
+        std::clamp(result.iterations / (kBaseIterations + kIterationsPerRatio * ratio), 0.1, 100.0);
 }
 
 double CostModel::iterations(double ratio) const noexcept {
-  return scale_ * (kFewest + kSlope * ratio);
+  return scale_ * (kBaseIterations + kIterationsPerRatio * ratio);
 }
 
 double CostModel::pcg_s(double ratio) const noexcept {

@@ -20,7 +20,7 @@ enum class Resolve : std::uint8_t { kAuto, kTaylor, kPcg, kFull };
 /// makes the solves after it cheap.
 class CostModel {
 public:
-  static constexpr double kFewest = 4.5, kSlope = 5; ///< n_0, n_1
+  static constexpr double kBaseIterations = 4.5, kIterationsPerRatio = 5; ///< n_0, n_1
   static constexpr double kMaxIterations = 15;
 
   void set(const Reanalysis::Costs& costs) noexcept { costs_ = costs; }
@@ -39,7 +39,7 @@ private:
 /// displacement since the last one leaves the trust size.
 class UpdatePolicy {
 public:
-  static constexpr double kRest_s = 0.15;
+  static constexpr double kSettleTime_s = 0.15;
   static constexpr double kMinRatio = 1e-9; ///< below it the base is the solution itself
 
   void moved(double now_s) noexcept { moved_s_ = now_s; }
@@ -48,10 +48,12 @@ public:
   [[nodiscard]] std::optional<Method> due(double now_s, Resolve resolve, double trust_ratio,
                                           double factor_ratio) const noexcept;
   /// Whether the part has not moved for so long.
-  [[nodiscard]] bool at_rest(double now_s) const noexcept { return now_s - moved_s_ >= kRest_s; }
+  [[nodiscard]] bool at_rest(double now_s) const noexcept {
+    return now_s - moved_s_ >= kSettleTime_s;
+  }
   /// Time until a part that does not move is at rest.
-  [[nodiscard]] double rest_in_s(double now_s) const noexcept {
-    return std::max(0.0, moved_s_ + kRest_s - now_s);
+  [[nodiscard]] double time_to_rest_s(double now_s) const noexcept {
+    return std::max(0.0, moved_s_ + kSettleTime_s - now_s);
   }
   CostModel costs;
 

@@ -153,14 +153,14 @@ const Json* Json::find(std::string_view name) const noexcept {
   return nullptr;
 }
 
-double Json::number_or(std::string_view name, double otherwise) const noexcept {
+double Json::number_or(std::string_view name, double fallback) const noexcept {
   const Json* value = find(name);
-  return value && value->kind == Kind::kNumber ? value->number : otherwise;
+  return value && value->kind == Kind::kNumber ? value->number : fallback;
 }
 
-std::string Json::text_or(std::string_view name, std::string_view otherwise) const {
+std::string Json::text_or(std::string_view name, std::string_view fallback) const {
   const Json* value = find(name);
-  return value && value->kind == Kind::kText ? value->text : std::string(otherwise);
+  return value && value->kind == Kind::kText ? value->text : std::string(fallback);
 }
 
 bool read_json(std::string_view text, Json& value) {

@@ -18,8 +18,8 @@ struct Json {
   /// Member of an object by name; null when there is none, or this is no object.
   [[nodiscard]] const Json* find(std::string_view name) const noexcept;
   /// Number of that name, or the other value.
-  [[nodiscard]] double number_or(std::string_view name, double otherwise) const noexcept;
-  [[nodiscard]] std::string text_or(std::string_view name, std::string_view otherwise) const;
+  [[nodiscard]] double number_or(std::string_view name, double fallback) const noexcept;
+  [[nodiscard]] std::string text_or(std::string_view name, std::string_view fallback) const;
 };
 
 /// Reads a whole text; false when it is not JSON, or deeper than 32 levels.

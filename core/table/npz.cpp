@@ -12,7 +12,7 @@ namespace tactus::table {
 namespace {
 
 constexpr std::size_t kEndRecord = 22, kCentralEntry = 46, kLocalEntry = 30;
-constexpr std::size_t kMostMembers = 1000, kLongestName = 200;
+constexpr std::size_t kMaxMembers = 1000, kMaxNameLength = 200;
 
 std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t at, std::size_t size) {
   std::uint32_t value = 0;
@@ -177,8 +177,8 @@ std::string NpzFile::open(std::span<const std::byte> file) {
   const std::size_t directory = number_at(file, end + 16, 4);
   if (members == 0xffff || directory == 0xffffffff)
     return "a ZIP64 archive: files above 4 GB are not read";
-  if (members > kMostMembers)
-    return "it holds more than " + std::to_string(kMostMembers) + " members";
+  if (members > kMaxMembers)
+    return "it holds more than " + std::to_string(kMaxMembers) + " members";
   std::size_t at = directory;
   std::vector<NpzArray> found;
   for (std::size_t m = 0; m < members; ++m) {
@@ -186,7 +186,7 @@ std::string NpzFile::open(std::span<const std::byte> file) {
       return "the archive's directory is damaged";
     const std::size_t name_size = number_at(file, at + 28, 2);
     const std::size_t skip = name_size + number_at(file, at + 30, 2) + number_at(file, at + 32, 2);
-    if (end - at - kCentralEntry < skip || name_size > kLongestName)
+    if (end - at - kCentralEntry < skip || name_size > kMaxNameLength)
       return "the archive's directory is damaged";
     Member member{{},
                   number_at(file, at + 10, 2),

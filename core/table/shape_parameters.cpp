@@ -1,6 +1,6 @@
 #include "core/table/shape_parameters.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,10 +19,10 @@ void read_shape_parameters(TableArrays& arrays, const NpzFile& file, ShapeParame
       found && !found->shape.empty() && found->shape[0] > kMaxControlPoints)
     return arrays.refuse("array 'control_points' has " + std::to_string(found->shape[0]) +
                          " points: expected at most " + std::to_string(kMaxControlPoints));
-  const auto points = arrays.reals("control_points", {TableArrays::kAny, 3}, true);
-  const auto rows = arrays.reals("parameters", {TableArrays::kAny, 4}, true);
-  const auto trust = arrays.reals("trust", {}, true);
-  if (!arrays.good())
+  const auto points = arrays.doubles("control_points", {TableArrays::kAny, 3}, true);
+  const auto rows = arrays.doubles("parameters", {TableArrays::kAny, 4}, true);
+  const auto trust = arrays.doubles("trust", {}, true);
+  if (!arrays.ok())
     return;
   if (std::any_of(points.begin(), points.end(), [](double x) { return std::abs(x) > kMaxSize_m; }))
     return arrays.refuse("array 'control_points' reaches beyond 10 km: are its units metres?");

@@ -18,7 +18,7 @@ std::string text_of(std::span<const std::size_t> shape) {
 
 const NpzArray* TableArrays::take(std::string_view name, std::string_view kinds,
                                   std::initializer_list<std::size_t> shape) {
-  if (!good())
+  if (!ok())
     return nullptr;
   const NpzArray* array = file_.find(name);
   const std::string named = "array '" + std::string(name) + "' ";
@@ -30,11 +30,11 @@ const NpzArray* TableArrays::take(std::string_view name, std::string_view kinds,
     refuse(named + "holds the wrong kind of numbers");
     return nullptr;
   }
-  const bool fits =
+  const bool matches =
       array->shape.size() == shape.size() &&
       std::equal(shape.begin(), shape.end(), array->shape.begin(),
                  [](std::size_t want, std::size_t is) { return want == kAny || want == is; });
-  if (!fits) {
+  if (!matches) {
     refuse(named + "has shape " + text_of(array->shape) + ": expected " +
            text_of({shape.begin(), shape.size()}));
     return nullptr;
@@ -70,8 +70,8 @@ Json TableArrays::description(std::string_view format) {
 
 template <class T>
 std::vector<T> TableArrays::numbers(std::string_view name, std::initializer_list<std::size_t> shape,
-                                    bool needed, std::vector<T> (NpzArray::*values)() const) {
-  if (!needed && !has(name))
+                                    bool required, std::vector<T> (NpzArray::*values)() const) {
+  if (!required && !has(name))
     return {};
   const NpzArray* array = take(name, "fiu", shape);
   if (!array)
@@ -82,14 +82,14 @@ std::vector<T> TableArrays::numbers(std::string_view name, std::initializer_list
   return found;
 }
 
-std::vector<double> TableArrays::reals(std::string_view name,
-                                       std::initializer_list<std::size_t> shape, bool needed) {
-  return numbers(name, shape, needed, &NpzArray::values);
+std::vector<double> TableArrays::doubles(std::string_view name,
+                                         std::initializer_list<std::size_t> shape, bool required) {
+  return numbers(name, shape, required, &NpzArray::values);
 }
 
-std::vector<float> TableArrays::singles(std::string_view name,
-                                        std::initializer_list<std::size_t> shape, bool needed) {
-  return numbers(name, shape, needed, &NpzArray::single_values);
+std::vector<float> TableArrays::floats(std::string_view name,
+                                       std::initializer_list<std::size_t> shape, bool required) {
+  return numbers(name, shape, required, &NpzArray::single_values);
 }
 
 } // namespace tactus::table

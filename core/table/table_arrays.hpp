@@ -23,10 +23,10 @@ public:
   const NpzArray* take(std::string_view name, std::string_view kinds,
                        std::initializer_list<std::size_t> shape);
   /// Real numbers, all finite; empty when the array is missing and not needed.
-  std::vector<double> reals(std::string_view name, std::initializer_list<std::size_t> shape,
-                            bool needed);
-  std::vector<float> singles(std::string_view name, std::initializer_list<std::size_t> shape,
-                             bool needed);
+  std::vector<double> doubles(std::string_view name, std::initializer_list<std::size_t> shape,
+                              bool required);
+  std::vector<float> floats(std::string_view name, std::initializer_list<std::size_t> shape,
+                            bool required);
   /// What the table says of itself: array `meta`, bytes of a JSON object that names `format`, of
   /// version 1 or 1.x. `format` is words joined by hyphens: "modal-table".
   Json description(std::string_view format);
@@ -34,13 +34,13 @@ public:
     if (refusal_.empty())
       refusal_ = std::move(sentence);
   }
-  [[nodiscard]] bool good() const noexcept { return refusal_.empty(); }
+  [[nodiscard]] bool ok() const noexcept { return refusal_.empty(); }
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
 
 private:
   template <class T>
   std::vector<T> numbers(std::string_view name, std::initializer_list<std::size_t> shape,
-                         bool needed, std::vector<T> (NpzArray::*values)() const);
+                         bool required, std::vector<T> (NpzArray::*values)() const);
 
   const NpzFile& file_;
   std::string refusal_;

@@ -21,8 +21,8 @@ using haptic::State;
 using haptic::Vec3;
 
 constexpr auto kBetweenUploads = std::chrono::milliseconds(4);
-constexpr std::size_t kMostButtons = 32;
-constexpr int kMostEventsPerTick = 256;
+constexpr std::size_t kMaxButtons = 32;
+constexpr int kMaxEventsPerTick = 256;
 
 double number(const std::string& word) {
   double value = 0;
@@ -41,13 +41,13 @@ const char* permission_advice() {
 std::string Device::configure(std::span<const std::string> words) {
   const std::string name = words.empty() ? "nothing" : words[0];
   const double value = words.size() == 2 ? number(words[1]) : 0;
-  const std::lock_guard lock(wish_guard_);
+  const std::lock_guard lock(settings_mutex_);
   if (name == "device" && words.size() == 2)
-    wish_.device = words[1];
+    settings_.device = words[1];
   else if (name == "reach" && value >= 1 && value <= 1000)
-    wish_.reach_m = value * 1e-3;
+    settings_.reach_m = value * 1e-3;
   else if (name == "peak" && value >= 0.1 && value <= 40)
-    wish_.peak_n = value;
+    settings_.peak_n = value;
   else
     return "evdev: " + name +
            " is not understood; there are: device INDEX, /dev/input/eventN or SERIAL, reach MM "
@@ -58,28 +58,28 @@ std::string Device::configure(std::span<const std::string> words) {
 std::string Device::open() {
   close();
   {
-    const std::lock_guard lock(wish_guard_);
-    taken_ = wish_;
+    const std::lock_guard lock(settings_mutex_);
+    active_settings_ = settings_;
   }
   const std::vector<Joystick> all = joysticks();
   if (all.empty())
     return "evdev: no joystick or wheel with constant-force feedback is plugged in: check its "
            "cable "
            "and, for a wheel, its power supply";
-  const std::string& wanted = taken_.device;
+  const std::string& requested = active_settings_.device;
   auto found = all.begin();
-  if (!wanted.empty()) {
+  if (!requested.empty()) {
     found = std::find_if(all.begin(), all.end(), [&](const Joystick& one) {
-      return one.node == wanted || (!one.serial.empty() && one.serial == wanted);
+      return one.node == requested || (!one.serial.empty() && one.serial == requested);
     });
     std::size_t index = all.size();
-    const char* end = wanted.data() + wanted.size();
-    if (found == all.end() && std::from_chars(wanted.data(), end, index).ptr == end &&
+    const char* end = requested.data() + requested.size();
+    if (found == all.end() && std::from_chars(requested.data(), end, index).ptr == end &&
         index < all.size())
       found = all.begin() + static_cast<std::ptrdiff_t>(index);
   }
   if (found == all.end())
-    return "evdev: no device " + wanted + "; there are " + std::to_string(all.size()) +
+    return "evdev: no device " + requested + "; there are " + std::to_string(all.size()) +
            ", the first is 0, " + all.front().node + ", " + all.front().name;
   identity_ = {"", found->name, found->serial};
   std::string sentence = open_node(found->node);
@@ -96,11 +96,11 @@ std::string Device::open_node(const std::string& node) {
   if (file_ < 0)
     return "evdev: " + node + " does not open (" + std::strerror(errno) +
            "): " + (errno == EACCES ? permission_advice() : "plug the device in again");
-  if (!learn_axes())
+  if (!read_axes())
     return "evdev: " + node + " has no axis X: it is no joystick or wheel; choose another device";
-  learn_buttons();
+  read_buttons();
   state_ = {};
-  ask_all();
+  query_all();
   read_error_ = force_error_ = 0;
   dropping_ = false;
   // Full gain, and no spring of the device's own; a device without either refuses, which is well.
@@ -125,16 +125,16 @@ std::string Device::open_node(const std::string& node) {
   caps_ = {};
   caps_.axes_in = axes_[2].half > 0 ? 3 : axes_[1].half > 0 ? 2 : 1;
   caps_.axes_out = axes_[1].half > 0 ? 2 : 1;
-  caps_.peak_force_n = taken_.peak_n;
-  caps_.workspace_min = Vec3{1, 1, 1} * -taken_.reach_m;
-  caps_.workspace_max = Vec3{1, 1, 1} * taken_.reach_m;
-  caps_.position_noise_m = taken_.reach_m / (2 * axes_[0].half);
+  caps_.peak_force_n = active_settings_.peak_n;
+  caps_.workspace_min = Vec3{1, 1, 1} * -active_settings_.reach_m;
+  caps_.workspace_max = Vec3{1, 1, 1} * active_settings_.reach_m;
+  caps_.position_noise_m = active_settings_.reach_m / (2 * axes_[0].half);
   caps_.rate_hz = 250;
   caps_.has_buttons = !buttons_.empty();
   forces_.reset();
   stop_ = false;
   try {
-    sender_ = std::thread([this] { hold_forces(); });
+    sender_ = std::thread([this] { send_forces(); });
   } catch (const std::system_error&) {
     return "evdev: no thread can be started for the device: close other programs";
   }
@@ -156,34 +156,34 @@ void Device::close() noexcept {
 }
 
 /// False without the first axis.
-bool Device::learn_axes() noexcept {
+bool Device::read_axes() noexcept {
   for (Axis& axis : axes_) {
     input_absinfo range{};
     axis.half = 0;
     if (ioctl(file_, EVIOCGABS(static_cast<unsigned>(axis.code)), &range) < 0)
       continue;
-    axis.middle = 0.5 * (static_cast<double>(range.minimum) + range.maximum);
+    axis.centre = 0.5 * (static_cast<double>(range.minimum) + range.maximum);
     axis.half = std::max(0.0, 0.5 * (static_cast<double>(range.maximum) - range.minimum));
   }
   return axes_[0].half > 0;
 }
 
-void Device::learn_buttons() {
+void Device::read_buttons() {
   std::array<unsigned char, KEY_MAX / 8 + 1> keys{};
   buttons_.clear();
   if (ioctl(file_, EVIOCGBIT(EV_KEY, keys.size()), keys.data()) < 0)
     return;
-  for (int code = BTN_MISC; code < KEY_MAX && buttons_.size() < kMostButtons; ++code)
+  for (int code = BTN_MISC; code < KEY_MAX && buttons_.size() < kMaxButtons; ++code)
     if (keys[static_cast<std::size_t>(code / 8)] >> (code % 8) & 1)
       buttons_.push_back(code);
 }
 
 /// Where everything is now, at the beginning and after events were lost.
-void Device::ask_all() noexcept {
+void Device::query_all() noexcept {
   for (const Axis& axis : axes_) {
     input_absinfo now{};
     if (axis.half > 0 && ioctl(file_, EVIOCGABS(static_cast<unsigned>(axis.code)), &now) >= 0)
-      place(axis.code, now.value);
+      set_axis(axis.code, now.value);
   }
   std::array<unsigned char, KEY_MAX / 8 + 1> keys{};
   if (ioctl(file_, EVIOCGKEY(keys.size()), keys.data()) < 0)
@@ -194,23 +194,23 @@ void Device::ask_all() noexcept {
       state_.buttons |= 1u << i;
 }
 
-void Device::place(int code, int value) noexcept {
+void Device::set_axis(int code, int value) noexcept {
   for (const Axis& axis : axes_)
     if (axis.code == code && axis.half > 0)
-      state_.position[axis.project_axis] =
-          axis.sign * taken_.reach_m * std::clamp((value - axis.middle) / axis.half, -1.0, 1.0);
+      state_.position[axis.project_axis] = axis.sign * active_settings_.reach_m *
+                                           std::clamp((value - axis.centre) / axis.half, -1.0, 1.0);
 }
 
-void Device::take(const input_event& event) noexcept {
+void Device::handle_event(const input_event& event) noexcept {
   if (event.type == EV_SYN && event.code == SYN_DROPPED) {
     dropping_ = true;
   } else if (event.type == EV_SYN && event.code == SYN_REPORT && dropping_) {
     dropping_ = false;
-    ask_all();
+    query_all();
   } else if (dropping_) {
     return;
   } else if (event.type == EV_ABS) {
-    place(event.code, event.value);
+    set_axis(event.code, event.value);
   } else if (event.type == EV_KEY) {
     const auto found = std::find(buttons_.begin(), buttons_.end(), static_cast<int>(event.code));
     if (found == buttons_.end())
@@ -224,7 +224,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   if (file_ < 0)
     return false;
   std::array<input_event, 32> events;
-  for (int taken = 0; taken < kMostEventsPerTick;) {
+  for (int taken = 0; taken < kMaxEventsPerTick;) {
     const ssize_t got = ::read(file_, events.data(), sizeof events);
     if (got < 0 && errno != EAGAIN && errno != EINTR)
       read_error_ = errno;
@@ -232,7 +232,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
       break;
     const auto count = static_cast<std::size_t>(got) / sizeof events[0];
     for (std::size_t i = 0; i < count; ++i)
-      take(events[i]);
+      handle_event(events[i]);
     taken += static_cast<int>(count);
     if (count < events.size())
       break;
@@ -257,15 +257,15 @@ bool Device::upload(const ConstantForce& force) noexcept {
   return false;
 }
 
-void Device::hold_forces() noexcept {
+void Device::send_forces() noexcept {
   ConstantForce sent{};
   auto next = std::chrono::steady_clock::now();
   while (!stop_) {
     const Vec3 force_n = forces_.read();
-    const ConstantForce wanted =
-        constant_force(force_n * forces_.gain(), taken_.peak_n, axes_[1].half > 0);
-    if ((!(wanted == sent) || force_error_ != 0) && upload(wanted))
-      sent = wanted;
+    const ConstantForce requested =
+        constant_force(force_n * forces_.gain(), active_settings_.peak_n, axes_[1].half > 0);
+    if ((!(requested == sent) || force_error_ != 0) && upload(requested))
+      sent = requested;
     next = std::max(next + kBetweenUploads, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
   }

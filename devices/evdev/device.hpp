@@ -34,7 +34,7 @@ public:
   [[nodiscard]] std::string trouble() const override;
 
 private:
-  struct Wish {
+  struct Settings {
     std::string device;
     double reach_m = 0.05, peak_n = 3;
   };
@@ -42,16 +42,16 @@ private:
     int code;         ///< ABS_X and so on
     int project_axis; ///< 0 x, 1 y, 2 z
     double sign;
-    double middle = 0, half = 0; ///< of the readings; no half, no axis
+    double centre = 0, half = 0; ///< of the readings; no half, no axis
   };
 
   [[nodiscard]] std::string open_node(const std::string& node);
-  [[nodiscard]] bool learn_axes() noexcept;
-  void learn_buttons();
-  void ask_all() noexcept;
-  void take(const input_event& event) noexcept;
-  void place(int code, int value) noexcept;
-  void hold_forces() noexcept;
+  [[nodiscard]] bool read_axes() noexcept;
+  void read_buttons();
+  void query_all() noexcept;
+  void handle_event(const input_event& event) noexcept;
+  void set_axis(int code, int value) noexcept;
+  void send_forces() noexcept;
   [[nodiscard]] bool upload(const ConstantForce& force) noexcept;
 
   int file_ = -1;
@@ -62,8 +62,8 @@ private:
   haptic::State state_{};
   bool dropping_ = false;
 
-  std::mutex wish_guard_;
-  Wish wish_, taken_;
+  std::mutex settings_mutex_;
+  Settings settings_, active_settings_;
 
   haptic::TimedMailbox<haptic::Vec3> forces_;
   std::thread sender_;

@@ -13,17 +13,17 @@ constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
 constexpr std::array<std::uint8_t, 4> kWelcome{0x0a, 0x44, 0x2c, 0x0d};
 constexpr std::array<std::uint8_t, 1> kBegin{0x41};
 constexpr int kRestarts = 4, kGreetings = 25, kMaxUploads = 10, kMaxProbes = 10;
-constexpr double kWelcome_s = 0.05, kStraggler_s = 0.005;
+constexpr double kWelcome_s = 0.05, kDrain_s = 0.005;
 constexpr double kEcho_s = 0.5, kProbe_s = 0.05, kClearToSend_s = 0.1;
-constexpr std::size_t kPiece = kTransferBytes - kStatusBytes; // its echo fits one IN transfer
+constexpr std::size_t kChunkBytes = kTransferBytes - kStatusBytes; // its echo fits one IN transfer
 constexpr double kMinPause_s = 0.02, kMaxPause_s = 0.5;
 constexpr double kMaxBoot_s = 20; // all tries together
 
 enum class Step { kDone, kFailed, kGone };
 
-Step gone(const Link& link, std::string& obstacle) {
-  obstacle = link.cancelled() ? "the opening of the Falcon was cancelled: open it again"
-                              : "the Falcon left the bus while it was set up: plug it in again";
+Step gone(const Link& link, std::string& problem) {
+  problem = link.cancelled() ? "the opening of the Falcon was cancelled: open it again"
+                             : "the Falcon left the bus while it was set up: plug it in again";
   return Step::kGone;
 }
 
@@ -33,56 +33,56 @@ bool welcomes(const std::vector<std::uint8_t>& bytes) {
 }
 
 // Each restart is followed by many greetings: the boot loader may need its time.
-Step greet(Link& link, std::string& obstacle) {
+Step greet(Link& link, std::string& problem) {
   for (int restart = 0; restart < kRestarts; ++restart) {
-    if (!link.enter_greeting())
-      return gone(link, obstacle);
+    if (!link.enter_boot_loader())
+      return gone(link, problem);
     std::vector<std::uint8_t> bytes;
     for (int greeting = 0; greeting < kGreetings; ++greeting) {
       if (!link.send(kGreeting) ||
           !link.receive(bytes, bytes.size() + kWelcome.size(), kWelcome_s) ||
-          (!welcomes(bytes) && !link.receive(bytes, bytes.size() + 1, kStraggler_s)))
-        return gone(link, obstacle);
+          (!welcomes(bytes) && !link.receive(bytes, bytes.size() + 1, kDrain_s)))
+        return gone(link, problem);
       if (welcomes(bytes))
         return Step::kDone;
     }
   }
-  obstacle = "the Falcon's boot loader did not answer " + std::to_string(kRestarts * kGreetings) +
-             " greetings: unplug its power and USB for ten seconds, and try another port or a hub "
-             "with its own power";
+  problem = "the Falcon's boot loader did not answer " + std::to_string(kRestarts * kGreetings) +
+            " greetings: unplug its power and USB for ten seconds, and try another port or a hub "
+            "with its own power";
   return Step::kFailed;
 }
 
-Step begin_upload(Link& link, std::string& obstacle) {
+Step begin_upload(Link& link, std::string& problem) {
   std::vector<std::uint8_t> answer;
   if (!link.enter_upload())
-    return gone(link, obstacle);
+    return gone(link, problem);
   // The device raises "clear to send" when it is ready at the new speed; it is not always seen.
   const auto begin = std::chrono::steady_clock::now();
   const auto longest = std::chrono::duration<double>(kClearToSend_s);
   while (std::chrono::steady_clock::now() - begin < longest) {
     std::vector<std::uint8_t> nothing;
     if (!link.receive(nothing, 1, 0.02))
-      return gone(link, obstacle);
+      return gone(link, problem);
     if (link.clear_to_send())
       break;
   }
   if (!link.send(kBegin) || !link.receive(answer, kBegin.size(), kEcho_s))
-    return gone(link, obstacle);
+    return gone(link, problem);
   if (answer.size() == 1 && answer[0] == kBegin[0])
     return Step::kDone;
-  obstacle = "the Falcon's boot loader did not take the firmware's speed";
+  problem = "the Falcon's boot loader did not take the firmware's speed";
   return Step::kFailed;
 }
 
-Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::string& obstacle) {
-  for (std::size_t at = 0; at < firmware.size(); at += kPiece) {
-    const auto piece = firmware.subspan(at, std::min(kPiece, firmware.size() - at));
+Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::string& problem) {
+  for (std::size_t at = 0; at < firmware.size(); at += kChunkBytes) {
+    const auto piece = firmware.subspan(at, std::min(kChunkBytes, firmware.size() - at));
     std::vector<std::uint8_t> echo;
     if (!link.send(piece) || !link.receive(echo, piece.size(), kEcho_s))
-      return gone(link, obstacle);
+      return gone(link, problem);
     if (!std::equal(echo.begin(), echo.end(), piece.begin(), piece.end())) {
-      obstacle = "the Falcon echoed the firmware wrongly near byte " + std::to_string(at);
+      problem = "the Falcon echoed the firmware wrongly near byte " + std::to_string(at);
       return Step::kFailed;
     }
   }
@@ -94,49 +94,49 @@ Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::stri
 bool firmware_runs(Link& link) {
   if (!link.enter_run())
     return false;
-  AnswerStream stream;
+  ResponseParser stream;
   for (int attempt = 0; attempt < kMaxProbes; ++attempt) {
     std::vector<std::uint8_t> bytes;
-    if (!link.send(encode(Order{})) || !link.receive(bytes, kPacketBytes, kProbe_s))
+    if (!link.send(encode(Command{})) || !link.receive(bytes, kPacketBytes, kProbe_s))
       return false;
     for (const std::uint8_t byte : bytes)
-      if (stream.take(byte))
+      if (stream.process(byte))
         return true;
   }
   return false;
 }
 
 std::string upload(Link& link, std::span<const std::uint8_t> firmware) {
-  std::string obstacle;
+  std::string problem;
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kMaxBoot_s);
   double pause_s = kMinPause_s;
   int attempt = 0;
   for (; attempt < kMaxUploads && std::chrono::steady_clock::now() < end; ++attempt) {
     if (attempt > 0) {
       if (!link.pause(pause_s)) {
-        gone(link, obstacle);
-        return obstacle;
+        gone(link, problem);
+        return problem;
       }
       pause_s = std::min(2 * pause_s, kMaxPause_s);
     }
-    if (greet(link, obstacle) != Step::kDone)
-      return obstacle; // has tried often enough already
-    Step step = begin_upload(link, obstacle);
+    if (greet(link, problem) != Step::kDone)
+      return problem; // has tried often enough already
+    Step step = begin_upload(link, problem);
     if (step == Step::kDone)
-      step = send_firmware(link, firmware, obstacle);
+      step = send_firmware(link, firmware, problem);
     if (step == Step::kGone)
-      return obstacle;
+      return problem;
     if (step == Step::kFailed)
       continue;
     if (firmware_runs(link))
       return {};
     if (link.cancelled()) {
-      gone(link, obstacle);
-      return obstacle;
+      gone(link, problem);
+      return problem;
     }
-    obstacle = "the Falcon took the firmware but does not run it: is it the right file?";
+    problem = "the Falcon took the firmware but does not run it: is it the right file?";
   }
-  return obstacle + " (" + std::to_string(attempt) +
+  return problem + " (" + std::to_string(attempt) +
          " tries): unplug its power and USB for ten seconds, and try another port or a hub with "
          "its own power";
 }

@@ -5,7 +5,7 @@
 namespace tactus::devices {
 namespace {
 
-std::string obstacle() {
+std::string problem() {
   falcon::UsbLibrary usb;
   return usb.load();
 }
@@ -16,14 +16,14 @@ std::vector<Found> list() {
   if (!usb.load().empty())
     return found;
   const std::vector<Opened> opened = open_devices("falcon");
-  const auto known = [&](const std::string& path) {
+  const auto find_open = [&](const std::string& path) {
     return std::find_if(opened.begin(), opened.end(),
                         [&](const Opened& device) { return device.address == path; });
   };
-  const auto is_open = [&](const std::string& path) { return known(path) != opened.end(); };
+  const auto is_open = [&](const std::string& path) { return find_open(path) != opened.end(); };
   for (const falcon::Port& port : falcon::Link::ports(usb, is_open)) {
     const int index = static_cast<int>(found.size());
-    if (const auto device = known(port.path); device != opened.end()) {
+    if (const auto device = find_open(port.path); device != opened.end()) {
       found.push_back(device->found);
       found.back().index = index;
       continue;
@@ -31,7 +31,7 @@ std::vector<Found> list() {
     found.push_back({"falcon",
                      index,
                      {"Novint", "Falcon", port.serial.empty() ? port.path : port.serial},
-                     port.obstacle.empty() ? "ready" : port.obstacle});
+                     port.problem.empty() ? "ready" : port.problem});
   }
   return found;
 }
@@ -41,6 +41,6 @@ std::unique_ptr<haptic::Backend> make() { return std::make_unique<falcon::Falcon
 } // namespace
 
 extern const Driver falcon_driver;
-const Driver falcon_driver{"falcon", "Novint Falcon", obstacle, list, make};
+const Driver falcon_driver{"falcon", "Novint Falcon", problem, list, make};
 
 } // namespace tactus::devices

@@ -23,15 +23,15 @@ constexpr double kSilent_s = 0.005;    // without an answer before a read fails,
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
 constexpr double kMinHoming_s = 0.1;   // of the homing order after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
-constexpr int kLeap = 400;             // counts between two answers: some 15 m/s
+constexpr int kMaxCountStep = 400;     // counts between two answers: some 15 m/s
 
 // Within so much of the centre no arm can lean against a stop, where it stands still to the count
 // under any force.
 constexpr double kStops_m = 0.025;
 
-std::shared_ptr<UsbLibrary> library(std::string& obstacle) {
+std::shared_ptr<UsbLibrary> library(std::string& problem) {
   auto usb = std::make_shared<UsbLibrary>();
-  obstacle = usb->load();
+  problem = usb->load();
   return usb;
 }
 
@@ -49,9 +49,9 @@ bool reachable(const Vec3& position, const Angles& angles) noexcept {
 
 bool is_open(const std::string& path) { return devices::is_open("falcon", path); }
 
-bool leaps(const Counts& from, const Counts& to) noexcept {
+bool exceeds_max_step(const Counts& from, const Counts& to) noexcept {
   for (std::size_t i = 0; i < 3; ++i)
-    if (std::abs(to[i] - from[i]) > kLeap)
+    if (std::abs(to[i] - from[i]) > kMaxCountStep)
       return true;
   return false;
 }
@@ -77,20 +77,20 @@ std::string Falcon::open() {
     const std::scoped_lock lock(mutex_);
     settings = settings_;
   }
-  std::string obstacle;
-  auto usb = library(obstacle);
-  if (!obstacle.empty())
-    return obstacle;
+  std::string problem;
+  auto usb = library(problem);
+  if (!problem.empty())
+    return problem;
   link_ = std::make_unique<Link>(std::move(usb), &cancelled_);
-  obstacle = link_->open(settings.device, is_open);
-  if (obstacle.empty())
-    obstacle = boot(settings);
-  if (obstacle.empty())
-    obstacle = start_stream();
-  if (!obstacle.empty()) {
+  problem = link_->open(settings.device, is_open);
+  if (problem.empty())
+    problem = boot(settings);
+  if (problem.empty())
+    problem = start_stream();
+  if (!problem.empty()) {
     stream_.reset();
     link_.reset();
-    return obstacle;
+    return problem;
   }
   {
     const std::scoped_lock lock(mutex_);
@@ -111,13 +111,13 @@ std::string Falcon::boot(const Settings& settings) {
     return "the Falcon has no firmware: send firmware FILE, with the file of the manufacturer's "
            "software (tactus may not ship it; docs/devices/falcon.md)";
   std::vector<std::uint8_t> firmware;
-  const std::string obstacle = read_firmware(settings.firmware, firmware);
-  return obstacle.empty() ? upload(*link_, firmware) : obstacle;
+  const std::string problem = read_firmware(settings.firmware, firmware);
+  return problem.empty() ? upload(*link_, firmware) : problem;
 }
 
 std::string Falcon::start_stream() {
   estimator_.reset();
-  estimator_.set_bound(reading_bound_m());
+  estimator_.set_bound(position_error_m());
   frame_ = {};
   flags_ = 0;
   encoders_ = {};
@@ -125,28 +125,28 @@ std::string Falcon::start_stream() {
   rejected_.reset();
   position_ = kCentre;
   velocity_ = {};
-  watch_.reset();
-  asked_n_ = {};
+  frozen_detector_.reset();
+  commanded_n_ = {};
   homed_ = homing_ = unreachable_ = changed_ = false;
-  stuck_ = home_asked_ = moved_ = false;
-  time_s_ = fresh_s_ = open_s_ = homed_s_ = homing_s_ = 0;
+  stuck_ = home_requested_ = moved_ = false;
+  time_s_ = last_frame_s_ = open_s_ = homed_s_ = homing_s_ = 0;
 
   stream_ = std::make_unique<Stream>(*link_);
-  if (std::string obstacle = stream_->start(); !obstacle.empty())
-    return obstacle;
+  if (std::string problem = stream_->start(); !problem.empty())
+    return problem;
   bool answers = !stream_->lost();
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kFirstAnswer_s);
   while (answers && !stream_->receive()) {
     if (cancelled_)
       return kCancelled;
     answers = !stream_->lost() && std::chrono::steady_clock::now() < end;
-    stream_->send(Order{});
+    stream_->send(Command{});
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   if (!answers)
     return "the Falcon stopped answering: plug it in again and open it again";
   frame_ = stream_->latest();
-  flags_ = frame_.answer.flags;
+  flags_ = frame_.response.flags;
   return {};
 }
 
@@ -170,7 +170,7 @@ haptic::Caps Falcon::caps() const noexcept {
   caps.damping_limit_n_s_per_m = kDamping;
   caps.workspace_min = {-kRadius_m, -kRadius_m, -kRadius_m};
   caps.workspace_max = {kRadius_m, kRadius_m, kRadius_m};
-  caps.position_noise_m = reading_bound_m();
+  caps.position_noise_m = position_error_m();
   // The device answers an order with where it is then: a tick reads what the last order's answer
   // said, and its own order acts one period after that.
   caps.latency_ticks = 1;
@@ -181,24 +181,24 @@ haptic::Caps Falcon::caps() const noexcept {
 }
 
 // False when the answer makes no sense.
-bool Falcon::take(const Frame& frame) noexcept {
-  const Counts& counts = frame.answer.encoders;
-  flags_ = frame.answer.flags; // these are good whatever the arms' angles are
+bool Falcon::process(const Frame& frame) noexcept {
+  const Counts& counts = frame.response.encoders;
+  flags_ = frame.response.flags; // these are good whatever the arms' angles are
   if (answered_ && encoders_ != counts)
     changed_ = moved_ = true;
   answered_ = true;
   encoders_ = counts;
-  const bool leapt = frame_.number > 0 && leaps(frame_.answer.encoders, counts);
-  const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
-  unreachable_ = !found.found || !reachable(found.position, angles_of(counts));
+  const bool jumped = frame_.number > 0 && exceeds_max_step(frame_.response.encoders, counts);
+  const Forward found = forward(motor_angles(counts), jumped ? kCentre : position_);
+  unreachable_ = !found.found || !reachable(found.position, motor_angles(counts));
   if (unreachable_)
     return false;
-  if (leapt && (!rejected_ || leaps(*rejected_, counts))) {
+  if (jumped && (!rejected_ || exceeds_max_step(*rejected_, counts))) {
     rejected_ = counts; // a second answer near it makes it true
     return false;
   }
   rejected_.reset();
-  if (leapt)
+  if (jumped)
     estimator_.reset(); // an arm has passed its mark: that was no motion
   position_ = found.position;
   velocity_ = estimator_.update(position_, frame.time_s);
@@ -213,12 +213,12 @@ bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
   time_s_ = tick.time_s;
   changed_ = false;
   const bool answered = stream_->receive();
-  const bool sensible = answered && take(stream_->latest());
+  const bool sensible = answered && process(stream_->latest());
   home();
   update_condition(tick, sensible || (answered && unreachable_));
   state.position = position_ - kCentre;
   state.velocity = velocity_;
-  state.buttons = flags_ & Answer::kButtons;
+  state.buttons = flags_ & Response::kButtons;
   state.flags = homed_ ? haptic::State::kHomed : 0u;
   if (unreachable_)
     state.flags |= haptic::State::kUnreachable;
@@ -232,11 +232,11 @@ bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
 void Falcon::home() noexcept {
   open_s_ += period_s_;
   stuck_.store(!moved_ && open_s_ > kStuck_s, std::memory_order_relaxed);
-  if (home_asked_.exchange(false)) {
+  if (home_requested_.exchange(false)) {
     homing_ = true;
     homing_s_ = 0;
   }
-  const bool marked = (flags_ & Answer::kHomed) == Answer::kHomed;
+  const bool marked = (flags_ & Response::kHomed) == Response::kHomed;
   homing_s_ += homing_ ? period_s_ : 0;
   if (homing_ && homing_s_ > kMinHoming_s && marked)
     homing_ = false;
@@ -245,12 +245,12 @@ void Falcon::home() noexcept {
   homed_ = homed;
 }
 
-void Falcon::update_condition(const haptic::Tick& tick, bool fresh) noexcept {
-  if (fresh || fresh_s_ == 0)
-    fresh_s_ = tick.time_s;
-  const bool silent = tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s);
-  watch_.update(changed_, asked_n_, period_s_, homed_ && !silent && !unreachable_);
-  Condition condition = Condition::kWell;
+void Falcon::update_condition(const haptic::Tick& tick, bool new_frame) noexcept {
+  if (new_frame || last_frame_s_ == 0)
+    last_frame_s_ = tick.time_s;
+  const bool silent = tick.time_s - last_frame_s_ > std::max(kSilent_s, 3 * tick.period_s);
+  frozen_detector_.update(changed_, commanded_n_, period_s_, homed_ && !silent && !unreachable_);
+  Condition condition = Condition::kOk;
   if (stream_->lost())
     condition = Condition::kLost;
   else if (silent)
@@ -259,7 +259,7 @@ void Falcon::update_condition(const haptic::Tick& tick, bool fresh) noexcept {
     condition = Condition::kHoming;
   else if (unreachable_)
     condition = Condition::kUnreachable;
-  else if (watch_.frozen())
+  else if (frozen_detector_.frozen())
     condition = norm(position_ - kCentre) < kStops_m ? Condition::kFrozen : Condition::kAtStop;
   condition_.store(condition, std::memory_order_relaxed);
 }
@@ -267,25 +267,25 @@ void Falcon::update_condition(const haptic::Tick& tick, bool fresh) noexcept {
 bool Falcon::write(const Vec3& force_n) noexcept {
   if (!stream_ || stream_->lost())
     return false;
-  asked_n_ = {};
-  Order order;
-  order.flags = lights(homed_);
+  commanded_n_ = {};
+  Command command;
+  command.flags = lights(homed_);
   if (homed_ && !unreachable_) {
-    asked_n_ = force_n * std::min(homed_s_ / kForceReturn_s, 1.0);
-    order.motors = motor_counts(torques(position_, asked_n_ * watch_.gain()),
-                                counts_per_n_m_.load(std::memory_order_relaxed));
+    commanded_n_ = force_n * std::min(homed_s_ / kForceReturn_s, 1.0);
+    command.motors = motor_counts(torques(position_, commanded_n_ * frozen_detector_.gain()),
+                                  counts_per_n_m_.load(std::memory_order_relaxed));
   } else if (!homed_) {
-    order.flags |= Order::kHoming;
+    command.flags |= Command::kHoming;
   }
-  stream_->send(order);
+  stream_->send(command);
   return true;
 }
 
 std::uint8_t Falcon::lights(bool homed) const noexcept {
   const int asked = lights_.load(std::memory_order_relaxed);
   if (!homed)
-    return Order::kRed;
-  return asked < 0 ? std::uint8_t{Order::kGreen} : static_cast<std::uint8_t>(asked);
+    return Command::kRed;
+  return asked < 0 ? std::uint8_t{Command::kGreen} : static_cast<std::uint8_t>(asked);
 }
 
 haptic::Identity Falcon::identity() const {
@@ -314,7 +314,7 @@ std::string Falcon::trouble() const {
                : "the Falcon is not homed: pull the grip out as far as it goes, then push it in; "
                  "if it stays so, close and open it, which loads the firmware again";
   case Condition::kClosed:
-  case Condition::kWell:
+  case Condition::kOk:
     break;
   }
   return {};

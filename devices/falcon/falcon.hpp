@@ -3,7 +3,7 @@
 #include "core/haptic/chain/velocity.hpp"
 #include "core/haptic/device/device.hpp"
 #include "devices/driver.hpp"
-#include "devices/falcon/encoder_watch.hpp"
+#include "devices/falcon/frozen_encoder_detector.hpp"
 #include "devices/falcon/kinematics.hpp"
 #include "devices/falcon/stream.hpp"
 #include "devices/open_devices.hpp"
@@ -30,15 +30,15 @@ public:
   [[nodiscard]] std::string trouble() const override;
 
 private:
-  enum class Condition { kClosed, kWell, kHoming, kSilent, kUnreachable, kAtStop, kFrozen, kLost };
+  enum class Condition { kClosed, kOk, kHoming, kSilent, kUnreachable, kAtStop, kFrozen, kLost };
   struct Settings {
     std::string device, firmware;
     bool reload = false; ///< upload at the next opening even if firmware runs
   };
   [[nodiscard]] std::string boot(const Settings& settings);
-  [[nodiscard]] bool take(const Frame& frame) noexcept;
+  [[nodiscard]] bool process(const Frame& frame) noexcept;
   void home() noexcept;
-  void update_condition(const haptic::Tick& tick, bool fresh) noexcept;
+  void update_condition(const haptic::Tick& tick, bool new_frame) noexcept;
   [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 
@@ -53,7 +53,7 @@ private:
   std::atomic<Condition> condition_{Condition::kClosed};
   std::atomic<double> counts_per_n_m_{10000};
   std::atomic<int> lights_{-1}; // Order::Flags, or -1: by state
-  std::atomic<bool> home_asked_{false}, stuck_{false}, cancelled_{false};
+  std::atomic<bool> home_requested_{false}, stuck_{false}, cancelled_{false};
 
   // the servo's
   haptic::VelocityEstimator estimator_;
@@ -63,13 +63,13 @@ private:
   bool answered_ = false;
   std::optional<Counts> rejected_{};
   Vec3 position_ = kCentre, velocity_{};
-  EncoderWatch watch_;
-  Vec3 asked_n_{};       // of the last write, before the watch
+  FrozenEncoderDetector frozen_detector_;
+  Vec3 commanded_n_{};   // of the last write, before the watch
   bool changed_ = false; // a count, in this tick
   bool homed_ = false, homing_ = false, unreachable_ = false;
   std::atomic<bool> moved_{false}; // a count, since the opening
   double time_s_ = 0, period_s_ = 1e-3;
-  double fresh_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0;
+  double last_frame_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0;
 };
 
 } // namespace tactus::devices::falcon

@@ -17,11 +17,11 @@ struct Leg {
 // Legs at 105, -15 and -135 degrees around z.
 constexpr std::array<Leg, 3> kLegs{{{-kSin15, kCos15}, {kCos15, -kSin15}, {-kHalf, -kHalf}}};
 
-constexpr double kReached_m = 1e-12;
-constexpr int kMostSteps = 32;
-constexpr double kLongestStep_m = 0.03;
-constexpr double kWidest = 0.999;  // of the cosine of the parallelogram's angle
-constexpr double kFlattest = 1e-3; // sine below which a leg is called stretched or folded
+constexpr double kTolerance_m = 1e-12;
+constexpr int kMaxSteps = 32;
+constexpr double kMaxStep_m = 0.03;
+constexpr double kMaxCosine = 0.999; // of the cosine of the parallelogram's angle
+constexpr double kMinSine = 1e-3;    // sine below which a leg is called stretched or folded
 
 struct LegPoint {
   double u, v, w;      // the platform in the leg's own frame
@@ -37,7 +37,7 @@ LegPoint leg_point(const Leg& leg, const Vec3& p) noexcept {
   q.w = p.z;
   const double cosine = (q.v + f) / b;
   q.within = std::abs(cosine) < 1;
-  q.cos_3 = std::clamp(cosine, -kWidest, kWidest);
+  q.cos_3 = std::clamp(cosine, -kMaxCosine, kMaxCosine);
   q.sin_3 = std::sqrt(1 - q.cos_3 * q.cos_3);
   q.length = d_e + b * q.sin_3;
   return q;
@@ -80,7 +80,7 @@ LegAngles leg_angles(const LegPoint& q) noexcept {
 
 } // namespace
 
-Angles angles_of(const Counts& encoder) noexcept {
+Angles motor_angles(const Counts& encoder) noexcept {
   Angles angles{};
   for (std::size_t leg = 0; leg < 3; ++leg)
     angles[leg] = kRadiansAtZero + kRadiansPerCount * encoder[leg];
@@ -102,7 +102,7 @@ Forward forward(const Angles& angles, const Vec3& start) noexcept {
   Forward result{is_finite(start) ? start : kCentre, 0, false};
   Vec3& p = result.position;
   // g = (u + c - a cos t)^2 + (w - a sin t)^2 - length(v)^2 = 0 for each leg
-  while (result.steps < kMostSteps) {
+  while (result.steps < kMaxSteps) {
     ++result.steps;
     std::array<Vec3, 3> rows{};
     Vec3 g;
@@ -116,9 +116,9 @@ Forward forward(const Angles& angles, const Vec3& start) noexcept {
     const double det = determinant(rows);
     if (!(std::abs(det) > 1e-9)) // m^3; about 1e-3 in the workspace
       return result;
-    const Vec3 step = limited(solve(rows, g, det), kLongestStep_m);
+    const Vec3 step = limited(solve(rows, g, det), kMaxStep_m);
     p -= step;
-    if (norm(step) < kReached_m) {
+    if (norm(step) < kTolerance_m) {
       result.found = is_finite(p);
       for (const Leg& leg : kLegs)
         result.found = result.found && leg_point(leg, p).within;
@@ -135,7 +135,7 @@ std::optional<Gradient> angle_gradient(const Vec3& position) noexcept {
     const LegAngles found = leg_angles(q);
     const double sine = found.sin_2 * std::cos(found.theta_1) -
                         found.cos_2 * std::sin(found.theta_1); // of theta_2 - theta_1
-    if (!found.found || !(std::abs(sine) > kFlattest))
+    if (!found.found || !(std::abs(sine) > kMinSine))
       return std::nullopt;
     // From dg = 0: 2 length (cos_2 du + sin_2 dw + cot_3 dv) = 2 a length sine dtheta_1
     const double scale = 1 / (a * sine);
@@ -170,14 +170,14 @@ Counts motor_counts(const std::array<double, 3>& torque_n_m, double counts_per_n
     return {};
   // The motors turn against the encoders: hence the sign.
   const double scale =
-      -counts_per_n_m * (largest > kMostMotorCounts ? kMostMotorCounts / largest : 1);
+      -counts_per_n_m * (largest > kMaxMotorCounts ? kMaxMotorCounts / largest : 1);
   Counts counts{};
   for (std::size_t motor = 0; motor < 3; ++motor)
     counts[motor] = static_cast<std::int16_t>(std::lround(torque_n_m[motor] * scale));
   return counts;
 }
 
-double reading_bound_m() noexcept {
+double position_error_m() noexcept {
   const std::optional<Gradient> gradient = angle_gradient(kCentre);
   if (!gradient)
     return 0;

@@ -20,10 +20,10 @@ using Counts = std::array<std::int16_t, 3>;
 
 constexpr double kRadiansPerCount = 0.01425 / (1280 * 0.110) * 6.283185307179586; ///< shaft / drum
 constexpr double kRadiansAtZero = 35 * 6.283185307179586 / 360;
-constexpr int kMostMotorCounts = 4096;
+constexpr int kMaxMotorCounts = 4096;
 constexpr Vec3 kCentre{0, 0, 0.110}; ///< what the rest of tactus takes as the origin. m
 
-[[nodiscard]] Angles angles_of(const Counts& encoder) noexcept;
+[[nodiscard]] Angles motor_angles(const Counts& encoder) noexcept;
 
 /// The three motor angles at a position; nothing when a leg does not reach it.
 [[nodiscard]] std::optional<Angles> inverse(const Vec3& position) noexcept;
@@ -54,6 +54,6 @@ struct Gradient {
                                   double counts_per_n_m) noexcept;
 
 /// The largest error of a position reading on any axis at the centre: half a count on each encoder.
-[[nodiscard]] double reading_bound_m() noexcept;
+[[nodiscard]] double position_error_m() noexcept;
 
 } // namespace tactus::devices::falcon

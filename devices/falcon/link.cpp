@@ -41,7 +41,7 @@ std::string why_not_opened(UsbLibrary& usb, int error) {
 }
 
 // Calls visit(device, descriptor) for each Falcon until it says true.
-template <class Visit> void each_falcon(UsbLibrary& usb, libusb_context* context, Visit visit) {
+template <class Visit> void for_each_falcon(UsbLibrary& usb, libusb_context* context, Visit visit) {
   libusb_device** list = nullptr;
   const auto count = usb.get_device_list(context, &list);
   for (decltype(+count) i = 0; i < count; ++i) {
@@ -75,21 +75,22 @@ std::vector<Port> Link::ports(UsbLibrary& usb, const IsOpen& is_open) {
   libusb_context* context = nullptr;
   if (usb.init(&context) != 0)
     return found;
-  each_falcon(usb, context, [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
-    if (std::string path = path_of(usb, device); is_open(path)) {
-      found.push_back({std::move(path), {}, {}});
-      return false;
-    }
-    libusb_device_handle* handle = nullptr;
-    const int error = usb.open(device, &handle);
-    if (error == 0) {
-      found.push_back(port_of(usb, device, descriptor, handle));
-      usb.close(handle);
-    } else {
-      found.push_back({path_of(usb, device), {}, why_not_opened(usb, error)});
-    }
-    return false;
-  });
+  for_each_falcon(usb, context,
+                  [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
+                    if (std::string path = path_of(usb, device); is_open(path)) {
+                      found.push_back({std::move(path), {}, {}});
+                      return false;
+                    }
+                    libusb_device_handle* handle = nullptr;
+                    const int error = usb.open(device, &handle);
+                    if (error == 0) {
+                      found.push_back(port_of(usb, device, descriptor, handle));
+                      usb.close(handle);
+                    } else {
+                      found.push_back({path_of(usb, device), {}, why_not_opened(usb, error)});
+                    }
+                    return false;
+                  });
   usb.exit(context);
   return found;
 }
@@ -101,35 +102,35 @@ std::string Link::open(const std::string& which, const IsOpen& is_open) {
     return "libusb does not start: is /dev/bus/usb there?";
   }
   int index = -1;
-  std::string obstacle;
+  std::string problem;
   const auto visit = [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
     ++index;
     const std::string path = path_of(*usb_, device);
     const bool named = which == std::to_string(index) || which == path;
     if (is_open(path)) {
-      obstacle = "the Falcon at " + path + " is open in this program already: close it there";
+      problem = "the Falcon at " + path + " is open in this program already: close it there";
       return named;
     }
     libusb_device_handle* handle = nullptr;
     const int error = usb_->open(device, &handle);
     Port port = error == 0 ? port_of(*usb_, device, descriptor, handle) : Port{path, {}, {}};
-    const bool wanted = named || which.empty() || which == port.serial;
-    if (wanted && error == 0) {
+    const bool requested = named || which.empty() || which == port.serial;
+    if (requested && error == 0) {
       handle_ = handle;
       port_ = std::move(port);
       return true;
     }
-    if (wanted)
-      obstacle = "the Falcon at " + path + " cannot be opened: " + why_not_opened(*usb_, error);
+    if (requested)
+      problem = "the Falcon at " + path + " cannot be opened: " + why_not_opened(*usb_, error);
     if (error == 0)
       usb_->close(handle);
-    return wanted;
+    return requested;
   };
-  each_falcon(*usb_, context_, visit);
+  for_each_falcon(*usb_, context_, visit);
   if (!handle_) {
     close();
-    if (!obstacle.empty())
-      return obstacle;
+    if (!problem.empty())
+      return problem;
     return index < 0 ? "no Falcon (USB 0403:cb48) is plugged in: check cable and power"
                      : "no Falcon is called " + which + ": send devices for a list";
   }
@@ -162,7 +163,7 @@ bool Link::set(Request request, std::uint16_t value) noexcept {
                                 nullptr, 0, kControl_ms) >= 0;
 }
 
-bool Link::enter_greeting() noexcept {
+bool Link::enter_boot_loader() noexcept {
   return purge() && set(Request::kLatency, 16) && set(Request::kDivisor, kDivisor9600) &&
          set(Request::kFormat, kEightBits) && set(Request::kFlow, kNoFlow) &&
          set(Request::kModem, kSendLow) && set(Request::kModem, kReadyLow) &&
@@ -196,9 +197,9 @@ bool Link::send(std::span<const std::uint8_t> bytes) noexcept {
   return true;
 }
 
-bool Link::receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double limit_s) {
+bool Link::receive(std::vector<std::uint8_t>& bytes, std::size_t requested, double limit_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(limit_s);
-  while (bytes.size() < wanted) {
+  while (bytes.size() < requested) {
     const double left_s = std::chrono::duration<double>(end - Clock::now()).count();
     if (cancelled())
       return false;

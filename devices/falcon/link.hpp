@@ -18,9 +18,9 @@ constexpr std::size_t kStatusBytes = 2;    ///< with which the serial chip begin
 
 /// Where a Falcon is plugged in.
 struct Port {
-  std::string path;     ///< bus and ports: "1-2.3"
-  std::string serial;   ///< empty when it cannot be asked
-  std::string obstacle; ///< empty when it can be opened
+  std::string path;    ///< bus and ports: "1-2.3"
+  std::string serial;  ///< empty when it cannot be asked
+  std::string problem; ///< empty when it can be opened
 };
 
 /// The serial line to a Falcon: an FTDI FT232R chip at 0403:cb48. Blocking, for setting up; in run
@@ -45,7 +45,7 @@ public:
   void close() noexcept;
 
   /// 9600 baud and a restart of the boot loader.
-  [[nodiscard]] bool enter_greeting() noexcept;
+  [[nodiscard]] bool enter_boot_loader() noexcept;
   /// About 140 kbaud, for the firmware.
   [[nodiscard]] bool enter_upload() noexcept;
   /// 1.5 Mbaud and the shortest latency.
@@ -56,7 +56,8 @@ public:
   [[nodiscard]] bool send(std::span<const std::uint8_t> bytes) noexcept;
   /// Appends what arrives to bytes until there are so many or the time is over. False when the
   /// device is gone or the opening was cancelled.
-  [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double limit_s);
+  [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t requested,
+                             double limit_s);
   /// Waits; false when the opening was cancelled meanwhile.
   [[nodiscard]] bool pause(double seconds) const;
   [[nodiscard]] bool cancelled() const noexcept { return cancelled_ && cancelled_->load(); }

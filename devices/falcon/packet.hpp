@@ -14,29 +14,29 @@ constexpr std::size_t kPacketBytes = 16;
 using Packet = std::array<std::uint8_t, kPacketBytes>;
 using Values = std::array<std::int16_t, 3>;
 
-struct Order {
+struct Command {
   enum Flags : std::uint8_t { kHoming = 1, kGreen = 2, kBlue = 4, kRed = 8, kLights = 14 };
   Values motors{};
   std::uint8_t flags = 0;
 };
 
-struct Answer {
+struct Response {
   enum Flags : std::uint8_t { kButtons = 0x0f, kHomed = 0x70 };
   Values encoders{};
   std::uint8_t flags = 0;
   [[nodiscard]] bool homed() const noexcept { return (flags & kHomed) == kHomed; }
 };
 
-[[nodiscard]] Packet encode(const Order& order) noexcept;
-[[nodiscard]] Packet encode(const Answer& answer) noexcept;
+[[nodiscard]] Packet encode(const Command& command) noexcept;
+[[nodiscard]] Packet encode(const Response& response) noexcept;
 
 /// Cuts a stream of bytes into answers. '<' occurs at the start of a packet alone, so whatever was
 /// lost or added, the next whole packet is found.
-class AnswerStream {
+class ResponseParser {
 public:
   /// True when this byte completes an answer.
-  bool take(std::uint8_t byte) noexcept;
-  [[nodiscard]] const Answer& answer() const noexcept { return answer_; }
+  bool process(std::uint8_t byte) noexcept;
+  [[nodiscard]] const Response& response() const noexcept { return response_; }
   /// Packets that were begun and not finished, and runs of bytes between packets.
   [[nodiscard]] std::uint64_t errors() const noexcept { return errors_; }
   /// Forgets a packet under way.
@@ -48,7 +48,7 @@ private:
   Packet packet_{};
   std::size_t filled_ = 0;
   bool between_ = false;
-  Answer answer_{};
+  Response response_{};
   std::uint64_t errors_ = 0;
 };
 

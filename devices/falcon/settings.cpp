@@ -7,7 +7,7 @@
 namespace tactus::devices::falcon {
 namespace {
 
-constexpr double kLeastGain = 1e3, kMostGain = 1e5;
+constexpr double kMinGain = 1e3, kMaxGain = 1e5;
 
 struct Light {
   std::string_view name;
@@ -15,9 +15,9 @@ struct Light {
 };
 constexpr std::array<Light, 5> kLights{{{"auto", -1},
                                         {"off", 0},
-                                        {"red", Order::kRed},
-                                        {"green", Order::kGreen},
-                                        {"blue", Order::kBlue}}};
+                                        {"red", Command::kRed},
+                                        {"green", Command::kGreen},
+                                        {"blue", Command::kBlue}}};
 
 // The colours' sum, or nothing.
 std::optional<int> lights_of(std::span<const std::string> words) {
@@ -54,7 +54,7 @@ std::string Falcon::configure(std::span<const std::string> words) {
     return {};
   }
   if ((name == "home" || name == "calibrate") && values.empty()) {
-    home_asked_ = true;
+    home_requested_ = true;
     return {};
   }
   if (name == "led") {
@@ -69,7 +69,7 @@ std::string Falcon::configure(std::span<const std::string> words) {
     const std::string& text = values[0];
     const auto end = text.data() + text.size();
     const auto read = std::from_chars(text.data(), end, gain);
-    if (read.ec != std::errc() || read.ptr != end || !(gain >= kLeastGain && gain <= kMostGain))
+    if (read.ec != std::errc() || read.ptr != end || !(gain >= kMinGain && gain <= kMaxGain))
       return "falcon: gain " + text +
              " is not possible: expected 1000 to 100000 motor counts per "
              "N m (10000 unless you have measured another)";

@@ -15,17 +15,17 @@ const char* const kNoMemory = "there is no memory for the Falcon's transfers: cl
 constexpr unsigned kOut_ms = 200;
 constexpr int kMaxFailures = 50; // in a row before the line counts as lost
 constexpr int kMaxUnanswered = 2;
-constexpr double kGivenUp_s = 0.010;
+constexpr double kResponseTimeout_s = 0.010;
 constexpr double kRepeat_s = 0.020; // of the order without force, while the servo stalls
-constexpr auto kFarewell = std::chrono::milliseconds(200);
+constexpr auto kStopTimeout = std::chrono::milliseconds(200);
 constexpr auto kCancel = std::chrono::milliseconds(250);
 
 double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
-Order scaled(Order order, double gain) noexcept {
-  for (std::int16_t& motor : order.motors)
+Command scaled(Command command, double gain) noexcept {
+  for (std::int16_t& motor : command.motors)
     motor = static_cast<std::int16_t>(std::lround(gain * motor));
-  return order;
+  return command;
 }
 
 } // namespace
@@ -53,7 +53,7 @@ std::string Stream::start() {
       break; // lost() says so
   try {
     handler_ = std::thread([this] { handle_events(); });
-    sender_ = std::thread([this] { send_orders(); });
+    sender_ = std::thread([this] { send_commands(); });
   } catch (const std::system_error&) {
     return "no thread can be started for the Falcon: close other programs";
   }
@@ -62,9 +62,9 @@ std::string Stream::start() {
 
 void Stream::stop() noexcept {
   if (sender_.joinable()) {
-    send(Order{});
-    const auto end = Clock::now() + kFarewell;
-    while (!lost() && delivered_.load() < ordered_ && Clock::now() < end) {
+    send(Command{});
+    const auto end = Clock::now() + kStopTimeout;
+    while (!lost() && delivered_.load() < commands_written_ && Clock::now() < end) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       wake(); // the sender looks at its watch when it is woken
     }
@@ -84,10 +84,10 @@ void Stream::stop() noexcept {
     }
 }
 
-void Stream::send(const Order& order) noexcept {
+void Stream::send(const Command& command) noexcept {
   const double written_s = now_s();
   written_s_.store(written_s, std::memory_order_relaxed);
-  orders_.write({order, ++ordered_, written_s});
+  commands_.write({command, ++commands_written_, written_s});
   wake();
 }
 
@@ -127,7 +127,7 @@ void LIBUSB_CALL Stream::on_in(libusb_transfer* transfer) {
   auto& self = *static_cast<Transfer*>(transfer->user_data);
   Stream& stream = *self.stream;
   if (transfer->status == LIBUSB_TRANSFER_COMPLETED)
-    stream.take(self);
+    stream.process(self);
   else if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE)
     stream.lost_ = true;
   else if (transfer->status != LIBUSB_TRANSFER_CANCELLED)
@@ -153,12 +153,12 @@ void LIBUSB_CALL Stream::on_out(libusb_transfer* transfer) {
     stream.wake();
 }
 
-void Stream::take(const Transfer& transfer) noexcept {
+void Stream::process(const Transfer& transfer) noexcept {
   failures_ = 0;
   const auto length = static_cast<std::size_t>(std::max(transfer.usb->actual_length, 0));
   for (std::size_t i = kStatusBytes; i < std::min(length, transfer.bytes.size()); ++i)
-    if (answers_.take(transfer.bytes[i])) {
-      frames_.write({answers_.answer(), ++frame_, now_s()});
+    if (parser_.process(transfer.bytes[i])) {
+      frames_.write({parser_.response(), ++frame_, now_s()});
       answered_.store(frame_, std::memory_order_relaxed);
       int unanswered = unanswered_.load();
       while (unanswered > 0 && !unanswered_.compare_exchange_weak(unanswered, unanswered - 1)) {
@@ -166,13 +166,13 @@ void Stream::take(const Transfer& transfer) noexcept {
       if (waiting_.exchange(false))
         wake();
     }
-  broken_.store(answers_.errors(), std::memory_order_relaxed);
+  broken_.store(parser_.errors(), std::memory_order_relaxed);
 }
 
 // Null while two orders are under way or unanswered.
 Stream::Transfer* Stream::free_out(double since_s) noexcept {
   if (unanswered_ >= kMaxUnanswered) {
-    if (now_s() - since_s < kGivenUp_s)
+    if (now_s() - since_s < kResponseTimeout_s)
       return nullptr;
     unanswered_ = 0;
   }
@@ -182,7 +182,7 @@ Stream::Transfer* Stream::free_out(double since_s) noexcept {
   return nullptr;
 }
 
-void Stream::send_orders() noexcept {
+void Stream::send_commands() noexcept {
   raise_thread_priority(kDeviceThreadPriority);
   haptic::ForceTimeout timeout;
   Numbered newest;
@@ -192,10 +192,10 @@ void Stream::send_orders() noexcept {
   while (!stopping_ && !lost()) {
     wakes_.wait(seen, std::memory_order_acquire);
     seen = wakes_.load(std::memory_order_acquire);
-    if (orders_.read()) {
+    if (commands_.read()) {
       if (unsent)
         skipped_.fetch_add(1, std::memory_order_relaxed);
-      newest = orders_.latest();
+      newest = commands_.latest();
       unsent = true;
     }
     const double gain = timeout.gain(newest.written_s, now_s());
@@ -210,7 +210,7 @@ void Stream::send_orders() noexcept {
     }
     if (!free)
       continue;
-    const Packet packet = encode(scaled(newest.order, gain));
+    const Packet packet = encode(scaled(newest.command, gain));
     std::copy(packet.begin(), packet.end(), free->bytes.begin());
     free->number = newest.number;
     unsent = false;

@@ -13,7 +13,7 @@ namespace tactus::devices::falcon {
 
 /// An answer and when it came.
 struct Frame {
-  Answer answer{};
+  Response response{};
   std::uint64_t number = 0; ///< counts answers from 1
   double time_s = 0;        ///< steady clock
 };
@@ -38,7 +38,7 @@ public:
   void stop() noexcept;
 
   /// For the servo's thread.
-  void send(const Order& order) noexcept;
+  void send(const Command& command) noexcept;
   /// True when an answer came since the last call; latest() is then the newest.
   [[nodiscard]] bool receive() noexcept { return frames_.read(); }
   [[nodiscard]] const Frame& latest() const noexcept { return frames_.latest(); }
@@ -53,7 +53,7 @@ public:
 
 private:
   struct Numbered {
-    Order order{};
+    Command command{};
     std::uint64_t number = 0;
     double written_s = -1e9;
   };
@@ -68,9 +68,9 @@ private:
   static void LIBUSB_CALL on_in(libusb_transfer* transfer);
   static void LIBUSB_CALL on_out(libusb_transfer* transfer);
   bool submit(Transfer& transfer) noexcept;
-  void take(const Transfer& transfer) noexcept;
+  void process(const Transfer& transfer) noexcept;
   void failed() noexcept;
-  void send_orders() noexcept;
+  void send_commands() noexcept;
   void handle_events() noexcept;
   void wake() noexcept;
   [[nodiscard]] bool idle() const noexcept;
@@ -78,11 +78,11 @@ private:
 
   Link& link_;
   std::array<Transfer, 2> in_, out_;
-  haptic::Mailbox<Numbered> orders_;
+  haptic::Mailbox<Numbered> commands_;
   std::atomic<double> written_s_{-1e9}; // of the newest order
   haptic::Mailbox<Frame> frames_;
-  AnswerStream answers_;
-  std::uint64_t ordered_ = 0; // by the servo
+  ResponseParser parser_;
+  std::uint64_t commands_written_ = 0; // by the servo
   std::uint64_t frame_ = 0;
   int failures_ = 0; // in a row
   std::atomic<std::uint64_t> delivered_{0};

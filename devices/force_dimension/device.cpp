@@ -18,9 +18,9 @@ using haptic::Vec3;
 constexpr int kSerialsFrom = 64;
 constexpr unsigned char kWatchdogSteps = 240; // of 125 us: 30 ms
 constexpr int kStatusEvery_ticks = 64;
-constexpr int kQuiet_ticks = 200;
+constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
-constexpr int kLook_ms = 20; // between two looks at whether the opening was cancelled
+constexpr int kPoll_ms = 20; // between two looks at whether the opening was cancelled
 
 Vec3 to_project(double x, double y, double z) noexcept { return {y, z, x}; }
 
@@ -47,7 +47,7 @@ const char* meaning(int cause) noexcept {
 
 std::string Device::configure(std::span<const std::string> words) {
   if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
-    reset_wanted_ = true;
+    reset_requested_ = true;
     return {};
   }
   if (words.empty() || words[0] != "device")
@@ -62,25 +62,25 @@ std::string Device::configure(std::span<const std::string> words) {
   }
   if (which < 0)
     return "dhd: device takes a number, an index from 0 or a serial number; ask devices for them";
-  const std::lock_guard lock(wish_guard_);
-  wanted_ = which;
+  const std::lock_guard lock(settings_mutex_);
+  requested_ = which;
   return {};
 }
 
-int Device::open_wanted(int wanted) {
-  if (wanted < kSerialsFrom)
-    return library_.open_id(static_cast<char>(wanted));
-  return library_.open_serial ? library_.open_serial(wanted) : -1;
+int Device::open_requested(int requested) {
+  if (requested < kSerialsFrom)
+    return library_.open_id(static_cast<char>(requested));
+  return library_.open_serial ? library_.open_serial(requested) : -1;
 }
 
-std::string Device::open_with_retries(int wanted) {
+std::string Device::open_with_retries(int requested) {
   const int count = library_.device_count();
   for (const int pause_ms : kPausesBetweenTries_ms) {
-    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kLook_ms)
-      std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kPoll_ms)
+      std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
     if (cancelled_)
       return "dhd: the opening was cancelled: open the device again";
-    id_ = open_wanted(wanted);
+    id_ = open_requested(requested);
     if (id_ >= 0 && is_open("dhd", std::to_string(id_))) {
       id_ = -1; // the other's: it goes on
       return "dhd: the device is open in this program already: close it there";
@@ -89,7 +89,7 @@ std::string Device::open_with_retries(int wanted) {
       return {};
   }
   const char* reason = library_.last_error();
-  return "dhd: device " + std::to_string(wanted) + " does not open (" +
+  return "dhd: device " + std::to_string(requested) + " does not open (" +
          (reason ? reason : "no reason") + "; " + std::to_string(count) +
          " there): check cable and power, that no other program uses "
          "it, and that your account may use USB devices (70-tactus.rules)";
@@ -106,7 +106,7 @@ bool Device::set_watchdog() noexcept {
 }
 
 /// What the wrist and the gripper can do: the device's own word over the table's.
-void Device::ask_for_wrist() noexcept {
+void Device::detect_wrist() noexcept {
   const auto id = static_cast<char>(id_);
   wrist_ = caps_.has_rotation =
       library_.has_wrist && library_.orientation && library_.has_wrist(id);
@@ -122,12 +122,12 @@ std::string Device::open() {
   cancelled_ = false;
   if (std::string sentence = library_.load(); !sentence.empty())
     return "dhd: " + sentence;
-  int wanted = 0;
+  int requested = 0;
   {
-    const std::lock_guard lock(wish_guard_);
-    wanted = wanted_;
+    const std::lock_guard lock(settings_mutex_);
+    requested = requested_;
   }
-  if (std::string sentence = open_with_retries(wanted); !sentence.empty())
+  if (std::string sentence = open_with_retries(requested); !sentence.empty())
     return sentence;
   const auto id = static_cast<char>(id_);
   const Model& model = model_of(library_.system_type(id));
@@ -137,15 +137,15 @@ std::string Device::open() {
   const bool has_serial = library_.serial_number && library_.serial_number(&serial, id) >= 0;
   identity_ = {"Force Dimension", name ? name : std::string(model.name),
                has_serial ? std::to_string(serial) : ""};
-  open_.set("dhd", wanted < kSerialsFrom ? wanted : id_, identity_, std::to_string(id_));
+  open_.set("dhd", requested < kSerialsFrom ? requested : id_, identity_, std::to_string(id_));
   caps_.has_buttons = library_.button_mask != nullptr;
-  ask_for_wrist();
+  detect_wrist();
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
   const bool watched = set_watchdog();
   library_.enable_force(1, id);
   library_.set_force(0, 0, 0, id);
-  until_status_ = quiet_ticks_ = 0;
+  until_status_ = error_free_ticks_ = 0;
   homed_ = true;
   limited_ = false;
   last_position_ = {};
@@ -154,7 +154,7 @@ std::string Device::open() {
   timeout_ = {};
   written_s_ = -1e9;
   force_off_cause_ = kNoCause;
-  needs_reset_ = broken_ = reset_wanted_ = false;
+  needs_reset_ = broken_ = reset_requested_ = false;
   error_ = nullptr;
   if (watched)
     return {};
@@ -162,14 +162,14 @@ std::string Device::open() {
     auto& device = *static_cast<Device*>(self);
     static_cast<void>(device.send({}, {}));
   };
-  std::string obstacle = guard_.start(end_force, this);
-  if (!obstacle.empty())
+  std::string problem = stall_guard_.start(end_force, this);
+  if (!problem.empty())
     close();
-  return obstacle.empty() ? obstacle : "dhd: " + obstacle;
+  return problem.empty() ? problem : "dhd: " + problem;
 }
 
 void Device::close() noexcept {
-  guard_.stop();
+  stall_guard_.stop();
   if (id_ >= 0) {
     const auto id = static_cast<char>(id_);
     static_cast<void>(send({}, {}));
@@ -188,7 +188,7 @@ bool Device::answered(int result) noexcept {
   return false;
 }
 
-void Device::look_at_status() noexcept {
+void Device::update_status() noexcept {
   if (!library_.status || --until_status_ > 0)
     return;
   until_status_ = kStatusEvery_ticks;
@@ -206,15 +206,15 @@ void Device::look_at_status() noexcept {
   const int cause = status_[kForceOffCause];
   force_off_cause_ = cause == kNoCause ? static_cast<int>(kSoftware) : cause;
   const bool by_hand = cause == kForceButton || cause == kUnplugged || cause == kDeadMan;
-  if (!by_hand && quiet_ticks_ >= kQuiet_ticks)
+  if (!by_hand && error_free_ticks_ >= kErrorFree_ticks)
     library_.enable_force(1, id);
 }
 
 bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
-  if (id_ < 0 || !guard_.enter())
+  if (id_ < 0 || !stall_guard_.enter())
     return false;
   const bool well = read_device(state);
-  guard_.leave();
+  stall_guard_.leave();
   return well;
 }
 
@@ -232,26 +232,26 @@ bool Device::read_device(State& state) noexcept {
   if (caps_.has_gripper && library_.gripper_gap(&x, id) >= 0 && std::isfinite(x))
     state.gripper_m = x;
   state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
-  if (reset_wanted_.exchange(false) && library_.reset) {
+  if (reset_requested_.exchange(false) && library_.reset) {
     static_cast<void>(library_.reset(id));
     until_status_ = 0; // no force from this tick on
   }
-  look_at_status();
+  update_status();
   error_ = nullptr;
   state.flags = homed_ ? State::kHomed : 0u;
   if (force_off_cause_ != kNoCause || broken_)
     state.flags |= State::kFault;
   if (limited_)
     state.flags |= State::kForceLimited;
-  haptic::check_reach(caps_, state, last_position_);
+  haptic::reject_unreachable(caps_, state, last_position_);
   return true;
 }
 
 bool Device::write(const Vec3& force_n) noexcept {
-  if (id_ < 0 || !guard_.enter())
+  if (id_ < 0 || !stall_guard_.enter())
     return false;
   const bool well = write_device(force_n);
-  guard_.leave();
+  stall_guard_.leave();
   return well;
 }
 
@@ -274,7 +274,7 @@ bool Device::write_device(const Vec3& force_n) noexcept {
   const double now_s = haptic::ForceTimeout::now_s();
   const double share = timeout_.gain(std::exchange(written_s_, now_s), now_s);
   const bool none = force_n == Vec3{};
-  quiet_ticks_ = none ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
+  error_free_ticks_ = none ? std::min(error_free_ticks_ + 1, kErrorFree_ticks) : 0;
   const bool allowed = homed_ && force_off_cause_ == kNoCause && is_finite(force_n);
   const Vec3 f = allowed ? limited(force_n, caps_.peak_force_n) * share : Vec3{};
   const haptic::WristCommand asked = std::exchange(wrist_command_, {});

@@ -36,41 +36,41 @@ public:
   [[nodiscard]] std::string trouble() const override;
 
 private:
-  [[nodiscard]] int open_wanted(int wanted);
-  [[nodiscard]] std::string open_with_retries(int wanted);
+  [[nodiscard]] int open_requested(int requested);
+  [[nodiscard]] std::string open_with_retries(int requested);
   [[nodiscard]] bool set_watchdog() noexcept;
-  void ask_for_wrist() noexcept;
+  void detect_wrist() noexcept;
   [[nodiscard]] int send(const haptic::Vec3& force_n, const haptic::WristCommand& wrist) noexcept;
   [[nodiscard]] bool read_device(haptic::State& state) noexcept;
   [[nodiscard]] bool write_device(const haptic::Vec3& force_n) noexcept;
-  void look_at_status() noexcept;
+  void update_status() noexcept;
   [[nodiscard]] bool answered(int result) noexcept;
 
   DhdLibrary library_;
   OpenDevice open_;
-  StallGuard guard_;
+  StallGuard stall_guard_;
   std::atomic<bool> cancelled_{false};
   int id_ = -1;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
   bool wrist_ = false;
 
-  std::mutex wish_guard_;
-  int wanted_ = 0;
+  std::mutex settings_mutex_;
+  int requested_ = 0;
 
   // The servo's thread
-  std::array<int, kLongestStatus> status_{};
+  std::array<int, kMaxStatus> status_{};
   haptic::ForceTimeout timeout_{};
   double written_s_ = -1e9;
   haptic::Vec3 last_position_{};
   haptic::WristCommand wrist_command_{};  // of the next write
   std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
-  int until_status_ = 0, quiet_ticks_ = 0;
+  int until_status_ = 0, error_free_ticks_ = 0;
   bool homed_ = true, limited_ = false;
 
   // Both sides
   std::atomic<int> force_off_cause_{kNoCause};
-  std::atomic<bool> needs_reset_{false}, broken_{false}, reset_wanted_{false};
+  std::atomic<bool> needs_reset_{false}, broken_{false}, reset_requested_{false};
   std::atomic<const char*> error_{nullptr}; ///< a constant text of the library
 };
 

@@ -19,7 +19,7 @@ enum Status : std::size_t {
   kBroken = 9,
   kForceOffCause = 14
 };
-constexpr std::size_t kLongestStatus = 64;
+constexpr std::size_t kMaxStatus = 64;
 
 enum ForceOffCause : int {
   kNoCause = 0,

@@ -4,7 +4,7 @@
 namespace tactus::devices {
 namespace {
 
-std::string obstacle() {
+std::string problem() {
   force_dimension::DhdLibrary library;
   return library.load();
 }
@@ -29,7 +29,7 @@ std::vector<Found> list() {
 } // namespace
 
 extern const Driver dhd_driver;
-const Driver dhd_driver{"dhd", "Force Dimension omega, delta, sigma, lambda", obstacle, list,
+const Driver dhd_driver{"dhd", "Force Dimension omega, delta, sigma, lambda", problem, list,
                         []() -> std::unique_ptr<haptic::Backend> {
                           return std::make_unique<force_dimension::Device>();
                         }};

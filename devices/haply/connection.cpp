@@ -20,14 +20,14 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kAnswer_s = 0.5, kSetUp_s = 0.5;
-constexpr double kFirstPause_s = 0.05, kLongestPause_s = 2;
-constexpr double kPatience_s = 4, kLook_s = 0.02; // in open()
+constexpr double kFirstPause_s = 0.05, kMaxPause_s = 2;
+constexpr double kTimeout_s = 4, kPoll_s = 0.02; // in open()
 constexpr int kTriesBeforeRefusal = 4;
-constexpr int kGarbageBeforeHangingUp = 50;
+constexpr int kMaxBadMessages = 50;
 
 } // namespace
 
-Address usual_address() {
+Address default_address() {
   const char* text = std::getenv("TACTUS_HAPLY");
   const std::string wanted = text ? text : "";
   const auto colon = wanted.rfind(':');
@@ -36,13 +36,13 @@ Address usual_address() {
   return {wanted.substr(0, colon), wanted.substr(colon + 1)};
 }
 
-std::string Connection::open(const Wish& wish) {
+std::string Connection::open(const Settings& settings) {
   close();
-  wish_ = wish;
+  settings_ = settings;
   sample_ = {};
   samples_.write({});
   forces_.reset();
-  phase_ = Phase::kLooking;
+  phase_ = Phase::kSearching;
   trouble_.clear();
   stop_ = leaving_ = cancelled_ = false;
   try {
@@ -52,16 +52,16 @@ std::string Connection::open(const Wish& wish) {
   }
   std::string sentence;
   {
-    std::unique_lock lock(guard_);
+    std::unique_lock lock(mutex_);
     const auto until =
-        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kPatience_s));
-    while (phase_ == Phase::kLooking && !cancelled_ && Clock::now() < until)
-      changed_.wait_for(lock, Seconds(kLook_s));
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kTimeout_s));
+    while (phase_ == Phase::kSearching && !cancelled_ && Clock::now() < until)
+      changed_.wait_for(lock, Seconds(kPoll_s));
     if (phase_ == Phase::kRunning)
       return {};
     sentence = cancelled_         ? "the opening was cancelled: open the device again"
-               : trouble_.empty() ? "Haply's service on " + wish_.address.host + ":" +
-                                        wish_.address.port + " does not answer"
+               : trouble_.empty() ? "Haply's service on " + settings_.address.host + ":" +
+                                        settings_.address.port + " does not answer"
                                   : trouble_;
   }
   close();
@@ -80,17 +80,17 @@ void Connection::close() noexcept {
 }
 
 std::string Connection::trouble() const {
-  const std::lock_guard lock(guard_);
+  const std::lock_guard lock(mutex_);
   return trouble_;
 }
 
-Sight Connection::sight() const {
-  const std::lock_guard lock(guard_);
-  return sight_;
+DeviceState Connection::device_state() const {
+  const std::lock_guard lock(mutex_);
+  return device_state_;
 }
 
-void Connection::tell(Phase phase, const std::string& trouble) {
-  const std::lock_guard lock(guard_);
+void Connection::set_trouble(Phase phase, const std::string& trouble) {
+  const std::lock_guard lock(mutex_);
   phase_ = phase;
   trouble_ = trouble;
   changed_.notify_all();
@@ -99,40 +99,41 @@ void Connection::tell(Phase phase, const std::string& trouble) {
 void Connection::serve() noexcept {
   raise_thread_priority(kDeviceThreadPriority); // a force is as old as this thread is late
   try {
-    look_and_talk();
+    run_connection();
   } catch (const std::exception& error) {
-    tell(Phase::kRefused, std::string("the connection to Haply's service ended: ") + error.what() +
-                              "; open the device again");
+    set_trouble(Phase::kRefused, std::string("the connection to Haply's service ended: ") +
+                                     error.what() + "; open the device again");
   }
   leaving_ = false;
 }
 
-void Connection::look_and_talk() {
-  const std::string place = wish_.address.host + ":" + wish_.address.port;
+void Connection::run_connection() {
+  const std::string endpoint = settings_.address.host + ":" + settings_.address.port;
   double pause_s = kFirstPause_s;
   for (int failures = 0; !stop_ && !leaving_;) {
     Socket socket(stop_);
-    std::string failure = socket.connect(wish_.address.host, wish_.address.port, kConnect_s);
+    std::string failure =
+        socket.connect(settings_.address.host, settings_.address.port, kConnect_s);
     if (failure.empty()) {
       const double began_s = ServoThread::now_s();
-      failure = talk(socket);
+      failure = run_session(socket);
       socket.close();
       if (ServoThread::now_s() - began_s > 1) { // it has worked: look for it soon again
         failures = 0;
         pause_s = kFirstPause_s;
       }
     } else {
-      failure = "Haply's service does not answer on " + place + " (" + failure +
+      failure = "Haply's service does not answer on " + endpoint + " (" + failure +
                 "): start Haply Hub, or systemctl start haply-inverse-service";
     }
     if (stop_ || leaving_)
       break;
     ++failures;
-    tell(failures >= kTriesBeforeRefusal ? Phase::kRefused : Phase::kLooking, failure);
+    set_trouble(failures >= kTriesBeforeRefusal ? Phase::kRefused : Phase::kSearching, failure);
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(pause_s));
     while (!stop_ && !leaving_ && Clock::now() < until)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    pause_s = std::min(2 * pause_s, kLongestPause_s);
+    pause_s = std::min(2 * pause_s, kMaxPause_s);
   }
 }
 
@@ -142,26 +143,28 @@ std::string Connection::choose(const Message& inventory) {
   if (devices.empty())
     return "Haply's service runs but sees no Inverse3: check the device's cable and power";
   std::size_t index = 0;
-  if (!wish_.device.empty()) {
-    const char* end = wish_.device.data() + wish_.device.size();
-    const auto by_id = std::find_if(devices.begin(), devices.end(),
-                                    [this](const Sight& one) { return one.id == wish_.device; });
+  if (!settings_.device.empty()) {
+    const char* end = settings_.device.data() + settings_.device.size();
+    const auto by_id = std::find_if(devices.begin(), devices.end(), [this](const DeviceState& one) {
+      return one.id == settings_.device;
+    });
     if (by_id != devices.end())
       index = static_cast<std::size_t>(by_id - devices.begin());
-    else if (std::from_chars(wish_.device.data(), end, index).ptr != end || index >= devices.size())
-      return "Haply's service has no device " + wish_.device + "; the first it has is " +
+    else if (std::from_chars(settings_.device.data(), end, index).ptr != end ||
+             index >= devices.size())
+      return "Haply's service has no device " + settings_.device + "; the first it has is " +
              devices.front().id + ": say device 0, or its device_id";
   }
   device_id_ = devices[index].id;
-  const std::lock_guard lock(guard_);
-  sight_ = devices[index];
+  const std::lock_guard lock(mutex_);
+  device_state_ = devices[index];
   return {};
 }
 
 /// Keeps what the message has of the device; false when it is not in it.
 bool Connection::take(const Message& message) {
   const auto found = std::find_if(message.devices.begin(), message.devices.end(),
-                                  [this](const Sight& one) { return one.id == device_id_; });
+                                  [this](const DeviceState& one) { return one.id == device_id_; });
   if (found == message.devices.end())
     return false;
   if (found->workspace)
@@ -169,7 +172,7 @@ bool Connection::take(const Message& message) {
   if (found->mount)
     mount_ = *found->mount;
   // The workspace transform is undone, and the mount's scale; its turn and origin are wanted.
-  Placement mount_scale;
+  Transform mount_scale;
   mount_scale.scale = mount_.scale;
   const bool valid = workspace_.valid() && mount_.valid();
   const Vec3 nowhere = Vec3{1, 1, 1} * std::numeric_limits<double>::quiet_NaN();
@@ -189,7 +192,7 @@ bool Connection::take(const Message& message) {
   return true;
 }
 
-Vec3 Connection::wanted_force() noexcept {
+Vec3 Connection::next_force() noexcept {
   const Vec3 force_n = forces_.read();
   if (!sample_.calibrated || leaving_ || !is_finite(force_n) || !workspace_.valid())
     return {};
@@ -200,11 +203,11 @@ Vec3 Connection::wanted_force() noexcept {
 /// service that does not know presets leaves the origin in the device's base.
 std::string Connection::set_up(Socket& socket) {
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kSetUp_s));
-  centred_ = false;
+  is_centred_ = false;
   std::string text;
   for (int round = 0; !stop_ && !leaving_ && Clock::now() < until; ++round) {
     const std::string message =
-        round == 0 ? first_message(device_id_) : question(device_id_, round == 1);
+        round == 0 ? first_message(device_id_) : status_request(device_id_, round == 1);
     std::string failure = socket.send(message, kAnswer_s);
     if (failure.empty())
       failure = socket.receive(text, kAnswer_s);
@@ -213,23 +216,24 @@ std::string Connection::set_up(Socket& socket) {
     const auto answer = parse(text);
     if (!answer || !take(*answer))
       continue;
-    const auto found = std::find_if(answer->devices.begin(), answer->devices.end(),
-                                    [this](const Sight& one) { return one.id == device_id_; });
-    centred_ = found->preset == kPreset;
-    if (round > 1 && centred_ && (found->basis.empty() || found->basis == kBasis))
+    const auto found =
+        std::find_if(answer->devices.begin(), answer->devices.end(),
+                     [this](const DeviceState& one) { return one.id == device_id_; });
+    is_centred_ = found->preset == kPreset;
+    if (round > 1 && is_centred_ && (found->basis.empty() || found->basis == kBasis))
       return {};
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return {};
 }
 
-std::string Connection::talk(Socket& socket) {
+std::string Connection::run_session(Socket& socket) {
   std::string text;
   if (std::string failure = socket.receive(text, kConnect_s); !failure.empty())
     return "Haply's service sent no list of devices (" + failure + "): restart it";
   const auto inventory = parse(text);
   if (!inventory)
-    return "what listens on port " + wish_.address.port +
+    return "what listens on port " + settings_.address.port +
            " is not Haply's service: it does not speak JSON; say service HOST PORT";
   if (std::string sentence = choose(*inventory); !sentence.empty())
     return sentence;
@@ -237,12 +241,12 @@ std::string Connection::talk(Socket& socket) {
   static_cast<void>(take(*inventory)); // later states leave out what stays
   if (std::string failure = set_up(socket); !failure.empty())
     return "Haply's service went away (" + failure + "): it is looked for again";
-  const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / wish_.rate_hz));
+  const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / settings_.rate_hz));
   auto next = Clock::now();
   bool told = false;
   for (int garbage = 0; !stop_;) {
     const bool last = leaving_;
-    std::string failure = socket.send(force_message(device_id_, wanted_force()), kAnswer_s);
+    std::string failure = socket.send(force_message(device_id_, next_force()), kAnswer_s);
     if (failure.empty())
       failure = socket.receive(text, kAnswer_s);
     if (last)
@@ -251,11 +255,11 @@ std::string Connection::talk(Socket& socket) {
       return "Haply's service went away (" + failure + "): it is looked for again";
     const auto message = parse(text);
     garbage = message ? 0 : garbage + 1;
-    if (garbage >= kGarbageBeforeHangingUp)
+    if (garbage >= kMaxBadMessages)
       return "Haply's service sends no JSON any more: restart it";
     if (message && take(*message)) { // unplugged: the sample grows old and the servo notices
       if (!told)
-        tell(Phase::kRunning, "");
+        set_trouble(Phase::kRunning, "");
       told = true;
       sample_.time_s = ServoThread::now_s();
       samples_.write(sample_);

@@ -20,9 +20,9 @@ struct Address {
 };
 
 /// TACTUS_HAPLY, "host:port", of the environment; else where the service listens by itself.
-[[nodiscard]] Address usual_address();
+[[nodiscard]] Address default_address();
 
-struct Wish {
+struct Settings {
   Address address;
   std::string device; ///< an index or the service's device_id; empty is the first
   double rate_hz = 1000;
@@ -43,7 +43,7 @@ public:
   ~Connection() { close(); }
 
   /// Waits for the first state of the wanted device; empty, else what to do.
-  [[nodiscard]] std::string open(const Wish& wish);
+  [[nodiscard]] std::string open(const Settings& settings);
   /// Any thread: ends an open() that waits, soon.
   void cancel() noexcept { cancelled_ = true; }
   /// Sends zero force and ends the thread.
@@ -59,40 +59,40 @@ public:
 
   /// Any thread that may wait.
   [[nodiscard]] std::string trouble() const;
-  [[nodiscard]] Sight sight() const;
+  [[nodiscard]] DeviceState device_state() const;
   /// The service has put the origin into the middle of the workspace; else it is the device's base.
-  [[nodiscard]] bool centred() const noexcept { return centred_; }
+  [[nodiscard]] bool centred() const noexcept { return is_centred_; }
 
 private:
-  enum class Phase { kLooking, kRunning, kRefused };
+  enum class Phase { kSearching, kRunning, kRefused };
 
   void serve() noexcept;
-  void look_and_talk();
-  [[nodiscard]] std::string talk(Socket& socket);
+  void run_connection();
+  [[nodiscard]] std::string run_session(Socket& socket);
   [[nodiscard]] std::string set_up(Socket& socket);
   [[nodiscard]] std::string choose(const Message& inventory);
   [[nodiscard]] bool take(const Message& message);
-  [[nodiscard]] haptic::Vec3 wanted_force() noexcept;
-  void tell(Phase phase, const std::string& trouble);
+  [[nodiscard]] haptic::Vec3 next_force() noexcept;
+  void set_trouble(Phase phase, const std::string& trouble);
 
-  Wish wish_;
+  Settings settings_;
   std::thread thread_;
   std::atomic<bool> stop_{false}, leaving_{false}, cancelled_{false};
   haptic::Mailbox<Sample> samples_;
   haptic::TimedMailbox<haptic::Vec3> forces_;
 
-  std::atomic<bool> centred_{false};
+  std::atomic<bool> is_centred_{false};
 
   // The connection's thread
   std::string device_id_;
   Sample sample_{};
-  Placement workspace_{}, mount_{};
+  Transform workspace_{}, mount_{};
 
-  mutable std::mutex guard_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
-  Phase phase_ = Phase::kLooking;
+  Phase phase_ = Phase::kSearching;
   std::string trouble_;
-  Sight sight_;
+  DeviceState device_state_;
 };
 
 } // namespace tactus::devices::haply

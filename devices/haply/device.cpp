@@ -22,7 +22,7 @@ constexpr Limits kMinverse{4, 400, 2, 0.04};
 // Where the handle is in the maker's examples, of a service without presets: in front of and above
 // the mounting plate. The service's axes, m.
 constexpr Vec3 kCentreFromBase{0, -0.12, 0.15};
-constexpr double kOld_s = 0.02;
+constexpr double kStale_s = 0.02;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Not a number when the word is none.
@@ -35,21 +35,21 @@ double number(const std::string& word) {
 
 } // namespace
 
-Device::Device() { wish_.address = usual_address(); }
+Device::Device() { settings_.address = default_address(); }
 
 std::string Device::configure(std::span<const std::string> words) {
   const std::string name = words.empty() ? "nothing" : words[0];
   const double value = words.size() == 2 ? number(words[1]) : kNaN;
-  const std::lock_guard lock(wish_guard_);
+  const std::lock_guard lock(settings_mutex_);
   if (name == "device" && words.size() == 2) {
-    wish_.device = words[1];
+    settings_.device = words[1];
   } else if (name == "service" && words.size() == 3) {
     const double port = number(words[2]);
     if (!(port >= 1 && port <= 65535) || port != static_cast<int>(port))
       return "haply: the port " + words[2] + " is no whole number from 1 to 65535";
-    wish_.address = {words[1], std::to_string(static_cast<int>(port))};
+    settings_.address = {words[1], std::to_string(static_cast<int>(port))};
   } else if (name == "rate" && value >= 50 && value <= 4000) {
-    wish_.rate_hz = value;
+    settings_.rate_hz = value;
   } else if (name == "peak" && value >= 0.1 && value <= 20) {
     peak_n_ = value;
   } else {
@@ -61,16 +61,16 @@ std::string Device::configure(std::span<const std::string> words) {
 }
 
 std::string Device::open() {
-  Wish wish;
+  Settings settings;
   double peak_n = 0;
   {
-    const std::lock_guard lock(wish_guard_);
-    wish = wish_;
+    const std::lock_guard lock(settings_mutex_);
+    settings = settings_;
     peak_n = peak_n_;
   }
-  if (std::string sentence = connection_.open(wish); !sentence.empty())
+  if (std::string sentence = connection_.open(settings); !sentence.empty())
     return "haply: " + sentence;
-  const Sight seen = connection_.sight();
+  const DeviceState seen = connection_.device_state();
   const bool small = seen.type.find("minverse") != std::string::npos;
   const Limits& limits = small ? kMinverse : kInverse3;
   const Vec3 centre = connection_.centred() ? Vec3{} : to_project(kCentreFromBase);
@@ -81,7 +81,7 @@ std::string Device::open() {
   caps_.workspace_min = centre - Vec3{1, 1, 1} * limits.radius_m;
   caps_.workspace_max = centre + Vec3{1, 1, 1} * limits.radius_m;
   last_position_ = centre;
-  caps_.rate_hz = wish.rate_hz;
+  caps_.rate_hz = settings.rate_hz;
   // A message carries a force there and a state back: the force that answers that state goes with
   // the next one. What the service adds is not known.
   caps_.latency_ticks = 1;
@@ -94,9 +94,9 @@ std::string Device::open() {
 bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   const Sample& sample = connection_.newest();
   state = sample.state;
-  haptic::check_reach(caps_, state, last_position_);
+  haptic::reject_unreachable(caps_, state, last_position_);
   calibrated_ = sample.calibrated;
-  return ServoThread::now_s() - sample.time_s < kOld_s;
+  return ServoThread::now_s() - sample.time_s < kStale_s;
 }
 
 bool Device::write(const Vec3& force_n) noexcept {

@@ -30,8 +30,8 @@ private:
   haptic::Vec3 last_position_{}; // the servo's
   std::atomic<bool> calibrated_{true};
 
-  std::mutex wish_guard_;
-  Wish wish_;
+  std::mutex settings_mutex_;
+  Settings settings_;
   double peak_n_ = 0; ///< 0: the model's
 };
 

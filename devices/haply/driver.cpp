@@ -5,17 +5,17 @@
 namespace tactus::devices {
 namespace {
 
-constexpr double kGlance_s = 0.3;
+constexpr double kProbeTimeout_s = 0.3;
 
 /// The service's first message, or nothing.
 std::optional<haply::Message> inventory(std::string& failure) {
   const std::atomic<bool> never{false};
-  const haply::Address address = haply::usual_address();
+  const haply::Address address = haply::default_address();
   haply::Socket socket(never);
   std::string text;
-  failure = socket.connect(address.host, address.port, kGlance_s);
+  failure = socket.connect(address.host, address.port, kProbeTimeout_s);
   if (failure.empty())
-    failure = socket.receive(text, kGlance_s);
+    failure = socket.receive(text, kProbeTimeout_s);
   socket.close();
   if (!failure.empty()) {
     failure = "Haply's service does not answer on " + address.host + ":" + address.port + " (" +
@@ -30,7 +30,7 @@ std::optional<haply::Message> inventory(std::string& failure) {
   return message;
 }
 
-std::string obstacle() {
+std::string problem() {
   std::string failure;
   static_cast<void>(inventory(failure));
   return failure;
@@ -40,7 +40,7 @@ std::vector<Found> list() {
   std::string failure;
   std::vector<Found> all;
   if (const auto message = inventory(failure))
-    for (const haply::Sight& one : message->devices)
+    for (const haply::DeviceState& one : message->devices)
       all.push_back({"haply",
                      static_cast<int>(all.size()),
                      {"Haply", one.type.empty() ? "inverse3" : one.type, one.id},
@@ -52,7 +52,7 @@ std::vector<Found> list() {
 
 extern const Driver haply_driver;
 const Driver haply_driver{
-    "haply", "Haply Inverse3, Inverse3x, Minverse, through Haply's service", obstacle, list,
+    "haply", "Haply Inverse3, Inverse3x, Minverse, through Haply's service", problem, list,
     []() -> std::unique_ptr<haptic::Backend> { return std::make_unique<haply::Device>(); }};
 
 } // namespace tactus::devices

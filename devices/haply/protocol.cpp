@@ -32,7 +32,7 @@ std::optional<double> number(const Json& object, const char* name) {
   return std::isfinite(answer) ? std::optional(answer) : std::nullopt;
 }
 
-std::optional<bool> truth(const Json& object, const char* name) {
+std::optional<bool> read_bool(const Json& object, const char* name) {
   const Json* value = member(object, name);
   return value && value->is_boolean() ? std::optional(value->get<bool>()) : std::nullopt;
 }
@@ -50,10 +50,10 @@ std::optional<Vec3> placed(const Json& state, const char* name) {
 }
 
 /// Parts that are missing are those of the identity, as the service leaves them out.
-std::optional<Placement> placement(const Json* object) {
+std::optional<Transform> placement(const Json* object) {
   if (!object || !object->is_object())
     return {};
-  Placement placed;
+  Transform placed;
   if (const auto position = vector(member(*object, "position")))
     placed.pose.position = to_project(*position);
   if (const auto scale = vector(member(*object, "scale")))
@@ -65,8 +65,8 @@ std::optional<Placement> placement(const Json* object) {
   return placed;
 }
 
-Sight sight(const Json& device) {
-  Sight seen;
+DeviceState device_state(const Json& device) {
+  DeviceState seen;
   seen.id = text(device, "device_id");
   if (const Json* config = member(device, "config")) {
     seen.type = text(*config, "type");
@@ -82,7 +82,7 @@ Sight sight(const Json& device) {
     seen.workspace = placement(member(*state, "transform"));
   }
   if (const Json* status = member(device, "status"))
-    seen.calibrated = truth(*status, "calibrated");
+    seen.calibrated = read_bool(*status, "calibrated");
   return seen;
 }
 
@@ -104,7 +104,7 @@ void read_grip(const Json& grip, Message& message) {
   if (!state)
     return;
   message.rotation = rotation(member(*state, "orientation"));
-  if (const auto pressed = truth(*state, "button"))
+  if (const auto pressed = read_bool(*state, "button"))
     message.buttons = *pressed ? 1u : 0u;
   const Json* buttons = member(*state, "buttons");
   if (!buttons || !buttons->is_object())
@@ -112,7 +112,7 @@ void read_grip(const Json& grip, Message& message) {
   constexpr std::array<const char*, 3> names{"a", "b", "c"};
   std::uint32_t mask = 0;
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (truth(*buttons, names[i]).value_or(false))
+    if (read_bool(*buttons, names[i]).value_or(false))
       mask |= 1u << i;
   message.buttons = mask;
 }
@@ -126,7 +126,7 @@ std::optional<Message> parse(std::string_view source) {
   Message message;
   if (const Json* list = member(root, "inverse3"); list && list->is_array())
     for (const Json& device : *list)
-      message.devices.push_back(sight(device));
+      message.devices.push_back(device_state(device));
   for (const char* kind : {"wireless_verse_grip", "verse_grip"}) {
     const Json* list = member(root, kind);
     if (list && list->is_array() && !list->empty() && !message.rotation)
@@ -165,7 +165,7 @@ std::string first_message(std::string_view device_id) {
   return message.dump();
 }
 
-std::string question(std::string_view device_id, bool basis) {
+std::string status_request(std::string_view device_id, bool basis) {
   Json message = message_of(device_message(device_id, {}));
   message["session"]["force_render_full_state"] = Json::object();
   if (basis)

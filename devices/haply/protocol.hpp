@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/haptic/device/device.hpp"
-#include "devices/haply/placement.hpp"
+#include "devices/haply/transform.hpp"
 
 #include <optional>
 #include <string>
@@ -14,18 +14,18 @@
 namespace tactus::devices::haply {
 
 /// One device as a message of the service shows it. Project frame.
-struct Sight {
+struct DeviceState {
   std::string id, type, firmware;
   std::optional<haptic::Vec3> position, velocity; ///< m, m/s, in the application's space
   std::optional<bool> calibrated;
-  std::optional<Placement> workspace; ///< the workspace transform
-  std::optional<Placement> mount;     ///< with the configuration alone, as the next two
+  std::optional<Transform> workspace; ///< the workspace transform
+  std::optional<Transform> mount;     ///< with the configuration alone, as the next two
   std::string preset, basis;
 };
 
 /// A message of the service.
 struct Message {
-  std::vector<Sight> devices;
+  std::vector<DeviceState> devices;
   std::optional<std::uint32_t> buttons; ///< of a VerseGrip, when there is one
   std::optional<haptic::Vec3> rotation; ///< of a VerseGrip: axis times angle, rad
 };
@@ -43,7 +43,7 @@ constexpr const char* kBasis = "XYZ";
 [[nodiscard]] std::string first_message(std::string_view device_id);
 /// No force, and please an answer with the configuration in it. With basis: the axes once more,
 /// since a preset may set its own.
-[[nodiscard]] std::string question(std::string_view device_id, bool basis);
+[[nodiscard]] std::string status_request(std::string_view device_id, bool basis);
 
 /// The service's axes are x right, y forward, z up.
 [[nodiscard]] inline haptic::Vec3 to_project(const haptic::Vec3& v) noexcept {

@@ -62,14 +62,14 @@ struct Socket::Parts {
 
   /// Starts an operation and runs it to its end, its time or the stop.
   template <class Start> std::string finish(double timeout_s, Start start) {
-    constexpr auto kLook = std::chrono::milliseconds(20);
+    constexpr auto kPollInterval = std::chrono::milliseconds(20);
     const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                              std::chrono::duration<double>(timeout_s));
     std::optional<Error> outcome;
     start([&outcome](Error error, auto&&...) { outcome = error; });
     context.restart();
     while (!outcome && !stop && Clock::now() < deadline)
-      context.run_one_until(std::min(deadline, Clock::now() + kLook));
+      context.run_one_until(std::min(deadline, Clock::now() + kPollInterval));
     if (outcome)
       return *outcome ? outcome->message() : std::string();
     Error ignored;

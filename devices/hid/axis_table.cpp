@@ -24,7 +24,7 @@ double share(const Knob& knob, const AxisTable::Source& source) noexcept {
 
 } // namespace
 
-AxisTable AxisTable::usual(std::uint32_t axes) noexcept {
+AxisTable AxisTable::default_for(std::uint32_t axes) noexcept {
   AxisTable table;
   table.rows = {{{0, 1}, {2, -1}, {1, 1}, {3, 1}, {5, -1}, {4, 1}}};
   if (!(axes >> 2 & 1u) && (axes >> kSlider & 1u))
@@ -66,7 +66,7 @@ haptic::Vec3 AxisTable::rotation(const Knob& knob) const noexcept {
   return {share(knob, rows[3]), share(knob, rows[4]), share(knob, rows[5])};
 }
 
-double beyond_dead_zone(double share, double dead_zone) noexcept {
+double apply_dead_zone(double share, double dead_zone) noexcept {
   const double size = std::abs(share);
   if (!(size > dead_zone) || !(dead_zone < 1))
     return 0;

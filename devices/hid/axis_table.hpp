@@ -18,7 +18,7 @@ struct AxisTable {
 
   /// HID's conventions are X right, Y towards the user, Z down: so ours are X, -Z, Y. A device
   /// without Z gives its slider as height.
-  [[nodiscard]] static AxisTable usual(std::uint32_t axes) noexcept;
+  [[nodiscard]] static AxisTable default_for(std::uint32_t axes) noexcept;
   /// Reads rows "x -Z", "rz Ry", "y none", # comments; rows that are not there keep what they are.
   /// Empty when the text is good, else a sentence; then nothing changes.
   [[nodiscard]] std::string read(std::string_view text);
@@ -28,6 +28,6 @@ struct AxisTable {
 };
 
 /// 0 below the dead zone, from there straight to 1 at full deflection.
-[[nodiscard]] double beyond_dead_zone(double share, double dead_zone) noexcept;
+[[nodiscard]] double apply_dead_zone(double share, double dead_zone) noexcept;
 
 } // namespace tactus::devices::hid

@@ -41,7 +41,7 @@ std::string hexadecimal(std::uint16_t id) {
   return text;
 }
 
-std::string obstacle_of(const HidLibrary& library, const std::string& path) {
+std::string problem_of(const HidLibrary& library, const std::string& path) {
 #ifndef _WIN32
   if (library.hidraw && access(path.c_str(), R_OK | W_OK) != 0)
     return "no permission: install tactus's udev rules and plug the device in again";
@@ -90,7 +90,7 @@ std::vector<Entry> catalogue(HidLibrary& library, bool all) {
     if (entry.identity.model.empty())
       entry.identity.model = hexadecimal(info->product_id);
     entry.space_mouse = six;
-    entry.obstacle = obstacle_of(library, path);
+    entry.problem = problem_of(library, path);
     entries.push_back(std::move(entry));
   }
   library.free_enumeration(list);
@@ -101,10 +101,10 @@ std::vector<Entry> catalogue(HidLibrary& library, bool all) {
 
 std::optional<ReportDescriptor> describe(HidLibrary& library, hid_device* device,
                                          const std::string& path) {
-  constexpr std::size_t kMostBytes = 4096; // as the kernel and hidapi allow
+  constexpr std::size_t kMaxBytes = 4096; // as the kernel and hidapi allow
   std::vector<std::uint8_t> bytes;
   if (library.get_report_descriptor) {
-    bytes.resize(kMostBytes);
+    bytes.resize(kMaxBytes);
     const int length = library.get_report_descriptor(device, bytes.data(), bytes.size());
     bytes.resize(static_cast<std::size_t>(std::max(length, 0)));
   }
@@ -113,7 +113,7 @@ std::optional<ReportDescriptor> describe(HidLibrary& library, hid_device* device
     const std::string name = path.substr(path.rfind('/') + 1);
     std::ifstream in("/sys/class/hidraw/" + name + "/device/report_descriptor", std::ios::binary);
     bytes.assign(std::istreambuf_iterator<char>(in), {});
-    bytes.resize(std::min(bytes.size(), kMostBytes));
+    bytes.resize(std::min(bytes.size(), kMaxBytes));
   }
 #endif
   if (bytes.empty())

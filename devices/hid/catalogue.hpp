@@ -15,7 +15,7 @@ struct Entry {
   haptic::Identity identity;
   std::uint16_t vendor = 0, product = 0;
   bool space_mouse = false; ///< decode as one: a six-axis controller by its usage or its known id
-  std::string obstacle;     ///< empty when it can be opened
+  std::string problem;      ///< empty when it can be opened
 };
 
 /// The product ids of six-axis controllers, for a transport that does not tell the usage.

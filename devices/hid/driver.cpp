@@ -4,7 +4,7 @@
 namespace tactus::devices {
 namespace {
 
-std::string obstacle() {
+std::string problem() {
   std::string reason;
   static_cast<void>(hid::HidLibrary::get(hid::Transport::kAny, reason));
   return reason;
@@ -18,7 +18,7 @@ std::vector<Found> list() {
     return found;
   for (const hid::Entry& entry : hid::catalogue(*library))
     found.push_back({"hid", static_cast<int>(found.size()), entry.identity,
-                     entry.obstacle.empty() ? "ready" : entry.obstacle});
+                     entry.problem.empty() ? "ready" : entry.problem});
   return found;
 }
 
@@ -27,7 +27,7 @@ std::unique_ptr<haptic::Backend> make() { return std::make_unique<hid::Hid>(); }
 } // namespace
 
 extern const Driver hid_driver;
-const Driver hid_driver{"hid", "SpaceMouse family, joysticks, game pads; no force", obstacle, list,
+const Driver hid_driver{"hid", "SpaceMouse family, joysticks, game pads; no force", problem, list,
                         make};
 
 } // namespace tactus::devices

@@ -25,33 +25,33 @@ std::string Hid::open() {
     const std::scoped_lock lock(mutex_);
     settings = settings_;
   }
-  std::string obstacle;
-  library_ = HidLibrary::get(settings.transport, obstacle);
+  std::string problem;
+  library_ = HidLibrary::get(settings.transport, problem);
   if (!library_)
-    return obstacle;
+    return problem;
   Entry entry;
-  obstacle = find(settings, entry);
-  if (!obstacle.empty())
-    return obstacle;
+  problem = find(settings, entry);
+  if (!problem.empty())
+    return problem;
   device_ = library_->open_path(entry.path.c_str());
   if (!device_)
     return entry.identity.model + " at " + entry.path + " cannot be opened: " +
-           (entry.obstacle.empty() ? "close the program that has it, or plug it in again"
-                                   : entry.obstacle);
-  obstacle = prepare(settings, entry);
-  if (obstacle.empty()) {
+           (entry.problem.empty() ? "close the program that has it, or plug it in again"
+                                  : entry.problem);
+  problem = prepare(settings, entry);
+  if (problem.empty()) {
     stopping_ = lost_ = false;
     try {
-      listener_ = std::thread([this] { listen(); });
+      reader_ = std::thread([this] { read_reports(); });
     } catch (const std::system_error&) {
-      obstacle = "no thread can be started for the device: close other programs";
+      problem = "no thread can be started for the device: close other programs";
     }
   }
-  if (!obstacle.empty())
+  if (!problem.empty())
     close();
   const std::scoped_lock lock(mutex_);
   identity_ = entry.identity;
-  return obstacle;
+  return problem;
 }
 
 std::string Hid::find(const Settings& settings, Entry& entry) {
@@ -85,15 +85,15 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
   has_buttons_ = decoder_.has_buttons();
   if (axes_ == 0)
     return entry.identity.model + " has no axis: choose another device";
-  table_ = AxisTable::usual(axes_);
+  table_ = AxisTable::default_for(axes_);
   if (!settings.table.empty()) {
     std::ifstream in(settings.table);
     if (!in)
       return "the axis table " + settings.table + " cannot be read: check its path";
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::string mistake = table_.read(text);
-    if (!mistake.empty())
-      return settings.table + ": " + mistake;
+    const std::string parse_error = table_.read(text);
+    if (!parse_error.empty())
+      return settings.table + ": " + parse_error;
   }
   knobs_.write(Knob{});
   battery_percent_ = -1;
@@ -105,8 +105,8 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
 
 void Hid::close() noexcept {
   stopping_ = true;
-  if (listener_.joinable())
-    listener_.join();
+  if (reader_.joinable())
+    reader_.join();
   if (device_)
     library_->close(device_);
   device_ = nullptr;
@@ -117,13 +117,13 @@ void Hid::light(bool on) noexcept {
   library_->write(device_, report.data(), report.size());
 }
 
-void Hid::listen() noexcept {
+void Hid::read_reports() noexcept {
   raise_thread_priority(kDeviceThreadPriority);
-  bool lit = false;
+  bool light_is_on = false;
   while (!stopping_) {
-    if (space_mouse_ && lit != light_) {
-      lit = light_;
-      light(lit);
+    if (space_mouse_ && light_is_on != light_) {
+      light_is_on = light_;
+      light(light_is_on);
     }
     std::array<std::uint8_t, 256> report{};
     const int length = library_->read_timeout(device_, report.data(), report.size(), kWait_ms);
@@ -134,12 +134,12 @@ void Hid::listen() noexcept {
     if (length == 0)
       continue;
     const auto count = std::min(static_cast<std::size_t>(length), report.size());
-    if (!decoder_.take({report.data(), count}))
+    if (!decoder_.decode({report.data(), count}))
       continue;
     knobs_.write(decoder_.knob());
     battery_percent_.store(decoder_.knob().battery_percent, std::memory_order_relaxed);
   }
-  if (space_mouse_ && lit)
+  if (space_mouse_ && light_is_on)
     light(false);
 }
 
@@ -165,8 +165,8 @@ bool Hid::read(const haptic::Tick& tick, haptic::State& state) noexcept {
   const double dead_zone = dead_zone_.load(std::memory_order_relaxed);
   haptic::Vec3 share = table_.position(knob), turn = table_.rotation(knob);
   for (int axis = 0; axis < 3; ++axis) {
-    share[axis] = beyond_dead_zone(share[axis], dead_zone);
-    turn[axis] = beyond_dead_zone(turn[axis], dead_zone);
+    share[axis] = apply_dead_zone(share[axis], dead_zone);
+    turn[axis] = apply_dead_zone(turn[axis], dead_zone);
   }
   if (rate_.load(std::memory_order_relaxed)) {
     const double speed = speed_m_per_s_.load(std::memory_order_relaxed);

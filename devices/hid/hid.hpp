@@ -39,7 +39,7 @@ private:
   };
   [[nodiscard]] std::string find(const Settings& settings, Entry& entry);
   [[nodiscard]] std::string prepare(const Settings& settings, const Entry& entry);
-  void listen() noexcept;
+  void read_reports() noexcept;
   void light(bool on) noexcept;
   [[nodiscard]] std::string set_number(const std::string& name, const std::string& text);
   [[nodiscard]] std::string set_name(const std::string& name, const std::string& value);
@@ -51,7 +51,7 @@ private:
   HidLibrary* library_ = nullptr;
   hid_device* device_ = nullptr;
   bool space_mouse_ = false;
-  std::thread listener_;
+  std::thread reader_;
 
   // between the threads
   haptic::Mailbox<Knob> knobs_;

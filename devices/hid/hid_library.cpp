@@ -41,25 +41,25 @@ std::string HidLibrary::load(Transport transport) {
   return {};
 }
 
-HidLibrary* HidLibrary::get(Transport transport, std::string& obstacle) {
+HidLibrary* HidLibrary::get(Transport transport, std::string& problem) {
   static std::mutex mutex;
   // Never destroyed: a thread may still be reading when the program ends.
   static HidLibrary& hidraw_library = *new HidLibrary;
   static HidLibrary& libusb_library = *new HidLibrary;
   const std::scoped_lock lock(mutex);
   if (transport != Transport::kLibusb) {
-    obstacle = hidraw_library.load(Transport::kHidraw);
-    if (obstacle.empty())
+    problem = hidraw_library.load(Transport::kHidraw);
+    if (problem.empty())
       return &hidraw_library;
   }
   if (transport != Transport::kHidraw) {
     const std::string reason = libusb_library.load(Transport::kLibusb);
     if (reason.empty()) {
-      obstacle.clear();
+      problem.clear();
       return &libusb_library;
     }
-    if (obstacle.empty())
-      obstacle = reason;
+    if (problem.empty())
+      problem = reason;
   }
   return nullptr;
 }

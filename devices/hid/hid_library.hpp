@@ -27,7 +27,7 @@ struct HidLibrary {
 
   /// The library of that transport, kAny: hidraw if it is there. It stays loaded, since its own
   /// ending would concern every open device. Null with a sentence in obstacle.
-  [[nodiscard]] static HidLibrary* get(Transport transport, std::string& obstacle);
+  [[nodiscard]] static HidLibrary* get(Transport transport, std::string& problem);
 
 private:
   std::string load(Transport transport);

@@ -6,8 +6,8 @@ namespace tactus::devices::hid {
 namespace {
 
 constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3, kBattery = 0x17;
-constexpr std::size_t kThreeAxes = 7, kSixAxes = 13;   // bytes, the id included
-constexpr double kLeastScale = 100, kMostScale = 2000; // a description outside is not believed
+constexpr std::size_t kThreeAxes = 7, kSixAxes = 13; // bytes, the id included
+constexpr double kMinScale = 100, kMaxScale = 2000;  // a description outside is not believed
 
 double number(std::span<const std::uint8_t> report, std::size_t at) noexcept {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(report[at] | report[at + 1] << 8));
@@ -26,7 +26,7 @@ Decoder Decoder::space_mouse(const ReportDescriptor& description) {
   decoder.space_mouse_ = decoder.buttons_ = true;
   decoder.axes_ = 0x3f;
   for (const Field& field : description.fields)
-    if (is_axis(field) && field.high >= kLeastScale && field.high <= kMostScale)
+    if (is_axis(field) && field.high >= kMinScale && field.high <= kMaxScale)
       decoder.full_scale_ = field.high;
   decoder.step_ = 1 / decoder.full_scale_;
   return decoder;
@@ -49,13 +49,13 @@ Decoder Decoder::described(const ReportDescriptor& description) {
   return decoder;
 }
 
-bool Decoder::take(std::span<const std::uint8_t> report) noexcept {
+bool Decoder::decode(std::span<const std::uint8_t> report) noexcept {
   if (report.empty())
     return false;
-  return space_mouse_ ? take_space_mouse(report) : take_described(report);
+  return space_mouse_ ? decode_space_mouse(report) : decode_described(report);
 }
 
-bool Decoder::take_space_mouse(std::span<const std::uint8_t> report) noexcept {
+bool Decoder::decode_space_mouse(std::span<const std::uint8_t> report) noexcept {
   const auto set = [&](std::size_t first, std::size_t count) {
     for (std::size_t axis = 0; axis < count; ++axis)
       knob_.share[first + axis] = std::clamp(number(report, 1 + 2 * axis) / full_scale_, -1.0, 1.0);
@@ -85,16 +85,16 @@ bool Decoder::take_space_mouse(std::span<const std::uint8_t> report) noexcept {
   }
 }
 
-bool Decoder::take_described(std::span<const std::uint8_t> report) noexcept {
-  bool said = false, choices = false;
+bool Decoder::decode_described(std::span<const std::uint8_t> report) noexcept {
+  bool updated = false, has_choices = false;
   std::uint32_t chosen = 0;
   for (const Field& field : fields_) {
-    const bool ours = field.report == 0 || field.report == report[0];
-    choices = choices || (field.choice && ours);
+    const bool matches = field.report == 0 || field.report == report[0];
+    has_choices = has_choices || (field.choice && matches);
     std::int32_t value = 0;
     if (!extract(report, field, value))
       continue;
-    said = true;
+    updated = true;
     if (is_axis(field)) {
       const double middle = (static_cast<double>(field.low) + field.high) / 2;
       knob_.share[axis_of(field)] =
@@ -112,9 +112,9 @@ bool Decoder::take_described(std::span<const std::uint8_t> report) noexcept {
     else
       knob_.buttons = value ? knob_.buttons | bit : knob_.buttons & ~bit;
   }
-  if (choices)
+  if (has_choices)
     knob_.buttons = chosen;
-  return said;
+  return updated;
 }
 
 } // namespace tactus::devices::hid

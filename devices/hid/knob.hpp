@@ -28,7 +28,7 @@ public:
   [[nodiscard]] static Decoder described(const ReportDescriptor& description);
 
   /// True when the report said something that the knob now shows.
-  bool take(std::span<const std::uint8_t> report) noexcept;
+  bool decode(std::span<const std::uint8_t> report) noexcept;
   [[nodiscard]] const Knob& knob() const noexcept { return knob_; }
   /// Bit n: there is such an axis.
   [[nodiscard]] std::uint32_t axes() const noexcept { return axes_; }
@@ -37,8 +37,8 @@ public:
   [[nodiscard]] double step() const noexcept { return step_; }
 
 private:
-  bool take_space_mouse(std::span<const std::uint8_t> report) noexcept;
-  bool take_described(std::span<const std::uint8_t> report) noexcept;
+  bool decode_space_mouse(std::span<const std::uint8_t> report) noexcept;
+  bool decode_described(std::span<const std::uint8_t> report) noexcept;
 
   Knob knob_;
   bool space_mouse_ = false, buttons_ = false;

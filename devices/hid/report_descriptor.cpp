@@ -8,8 +8,8 @@
 namespace tactus::devices::hid {
 namespace {
 
-constexpr std::uint32_t kMostBits = 8 * 4096; // of a report
-constexpr std::size_t kMostFields = 256, kMostUsages = 256, kMostPushes = 8;
+constexpr std::uint32_t kMaxBits = 8 * 4096; // of a report
+constexpr std::size_t kMaxFields = 256, kMaxUsages = 256, kMaxStackDepth = 8;
 constexpr std::uint8_t kLongItem = 0xfe;
 
 enum Main : std::uint8_t { kInput = 8, kCollection = 10 };
@@ -46,15 +46,15 @@ struct Globals {
 class Parser {
 public:
   ReportDescriptor parse(std::span<const std::uint8_t> bytes) {
-    while (!bytes.empty() && result_.whole) {
+    while (!bytes.empty() && result_.complete) {
       Item item;
       const std::size_t length = read_item(bytes, item);
       if (length == 0) {
-        result_.whole = false;
+        result_.complete = false;
         break;
       }
       if (bytes[0] != kLongItem)
-        take(item);
+        decode(item);
       bytes = bytes.subspan(length);
     }
     return std::move(result_);
@@ -81,7 +81,7 @@ private:
     return 1 + item.bytes;
   }
 
-  void take(const Item& item) {
+  void decode(const Item& item) {
     if (item.type == kGlobal)
       take_global(item);
     else if (item.type == kLocal)
@@ -109,23 +109,23 @@ private:
       now_.report = static_cast<std::uint8_t>(item.unsigned_value);
       result_.numbered = true;
       if (item.unsigned_value == 0 || item.unsigned_value > 255)
-        result_.whole = false;
+        result_.complete = false;
       break;
     case kReportCount:
       now_.count = item.unsigned_value;
       break;
     case kPush:
-      if (pushed_.size() < kMostPushes)
-        pushed_.push_back(now_);
+      if (stack_.size() < kMaxStackDepth)
+        stack_.push_back(now_);
       else
-        result_.whole = false;
+        result_.complete = false;
       break;
     case kPop:
-      if (pushed_.empty()) {
-        result_.whole = false;
+      if (stack_.empty()) {
+        result_.complete = false;
       } else {
-        now_ = pushed_.back();
-        pushed_.pop_back();
+        now_ = stack_.back();
+        stack_.pop_back();
       }
       break;
     default:
@@ -138,12 +138,12 @@ private:
     const std::uint32_t usage = item.bytes == 4
                                     ? item.unsigned_value
                                     : item.unsigned_value | std::uint32_t{now_.page} << 16;
-    if (item.tag == kUsage && usages_.size() < kMostUsages) {
+    if (item.tag == kUsage && usages_.size() < kMaxUsages) {
       usages_.push_back(usage);
     } else if (item.tag == kUsageLow) {
       range_low_ = usage;
     } else if (item.tag == kUsageHigh && usage >= range_low_) {
-      for (std::uint32_t i = range_low_; i <= usage && usages_.size() < kMostUsages; ++i) {
+      for (std::uint32_t i = range_low_; i <= usage && usages_.size() < kMaxUsages; ++i) {
         usages_.push_back(i);
         if (i == 0xffffffffu)
           break;
@@ -166,8 +166,8 @@ private:
   void take_input(std::uint32_t flags) {
     std::uint32_t& end = ends_[now_.report];
     const std::uint64_t more = std::uint64_t{now_.size} * now_.count;
-    if (more > kMostBits || end + more > kMostBits) {
-      result_.whole = false;
+    if (more > kMaxBits || end + more > kMaxBits) {
+      result_.complete = false;
       return;
     }
     const std::uint32_t first = end + (result_.numbered ? 8 : 0);
@@ -186,7 +186,7 @@ private:
     field.choice = !(flags & kVariable);
     if (field.high <= field.low)
       return;
-    for (std::uint32_t i = 0; i < now_.count && result_.fields.size() < kMostFields; ++i) {
+    for (std::uint32_t i = 0; i < now_.count && result_.fields.size() < kMaxFields; ++i) {
       const std::uint32_t usage =
           field.choice ? usages_.front() : usages_[std::min<std::size_t>(i, usages_.size() - 1)];
       field.bit = first + i * now_.size;
@@ -202,7 +202,7 @@ private:
 
   ReportDescriptor result_;
   Globals now_;
-  std::vector<Globals> pushed_;
+  std::vector<Globals> stack_;
   std::vector<std::uint32_t> usages_;
   std::uint32_t range_low_ = 0;
   std::array<std::uint32_t, 256> ends_{}; // bits of each report so far

@@ -39,7 +39,7 @@ struct Field {
 struct ReportDescriptor {
   std::vector<Field> fields; ///< axes 0x30..0x38 of the desktop page, and buttons
   bool numbered = false;     ///< reports begin with their id
-  bool whole = true;         ///< false when the description broke off; what came before stands
+  bool complete = true;      ///< false when the description broke off; what came before stands
   /// Usage of the first application collection, 0 when there is none.
   std::uint16_t page = 0, usage = 0;
 };

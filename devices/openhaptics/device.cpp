@@ -18,10 +18,10 @@ using haptic::Vec3;
 using Milliseconds = std::chrono::milliseconds;
 
 constexpr int kCalibrationCheck_ticks = 256;
-constexpr int kErrorStays_ticks = 500;
-constexpr int kQuiet_ticks = 200;
+constexpr int kErrorHold_ticks = 500;
+constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
-constexpr int kLook_ms = 20; // between two looks at whether the opening was cancelled
+constexpr int kPoll_ms = 20; // between two looks at whether the opening was cancelled
 
 // The vendor has one scheduler for all of its devices.
 std::mutex scheduler_guard;
@@ -71,7 +71,7 @@ bool switches_force_off(Code error) noexcept {
 
 std::string Device::configure(std::span<const std::string> words) {
   if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
-    calibration_wanted_ = true;
+    calibration_requested_ = true;
     return {};
   }
   if (words.empty() || words[0] != "device")
@@ -83,20 +83,20 @@ std::string Device::configure(std::span<const std::string> words) {
   std::string name = words[1]; // names have blanks; a patch gives them as several words
   for (std::size_t i = 2; i < words.size(); ++i)
     name += " " + words[i];
-  const std::lock_guard lock(wish_guard_);
-  wanted_name_ = name == "0" ? "" : name;
+  const std::lock_guard lock(settings_mutex_);
+  requested_name_ = name == "0" ? "" : name;
   return {};
 }
 
-std::string Device::try_names(const std::string& wanted) {
+std::string Device::try_names(const std::string& requested) {
   std::vector<const char*> names;
-  if (!wanted.empty())
-    names.push_back(wanted.c_str());
+  if (!requested.empty())
+    names.push_back(requested.c_str());
   names.insert(names.end(), {"Default Device", "Default PHANToM", nullptr});
   Code error = kSuccess;
   for (const int pause_ms : kPausesBetweenTries_ms) {
-    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kLook_ms)
-      std::this_thread::sleep_for(Milliseconds(kLook_ms));
+    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kPoll_ms)
+      std::this_thread::sleep_for(Milliseconds(kPoll_ms));
     for (const char* name : names) {
       if (cancelled_)
         return "openhaptics: the opening was cancelled: open the device again";
@@ -130,12 +130,12 @@ std::string Device::open() {
   cancelled_ = false;
   if (std::string sentence = library_.load(); !sentence.empty())
     return "openhaptics: " + sentence;
-  std::string wanted;
+  std::string requested;
   {
-    const std::lock_guard lock(wish_guard_);
-    wanted = wanted_name_;
+    const std::lock_guard lock(settings_mutex_);
+    requested = requested_name_;
   }
-  if (std::string sentence = try_names(wanted); !sentence.empty())
+  if (std::string sentence = try_names(requested); !sentence.empty())
     return sentence;
   library_.make_current_device(handle_);
   const auto text = [&](Code value) {
@@ -153,7 +153,7 @@ std::string Device::open() {
     library_.set_scheduler_rate(1000);
   static_cast<void>(library_.take_errors()); // ramping and the rate are wishes
   calibration_ = kCalibrationNeedsUpdate;
-  until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = quiet_ticks_ = 0;
+  until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = error_free_ticks_ = 0;
   force_off_ = false;
   last_position_ = torque_n_m_ = {};
   torque_driven_ = false;
@@ -226,7 +226,7 @@ unsigned int Device::on_tick(void* self) noexcept {
 
 /// False when it was the last one.
 bool Device::tick() noexcept {
-  look_after_calibration();
+  update_calibration_status();
   stepping_ = true; // before looking at stopping_: halt looks in the other order
   const bool more = !stopping_;
   if (more)
@@ -235,32 +235,32 @@ bool Device::tick() noexcept {
   return more;
 }
 
-void Device::look_after_calibration() noexcept {
-  const bool wanted = calibration_wanted_.exchange(false);
-  if (--until_calibration_check_ > 0 && !wanted)
+void Device::update_calibration_status() noexcept {
+  const bool requested = calibration_requested_.exchange(false);
+  if (--until_calibration_check_ > 0 && !requested)
     return;
   until_calibration_check_ = kCalibrationCheck_ticks;
   calibration_ = library_.check_calibration();
-  if ((calibration_ == kCalibrationNeedsUpdate || wanted) && library_.update_calibration) {
+  if ((calibration_ == kCalibrationNeedsUpdate || requested) && library_.update_calibration) {
     int style = 0;
     library_.get_integers(kCalibrationStyle, &style);
     library_.update_calibration(static_cast<Code>(style));
     calibration_ = library_.check_calibration();
   }
-  seen_calibration_ = calibration_;
+  calibration_status_ = calibration_;
 }
 
 void Device::check_error(Code error, bool warm) noexcept {
-  warm_ticks_left_ = warm ? kErrorStays_ticks : std::max(warm_ticks_left_ - 1, 0);
+  warm_ticks_left_ = warm ? kErrorHold_ticks : std::max(warm_ticks_left_ - 1, 0);
   if (error != kSuccess) {
     error_ = error;
-    error_ticks_left_ = kErrorStays_ticks;
+    error_ticks_left_ = kErrorHold_ticks;
     force_off_ = force_off_ || switches_force_off(error);
-    quiet_ticks_ = 0;
+    error_free_ticks_ = 0;
   } else if (error_ticks_left_ > 0 && --error_ticks_left_ == 0 && !force_off_) {
     error_ = kSuccess;
   }
-  if (force_off_ && quiet_ticks_ >= kQuiet_ticks) {
+  if (force_off_ && error_free_ticks_ >= kErrorFree_ticks) {
     library_.enable(kForceOutput);
     force_off_ = false;
     error_ = kSuccess;
@@ -280,7 +280,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   state.rotation = -Vec3{gimbal[1], gimbal[0], gimbal[2]};
   state.buttons = static_cast<std::uint32_t>(buttons);
   state.flags = calibration_ == kCalibrated ? State::kHomed : 0u;
-  haptic::check_reach(caps_, state, last_position_);
+  haptic::reject_unreachable(caps_, state, last_position_);
   const Code error = error_;
   if (force_off_)
     state.flags |= State::kFault;
@@ -292,7 +292,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
 }
 
 bool Device::write(const Vec3& force_n) noexcept {
-  quiet_ticks_ = force_n == Vec3{} ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
+  error_free_ticks_ = force_n == Vec3{} ? std::min(error_free_ticks_ + 1, kErrorFree_ticks) : 0;
   const bool allowed = calibration_ == kCalibrated && !force_off_ && is_finite(force_n);
   const Vec3 torque_n_m = std::exchange(torque_n_m_, {});
   send(allowed ? limited(force_n, caps_.peak_force_n) : Vec3{},
@@ -319,10 +319,10 @@ void Device::send(const Vec3& force_n, const Vec3& torque_n_m) noexcept {
 std::string Device::trouble() const {
   if (const Code error = error_; error != kSuccess)
     return "openhaptics: " + meaning(error);
-  if (running_ && seen_calibration_ == kCalibrationNeedsHand)
+  if (running_ && calibration_status_ == kCalibrationNeedsHand)
     return "openhaptics: the device is not calibrated: put the stylus into the inkwell, or the arm "
            "into its rest, until the light stops blinking";
-  if (running_ && seen_calibration_ != kCalibrated)
+  if (running_ && calibration_status_ != kCalibrated)
     return "openhaptics: the device calibrates itself: wait, and do not hold it";
   return {};
 }

@@ -38,10 +38,10 @@ public:
 private:
   static unsigned int on_tick(void* self) noexcept;
   [[nodiscard]] bool tick() noexcept;
-  void look_after_calibration() noexcept;
+  void update_calibration_status() noexcept;
   void check_error(Code error, bool warm) noexcept;
   void send(const haptic::Vec3& force_n, const haptic::Vec3& torque_n_m) noexcept;
-  [[nodiscard]] std::string try_names(const std::string& wanted);
+  [[nodiscard]] std::string try_names(const std::string& requested);
 
   HdLibrary library_;
   OpenDevice open_;
@@ -50,8 +50,8 @@ private:
   haptic::Caps caps_{};
   haptic::Identity identity_{};
 
-  std::mutex wish_guard_;
-  std::string wanted_name_;
+  std::mutex settings_mutex_;
+  std::string requested_name_;
 
   // The scheduler's thread
   void (*step_)(void*) = nullptr;
@@ -59,7 +59,7 @@ private:
   SchedulerHandle scheduled_ = 0;
   Code calibration_ = kCalibrationNeedsUpdate;
   int until_calibration_check_ = 0;
-  int error_ticks_left_ = 0, warm_ticks_left_ = 0, quiet_ticks_ = 0;
+  int error_ticks_left_ = 0, warm_ticks_left_ = 0, error_free_ticks_ = 0;
   bool force_off_ = false;
   haptic::Vec3 last_position_{};
   haptic::Vec3 torque_n_m_{};  // of the next write
@@ -67,8 +67,8 @@ private:
 
   // Both sides
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};
-  std::atomic<bool> calibration_wanted_{false};
-  std::atomic<Code> error_{kSuccess}, seen_calibration_{kCalibrated};
+  std::atomic<bool> calibration_requested_{false};
+  std::atomic<Code> error_{kSuccess}, calibration_status_{kCalibrated};
 };
 
 } // namespace tactus::devices::openhaptics

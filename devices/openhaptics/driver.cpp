@@ -8,7 +8,7 @@
 namespace tactus::devices {
 namespace {
 
-std::string obstacle() {
+std::string problem() {
   openhaptics::HdLibrary library;
   return library.load();
 }
@@ -32,7 +32,7 @@ std::vector<Found> list() {
     known.push_back(std::move(device.found));
   if (!known.empty())
     return known;
-  if (!obstacle().empty())
+  if (!problem().empty())
     return {};
   return {{"openhaptics",
            0,
@@ -46,7 +46,7 @@ std::vector<Found> list() {
 
 extern const Driver openhaptics_driver;
 const Driver openhaptics_driver{
-    "openhaptics", "PHANTOM Omni, Desktop, Premium; Touch, Touch X", obstacle, list,
+    "openhaptics", "PHANTOM Omni, Desktop, Premium; Touch, Touch X", problem, list,
     []() -> std::unique_ptr<haptic::Backend> { return std::make_unique<openhaptics::Device>(); }};
 
 } // namespace tactus::devices

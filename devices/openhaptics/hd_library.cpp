@@ -78,18 +78,18 @@ std::string HdLibrary::load() {
 }
 
 Code HdLibrary::take_errors(bool* warm) const noexcept {
-  constexpr int kLongestPile = 32;
-  Code worst = kSuccess;
-  for (int i = 0; i < kLongestPile; ++i) {
+  constexpr int kMaxErrors = 32;
+  Code most_severe = kSuccess;
+  for (int i = 0; i < kMaxErrors; ++i) {
     const Code code = get_error().code;
     if (code == kSuccess)
       break;
     if (warm && code == kWarmMotors)
       *warm = true;
-    if (severity(code) > severity(worst))
-      worst = code;
+    if (severity(code) > severity(most_severe))
+      most_severe = code;
   }
-  return worst;
+  return most_severe;
 }
 
 } // namespace tactus::devices::openhaptics

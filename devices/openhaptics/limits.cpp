@@ -36,13 +36,13 @@ bool contains(std::string_view name, std::string_view word) noexcept {
 }
 
 /// The device's own figure, scaled, when it lies within what such devices can be; else the other.
-double asked(const HdLibrary& library, Code value, double scale, double least, double most,
-             double otherwise) noexcept {
+double query_limit(const HdLibrary& library, Code value, double scale, double min_value,
+                   double max_value, double fallback) noexcept {
   double answer = 0;
   library.get_doubles(value, &answer);
   answer *= scale;
   const bool refused = library.take_errors() != kSuccess;
-  return !refused && answer >= least && answer <= most ? answer : otherwise;
+  return !refused && answer >= min_value && answer <= max_value ? answer : fallback;
 }
 
 bool ask_box(const HdLibrary& library, Code value, haptic::Caps& caps) noexcept {
@@ -82,18 +82,18 @@ haptic::Caps table_caps(std::string_view model) noexcept {
 haptic::Caps device_caps(const HdLibrary& library, std::string_view model) noexcept {
   haptic::Caps caps = table_caps(model);
   static_cast<void>(library.take_errors());
-  caps.peak_force_n = asked(library, kNominalMaxForce, 1, 0.1, 40, caps.peak_force_n);
+  caps.peak_force_n = query_limit(library, kNominalMaxForce, 1, 0.1, 40, caps.peak_force_n);
   caps.continuous_force_n =
-      std::min(caps.peak_force_n,
-               asked(library, kNominalMaxContinuousForce, 1, 0.05, 40, caps.continuous_force_n));
+      std::min(caps.peak_force_n, query_limit(library, kNominalMaxContinuousForce, 1, 0.05, 40,
+                                              caps.continuous_force_n));
   caps.stiffness_limit_n_per_m =
-      asked(library, kNominalMaxStiffness, 1e3, 50, 1e4, caps.stiffness_limit_n_per_m);
+      query_limit(library, kNominalMaxStiffness, 1e3, 50, 1e4, caps.stiffness_limit_n_per_m);
   caps.damping_limit_n_s_per_m =
-      asked(library, kNominalMaxDamping, 1e3, 0.1, 100, caps.damping_limit_n_s_per_m);
+      query_limit(library, kNominalMaxDamping, 1e3, 0.1, 100, caps.damping_limit_n_s_per_m);
   int axes = 0;
   library.get_integers(kOutputAxes, &axes);
   if (library.take_errors() == kSuccess && axes == 6)
-    caps.peak_torque_n_m = asked(library, kNominalMaxTorque, 1e-3, 0.01, 1, kTorque_n_m);
+    caps.peak_torque_n_m = query_limit(library, kNominalMaxTorque, 1e-3, 0.01, 1, kTorque_n_m);
   if (!ask_box(library, kUsableWorkspace, caps))
     ask_box(library, kMaxWorkspace, caps);
   return caps;

@@ -66,7 +66,7 @@ inline constexpr std::array kOutlets{
 
 } // namespace contact_friction
 
-/// [contact_friction~]: a surface rubs a body of some modes (core/contact/touched_body.hpp).
+/// [contact_friction~]: a surface rubs a body of some modes (core/contact/excited_body.hpp).
 class ContactFriction {
 public:
   static constexpr Declaration declaration{
@@ -86,7 +86,7 @@ public:
     for (std::size_t i = 0; i < value_.size(); ++i)
       value_[i] = contact_friction::kParameters[i].initial;
     body_.set_mass(value_[contact_friction::kBody]);
-    take_law();
+    update_law();
     seed();
   }
 
@@ -99,20 +99,20 @@ public:
     if (parameter == kBody)
       body_.set_mass(value);
     else if (parameter == kSteps)
-      body_.set_least_steps(static_cast<unsigned>(value));
+      body_.set_min_steps(static_cast<unsigned>(value));
     else if (parameter == kSeed)
       seed();
     else if (parameter <= kRoughness)
-      take_law();
+      update_law();
   }
   [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
 
   void message(std::size_t index, std::span<const Atom> words, Host& host) {
     using namespace contact_friction;
     if (index == kModes)
-      return body_.take_modes(words, host);
+      return body_.parse_modes(words, host);
     if (index == kPickup)
-      return body_.take_pickup(words, host);
+      return body_.parse_pickup(words, host);
     body_.reset();
     seed();
   }
@@ -121,24 +121,24 @@ public:
     const auto velocity = block.in(0), normal = block.in(1);
     const auto sound = block.out(0), friction = block.out(1);
     const double gain = value_[contact_friction::kGain];
-    contact::Stage speed, pressure, heard, felt;
+    contact::ChunkBuffer speed, pressure, output, friction_force;
     for (std::size_t from = 0; from < block.frames; from += speed.size()) {
       const std::size_t count = std::min(speed.size(), block.frames - from);
       for (std::size_t n = 0; n < count; ++n) {
         speed[n] = static_cast<double>(velocity[from + n]);
         pressure[n] = static_cast<double>(normal[from + n]);
       }
-      body_.run_rub(0, std::span(speed).first(count), pressure, heard, felt);
+      body_.run_rub(0, std::span(speed).first(count), pressure, output, friction_force);
       for (std::size_t n = 0; n < count; ++n) {
-        sound[from + n] = static_cast<S>(reed::soft_clip(gain * heard[n]));
-        friction[from + n] = static_cast<S>(felt[n]);
+        sound[from + n] = static_cast<S>(reed::soft_clip(gain * output[n]));
+        friction[from + n] = static_cast<S>(friction_force[n]);
       }
     }
   }
-  void dump(Host& host) { body_.tell(host); }
+  void dump(Host& host) { body_.post_info(host); }
 
 private:
-  void take_law() noexcept {
+  void update_law() noexcept {
     using namespace contact_friction;
     body_.set_friction(0, {value_[kStatic], value_[kDynamic], value_[kStribeck], value_[kBreakaway],
                            value_[kStiffness], value_[kDamping], value_[kViscosity],

@@ -55,7 +55,7 @@ inline constexpr std::array kOutlets{
 
 } // namespace contact_impact
 
-/// [contact_impact~]: a mass strikes a body of some modes (core/contact/touched_body.hpp).
+/// [contact_impact~]: a mass strikes a body of some modes (core/contact/excited_body.hpp).
 class ContactImpact {
 public:
   static constexpr Declaration declaration{
@@ -74,7 +74,7 @@ public:
   ContactImpact() {
     for (std::size_t i = 0; i < value_.size(); ++i)
       value_[i] = contact_impact::kParameters[i].initial;
-    take_law();
+    update_law();
   }
 
   void prepare(double sample_rate, std::size_t) { body_.prepare(sample_rate); }
@@ -85,7 +85,7 @@ public:
     if (parameter == contact_impact::kBody)
       body_.set_mass(value);
     if (parameter <= contact_impact::kDissipation)
-      take_law();
+      update_law();
   }
   [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
 
@@ -93,9 +93,9 @@ public:
     using namespace contact_impact;
     switch (index) {
     case kModes:
-      return body_.take_modes(words, host);
+      return body_.parse_modes(words, host);
     case kPickup:
-      return body_.take_pickup(words, host);
+      return body_.parse_pickup(words, host);
     case kStrike:
       if (words[0].is_word || !(std::abs(words[0].number) <= 1000))
         return host.error("strike: expected a velocity in -1000..1000 m/s");
@@ -113,7 +113,7 @@ public:
     default:
       break;
     }
-    body_.throw_mass(0, last_.gap_m, last_.velocity_m_per_s);
+    body_.launch_mass(0, last_.gap_m, last_.velocity_m_per_s);
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -121,47 +121,47 @@ public:
     const auto sound = block.out(0), contact = block.out(1);
     const double weight = value_[contact_impact::kMass] * value_[contact_impact::kGravity];
     const double gain = value_[contact_impact::kGain];
-    contact::Stage drive, heard, felt;
+    contact::ChunkBuffer drive, output, contact_force;
     for (std::size_t from = 0; from < block.frames; from += drive.size()) {
       const std::size_t count = std::min(drive.size(), block.frames - from);
       for (std::size_t n = 0; n < count; ++n)
         drive[n] = static_cast<double>(force[from + n]) + weight;
-      body_.run_mass(0, std::span(drive).first(count), heard, felt);
+      body_.run_mass(0, std::span(drive).first(count), output, contact_force);
       for (std::size_t n = 0; n < count; ++n) {
-        sound[from + n] = static_cast<S>(reed::soft_clip(gain * heard[n]));
-        contact[from + n] = static_cast<S>(felt[n]);
+        sound[from + n] = static_cast<S>(reed::soft_clip(gain * output[n]));
+        contact[from + n] = static_cast<S>(contact_force[n]);
       }
     }
   }
   /// Of several contacts in a block, as of a chattering mass, the last is told.
   void report(Host& host) {
     const contact::Exciter& e = body_.exciter(0);
-    if (e.blows == told_)
+    if (e.impact_count == reported_)
       return;
-    told_ = e.blows;
-    if (told_ > 0)
-      host.send(kBlowOutlet, {1e3 * e.last.duration_s, e.last.impulse_ns});
+    reported_ = e.impact_count;
+    if (reported_ > 0)
+      host.send(kImpactOutlet, {1e3 * e.last.duration_s, e.last.impulse_ns});
   }
   void dump(Host& host) {
-    body_.tell(host);
-    host.info({"blows", static_cast<double>(body_.exciter(0).blows)});
+    body_.post_info(host);
+    host.info({"blows", static_cast<double>(body_.exciter(0).impact_count)});
   }
 
 private:
-  static constexpr std::size_t kBlowOutlet = 2;
-  void take_law() noexcept {
+  static constexpr std::size_t kImpactOutlet = 2;
+  void update_law() noexcept {
     using namespace contact_impact;
     body_.set_impact(0, {value_[kStiffness], value_[kExponent], value_[kDissipation]},
                      value_[kMass]);
   }
 
-  struct Throw {
+  struct Launch {
     double gap_m, velocity_m_per_s;
   };
   contact::SoundingBody body_;
   std::array<double, contact_impact::kParameters.size()> value_{};
-  Throw last_{0, 1};
-  std::size_t told_ = 0;
+  Launch last_{0, 1};
+  std::size_t reported_ = 0;
 };
 
 } // namespace tactus

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/object.hpp"
 #include "core/reed/instrument/soft_clip.hpp"
 
@@ -16,66 +16,65 @@
 /// and heard at another, and the messages that describe it.
 namespace tactus::contact {
 
-inline constexpr std::size_t kMostModes = 64;
-inline constexpr double kLowestHz = 1, kHighestHz = 20000, kShortest = 1e-3, kLongest = 1000,
-                        kLargestShape = 100;
+inline constexpr std::size_t kMaxModes = 64;
+inline constexpr double kMinFrequency_hz = 1, kMaxFrequency_hz = 20000, kMinT60 = 1e-3,
+                        kMaxT60 = 1000, kMaxGain = 100;
 
 /// The messages, in the order in which both objects declare them first.
 inline constexpr Message kModesMessage{
-    "modes", "f1 t1 g1 f2 t2 g2 ... or none", 1, 3 * kMostModes,
+    "modes", "f1 t1 g1 f2 t2 g2 ... or none", 1, 3 * kMaxModes,
     "the body: of each mode frequency in Hz, time in s in which it falls by 60 dB, and gain, the "
     "mode's displacement at the place touched; none: a rigid wall, silent itself"};
 inline constexpr Message kPickupMessage{
-    "pickup", "[g1 g2 ...]", 0, kMostModes,
+    "pickup", "[g1 g2 ...]", 0, kMaxModes,
     "gains of the modes where the body is heard; none: where it is touched"};
 
 /// Numbers of a part of a block, in the core's precision.
-using Stage = std::array<double, 64>;
+using ChunkBuffer = std::array<double, 64>;
 
-class SoundingBody : public TouchedBody {
+class SoundingBody : public ExcitedBody {
 public:
   /// At first a wooden bar that lies on its nodes.
-  SoundingBody() : TouchedBody(kMostModes, 1, 1) {
+  SoundingBody() : ExcitedBody(kMaxModes, 1, 1) {
     modes_ = {{{330, 0.6, 1}, {910, 0.3, 1}, {1784, 0.16, 1}, {2949, 0.1, 1}}};
-    renew();
+    update_body();
   }
 
   void set_mass(double kg) noexcept {
     mass_kg_ = kg;
-    renew();
+    update_body();
   }
   [[nodiscard]] double mass() const noexcept { return mass_kg_; }
 
-  void take_modes(std::span<const Atom> words, Host& host) {
-    std::vector<Listed> modes;
+  void parse_modes(std::span<const Atom> words, Host& host) {
+    std::vector<ListedMode> modes;
     if (words.size() == 1 && words[0].is_word && words[0].word == "none")
       words = {};
     for (std::size_t i = 0; i + 2 < words.size(); i += 3)
-      if (is_number(words[i], kLowestHz, kHighestHz) &&
-          is_number(words[i + 1], kShortest, kLongest) &&
-          is_number(words[i + 2], -kLargestShape, kLargestShape))
+      if (is_number(words[i], kMinFrequency_hz, kMaxFrequency_hz) &&
+          is_number(words[i + 1], kMinT60, kMaxT60) && is_number(words[i + 2], -kMaxGain, kMaxGain))
         modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
     if (3 * modes.size() != words.size())
       return host.error("modes: expected for each mode a frequency in 1..20000 Hz, a time in "
                         "0.001..1000 s and a gain in -100..100, or none");
     modes_ = std::move(modes);
     pickup_.clear();
-    renew();
+    update_body();
   }
-  void take_pickup(std::span<const Atom> words, Host& host) {
+  void parse_pickup(std::span<const Atom> words, Host& host) {
     std::vector<double> pickup;
     for (const Atom& word : words)
-      if (is_number(word, -kLargestShape, kLargestShape))
+      if (is_number(word, -kMaxGain, kMaxGain))
         pickup.push_back(word.number);
     if (pickup.size() != words.size())
       return host.error("pickup: expected gains in -100..100");
     pickup_ = std::move(pickup);
-    renew();
+    update_body();
   }
   /// Two lines of the info outlet: "modes f t g ..." and how fine the steps are.
-  void tell(Host& host) const {
+  void post_info(Host& host) const {
     std::vector<Atom> list{"modes"};
-    for (const Listed& m : modes_)
+    for (const ListedMode& m : modes_)
       list.insert(list.end(), {m.frequency_hz, m.t60_s, m.gain});
     host.info(list);
     host.info({"steps", static_cast<double>(steps())});
@@ -83,28 +82,28 @@ public:
   }
 
 private:
-  struct Listed {
+  struct ListedMode {
     double frequency_hz, t60_s, gain;
   };
   static bool is_number(const Atom& word, double low, double high) {
     return !word.is_word && word.number >= low && word.number <= high;
   }
   /// Every mode has the body's mass; its gain is its shape where it is touched.
-  void renew() noexcept {
-    std::array<Mode, kMostModes> modes;
-    std::array<double, kMostModes> touched{}, heard{};
+  void update_body() noexcept {
+    std::array<Mode, kMaxModes> modes;
+    std::array<double, kMaxModes> contact_shape{}, output{};
     for (std::size_t i = 0; i < modes_.size(); ++i) {
       modes[i] = {modes_[i].frequency_hz, modes_[i].t60_s, mass_kg_};
-      touched[i] = modes_[i].gain;
-      heard[i] = pickup_.empty() ? modes_[i].gain : i < pickup_.size() ? pickup_[i] : 0.0;
+      contact_shape[i] = modes_[i].gain;
+      output[i] = pickup_.empty() ? modes_[i].gain : i < pickup_.size() ? pickup_[i] : 0.0;
     }
     set_modes(std::span(modes).first(modes_.size()));
-    set_place(0, touched);
-    set_ear(0, heard);
+    set_contact_shape(0, contact_shape);
+    set_pickup(0, output);
   }
 
   double mass_kg_ = 0.3;
-  std::vector<Listed> modes_;
+  std::vector<ListedMode> modes_;
   std::vector<double> pickup_;
 };
 

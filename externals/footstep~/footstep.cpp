@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ Footstep::Footstep() : sides_(std::make_unique<std::array<Side, Gait::kFeet>>())
     side.first = side.second = store_.built_in("wood");
   prepare(48000, 64);
   set(kSeed, value_[kSeed]);
-  stand();
+  update_grounds();
 }
 
 void Footstep::prepare(double sample_rate, std::size_t) {
@@ -53,7 +53,7 @@ void Footstep::prepare(double sample_rate, std::size_t) {
     side.foot.prepare(sample_rate);
     side.sensor.prepare(sample_rate);
   }
-  gain_glide_ = 1 - std::exp(-1 / (kGainTime * sample_rate));
+  smoothed_gain_ = 1 - std::exp(-1 / (kGainTime * sample_rate));
   fade_.whole = kFadeTime * sample_rate;
   apply();
 }
@@ -92,10 +92,10 @@ void Footstep::set(std::size_t parameter, double value) noexcept {
   apply();
 }
 
-void Footstep::stand() noexcept {
+void Footstep::update_grounds() noexcept {
   for (Side& side : *sides_)
-    side.foot.stand_on(side.first->id, side.first->recipe, side.second->id, side.second->recipe,
-                       value_[kMix]);
+    side.foot.set_grounds(side.first->id, side.first->recipe, side.second->id, side.second->recipe,
+                          value_[kMix]);
 }
 
 void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
@@ -107,7 +107,7 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
       return host.error("step: expected left or right");
     return gait_.step(side_named(arguments).value_or(0));
   case kBang:
-    return gait_.step(side_in_turn());
+    return gait_.step(next_side());
   case kTurn:
     return turn(arguments, host);
   case kJump:
@@ -171,7 +171,7 @@ void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
     (*sides_)[i].first = found[0];
     (*sides_)[i].second = names == 2 ? found[1] : found[0];
   }
-  stand();
+  update_grounds();
 }
 
 void Footstep::calibrate(std::span<const Atom> arguments, Host& host) {
@@ -196,9 +196,9 @@ void Footstep::equalise(std::span<const Atom> arguments, Host& host) {
     static_cast<void>(side.foot.drive().equalise(numbers));
 }
 
-void Footstep::note(std::size_t foot, const SoleState& sole) noexcept {
+void Footstep::record_events(std::size_t foot, const SoleState& sole) noexcept {
   const auto add = [&](Phase phase, double speed) {
-    if (event_count_ < kMostEvents)
+    if (event_count_ < kMaxEvents)
       events_[event_count_++] = {foot, phase, speed};
   };
   if (sole.heel_landing > 0)
@@ -223,14 +223,14 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
   }
   std::array<double, 8> out{};
   measured_ += 1;
-  gain_ += gain_glide_ * (value_[kGain] - gain_);
+  gain_ += smoothed_gain_ * (value_[kGain] - gain_);
   bool sounds = false;
   for (std::size_t i = 0; i < feet; ++i) {
     const SoleState& sole = soles[i];
-    note(i, sole);
+    record_events(i, sole);
     const Foot::Out made = (*sides_)[i].foot.next(sole);
-    out[4 * i] = rounded(gain_ / kFullScale * made.heard);
-    sounds = sounds || made.heard != 0;
+    out[4 * i] = rounded(gain_ / kFullScale * made.pressure_pa);
+    sounds = sounds || made.pressure_pa != 0;
     out[4 * i + 1] = made.heel_drive;
     out[4 * i + 2] = made.ball_drive;
     (*sides_)[i].heel_squares += made.heel_drive * made.heel_drive;
@@ -272,14 +272,14 @@ void Footstep::report(Host& host) {
 
 void Footstep::dump(Host& host) {
   const auto& [left, right] = *sides_;
-  const auto tell = [&](const Side& side, auto... foot) {
+  const auto send_levels = [&](const Side& side, auto... foot) {
     host.info({"surface", foot..., std::string_view(side.first->name),
                std::string_view(side.second->name), value_[kMix]});
   };
   if (left.first == right.first && left.second == right.second)
-    return tell(left);
-  tell(left, kSides[0]);
-  tell(right, kSides[1]);
+    return send_levels(left);
+  send_levels(left, kSides[0]);
+  send_levels(right, kSides[1]);
 }
 
 } // namespace tactus::footstep

@@ -53,7 +53,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMostEvents = 64; ///< between two reports
+  static constexpr std::size_t kMaxEvents = 64; ///< between two reports
   struct Event {
     std::size_t foot;
     Phase phase;
@@ -72,15 +72,15 @@ private:
   };
 
   std::array<double, 8> next(const std::array<double, 4>& in) noexcept;
-  void note(std::size_t foot, const SoleState& sole) noexcept;
+  void record_events(std::size_t foot, const SoleState& sole) noexcept;
   void apply() noexcept;
-  void stand() noexcept;
+  void update_grounds() noexcept;
   void fade(std::array<double, 8>& out) noexcept;
   /// The foot that the first word names, if it does.
   [[nodiscard]] static std::optional<std::size_t>
   side_named(std::span<const Atom> arguments) noexcept;
   /// The feet in turn; the left one alone with feet 1.
-  std::size_t side_in_turn() noexcept;
+  std::size_t next_side() noexcept;
   void turn(std::span<const Atom> arguments, Host& host);
   void jump(std::span<const Atom> arguments, Host& host);
   void scuff(std::span<const Atom> arguments, Host& host);
@@ -94,9 +94,9 @@ private:
   std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
   SurfaceStore store_;
   Fade fade_;
-  double gain_ = 1, gain_glide_ = 1; ///< smoothed while something sounds
-  std::size_t next_foot_ = 0;        ///< of a bang and its like
-  std::array<Event, kMostEvents> events_{};
+  double gain_ = 1, smoothed_gain_ = 1; ///< smoothed while something sounds
+  std::size_t next_foot_ = 0;           ///< of a bang and its like
+  std::array<Event, kMaxEvents> events_{};
   std::size_t event_count_ = 0;
   double measured_ = 0; ///< samples since the last dump
 };

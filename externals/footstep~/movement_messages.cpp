@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
 #include <numbers>
@@ -45,7 +45,7 @@ std::optional<std::size_t> Footstep::side_named(std::span<const Atom> arguments)
   return std::nullopt;
 }
 
-std::size_t Footstep::side_in_turn() noexcept {
+std::size_t Footstep::next_side() noexcept {
   const std::size_t side = value_[kFeet] >= 1.5 ? next_foot_ : 0;
   next_foot_ = 1 - side;
   return side;
@@ -55,7 +55,7 @@ void Footstep::turn(std::span<const Atom> arguments, Host& host) {
   const auto degrees = number(arguments, 0, kTurnDegrees);
   if (!degrees)
     return refuse(host, "turn", arguments, "1 to 180 degrees");
-  gait_.turn(*degrees * std::numbers::pi / 180, side_in_turn());
+  gait_.turn(*degrees * std::numbers::pi / 180, next_side());
 }
 
 void Footstep::jump(std::span<const Atom> arguments, Host& host) {
@@ -69,7 +69,7 @@ void Footstep::scuff(std::span<const Atom> arguments, Host& host) {
   const auto side = side_named(arguments);
   if (!side && !arguments.empty())
     return refuse(host, "scuff", arguments, "left or right");
-  gait_.scuff(side ? *side : side_in_turn());
+  gait_.scuff(side ? *side : next_side());
 }
 
 void Footstep::drag(std::span<const Atom> arguments, Host& host) {
@@ -78,7 +78,7 @@ void Footstep::drag(std::span<const Atom> arguments, Host& host) {
   const auto length = number(numbers, 0, kDragLength), speed = number(numbers, 1, kDragSpeed);
   if (!length || !speed || numbers.size() > 2)
     return refuse(host, "drag", arguments, "left or right, then 0.01 to 20 m and 0.02 to 5 m/s");
-  gait_.drag(side ? *side : side_in_turn(), *length, *speed);
+  gait_.drag(side ? *side : next_side(), *length, *speed);
 }
 
 } // namespace tactus::footstep

@@ -7,42 +7,42 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr std::streamsize kMostBytes = 100000;
+constexpr std::streamsize kMaxBytes = 100000;
 
 bool read_text(const std::string& path, std::string& text) {
   std::ifstream file(path, std::ios::binary);
-  text.resize(static_cast<std::size_t>(kMostBytes) + 1);
-  file.read(text.data(), kMostBytes + 1);
+  text.resize(static_cast<std::size_t>(kMaxBytes) + 1);
+  file.read(text.data(), kMaxBytes + 1);
   const std::streamsize size = file.gcount();
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(size, 0)));
-  return !file.bad() && size > 0 && size <= kMostBytes;
+  return !file.bad() && size > 0 && size <= kMaxBytes;
 }
 
 } // namespace
 
-std::shared_ptr<const Surface> SurfaceStore::of_text(std::string_view name, std::string_view text,
-                                                     std::string& complaint) {
-  for (const auto& surface : known_)
+std::shared_ptr<const Surface> SurfaceStore::from_text(std::string_view name, std::string_view text,
+                                                       std::string& error_text) {
+  for (const auto& surface : cache_)
     if (surface->name == name && surface->text == text)
       return surface;
   auto made = std::make_shared<Surface>();
-  complaint = read_recipe(text, made->recipe);
-  if (!complaint.empty())
+  error_text = read_recipe(text, made->recipe);
+  if (!error_text.empty())
     return nullptr;
   made->name = name;
   made->text = text;
   made->id = ++last_id_;
-  if (known_.size() == kKept)
-    known_.erase(known_.begin());
-  known_.push_back(made);
+  if (cache_.size() == kMaxCachedRecipes)
+    cache_.erase(cache_.begin());
+  cache_.push_back(made);
   return made;
 }
 
 std::shared_ptr<const Surface> SurfaceStore::built_in(std::string_view name) {
-  std::string complaint;
+  std::string error_text;
   for (const BuiltInSurface& surface : built_in_surfaces())
     if (surface.name == name)
-      return of_text(name, surface.text, complaint);
+      return from_text(name, surface.text, error_text);
   return nullptr;
 }
 
@@ -64,10 +64,10 @@ std::shared_ptr<const Surface> SurfaceStore::find(std::string_view name, Host& h
     host.error("surface " + std::string(name) + ": it is no text of less than 100 kB");
     return nullptr;
   }
-  std::string complaint;
-  auto surface = of_text(name, text, complaint);
+  std::string error_text;
+  auto surface = from_text(name, text, error_text);
   if (!surface)
-    host.error("surface " + std::string(name) + ": " + complaint);
+    host.error("surface " + std::string(name) + ": " + error_text);
   return surface;
 }
 

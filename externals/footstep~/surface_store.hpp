@@ -34,10 +34,10 @@ public:
   [[nodiscard]] std::shared_ptr<const Surface> built_in(std::string_view name);
 
 private:
-  static constexpr std::size_t kKept = 32; ///< texts remembered
-  std::shared_ptr<const Surface> of_text(std::string_view name, std::string_view text,
-                                         std::string& complaint);
-  std::vector<std::shared_ptr<const Surface>> known_;
+  static constexpr std::size_t kMaxCachedRecipes = 32; ///< texts remembered
+  std::shared_ptr<const Surface> from_text(std::string_view name, std::string_view text,
+                                           std::string& error_text);
+  std::vector<std::shared_ptr<const Surface>> cache_;
   std::uint64_t last_id_ = 0;
 };
 

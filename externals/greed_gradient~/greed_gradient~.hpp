@@ -3,7 +3,7 @@
 #include "core/object.hpp"
 #include "core/reed/playability/gradient.hpp"
 #include "core/reed/playability/gradient_range.hpp"
-#include "externals/greed_gradient~/guide_keeper.hpp"
+#include "externals/greed_gradient~/guide_updater.hpp"
 #include "externals/greed~/settings.hpp"
 
 #include <algorithm>
@@ -88,22 +88,22 @@ public:
   void report(Host& host);
   /// No block for a while: the audio stands still, and nothing pulls.
   void tick(std::size_t, Host& host) {
-    gradient_.let_go();
+    gradient_.release_force();
     host.send(kForceOutlet, {0.0, 0.0});
   }
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
-    std::array<double, reed::ReedGradient::kHold> sound;
-    gradient_.set_guide(guide_.newest());
+    std::array<double, reed::ReedGradient::kHandPeriod> sound;
+    gradient_.set_guide(guide_.latest());
     for (std::size_t done = 0; done < block.frames;) {
       const auto hand = [&](std::size_t inlet) {
         return static_cast<double>(block.inputs[inlet][done]);
       };
-      if (gradient_.until_hand() == 0)
+      if (gradient_.samples_until_hand() == 0)
         gradient_.move(hand(0), hand(1), hand(2));
-      const std::size_t left =
-          gradient_.until_hand() > 0 ? gradient_.until_hand() : reed::ReedGradient::kHold;
+      const std::size_t left = gradient_.samples_until_hand() > 0 ? gradient_.samples_until_hand()
+                                                                  : reed::ReedGradient::kHandPeriod;
       const std::size_t count = std::min(left, block.frames - done);
       gradient_.process(std::span(sound).first(count));
       for (std::size_t i = 0; i < count; ++i)
@@ -114,7 +114,7 @@ public:
   }
 
 private:
-  enum Own : std::size_t {
+  enum OwnParameter : std::size_t {
     kDelta,
     kMode,
     kCeiling,
@@ -132,11 +132,11 @@ private:
 
   reed::ReedGradient gradient_;
   reed::Parameters parameters_{.breath_noise = kBreathNoise};
-  reed::PlayabilityParameters judge_{};
+  reed::PlayabilityParameters estimator_{};
   double sample_rate_ = 48000;
   bool background_ = true;
   std::size_t unreported_ = 0;
-  reed::GuideKeeper guide_;
+  reed::GuideUpdater guide_;
 };
 
 inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
@@ -158,25 +158,25 @@ inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
     background_ = value >= 0.5;
     return;
   case kAttack:
-    judge_.attack_s = 1e-3 * value;
+    estimator_.attack_s = 1e-3 * value;
     break;
   case kRelease:
-    judge_.release_s = 1e-3 * value;
+    estimator_.release_s = 1e-3 * value;
     break;
   case kHighpass:
-    judge_.highpass_hz = value;
+    estimator_.highpass_hz = value;
     break;
   case kReference:
-    judge_.reference_rad = value;
+    estimator_.reference_rad = value;
     break;
   case kWindow:
-    judge_.window_s = 1e-3 * value;
+    estimator_.window_s = 1e-3 * value;
     break;
   default:
-    judge_.hysteresis = value;
+    estimator_.hysteresis = value;
     break;
   }
-  gradient_.set(judge_);
+  gradient_.set(estimator_);
 }
 
 inline double GreedGradient::get(std::size_t parameter) const noexcept {
@@ -194,17 +194,17 @@ inline double GreedGradient::get(std::size_t parameter) const noexcept {
   case kBackground:
     return background_ ? 1 : 0;
   case kAttack:
-    return 1e3 * judge_.attack_s;
+    return 1e3 * estimator_.attack_s;
   case kRelease:
-    return 1e3 * judge_.release_s;
+    return 1e3 * estimator_.release_s;
   case kHighpass:
-    return judge_.highpass_hz;
+    return estimator_.highpass_hz;
   case kReference:
-    return judge_.reference_rad;
+    return estimator_.reference_rad;
   case kWindow:
-    return 1e3 * judge_.window_s;
+    return 1e3 * estimator_.window_s;
   default:
-    return judge_.hysteresis;
+    return estimator_.hysteresis;
   }
 }
 
@@ -228,10 +228,10 @@ inline void GreedGradient::report(Host& host) {
   const double seconds = static_cast<double>(unreported_) / sample_rate_;
   unreported_ = 0;
   if (gradient_.mode() != reed::ReedGradient::Mode::kReed) {
-    guide_.keep(gradient_.plane(), seconds, background_);
-    if (const std::string refusal = guide_.take_refusal(); !refusal.empty())
+    guide_.update(gradient_.plane(), seconds, background_);
+    if (const std::string refusal = guide_.take_error(); !refusal.empty())
       host.error(refusal);
-    if (guide_.has_news())
+    if (guide_.progress_changed())
       host.info({"map", guide_.progress()});
   }
   const reed::Gradient slope = gradient_.gradient();

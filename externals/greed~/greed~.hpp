@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/declaration_text.hpp"
 #include "core/object.hpp"
 #include "core/reed/instrument/instrument.hpp"
-#include "core/words.hpp"
 #include "externals/greed~/declaration.hpp"
 #include "externals/greed~/settings.hpp"
 
@@ -52,7 +52,7 @@ public:
     if (index == greed::kHoles)
       return finger(arguments, host);
     if (index == greed::kValves)
-      return press(arguments, host);
+      return set_valves(arguments, host);
     if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
       instrument_.set(*preset);
   }
@@ -65,9 +65,9 @@ public:
   /// Notes that were refused since: one message each, with the limits.
   void report(Host& host) {
     const reed::Refusal& refusal = instrument_.refusal();
-    if (refusal.count == told_)
+    if (refusal.count == reported_refusals_)
       return;
-    told_ = refusal.count;
+    reported_refusals_ = refusal.count;
     const reed::Parameters& now = instrument_.parameters();
     host.info({"range", refusal.note, now.lowest_note, now.highest_note});
   }
@@ -86,7 +86,7 @@ public:
   }
 
 private:
-  void press(std::span<const Atom> arguments, Host& host) {
+  void set_valves(std::span<const Atom> arguments, Host& host) {
     reed::Parameters changed = instrument_.parameters();
     if (changed.end != reed::BoreEnd::kTrumpet)
       return host.error("valves: expected end trumpet, which has valves");
@@ -132,7 +132,7 @@ private:
   }
 
   reed::Instrument instrument_;
-  unsigned told_ = 0; // of the notes refused
+  unsigned reported_refusals_ = 0; // of the notes refused
 };
 
 } // namespace tactus

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "core/declaration_text.hpp"
 #include "core/object.hpp"
 #include "core/reed/instrument/parameters.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/playability/gradient_plane.hpp"
-#include "core/words.hpp"
 #include "externals/greed~/declaration.hpp"
 
 #include <array>

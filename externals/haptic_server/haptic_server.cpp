@@ -12,13 +12,13 @@ using haptic::Vec3;
 using net::text_of;
 
 constexpr double kShortest_s = 5e-4;
-constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kFarthest_mm = 1e5;
+constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kMaxCoordinate_mm = 1e5;
 constexpr double kAllowance_w = 0.05; // as [phantom]'s
 
 /// Numbers of a sane size; false when one is a word or is not.
 template <std::size_t N> bool numbers(std::span<const Atom> atoms, std::array<double, N>& values) {
   for (std::size_t i = 0; i < N; ++i) {
-    if (atoms[i].is_word || !(std::abs(atoms[i].number) <= kFarthest_mm))
+    if (atoms[i].is_word || !(std::abs(atoms[i].number) <= kMaxCoordinate_mm))
       return false;
     values[i] = atoms[i].number;
   }
@@ -32,7 +32,7 @@ struct HapticServerObject::Service {
           const haptic::ChainSettings& chain)
       : server(settings), link(servo, model, chain),
         sockets(server, {[this](double now_s) { link.exchange(server, now_s); },
-                         [this] { link.give(server.orders()); }}) {}
+                         [this] { link.send(server.servo_command()); }}) {}
   net::Server server;
   net::ServoLink link;
   net::TcpServer sockets;
@@ -83,7 +83,7 @@ void HapticServerObject::close(Host& host) {
   if (!service_)
     return;
   service_->sockets.close();
-  send_news(host);
+  send_notices(host);
   service_.reset();
   servo_.detach();
   host.wake_in(0, -1);
@@ -103,7 +103,7 @@ void HapticServerObject::tick(std::size_t, Host& host) {
     servo_.step({++ticks_, now_s, kPeriod_ms * 1e-3});
   }
   host.wake_in(0, kPeriod_ms);
-  send_news(host);
+  send_notices(host);
   send_force(host);
 }
 
@@ -115,8 +115,8 @@ void HapticServerObject::send_force(Host& host) {
   host.send(0, {force_n.x, force_n.y, force_n.z});
 }
 
-void HapticServerObject::send_news(Host& host) {
-  for (const std::string& line : service_->server.take_news()) {
+void HapticServerObject::send_notices(Host& host) {
+  for (const std::string& line : service_->server.take_notices()) {
     std::vector<Atom> words{"client"};
     for (std::size_t at = 0; at < line.size();) {
       const std::size_t end = std::min(line.find(' ', at), line.size());
@@ -143,7 +143,7 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
     std::array<double, 3> mm{};
     if (!numbers(arguments, mm))
       return host.error("list: expected x y z, three numbers of mm");
-    return device_.place(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
+    return device_.set_position(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
   }
   if (name == "listen") {
     listen_ = text_of(arguments[0]) == "loopback" ? std::string() : text_of(arguments[0]);
@@ -166,7 +166,7 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
     if (!numbers(arguments, given) || !(given[0] >= 0 && given[0] <= 31) ||
         given[0] != std::floor(given[0]))
       return host.error("button: expected n 0 or n 1, n from 0 to 31");
-    device_.press(static_cast<int>(given[0]), given[1] != 0);
+    device_.set_button(static_cast<int>(given[0]), given[1] != 0);
   } else if (name == "estop") {
     servo_.exchange().motors.emergency_stop();
   } else if (arguments[0].is_word || arguments[0].number != 1) {

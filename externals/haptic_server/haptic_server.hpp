@@ -73,7 +73,7 @@ private:
   void open(Host& host);
   void close(Host& host);
   void send_force(Host& host);
-  void send_news(Host& host);
+  void send_notices(Host& host);
 
   std::array<double, kValueCount> values_{};
   haptic::Workspace workspace_{};

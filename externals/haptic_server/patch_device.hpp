@@ -21,11 +21,11 @@ public:
 
   void set_caps(const haptic::Caps& caps) noexcept { caps_ = caps; }
   /// m; before the first there is no force.
-  void place(const haptic::Vec3& position) noexcept {
+  void set_position(const haptic::Vec3& position) noexcept {
     state_.position = position;
     state_.flags = haptic::State::kHomed;
   }
-  void press(int number, bool down) noexcept {
+  void set_button(int number, bool down) noexcept {
     const std::uint32_t bit = 1u << number;
     state_.buttons = down ? state_.buttons | bit : state_.buttons & ~bit;
   }

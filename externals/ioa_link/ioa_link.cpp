@@ -11,12 +11,13 @@ namespace {
 using net::BusExchange;
 using net::text_of;
 
-constexpr double kPerSecond = 1e3, kTell_ms = 500;
+constexpr double kPerSecond = 1e3, kReportInterval_ms = 500;
 
 /// A whole number from `least` to 65535; below 0 when the atom is none.
-int port_of(const Atom& atom, int least) noexcept {
+int port_of(const Atom& atom, int min_port) noexcept {
   const bool whole = !atom.is_word && atom.number == std::floor(atom.number);
-  return whole && atom.number >= least && atom.number <= 65535 ? static_cast<int>(atom.number) : -1;
+  return whole && atom.number >= min_port && atom.number <= 65535 ? static_cast<int>(atom.number)
+                                                                  : -1;
 }
 
 } // namespace
@@ -116,39 +117,39 @@ void IoaLink::tick(std::size_t, Host& host) {
 }
 
 void IoaLink::tell(Host& host) {
-  using What = BusExchange::News::What;
-  for (const BusExchange::News& news : link_.take_news()) {
-    switch (news.what) {
+  using What = BusExchange::Notice::What;
+  for (const BusExchange::Notice& notices : link_.take_notices()) {
+    switch (notices.what) {
     case What::kListening:
-      host.info({"status", "listening", static_cast<double>(news.number)});
+      host.info({"status", "listening", static_cast<double>(notices.number)});
       break;
     case What::kConnected:
-      host.info({"status", "connected", std::string_view(news.text)});
-      host.info({"connected", static_cast<double>(news.number)});
+      host.info({"status", "connected", std::string_view(notices.text)});
+      host.info({"connected", static_cast<double>(notices.number)});
       break;
     case What::kEnded:
-      host.log("a connection ended: " + news.text);
+      host.log("a connection ended: " + notices.text);
       host.info({"status", "ended"});
-      host.info({"connected", static_cast<double>(news.number)});
+      host.info({"connected", static_cast<double>(notices.number)});
       break;
     case What::kLate:
-      host.info({"status", "late", std::string_view(news.text)});
+      host.info({"status", "late", std::string_view(notices.text)});
       break;
     case What::kBack:
-      host.info({"status", "back", std::string_view(news.text)});
+      host.info({"status", "back", std::string_view(notices.text)});
       break;
-    case What::kComplaint:
-      host.error("the other side says " + news.text);
+    case What::kWarning:
+      host.error("the other side says " + notices.text);
       break;
     case What::kFailed:
-      host.error(news.text);
+      host.error(notices.text);
       break;
     }
   }
-  if (late_ != late_told_ && host.now_ms() - told_ms_ >= kTell_ms) {
-    told_ms_ = host.now_ms();
-    host.info({"late", static_cast<double>(late_ - late_told_)});
-    late_told_ = late_;
+  if (late_ != late_reported_ && host.now_ms() - reported_ms_ >= kReportInterval_ms) {
+    reported_ms_ = host.now_ms();
+    host.info({"late", static_cast<double>(late_ - late_reported_)});
+    late_reported_ = late_;
   }
 }
 

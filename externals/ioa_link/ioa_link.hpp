@@ -71,8 +71,8 @@ private:
 
   net::BusLink link_{};
   double bus_ahead_ms_ = 0; ///< bus time minus the object's
-  double told_ms_ = 0;      ///< when late messages were told last
-  std::uint64_t late_ = 0, late_told_ = 0;
+  double reported_ms_ = 0;  ///< when late messages were told last
+  std::uint64_t late_ = 0, late_reported_ = 0;
 };
 
 } // namespace tactus::ioa_link

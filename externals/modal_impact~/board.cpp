@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
 #include <cmath>
@@ -13,8 +13,8 @@ using namespace modal_impact;
 namespace {
 
 constexpr double kMillimetre = 0.001;
-constexpr double kFarthest = 1e6; // mm
-constexpr double kFarApart = 0.1; // of the diagonal of both
+constexpr double kFarthest = 1e6;        // mm
+constexpr double kGapWarningRatio = 0.1; // of the diagonal of both
 
 bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.number) <= kFarthest; }
 
@@ -69,34 +69,34 @@ void ModalImpact::set_rest(Numbers n, Host& host) {
     points.push_back(kMillimetre * Vec3{n[i], n[i + 1], n[i + 2]});
   }
   settings_.rest.point_m = std::move(points);
-  renew();
+  rebuild_model();
 }
 
-bool ModalImpact::accept_rest(const BodyModel& model, bool same_table, Host* host) {
+bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* host) {
   const RestSettings& rest = model.settings.rest;
-  if (model.rest_refusal.empty()) {
-    good_.rest = rest;
-    const double far = kFarApart * model.settings.size * model.loaded->surface.diagonal();
-    if (host && !model.rests.empty() && model.largest_gap_m > far)
+  if (model.resting_refusal.empty()) {
+    last_valid_.rest = rest;
+    const double far = kGapWarningRatio * model.settings.size * model.loaded->surface.diagonal();
+    if (host && !model.resting_contacts.empty() && model.largest_gap_m > far)
       host->log("the points of rest are up to " + number_text(1000 * model.largest_gap_m) +
                 " mm from the board: what lies between is taken to be so thick");
     return true;
   }
   if (host)
-    host->error("rest: " + model.rest_refusal);
+    host->error("rest: " + model.resting_refusal);
   // Back to what held, if that was another on the same table; else it rests nowhere.
-  const bool another = same_table && !(good_.rest == rest);
-  settings_.rest.point_m = another ? good_.rest.point_m : std::vector<Vec3>{};
+  const bool another = same_table && !(last_valid_.rest == rest);
+  settings_.rest.point_m = another ? last_valid_.rest.point_m : std::vector<Vec3>{};
   if (another) {
-    value_[kRestStiffness] = good_.rest.law.stiffness;
-    value_[kRestExponent] = good_.rest.law.exponent;
-    value_[kRestLoss] = good_.rest.law.dissipation_s_per_m;
-    value_[kRestForce] = good_.rest.pressing_n;
+    value_[kRestStiffness] = last_valid_.rest.law.stiffness;
+    value_[kRestExponent] = last_valid_.rest.law.exponent;
+    value_[kRestLoss] = last_valid_.rest.law.dissipation_s_per_m;
+    value_[kRestForce] = last_valid_.rest.pressing_n;
   }
-  good_.rest = {};
+  last_valid_.rest = {};
   if (!another)
     return true;
-  renew();
+  rebuild_model();
   return false;
 }
 

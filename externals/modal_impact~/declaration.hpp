@@ -11,7 +11,7 @@ namespace tactus::modal_impact {
 
 inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "body", "none"};
 inline constexpr std::array<std::string_view, 2> kContacts{"coupled", "pulse"};
-inline constexpr std::array<std::string_view, 2> kResolves{"auto", "off"};
+inline constexpr std::array<std::string_view, 2> kResolveModes{"auto", "off"};
 
 enum ParameterIndex : std::size_t {
   kRadiation,
@@ -68,7 +68,7 @@ inline constexpr std::array kParameters{
               "what presses body and board together besides the weight, all points together"},
     Parameter{"resolve", "", 0, 0, 1,
               "when the shape has moved: its modes are solved anew beside, or extrapolated alone",
-              kResolves},
+              kResolveModes},
 };
 
 enum MessageIndex : std::size_t {

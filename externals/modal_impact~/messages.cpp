@@ -1,5 +1,5 @@
+#include "core/declaration_text.hpp"
 #include "core/modal/table/materials.hpp"
-#include "core/words.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
 #include <algorithm>
@@ -14,9 +14,9 @@ using namespace modal_impact;
 namespace {
 
 constexpr double kMillimetre = 0.001;
-constexpr double kFarthest = 1e6;    // mm
-constexpr double kFastest = 50;      // m/s
-constexpr double kFarFromBody = 0.1; // of its diagonal
+constexpr double kFarthest = 1e6;             // mm
+constexpr double kFastest = 50;               // m/s
+constexpr double kDistanceWarningRatio = 0.1; // of its diagonal
 
 /// What a number must be, or a sentence about the first that is not.
 struct Range {
@@ -76,7 +76,7 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
   case kDrop:
     return drop(numbers, host);
   case kBang:
-    return again(host);
+    return repeat_last(host);
   case kNormal:
     return set_normal(numbers, host);
   case kStriker:
@@ -107,9 +107,9 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return body_.schedule_reset(sample_now(host));
   case kInfo:
     body_.adopt();
-    return tell_info(host);
+    return post_info(host);
   case kRing:
-    return tell_ring(host);
+    return post_ring(host);
   default:
     return;
   }
@@ -137,23 +137,23 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
   carry_out({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
 }
 
-void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {
+void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
   const BodyModel* model = body_.model();
   const double diagonal =
       model->loaded->surface.empty() ? 0 : model->loaded->surface.diagonal() * model->settings.size;
-  if (warned_ || place.distance <= kFarFromBody * diagonal || diagonal == 0)
+  if (warned_ || point.distance <= kDistanceWarningRatio * diagonal || diagonal == 0)
     return;
   warned_ = true;
-  host.log("a place " + number_text(place.distance * 1000) +
+  host.log("a place " + number_text(point.distance * 1000) +
            " mm beside the body is taken to the nearest place on it; said once");
 }
 
-void ModalImpact::strike(const SurfacePoint& place, double speed, Host& host, bool falls) {
-  warn_of_distance(place, host);
-  last_place_ = place;
+void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bool falls) {
+  warn_if_far(point, host);
+  last_point_ = point;
   last_speed_ = speed;
-  last_fell_ = falls;
-  body_.schedule_hit({place, normal_.value_or(place.normal), speed, falls}, sample_now(host));
+  last_was_drop_ = falls;
+  body_.schedule_hit({point, normal_.value_or(point.normal), speed, falls}, sample_now(host));
 }
 
 void ModalImpact::hit(Numbers n, Host& host) {
@@ -167,7 +167,7 @@ void ModalImpact::hit(Numbers n, Host& host) {
     return;
   if (n.size() == 4)
     return strike(model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]}), n[3], host);
-  strike(last_place_.value_or(body_.point()), n[0], host);
+  strike(last_point_.value_or(body_.point()), n[0], host);
 }
 
 void ModalImpact::drop(Numbers n, Host& host) {
@@ -182,13 +182,13 @@ void ModalImpact::drop(Numbers n, Host& host) {
     return;
   const double speed = std::sqrt(2 * StruckBody::kGravity * kMillimetre * n.back());
   strike(n.size() == 4 ? model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]})
-                       : last_place_.value_or(body_.point()),
+                       : last_point_.value_or(body_.point()),
          speed, host, true);
 }
 
-void ModalImpact::again(Host& host) {
+void ModalImpact::repeat_last(Host& host) {
   if (body(host))
-    strike(last_place_.value_or(body_.point()), last_speed_, host, last_fell_);
+    strike(last_point_.value_or(body_.point()), last_speed_, host, last_was_drop_);
 }
 
 SurfacePoint ModalImpact::at_vertex(std::size_t vertex) const noexcept {
@@ -231,11 +231,11 @@ void ModalImpact::set_normal(Numbers n, Host& host) {
   }
   if (n.size() != 3)
     return host.error("normal: expected x y z, or nothing for the surface's own");
-  const Vec3 given{n[0], n[1], n[2]};
-  const double size = norm(given);
+  const Vec3 direction{n[0], n[1], n[2]};
+  const double size = norm(direction);
   if (!(size > 0))
     return host.error("normal 0 0 0: expected a direction");
-  normal_ = given * (1 / size);
+  normal_ = direction * (1 / size);
 }
 
 void ModalImpact::set_striker(Numbers n, Host& host) {
@@ -272,20 +272,20 @@ void ModalImpact::set_point(Numbers n, Host& host) {
   const BodyModel* model = body(host);
   if (!model)
     return;
-  SurfacePoint place;
+  SurfacePoint point;
   if (n.size() == 3) {
     if (!within("point", n, {kX, kY, kZ}, host))
       return;
-    place = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
+    point = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
   } else {
     const double last =
         std::max<double>(static_cast<double>(model->loaded->table.vertices()), 1) - 1;
     if (!within("point", n, {{"vertex", "", 0, last}}, host))
       return;
-    place = at_vertex(static_cast<std::size_t>(n[0]));
+    point = at_vertex(static_cast<std::size_t>(n[0]));
   }
-  warn_of_distance(place, host);
-  body_.schedule_point(place, normal_.value_or(place.normal), sample_now(host));
+  warn_if_far(point, host);
+  body_.schedule_point(point, normal_.value_or(point.normal), sample_now(host));
 }
 
 void ModalImpact::set_rub(Numbers n, Host& host) {
@@ -295,25 +295,25 @@ void ModalImpact::set_rub(Numbers n, Host& host) {
   if (!model || !within("rub", n, {kX, kY, kZ}, host))
     return;
   Rub rub = body_.requested_rub();
-  rub.place = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
+  rub.point = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
   Vec3 wanted = rub.direction;
   if (n.size() == 6) {
     wanted = {n[3], n[4], n[5]};
     const double length = norm(wanted);
-    constexpr double kLeastAlong = 0.1; // sine of the angle to the normal
-    const Vec3& normal = rub.place.normal;
+    constexpr double kMinTangentialSine = 0.1; // sine of the angle to the normal
+    const Vec3& normal = rub.point.normal;
     if (!(length > 0))
       return host.error("rub: direction 0 0 0: expected one along the surface");
     wanted = wanted * (1 / length);
-    if (norm(wanted - dot(wanted, normal) * normal) < kLeastAlong)
+    if (norm(wanted - dot(wanted, normal) * normal) < kMinTangentialSine)
       return host.error("rub: direction " + number_text(n[3]) + " " + number_text(n[4]) + " " +
                         number_text(n[5]) + ": expected one along the surface, whose normal is " +
                         number_text(normal.x) + " " + number_text(normal.y) + " " +
                         number_text(normal.z));
   }
-  rub.direction = along_surface(rub.place.normal, wanted);
+  rub.direction = along_surface(rub.point.normal, wanted);
   rub.placed = true;
-  warn_of_distance(rub.place, host);
+  warn_if_far(rub.point, host);
   body_.schedule_rub(rub, sample_now(host));
 }
 
@@ -349,7 +349,7 @@ void ModalImpact::set_listener(Numbers n, Host& host) {
   if (!within("listener", n, {{"i", "", 1, static_cast<double>(kMaxListeners)}, kX, kY, kZ}, host))
     return;
   settings_.listener[static_cast<std::size_t>(n[0]) - 1] = kMillimetre * Vec3{n[1], n[2], n[3]};
-  renew();
+  rebuild_model();
 }
 
 void ModalImpact::set_material(Numbers n, Host& host) {
@@ -360,7 +360,7 @@ void ModalImpact::set_material(Numbers n, Host& host) {
       return;
   settings_.youngs_modulus_pa = n[0];
   settings_.density_kg_per_m3 = n[1];
-  renew();
+  rebuild_model();
 }
 
 void ModalImpact::set_preset(const Atom& name, Host& host) {
@@ -368,7 +368,7 @@ void ModalImpact::set_preset(const Atom& name, Host& host) {
   if (word == "table") {
     settings_.youngs_modulus_pa = settings_.density_kg_per_m3 = 0;
     settings_.damping = Damping::kTable;
-    return renew();
+    return rebuild_model();
   }
   const auto preset = find_material(word);
   if (!preset) {
@@ -383,7 +383,7 @@ void ModalImpact::set_preset(const Atom& name, Host& host) {
   settings_.loss_factor = preset->loss_factor;
   settings_.rayleigh_a_per_s = preset->rayleigh_a_per_s;
   settings_.rayleigh_b_s = preset->rayleigh_b_s;
-  renew();
+  rebuild_model();
 }
 
 void ModalImpact::set_damping(std::size_t index, Numbers n, Host& host) {
@@ -403,15 +403,16 @@ void ModalImpact::set_damping(std::size_t index, Numbers n, Host& host) {
       return host.error("losscurve: expected pairs of frequency and loss factor");
     std::vector<std::array<double, 2>> curve;
     for (std::size_t i = 0; i < n.size(); i += 2) {
-      const double least = curve.empty() ? 1e-3 : curve.back()[0] * (1 + 1e-9);
-      if (!within("losscurve", n.subspan(i, 2), {{"f", "Hz", least, 1e6}, {"eta", "", 0, 2}}, host))
+      const double minimum = curve.empty() ? 1e-3 : curve.back()[0] * (1 + 1e-9);
+      if (!within("losscurve", n.subspan(i, 2), {{"f", "Hz", minimum, 1e6}, {"eta", "", 0, 2}},
+                  host))
         return;
       curve.push_back({n[i], n[i + 1]});
     }
     settings_.damping = Damping::kCurve;
     settings_.loss_curve = std::move(curve);
   }
-  renew();
+  rebuild_model();
 }
 
 } // namespace tactus::modal

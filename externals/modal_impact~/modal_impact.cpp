@@ -14,7 +14,7 @@ using namespace modal_impact;
 namespace {
 
 /// Products of modes, triangles and listeners that are worked out within a millisecond.
-constexpr std::size_t kSoonDone = 5000;
+constexpr std::size_t kMaxInlineWork = 5000;
 constexpr double kNepersIn60dB = 6.907755278982137;
 
 } // namespace
@@ -23,7 +23,7 @@ ModalImpact::ModalImpact() {
   for (std::size_t i = 0; i < value_.size(); ++i)
     value_[i] = kParameters[i].initial;
   body_.prepare(sample_rate_);
-  take_options();
+  update_options();
 }
 
 void ModalImpact::prepare(double sample_rate, std::size_t) {
@@ -55,7 +55,7 @@ BodySettings ModalImpact::settings() const {
   now.sample_rate = sample_rate_;
   now.size = value_[kSize];
   now.choke_t60_s = value_[kChoke];
-  now.most_modes = static_cast<std::size_t>(value_[kModes]);
+  now.max_modes = static_cast<std::size_t>(value_[kModes]);
   now.voices = static_cast<std::size_t>(value_[kVoices]);
   now.listeners = static_cast<std::size_t>(value_[kOut]);
   now.rest.law = {value_[kRestStiffness], value_[kRestExponent], value_[kRestLoss]};
@@ -64,10 +64,10 @@ BodySettings ModalImpact::settings() const {
   return now;
 }
 
-void ModalImpact::take_options() noexcept {
+void ModalImpact::update_options() noexcept {
   StruckBody::Options options;
   options.coupled = value_[kContact] < 0.5;
-  options.led = value_[kPosition] >= 0.5;
+  options.driven = value_[kPosition] >= 0.5;
   options.doppler = value_[kDoppler] >= 0.5;
   options.spring_n_per_m = value_[kSpring];
   options.gain = value_[kGain];
@@ -82,25 +82,25 @@ void ModalImpact::set(std::size_t parameter, double value) noexcept {
   if (value_[parameter] == value)
     return;
   value_[parameter] = value;
-  take_options();
+  update_options();
   const bool of_the_model = parameter == kRadiation || parameter == kSize || parameter == kModes ||
                             parameter == kChoke || parameter == kVoices || parameter == kOut ||
                             (parameter >= kRestStiffness && parameter <= kRestForce);
   if (of_the_model && table_)
-    renew();
+    rebuild_model();
   if (parameter == kResolve && host_ && table_)
     shape_moved(false, *host_);
 }
 
-void ModalImpact::renew() {
+void ModalImpact::rebuild_model() {
   if (!table_)
     return;
   TableWorker::Request request{{}, {}, table_, settings(), {}, {}};
   const std::size_t work =
       request.settings.radiation == Radiation::kBody
-          ? kSoonDone + 1
+          ? kMaxInlineWork + 1
           : table_->table.modes() * table_->surface.triangles() * request.settings.listeners;
-  if (value_[kSync] >= 0.5 || work <= kSoonDone || !host_)
+  if (value_[kSync] >= 0.5 || work <= kMaxInlineWork || !host_)
     return accept(TableWorker::carry_out(request), host_);
   if (const std::string refusal =
           worker_.request(request, [host = host_] { host->wake_from_thread(); });
@@ -118,10 +118,10 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   if (!result.model)
     return;
   if (table_ && result.table && table_->follows(*result.table)) // solved anew meanwhile
-    return renew();
+    return rebuild_model();
   const bool solved = table_ && result.table != table_ && result.table->follows(*table_);
   const bool same = solved || result.table == table_;
-  if (!accept_rest(*result.model, same, host))
+  if (!accept_support(*result.model, same, host))
     return;
   const BodySettings wanted = settings();
   const bool stale =
@@ -133,10 +133,10 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = false;
     table_path_ = result.path;
-    forget_solver(host);
+    reset_solver(host);
   }
   if (!same)
-    last_place_.reset();
+    last_point_.reset();
   body_.publish(std::move(result.model), same);
   if (solved && host)
     resolved(*host);
@@ -153,7 +153,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
                 static_cast<double>(board.modes())});
   }
   if (stale)
-    renew();
+    rebuild_model();
 }
 
 void ModalImpact::posted(Host& host) {
@@ -161,7 +161,7 @@ void ModalImpact::posted(Host& host) {
   if (auto result = worker_.take())
     accept(std::move(*result), &host);
   if (auto result = solver_.take())
-    take_solution(std::move(*result), host);
+    accept_solution(std::move(*result), host);
 }
 
 void ModalImpact::created(Host& host) {
@@ -178,9 +178,9 @@ const BodyModel* ModalImpact::body(Host& host) {
   return body_.model();
 }
 
-void ModalImpact::dump(Host& host) { tell_info(host); }
+void ModalImpact::dump(Host& host) { post_info(host); }
 
-void ModalImpact::tell_info(Host& host) {
+void ModalImpact::post_info(Host& host) {
   host.info({"version", "0.1.0"});
   const BodyModel* model = body_.model();
   if (!model) {
@@ -189,31 +189,32 @@ void ModalImpact::tell_info(Host& host) {
   }
   const ModalTable& table = model->loaded->table;
   host.info({"body", std::string_view(table.body_name.empty() ? "unnamed" : table.body_name)});
-  host.info({"modes", static_cast<double>(table.modes()), static_cast<double>(model->heard)});
+  host.info(
+      {"modes", static_cast<double>(table.modes()), static_cast<double>(model->audible_modes)});
   host.info({"culled", static_cast<double>(body_.culled())});
   host.info({"contacts", static_cast<double>(body_.contacts())});
   host.info({"mass", model->mass_kg});
-  if (!model->rests.empty()) {
+  if (!model->resting_contacts.empty()) {
     std::vector<Atom> carried{"rest"};
-    for (const BodyModel::Rest& rest : model->rests)
+    for (const BodyModel::RestingContact& rest : model->resting_contacts)
       carried.emplace_back(rest.preload_n);
     host.info(carried);
   }
-  tell_shape(host);
+  post_shape(host);
   host.info({"material", model->youngs_modulus_pa, model->density_kg_per_m3, model->poisson});
   if (!model->loaded->surface.empty()) {
     const Vec3 low = model->loaded->surface.lowest(), high = model->loaded->surface.highest();
     const double mm = 1000 * model->settings.size;
     host.info({"box", mm * low.x, mm * low.y, mm * low.z, mm * high.x, mm * high.y, mm * high.z});
   }
-  constexpr std::size_t kMost = 128;
+  constexpr std::size_t kMaxListed = 128;
   std::vector<std::pair<double, double>> modes;
-  for (std::size_t k = 0; k < model->heard; ++k)
+  for (std::size_t k = 0; k < model->audible_modes; ++k)
     modes.emplace_back(std::abs(model->rate[k]) / (2 * std::numbers::pi),
                        kNepersIn60dB / std::max(-model->rate[k].real(), 1e-9));
   std::sort(modes.begin(), modes.end());
   std::vector<Atom> frequencies{"frequencies"}, times{"t60"};
-  for (std::size_t k = 0; k < std::min(modes.size(), kMost); ++k) {
+  for (std::size_t k = 0; k < std::min(modes.size(), kMaxListed); ++k) {
     frequencies.emplace_back(modes[k].first);
     times.emplace_back(std::min(modes[k].second, 1e6));
   }
@@ -221,10 +222,10 @@ void ModalImpact::tell_info(Host& host) {
   host.info(times);
 }
 
-void ModalImpact::tell_ring(Host& host) {
+void ModalImpact::post_ring(Host& host) {
   body_.adopt();
-  constexpr std::size_t kMost = 64;
-  const auto levels = body_.levels(kMost);
+  constexpr std::size_t kMaxListed = 64;
+  const auto levels = body_.levels(kMaxListed);
   std::vector<Atom> list{"ring"};
   for (const double level : levels)
     list.emplace_back(level);

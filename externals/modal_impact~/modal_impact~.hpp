@@ -34,7 +34,7 @@ public:
       modal_impact::kParameters,
       modal_impact::kMessages,
       modal_impact::kArguments};
-  enum Timer : std::size_t { kRestTimer, kAnswerTimer };
+  enum Timer : std::size_t { kSettleTimer, kReplyTimer };
   static constexpr std::size_t timers = 2;
 
   ModalImpact();
@@ -64,10 +64,10 @@ private:
   void load(const std::string& name, bool at_once, Host& host);
   void hit(Numbers numbers, Host& host);
   void drop(Numbers numbers, Host& host);
-  void again(Host& host);
+  void repeat_last(Host& host);
   void hit_vertex(Numbers numbers, Host& host);
   void hit_face(Numbers numbers, Host& host);
-  void strike(const SurfacePoint& place, double speed, Host& host, bool falls = false);
+  void strike(const SurfacePoint& point, double speed, Host& host, bool falls = false);
   void set_normal(Numbers numbers, Host& host);
   void set_striker(Numbers numbers, Host& host);
   void set_hardness(Numbers numbers, Host& host);
@@ -82,66 +82,67 @@ private:
   void set_shape(Numbers numbers, Host& host);
   void set_control_point(Numbers numbers, Host& host);
   void set_damping(std::size_t index, Numbers numbers, Host& host);
-  void tell_info(Host& host);
-  void tell_ring(Host& host);
-  void tell_shape(Host& host) const;
+  void post_info(Host& host);
+  void post_ring(Host& host);
+  void post_shape(Host& host) const;
   /// What the body's shape depends on; null after one sentence when it has no such parameters.
   const table::ShapeParameters* shape_parameters(std::string_view message, Host& host);
   /// Displacements of the shape's parameters now, as many as there are.
   [[nodiscard]] std::vector<double> shape_displacement_m(const table::ShapeParameters&) const;
   void deform(std::vector<double> displacement_m, const table::ShapeParameters&, Host& host);
   // A shape that is solved anew: resolve.cpp.
-  [[nodiscard]] bool wants_solve() const;
+  [[nodiscard]] bool needs_solve() const;
   /// Displacements of the control points from the shape that was solved, m.
-  [[nodiscard]] std::vector<Vec3> from_solved_m(const std::vector<double>& displacement_m) const;
+  [[nodiscard]] std::vector<Vec3>
+  control_point_offsets_m(const std::vector<double>& displacement_m) const;
   /// The largest of them over the table's trust.
   [[nodiscard]] double trust_ratio() const;
-  [[nodiscard]] bool waits_still() const;
-  void wait_for_rest(double ms, Host& host); ///< below 0: no more
+  [[nodiscard]] bool still_since_wait() const;
+  void start_settle_timer(double ms, Host& host); ///< below 0: no more
   void shape_moved(bool beyond_trust, Host& host);
   void start_solve(Host& host);
-  void take_solution(ModeSolver::Result result, Host& host);
+  void accept_solution(ModeSolver::Result result, Host& host);
   void resolved(Host& host);
-  void forget_solver(Host* host);
+  void reset_solver(Host* host);
   void set_solver(const Atom& program, Host& host);
 
   /// The body that hits meet now; null after one sentence when there is none.
   const BodyModel* body(Host& host);
   [[nodiscard]] SurfacePoint at_vertex(std::size_t vertex) const noexcept;
-  void warn_of_distance(const SurfacePoint& place, Host& host);
+  void warn_if_far(const SurfacePoint& point, Host& host);
   [[nodiscard]] BodySettings settings() const;
-  void take_options() noexcept;
+  void update_options() noexcept;
   /// Makes a new model of the settings: now when it is soon done or must be, else in the thread.
-  void renew();
+  void rebuild_model();
   void accept(TableWorker::Result result, Host* host);
   /// Works it out now, or in the thread.
   void carry_out(const TableWorker::Request& request, const std::string& subject, bool at_once,
                  Host& host);
   /// False for a body that cannot rest as it should: it goes on as it did.
-  bool accept_rest(const BodyModel& model, bool same_table, Host* host);
+  bool accept_support(const BodyModel& model, bool same_table, Host* host);
 
   std::array<double, modal_impact::kParameters.size()> value_{};
   BodySettings settings_;
-  BodySettings good_; ///< of these `rest`, as it was when a body last could rest so
+  BodySettings last_valid_; ///< of these `rest`, as it was when a body last could rest so
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
   Host* host_ = nullptr; ///< lives as long as the object; for the worker's call back
   bool created_ = false;
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::optional<Vec3> normal_;
-  std::optional<SurfacePoint> last_place_;
+  std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;
-  bool last_fell_ = false;
+  bool last_was_drop_ = false;
   bool warned_ = false;
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
-  std::string table_path_;     ///< of the body
-  std::string solver_program_; ///< empty: where it is looked for
-  std::uint64_t loads_ = 0;    ///< of bodies and solvers: answers to earlier ones do not count
-  std::uint64_t solves_ = 0;
+  std::string table_path_;        ///< of the body
+  std::string solver_program_;    ///< empty: where it is looked for
+  std::uint64_t load_number_ = 0; ///< of bodies and solvers: answers to earlier ones do not count
+  std::uint64_t solve_count_ = 0;
   double solve_s_ = 0; ///< the last one's duration
-  bool solving_ = false, solver_lost_ = false, solve_failed_ = false;
-  std::optional<std::vector<double>> rest_displacement_m_; ///< when the wait for rest began
+  bool solving_ = false, solver_unavailable_ = false, solve_failed_ = false;
+  std::optional<std::vector<double>> settle_displacement_m_; ///< when the wait for rest began
   std::optional<ModeSolver::Request> solver_request_; ///< in a render: the answer's time is set
   ModeSolver solver_; // last: their threads end before what they use
   TableWorker worker_;

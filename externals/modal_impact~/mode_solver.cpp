@@ -1,7 +1,7 @@
 #include "externals/modal_impact~/mode_solver.hpp"
 
 #include "core/modal/table/resolved_modes.hpp"
-#include "externals/ordinary_priority.hpp"
+#include "externals/normal_priority.hpp"
 
 #include <algorithm>
 #include <new>
@@ -12,7 +12,7 @@ namespace tactus::modal {
 namespace {
 
 constexpr const char* kProgram = "modal_fem";
-constexpr double kLook_s = 0.05; // between looks at the clock and at what is to be given up
+constexpr double kPollInterval_s = 0.05; // between looks at the clock and at what is to be given up
 
 } // namespace
 
@@ -48,7 +48,7 @@ std::optional<ModeSolver::Result> ModeSolver::take() {
   return std::exchange(done_, std::nullopt);
 }
 
-void ModeSolver::forget(std::uint64_t number) {
+void ModeSolver::restart(std::uint64_t number) {
   number_ = number;
   if (!thread_.joinable()) {
     child_.reset();
@@ -56,7 +56,7 @@ void ModeSolver::forget(std::uint64_t number) {
   }
   {
     const std::lock_guard lock(mutex_);
-    forgets_ = true;
+    restarting_ = true;
     waiting_.reset();
     done_.reset();
   }
@@ -85,7 +85,7 @@ std::optional<ServedProgram::Message> ModeSolver::await(const Request& request,
   while (!stop.stop_requested() && number_ == request.number) {
     if (auto message = child_->poll(expects, lost); message || !lost.empty())
       return message;
-    child_->wait(kLook_s);
+    child_->wait(kPollInterval_s);
   }
   child_.reset();
   return {};
@@ -130,20 +130,20 @@ std::string ModeSolver::exchange(const Request& request, const std::stop_token& 
     shapes.push_back(sensitivity.solved_at(p));
   child_->ask(ServeKind::solve, std::as_bytes(std::span(shapes)), limits_.solve_s);
   const std::uint64_t limit = max_answer_bytes(body.table);
-  const auto answer = await(
+  const auto reply = await(
       request, stop,
       [limit](const ServeHeader& header) {
         return header.kind == static_cast<std::uint32_t>(ServeKind::modes) && header.size <= limit;
       },
       lost);
-  if (!answer)
+  if (!reply)
     return lost;
-  if (answer->kind == ServeKind::refused) {
-    result.refusal = sentence(*answer);
+  if (reply->kind == ServeKind::refused) {
+    result.refusal = sentence(*reply);
     return {};
   }
   ResolvedModes resolved;
-  if (const std::string refusal = read_resolved_modes(answer->payload, body.table, resolved);
+  if (const std::string refusal = read_resolved_modes(reply->payload, body.table, resolved);
       !refusal.empty())
     return "the solver's answer cannot be, and it was ended: " + refusal;
   result.seconds = resolved.seconds;
@@ -180,15 +180,15 @@ ModeSolver::Result ModeSolver::solve(const Request& request, const std::stop_tok
 }
 
 void ModeSolver::work(const std::stop_token& stop) {
-  take_ordinary_priority();
+  set_normal_priority();
   while (!stop.stop_requested()) {
     std::optional<Request> request;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return waiting_ || forgets_; }))
+      if (!wake_.wait(lock, stop, [this] { return waiting_ || restarting_; }))
         break;
       request = std::exchange(waiting_, std::nullopt);
-      forgets_ = false;
+      restarting_ = false;
     }
     if (child_ && child_number_ != number_)
       child_.reset();

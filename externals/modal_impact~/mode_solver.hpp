@@ -59,7 +59,7 @@ public:
   /// The work itself, in the caller's time: not where request() is used.
   [[nodiscard]] Result solve(const Request& request, const std::stop_token& stop = {});
   /// Ends the child and what is under way: from now on requests have this number.
-  void forget(std::uint64_t number);
+  void restart(std::uint64_t number);
 
 private:
   void work(const std::stop_token& stop);
@@ -84,7 +84,7 @@ private:
   std::condition_variable_any wake_;
   std::optional<Request> waiting_;
   std::optional<Result> done_;
-  bool forgets_ = false;
+  bool restarting_ = false;
   std::function<void()> ready_;
   std::jthread thread_; // last: it ends before what it uses
 };

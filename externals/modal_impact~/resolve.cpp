@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
 #include <algorithm>
@@ -12,28 +12,29 @@ using namespace modal_impact;
 
 namespace {
 
-constexpr double kRest_ms = 150;       // without a move, as [stress_haptic] has it
-constexpr double kBatchAnswer_ms = 10; // a render's logical time from request to answer
+constexpr double kSettleTime_ms = 150; // without a move, as [stress_haptic] has it
+constexpr double kBatchReply_ms = 10;  // a render's logical time from request to answer
 // Of the trust size: a hand or a device that holds still trembles by less, and the derivatives,
 // whose error goes as the square, are right to some 1e-6 within it.
-constexpr double kStill = 0.01;
+constexpr double kMovedRatio = 0.01;
 
-double farthest(const std::vector<Vec3>& ways) {
-  double most = 0;
-  for (const Vec3& way : ways)
-    most = std::max(most, norm(way));
-  return most;
+double max_norm(const std::vector<Vec3>& offsets) {
+  double maximum = 0;
+  for (const Vec3& offset : offsets)
+    maximum = std::max(maximum, norm(offset));
+  return maximum;
 }
 
 } // namespace
 
-bool ModalImpact::wants_solve() const {
+bool ModalImpact::needs_solve() const {
   if (!table_ || !table_->body().table.has_mesh || value_[kResolve] >= 0.5)
     return false;
-  return trust_ratio() > kStill;
+  return trust_ratio() > kMovedRatio;
 }
 
-std::vector<Vec3> ModalImpact::from_solved_m(const std::vector<double>& displacement_m) const {
+std::vector<Vec3>
+ModalImpact::control_point_offsets_m(const std::vector<double>& displacement_m) const {
   const ShapeSensitivity& sensitivity = table_->table.sensitivity;
   std::vector<Vec3> moved(sensitivity.shape.control_point_m.size());
   for (std::size_t p = 0; p < sensitivity.parameters(); ++p) {
@@ -45,74 +46,74 @@ std::vector<Vec3> ModalImpact::from_solved_m(const std::vector<double>& displace
 }
 
 double ModalImpact::trust_ratio() const {
-  return farthest(from_solved_m(settings_.shape_displacement_m)) /
+  return max_norm(control_point_offsets_m(settings_.shape_displacement_m)) /
          table_->table.sensitivity.shape.trust_m;
 }
 
 /// The shape is where it was when the wait for its rest began, but for trembling.
-bool ModalImpact::waits_still() const {
-  if (!rest_displacement_m_)
+bool ModalImpact::still_since_wait() const {
+  if (!settle_displacement_m_)
     return false;
-  std::vector<Vec3> way = from_solved_m(settings_.shape_displacement_m);
-  const std::vector<Vec3> then = from_solved_m(*rest_displacement_m_);
-  for (std::size_t c = 0; c < way.size(); ++c)
-    way[c] = way[c] - then[c];
-  return farthest(way) <= kStill * table_->table.sensitivity.shape.trust_m;
+  std::vector<Vec3> offset = control_point_offsets_m(settings_.shape_displacement_m);
+  const std::vector<Vec3> then = control_point_offsets_m(*settle_displacement_m_);
+  for (std::size_t c = 0; c < offset.size(); ++c)
+    offset[c] = offset[c] - then[c];
+  return max_norm(offset) <= kMovedRatio * table_->table.sensitivity.shape.trust_m;
 }
 
-void ModalImpact::wait_for_rest(double ms, Host& host) {
-  rest_displacement_m_.reset();
+void ModalImpact::start_settle_timer(double ms, Host& host) {
+  settle_displacement_m_.reset();
   if (ms >= 0)
-    rest_displacement_m_ = settings_.shape_displacement_m;
-  host.wake_in(kRestTimer, ms);
+    settle_displacement_m_ = settings_.shape_displacement_m;
+  host.wake_in(kSettleTimer, ms);
 }
 
 void ModalImpact::shape_moved(bool beyond_trust, Host& host) {
   solve_failed_ = false;
-  if (solver_lost_ || !wants_solve())
-    return wait_for_rest(-1, host);
+  if (solver_unavailable_ || !needs_solve())
+    return start_settle_timer(-1, host);
   if (beyond_trust && !solving_)
     start_solve(host);
-  else if (!waits_still())
-    wait_for_rest(kRest_ms, host);
+  else if (!still_since_wait())
+    start_settle_timer(kSettleTime_ms, host);
 }
 
 void ModalImpact::start_solve(Host& host) {
-  wait_for_rest(-1, host);
-  if (solving_ || solve_failed_ || solver_lost_ || !wants_solve())
+  start_settle_timer(-1, host);
+  if (solving_ || solve_failed_ || solver_unavailable_ || !needs_solve())
     return;
   std::vector<double> displacement = settings_.shape_displacement_m;
   displacement.resize(table_->table.sensitivity.parameters());
-  ModeSolver::Request request{loads_, table_path_, solver_program_, table_,
+  ModeSolver::Request request{load_number_, table_path_, solver_program_, table_,
                               std::move(displacement)};
   solving_ = true;
   if (!host.real_time()) { // the answer comes at the same logical time in every render
     solver_request_ = std::move(request);
-    return host.wake_in(kAnswerTimer, kBatchAnswer_ms);
+    return host.wake_in(kReplyTimer, kBatchReply_ms);
   }
   if (const std::string refusal =
           solver_.request(std::move(request), [waiting = &host] { waiting->wake_from_thread(); });
       !refusal.empty()) {
     solving_ = false;
-    solver_lost_ = true;
+    solver_unavailable_ = true;
     host.error("resolve: " + refusal + "; frequencies are extrapolated until load or solver");
   }
 }
 
 void ModalImpact::tick(std::size_t timer, Host& host) {
   host_ = &host;
-  if (timer == kRestTimer)
+  if (timer == kSettleTimer)
     return start_solve(host);
   if (auto request = std::exchange(solver_request_, std::nullopt))
-    take_solution(solver_.solve(*request), host);
+    accept_solution(solver_.solve(*request), host);
 }
 
-void ModalImpact::take_solution(ModeSolver::Result result, Host& host) {
-  if (result.number != loads_)
+void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
+  if (result.number != load_number_)
     return;
   solving_ = false;
   if (result.lost) {
-    solver_lost_ = true;
+    solver_unavailable_ = true;
     return host.error("resolve: " + result.refusal +
                       "; frequencies are extrapolated until load or solver");
   }
@@ -123,14 +124,14 @@ void ModalImpact::take_solution(ModeSolver::Result result, Host& host) {
   if (value_[kResolve] >= 0.5)
     return;
   if (result.before != table_) // another board came meanwhile
-    return wait_for_rest(0, host);
+    return start_settle_timer(0, host);
   if (result.fraction < 1) {
     solve_failed_ = true;
     host.error("resolve: elements would turn inside out before this shape: the modes are solved "
                "at " +
                number_text(100 * result.fraction) + " % of the move, and extrapolated from there");
   }
-  ++solves_;
+  ++solve_count_;
   solve_s_ = result.seconds;
   TableWorker::Request request{{}, {}, std::move(result.table), settings(), {}, table_};
   carry_out(request, "resolve", value_[kSync] >= 0.5 || !host.real_time(), host);
@@ -138,24 +139,24 @@ void ModalImpact::take_solution(ModeSolver::Result result, Host& host) {
 
 /// A table solved anew is in force.
 void ModalImpact::resolved(Host& host) {
-  if (last_place_)
-    last_place_ =
-        table_->surface.on(last_place_->triangle, last_place_->weight[1], last_place_->weight[2]);
+  if (last_point_)
+    last_point_ =
+        table_->surface.on(last_point_->triangle, last_point_->weight[1], last_point_->weight[2]);
   warned_of_trust_ = false;
-  host.info({"resolved", static_cast<double>(solves_), solve_s_});
-  if (wants_solve() && !solve_failed_)
+  host.info({"resolved", static_cast<double>(solve_count_), solve_s_});
+  if (needs_solve() && !solve_failed_)
     shape_moved(trust_ratio() > 1 + 1e-9, host);
 }
 
-void ModalImpact::forget_solver(Host* host) {
-  solver_.forget(++loads_);
+void ModalImpact::reset_solver(Host* host) {
+  solver_.restart(++load_number_);
   solver_request_.reset();
-  rest_displacement_m_.reset();
-  solving_ = solver_lost_ = solve_failed_ = false;
+  settle_displacement_m_.reset();
+  solving_ = solver_unavailable_ = solve_failed_ = false;
   if (!host)
     return;
-  host->wake_in(kRestTimer, -1);
-  host->wake_in(kAnswerTimer, -1);
+  host->wake_in(kSettleTimer, -1);
+  host->wake_in(kReplyTimer, -1);
 }
 
 void ModalImpact::set_solver(const Atom& program, Host& host) {
@@ -170,9 +171,9 @@ void ModalImpact::set_solver(const Atom& program, Host& host) {
                         "may be run: expected the path of modal_fem");
   }
   solver_program_ = std::move(path);
-  forget_solver(&host);
-  if (wants_solve())
-    wait_for_rest(0, host);
+  reset_solver(&host);
+  if (needs_solve())
+    start_settle_timer(0, host);
 }
 
 } // namespace tactus::modal

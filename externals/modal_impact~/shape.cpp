@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace tactus::modal {
 namespace {
 
 constexpr double kMillimetre = 0.001;
-constexpr std::size_t kMaxTold = 128; // control points that info lists
+constexpr std::size_t kMaxListed = 128; // control points that info lists
 
 } // namespace
 
@@ -59,8 +59,8 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
     return host.error("cp: " + refusal);
   const auto point = static_cast<std::size_t>(n[0]);
   std::vector<double> displacement = shape_displacement_m(*shape);
-  const Vec3 place = Vec3{n[1], n[2], n[3]} * (kMillimetre / value_[modal_impact::kSize]);
-  displace(shape->parameters, point, place - shape->control_point_m[point], displacement);
+  const Vec3 position = Vec3{n[1], n[2], n[3]} * (kMillimetre / value_[modal_impact::kSize]);
+  displace(shape->parameters, point, position - shape->control_point_m[point], displacement);
   deform(std::move(displacement), *shape, host);
 }
 
@@ -68,24 +68,24 @@ void ModalImpact::deform(std::vector<double> displacement, const table::ShapePar
                          Host& host) {
   if (displacement == shape_displacement_m(shape))
     return; // what is sent again is no move
-  const std::vector<Vec3> moved = from_solved_m(displacement);
-  const auto farthest = std::max_element(
+  const std::vector<Vec3> moved = control_point_offsets_m(displacement);
+  const auto largest = std::max_element(
       moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });
-  const bool beyond = norm(*farthest) > shape.trust_m * (1 + 1e-9);
+  const bool beyond = norm(*largest) > shape.trust_m * (1 + 1e-9);
   const bool solves =
-      table_->body().table.has_mesh && !solver_lost_ && value_[modal_impact::kResolve] < 0.5;
+      table_->body().table.has_mesh && !solver_unavailable_ && value_[modal_impact::kResolve] < 0.5;
   if (!warned_of_trust_ && beyond && !solves) {
     warned_of_trust_ = true;
-    host.log("control point " + std::to_string(farthest - moved.begin()) + " is moved by " +
-             number_text(1000 * norm(*farthest)) + " mm, the table trusts " +
+    host.log("control point " + std::to_string(largest - moved.begin()) + " is moved by " +
+             number_text(1000 * norm(*largest)) + " mm, the table trusts " +
              number_text(1000 * shape.trust_m) + " mm: frequencies are extrapolated; said once");
   }
   settings_.shape_displacement_m = std::move(displacement);
-  renew();
+  rebuild_model();
   shape_moved(beyond, host);
 }
 
-void ModalImpact::tell_shape(Host& host) const {
+void ModalImpact::post_shape(Host& host) const {
   const ShapeSensitivity& sensitivity = table_->table.sensitivity;
   if (sensitivity.empty())
     return;
@@ -96,15 +96,15 @@ void ModalImpact::tell_shape(Host& host) const {
   for (const double d : displacement)
     list.emplace_back(mm * d);
   host.info(list);
-  std::size_t told = 0;
-  for (std::size_t c = 0; c < shape.control_point_m.size() && told < kMaxTold; ++c) {
+  std::size_t listed = 0;
+  for (std::size_t c = 0; c < shape.control_point_m.size() && listed < kMaxListed; ++c) {
     if (std::none_of(shape.parameters.begin(), shape.parameters.end(),
                      [c](const table::DesignParameter& p) { return p.control_point == c; }))
       continue;
-    ++told;
-    const Vec3 place =
+    ++listed;
+    const Vec3 position =
         mm * (shape.control_point_m[c] + displacement_of(shape.parameters, c, displacement));
-    host.info({"cp", static_cast<double>(c), place.x, place.y, place.z});
+    host.info({"cp", static_cast<double>(c), position.x, position.y, position.z});
   }
 }
 

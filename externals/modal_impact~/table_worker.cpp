@@ -49,19 +49,19 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
 
 /// A request for the table that another replaces is one for that.
 void TableWorker::follow(Request& request) const {
-  if (!replacing_ || request.table != replaced_)
+  if (!pending_table_ || request.table != pending_before_)
     return;
-  if (request.table && &request.table->body() != &replacing_->body() &&
-      !replacing_->body().follows(request.table->body())) // displacements were another body's
+  if (request.table && &request.table->body() != &pending_table_->body() &&
+      !pending_table_->body().follows(request.table->body())) // displacements were another body's
     request.settings.shape_displacement_m.clear();
-  request.table = replacing_;
+  request.table = pending_table_;
 }
 
 std::optional<TableWorker::Result> TableWorker::take() {
   const std::lock_guard lock(mutex_);
   if (waiting_)
     follow(*waiting_);
-  replaced_ = replacing_ = nullptr;
+  pending_before_ = pending_table_ = nullptr;
   return std::exchange(done_, std::nullopt);
 }
 
@@ -141,9 +141,9 @@ void TableWorker::work(const std::stop_token& stop) {
         result.board_loaded |= done_->board_loaded;
       }
       if (result.model && (result.table != request.table || request.replaces)) {
-        if (!replacing_)
-          replaced_ = request.replaces ? request.replaces : request.table;
-        replacing_ = result.table;
+        if (!pending_table_)
+          pending_before_ = request.replaces ? request.replaces : request.table;
+        pending_table_ = result.table;
       }
       done_ = std::move(result);
     }

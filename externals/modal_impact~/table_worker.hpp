@@ -59,7 +59,7 @@ private:
   std::optional<Request> waiting_;
   std::optional<Result> done_;
   /// The table that waits in `done_` and the one that it follows: requests made meanwhile mean it.
-  std::shared_ptr<const LoadedTable> replaced_, replacing_;
+  std::shared_ptr<const LoadedTable> pending_before_, pending_table_;
   std::function<void()> ready_;
   std::jthread thread_;
 };

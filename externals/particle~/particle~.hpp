@@ -1,10 +1,10 @@
 #pragma once
 
+#include "core/declaration_text.hpp"
 #include "core/object.hpp"
 #include "core/particle/particle_system.hpp"
 #include "core/particle/presets.hpp"
 #include "core/reed/instrument/soft_clip.hpp"
-#include "core/words.hpp"
 #include "externals/particle~/declaration.hpp"
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/phantom/estop_latches.hpp"
 #include "externals/phantom/motor_heat.hpp"
 #include "externals/phantom/numbers.hpp"
@@ -16,7 +16,7 @@ using Answer = DeviceWorker::Answer;
 
 namespace {
 
-constexpr double kWatchEvery_ms = 50;
+constexpr double kWatchInterval_ms = 50;
 constexpr double kOverdue_s = 1;     // for closing a device, or for an opening that was cancelled
 constexpr double kListOverdue_s = 3; // for a list
 
@@ -62,19 +62,19 @@ bool Phantom::for_simulation(std::string_view message, Host& host) const {
 }
 
 void Phantom::on_backend(Words words, Host& host) {
-  const devices::Driver* wanted = nullptr;
+  const devices::Driver* requested = nullptr;
   if (!is(words[0], "sim")) {
-    wanted = words[0].is_word ? devices::find_driver(words[0].word) : nullptr;
-    if (!wanted)
+    requested = words[0].is_word ? devices::find_driver(words[0].word) : nullptr;
+    if (!requested)
       return host.error(expected("backend", words[0], known_drivers()));
   } else if (words.size() > 1) {
     return host.error("backend sim: takes no arguments");
   }
   Device made;
-  if (wanted) {
-    made = wanted->make();
+  if (requested) {
+    made = requested->make();
     if (!made)
-      return host.error("backend " + std::string(wanted->name) + ": " + wanted->obstacle());
+      return host.error("backend " + std::string(requested->name) + ": " + requested->problem());
     if (words.size() > 1)
       if (const std::string refusal = configure(*made, words.subspan(1), words.size() == 2);
           !refusal.empty())
@@ -85,7 +85,7 @@ void Phantom::on_backend(Words words, Host& host) {
     return;
   }
   disconnect(host);
-  driver_ = wanted;
+  driver_ = requested;
   device_ = std::move(made);
   if (!driver_ && created_)
     connect_simulation(host);
@@ -136,13 +136,13 @@ void Phantom::on_devices(Host& host) {
 }
 
 void Phantom::on_name(Words words, Host& host) {
-  if (offered_)
-    host.offer(signal_link_name(name_), nullptr);
+  if (signals_offered_)
+    host.publish(signal_link_name(name_), nullptr);
   name_ = text_of(words[0]);
-  offered_ = created_ && host.offer(signal_link_name(name_), rig_->signals);
+  signals_offered_ = created_ && host.publish(signal_link_name(name_), rig_->signals);
   if (!created_)
     return; // creation does the rest
-  if (!offered_)
+  if (!signals_offered_)
     host.error("name " + name_ + ": another phantom has it; phantom~ finds that one");
   if (exchange().motors.request().stopped)
     latch_stop();
@@ -155,7 +155,7 @@ void Phantom::connect_simulation(Host& host) {
   link_ = Link::kOpen;
   wall_ = clock_ == Clock::kWall;
   attach();
-  settle();
+  apply_settings();
   begin(host);
   send_status("open", host);
 }
@@ -181,7 +181,7 @@ void Phantom::connect(Words which, Host& host) {
   send_status("opening", host);
   if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_); !refusal.empty())
     return closed("open: " + refusal, host);
-  host.wake_in(kWatchWorker, kWatchEvery_ms);
+  host.wake_in(kWatchWorker, kWatchInterval_ms);
 }
 
 void Phantom::disconnect(Host& host) {
@@ -192,7 +192,7 @@ void Phantom::disconnect(Host& host) {
   } else {
     fade_out();
     rig_->servo.detach();
-    rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+    rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
     static_cast<void>(simulated_.write({}));
     simulated_.close();
   }
@@ -202,7 +202,7 @@ void Phantom::disconnect(Host& host) {
 /// Hands the real device and the servo that runs on it to the worker, which lets the force fall and
 /// closes the device; the object goes on with another servo.
 void Phantom::end_session(Host& host) {
-  worker_->forget();
+  worker_->abandon();
   while (const auto answer = worker_->take())
     if (answer->kind == Answer::Kind::kOpened)
       static_cast<void>(worker_->close(driver_, {}, answer->device)); // its thread is there
@@ -210,14 +210,14 @@ void Phantom::end_session(Host& host) {
     collect(host);
     if (!open())
       return; // the device was lost at this very moment
-    rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+    rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
     exchange().motors.pause(true);
     if (const std::string refusal = worker_->close(driver_, {rig_, runner_}, device_);
         !refusal.empty())
       host.error("close: " + refusal);
     replace_rig(host);
   }
-  host.wake_in(kWatchWorker, kWatchEvery_ms);
+  host.wake_in(kWatchWorker, kWatchInterval_ms);
 }
 
 /// Nothing is connected any more.
@@ -230,9 +230,9 @@ void Phantom::closed(std::string_view why, Host& host) {
 }
 
 /// For the next servo that drives this device.
-void Phantom::keep_heat() noexcept {
+void Phantom::store_heat() noexcept {
   exchange().reports.read();
-  keep_motor_heat(device_key_, exchange().reports.latest().heat_n2, devices::ServoThread::now_s());
+  store_motor_heat(device_key_, exchange().reports.latest().heat_n2, devices::ServoThread::now_s());
 }
 
 /// Another servo with the same wishes, scene and name. The last one belongs to the thread that ends
@@ -244,7 +244,7 @@ void Phantom::replace_rig(Host& host) {
   fresh.motors.take_over(last.motors);
   fresh.tracing = last.tracing.load();
   last.tracing = false;
-  keep_heat();
+  store_heat();
   last.statistics.read();
   fresh.reports.write(last.reports.latest());
   fresh.reports.read();
@@ -252,19 +252,19 @@ void Phantom::replace_rig(Host& host) {
   fresh.statistics.read();
   fresh.wrist.write(wrist_);
   next->scene.publish(scene_.snapshot());
-  next->network.publish(network_book_.snapshot());
+  next->network.publish(network_.snapshot());
   next->effects.set(effect_settings_);
-  if (offered_) {
-    host.offer(signal_link_name(name_), nullptr);
-    offered_ = host.offer(signal_link_name(name_), next->signals);
+  if (signals_offered_) {
+    host.publish(signal_link_name(name_), nullptr);
+    signals_offered_ = host.publish(signal_link_name(name_), next->signals);
   }
   rig_ = std::move(next);
   runner_ = std::make_shared<devices::ServoThread>();
   running_ = false;
   faults_ = 0;
-  lost_told_ = 0;
+  lost_reported_ = 0;
   audio_blocks_ = 0;
-  settle();
+  apply_settings();
 }
 
 void Phantom::posted(Host& host) {
@@ -318,7 +318,7 @@ void Phantom::watch_worker(Host& host) {
   const std::string late = worker_->overdue(kOverdue_s);
   if (late.empty()) {
     if (worker_->busy())
-      host.wake_in(kWatchWorker, kWatchEvery_ms);
+      host.wake_in(kWatchWorker, kWatchInterval_ms);
     return;
   }
   const bool again = link_ == Link::kOpening;
@@ -329,7 +329,7 @@ void Phantom::watch_worker(Host& host) {
     if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_);
         !refusal.empty())
       return closed("open: " + refusal, host);
-    return host.wake_in(kWatchWorker, kWatchEvery_ms);
+    return host.wake_in(kWatchWorker, kWatchInterval_ms);
   }
   if (driver_ && link_ != Link::kClosed) {
     if (open())
@@ -352,14 +352,14 @@ void Phantom::opened(const Answer& answer, Host& host) {
   flags_ = haptic::State::kHomed;
   if (!trouble_.empty())
     send_trouble(trouble_ = {}, host);
-  heard_trouble_.clear();
+  driver_trouble_.clear();
   device_key_ = device_key(driver_->name, device_->identity().serial);
   rig_->servo.set_motor_heat(motor_heat_n2(device_key_, devices::ServoThread::now_s()));
   inherit_stop(device_key_, host);
   if (exchange().motors.request().stopped)
     latch_stop();
   attach();
-  settle();
+  apply_settings();
   send_status("open", host);
   send_identity(host);
   if (caps.axes_out == 0)
@@ -388,21 +388,21 @@ void Phantom::listed(const Answer& answer, Host& host) {
     host.info({"device", found.driver, static_cast<double>(found.index), std::string_view(vendor),
                std::string_view(model), std::string_view(serial), std::string_view(state)});
   }
-  for (const auto& [driver, obstacle] : answer.obstacles)
-    host.info({"obstacle", std::string_view(driver), std::string_view(obstacle)});
+  for (const auto& [driver, problem] : answer.problems)
+    host.info({"obstacle", std::string_view(driver), std::string_view(problem)});
 }
 
 /// Also when the host's program ends without deleting the object.
 void Phantom::let_go() noexcept {
-  rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+  rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
   if (!driver_) {
     fade_out();
     rig_->servo.detach();
   } else if (worker_) {
-    worker_->forget();
+    worker_->abandon();
     exchange().motors.pause(true);
     if (open()) {
-      keep_heat();
+      store_heat();
       static_cast<void>(worker_->close(driver_, {rig_, runner_}, device_));
     }
   }

@@ -1,6 +1,6 @@
 #include "externals/phantom/device_worker.hpp"
 
-#include "devices/signals_held_back.hpp"
+#include "devices/scoped_signal_mask.hpp"
 #include "externals/phantom/device_worker_state.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace tactus::phantom {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(5);
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
 /// Those with a thread, for the end of the program; never destroyed.
 struct Table {
@@ -38,15 +38,15 @@ DeviceWorker::~DeviceWorker() {
   }
   const std::scoped_lock lock(state_->mutex);
   state_->ending = true;
-  state_->drop_ticket();
+  state_->invalidate_ticket();
 }
 
-std::string DeviceWorker::give(Task task) {
+std::string DeviceWorker::enqueue(Task task) {
   const std::scoped_lock lock(state_->mutex);
   if (state_->ending)
     return "the program ends";
   if (!state_->has_thread) {
-    const devices::SignalsHeldBack held; // so do the drivers' threads, which the worker starts
+    const devices::ScopedSignalMask held; // so do the drivers' threads, which the worker starts
     try {
       std::thread([state = state_] { state->work(); }).detach();
     } catch (const std::system_error& error) {
@@ -66,23 +66,23 @@ std::string DeviceWorker::give(Task task) {
 }
 
 std::string DeviceWorker::open(const devices::Driver& driver, Device device, std::uint64_t ticket) {
-  return give({Task::Kind::kOpen, &driver, std::move(device), {}, ticket});
+  return enqueue({Task::Kind::kOpen, &driver, std::move(device), {}, ticket});
 }
 std::string DeviceWorker::run(Session session, double period_s, std::uint64_t ticket) {
-  return give({Task::Kind::kRun, nullptr, {}, std::move(session), ticket, period_s});
+  return enqueue({Task::Kind::kRun, nullptr, {}, std::move(session), ticket, period_s});
 }
 std::string DeviceWorker::close(const devices::Driver* driver, Session session, Device device) {
-  return give({Task::Kind::kClose, driver, std::move(device), std::move(session)});
+  return enqueue({Task::Kind::kClose, driver, std::move(device), std::move(session)});
 }
 std::string DeviceWorker::reopen(const devices::Driver& driver, Session session, Device device,
                                  std::uint64_t ticket) {
-  return give({Task::Kind::kReopen, &driver, std::move(device), std::move(session), ticket});
+  return enqueue({Task::Kind::kReopen, &driver, std::move(device), std::move(session), ticket});
 }
-std::string DeviceWorker::list() { return give({Task::Kind::kList}); }
+std::string DeviceWorker::list() { return enqueue({Task::Kind::kList}); }
 
-void DeviceWorker::forget() {
+void DeviceWorker::abandon() {
   const std::scoped_lock lock(state_->mutex);
-  state_->drop_ticket();
+  state_->invalidate_ticket();
 }
 
 std::optional<DeviceWorker::Answer> DeviceWorker::take() {
@@ -112,7 +112,7 @@ bool DeviceWorker::finish(double seconds) noexcept {
   {
     const std::scoped_lock lock(state_->mutex);
     state_->ending = true;
-    state_->drop_ticket();
+    state_->invalidate_ticket();
   }
   const double end_s = devices::ServoThread::now_s() + seconds;
   for (;;) {
@@ -122,11 +122,11 @@ bool DeviceWorker::finish(double seconds) noexcept {
       return true;
     if (devices::ServoThread::now_s() > end_s)
       return false;
-    state_->changed.wait_for(lock, kLook);
+    state_->changed.wait_for(lock, kPollInterval);
   }
 }
 
-void DeviceWorker::finish_all(double seconds) noexcept {
+void DeviceWorker::join_all(double seconds) noexcept {
   std::vector<std::shared_ptr<State>> all;
   {
     const std::scoped_lock lock(table().mutex);
@@ -137,7 +137,7 @@ void DeviceWorker::finish_all(double seconds) noexcept {
   const auto ask_to_end = [](State& state) {
     const std::scoped_lock lock(state.mutex);
     state.ending = true;
-    state.drop_ticket();
+    state.invalidate_ticket();
     return !state.has_thread;
   };
   const double end_s = devices::ServoThread::now_s() + seconds;
@@ -147,7 +147,7 @@ void DeviceWorker::finish_all(double seconds) noexcept {
       break;
     for (const auto& state : all)
       state->cancel_unwanted();
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
   for (const auto& state : all) {
     const std::scoped_lock lock(state->mutex);

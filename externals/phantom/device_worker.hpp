@@ -41,10 +41,10 @@ public:
     Kind kind = Kind::kRefused;
     std::uint64_t ticket = 0; ///< the request's
     Device device{};
-    std::string sentence{};                                       ///< why not
-    bool released = true;                                         ///< of kClosed: zero force taken
-    std::vector<devices::Found> found{};                          ///< of kListed
-    std::vector<std::pair<std::string, std::string>> obstacles{}; ///< drivers that cannot work
+    std::string sentence{};                                      ///< why not
+    bool released = true;                                        ///< of kClosed: zero force taken
+    std::vector<devices::Found> found{};                         ///< of kListed
+    std::vector<std::pair<std::string, std::string>> problems{}; ///< drivers that cannot work
   };
 
   /// `ready` is called in the worker's thread whenever an answer waits, until this is destroyed.
@@ -69,7 +69,7 @@ public:
                                    std::uint64_t ticket);
   [[nodiscard]] std::string list();
   /// What was asked to be opened before is not wanted any more; it is closed when it opens.
-  void forget();
+  void abandon();
 
   [[nodiscard]] std::optional<Answer> take();
   [[nodiscard]] bool busy() const;
@@ -81,14 +81,14 @@ public:
 
   /// For the end of the host's program: waits until every worker's thread has finished, `seconds`
   /// at most in all. What still hangs then is said on the standard error.
-  static void finish_all(double seconds) noexcept;
+  static void join_all(double seconds) noexcept;
   /// This one's thread has ended all tasks, or not within that time. Nothing more can be asked for.
   [[nodiscard]] bool finish(double seconds) noexcept;
 
 private:
   struct State;
   struct Task;
-  [[nodiscard]] std::string give(Task task);
+  [[nodiscard]] std::string enqueue(Task task);
 
   std::shared_ptr<State> state_; // shared with the thread
 };

@@ -36,16 +36,16 @@ struct DeviceWorker::State {
   std::mutex ready_mutex; ///< held while `ready` is called, which takes no time
   std::function<void()> ready;
 
-  void drop_ticket();
+  void invalidate_ticket();
   void cancel_unwanted();
 
   // the thread's side
   void work();
 
 private:
-  void carry_out(Task& task);
+  void execute(Task& task);
   void answer(Answer answer);
-  [[nodiscard]] bool wanted(std::uint64_t asked) const;
+  [[nodiscard]] bool is_current(std::uint64_t requested_ticket) const;
   void begin_call(std::string what, Device opened);
   void end_call();
   [[nodiscard]] std::string try_open(const Task& task);

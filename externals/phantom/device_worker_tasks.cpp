@@ -15,7 +15,7 @@ constexpr double kOneHour_s = 3600;
 } // namespace
 
 /// With the lock held.
-void DeviceWorker::State::drop_ticket() {
+void DeviceWorker::State::invalidate_ticket() {
   ticket = ~std::uint64_t{0};
   if (called && since_s == 0)
     since_s = devices::ServoThread::now_s();
@@ -35,9 +35,9 @@ void DeviceWorker::State::cancel_unwanted() {
     opened->cancel();
 }
 
-bool DeviceWorker::State::wanted(std::uint64_t asked) const {
+bool DeviceWorker::State::is_current(std::uint64_t requested_ticket) const {
   const std::scoped_lock lock(mutex);
-  return !ending && ticket == asked;
+  return !ending && ticket == requested_ticket;
 }
 
 void DeviceWorker::State::begin_call(std::string what, Device opened) {
@@ -90,11 +90,11 @@ void DeviceWorker::State::work() {
     Task task = std::move(tasks.front());
     tasks.pop_front();
     lock.unlock();
-    carry_out(task);
+    execute(task);
   }
 }
 
-void DeviceWorker::State::carry_out(Task& task) {
+void DeviceWorker::State::execute(Task& task) {
   switch (task.kind) {
   case Task::Kind::kOpen:
     return open(task);
@@ -116,7 +116,7 @@ void DeviceWorker::State::carry_out(Task& task) {
 std::string DeviceWorker::State::try_open(const Task& task) {
   std::string refusal;
   auto entered = DriverUse::enter(
-      *task.driver, [&] { return wanted(task.ticket); }, refusal);
+      *task.driver, [&] { return is_current(task.ticket); }, refusal);
   if (!entered)
     return refusal;
   const bool shared = entered->shared();
@@ -126,7 +126,7 @@ std::string DeviceWorker::State::try_open(const Task& task) {
   }
   begin_call(std::string(task.driver->name) + ": opening the device", task.device);
   // What the driver says of its libraries may load them, which disturbs a device that runs.
-  refusal = shared ? std::string() : task.driver->obstacle();
+  refusal = shared ? std::string() : task.driver->problem();
   if (refusal.empty())
     refusal = task.device->open();
   end_call();
@@ -140,14 +140,14 @@ std::string DeviceWorker::State::try_open(const Task& task) {
 
 /// An open device, unless nobody wants it any more.
 void DeviceWorker::State::announce(const Task& task) {
-  bool asked_for = false;
+  bool still_requested = false;
   {
     const std::scoped_lock lock(mutex);
-    asked_for = !ending && ticket == task.ticket;
-    if (asked_for)
+    still_requested = !ending && ticket == task.ticket;
+    if (still_requested)
       answers.push_back({Answer::Kind::kOpened, task.ticket, task.device});
   }
-  if (!asked_for) {
+  if (!still_requested) {
     Task close{Task::Kind::kClose, task.driver, task.device};
     static_cast<void>(end(close));
     return;
@@ -158,7 +158,7 @@ void DeviceWorker::State::announce(const Task& task) {
 }
 
 void DeviceWorker::State::open(const Task& task) {
-  if (!wanted(task.ticket))
+  if (!is_current(task.ticket))
     return;
   std::string refusal = try_open(task);
   if (refusal.empty())
@@ -167,7 +167,7 @@ void DeviceWorker::State::open(const Task& task) {
 }
 
 void DeviceWorker::State::run(const Task& task) {
-  if (!wanted(task.ticket))
+  if (!is_current(task.ticket))
     return;
   const Session& session = task.session;
   begin_call("starting the device's servo", nullptr);
@@ -193,7 +193,8 @@ bool DeviceWorker::State::end(Task& task) {
   bool released = true;
   if (const Session& session = task.session; session.runner) {
     const double give_up_s = devices::ServoThread::now_s() + kFall_s;
-    while (session.runner->running() && !session.rig->servo.exchange().motors.at_rest() &&
+    while (session.runner->running() &&
+           !session.rig->servo.exchange().motors.zero_force_confirmed() &&
            devices::ServoThread::now_s() < give_up_s)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     while (!session.runner->stop(kOneHour_s)) {
@@ -236,10 +237,10 @@ void DeviceWorker::State::list() {
     begin_call(std::string(driver->name) + ": listing devices", nullptr);
     DriverUse::Listed listed = DriverUse::list(*driver);
     end_call();
-    if (listed.obstacle.empty())
+    if (listed.problem.empty())
       std::move(listed.found.begin(), listed.found.end(), std::back_inserter(all.found));
     else
-      all.obstacles.emplace_back(driver->name, std::move(listed.obstacle));
+      all.problems.emplace_back(driver->name, std::move(listed.problem));
   }
   answer(std::move(all));
 }

@@ -9,8 +9,8 @@
 namespace tactus::phantom {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(5);
-constexpr auto kPatience = std::chrono::seconds(3);
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
+constexpr auto kTimeout = std::chrono::seconds(3);
 
 } // namespace
 
@@ -28,10 +28,10 @@ DriverUse::Table& DriverUse::table() {
 }
 
 std::unique_ptr<DriverUse> DriverUse::enter(const devices::Driver& driver,
-                                            const std::function<bool()>& wanted,
+                                            const std::function<bool()>& keep_waiting,
                                             std::string& refusal) {
   auto use = std::unique_ptr<DriverUse>(new DriverUse(driver));
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + kTimeout;
   for (;;) {
     {
       const std::scoped_lock lock(table().mutex);
@@ -44,9 +44,9 @@ std::unique_ptr<DriverUse> DriverUse::enter(const devices::Driver& driver,
         return use;
       }
     }
-    if (!wanted() || std::chrono::steady_clock::now() > end)
+    if (!keep_waiting() || std::chrono::steady_clock::now() > end)
       break;
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
   refusal = std::string(driver.name) +
             ": an earlier call of this driver has not returned; switch the device off and on, "
@@ -112,8 +112,8 @@ DriverUse::Listed DriverUse::list(const devices::Driver& driver) {
     ++table().listings[&driver];
   }
   Listed listed;
-  listed.obstacle = driver.obstacle();
-  if (listed.obstacle.empty())
+  listed.problem = driver.problem();
+  if (listed.problem.empty())
     listed.found = driver.list();
   const std::scoped_lock lock(table().mutex);
   --table().listings[&driver];

@@ -16,8 +16,9 @@ class DriverUse {
 public:
   /// Waits until no list and no closing of that driver is under way, as long as `wanted`; null and
   /// one sentence in `refusal` when they take too long.
-  [[nodiscard]] static std::unique_ptr<DriverUse>
-  enter(const devices::Driver& driver, const std::function<bool()>& wanted, std::string& refusal);
+  [[nodiscard]] static std::unique_ptr<DriverUse> enter(const devices::Driver& driver,
+                                                        const std::function<bool()>& keep_waiting,
+                                                        std::string& refusal);
   ~DriverUse();
   DriverUse(const DriverUse&) = delete;
   DriverUse& operator=(const DriverUse&) = delete;
@@ -30,7 +31,7 @@ public:
 
   /// What one driver finds: from the driver itself or, while it is in use, from what is known.
   struct Listed {
-    std::string obstacle; ///< why the driver cannot work
+    std::string problem; ///< why the driver cannot work
     std::vector<devices::Found> found;
   };
   [[nodiscard]] static Listed list(const devices::Driver& driver);

@@ -1,6 +1,6 @@
 #include "externals/phantom/effect_message.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/text.hpp"

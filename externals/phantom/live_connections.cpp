@@ -37,7 +37,7 @@ void let_all_go() {
   // Nobody else registers now: the thread that ends the process is the host's own.
   for (LiveConnection* one : registry().all)
     one->let_go();
-  DeviceWorker::finish_all(kExit_s);
+  DeviceWorker::join_all(kExit_s);
 }
 
 // What the handler of a signal may look at: no lock, no memory that is ever freed.
@@ -66,7 +66,7 @@ void on_termination(int number) {
   handling = true; // from here on no motors' memory is freed
   all_driven([](haptic::MotorControl& motors) { return motors.emergency_stop(), true; });
   for (int waited = 0; waited < 200; ++waited) {
-    if (all_driven([](haptic::MotorControl& motors) { return motors.at_rest(); }))
+    if (all_driven([](haptic::MotorControl& motors) { return motors.zero_force_confirmed(); }))
       break;
     nanosleep(&tick, nullptr);
   }

@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/phantom/effect_message.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
@@ -70,7 +70,7 @@ void Phantom::on_workspace(Words words, Host& host) {
     return host.error(
         "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm");
   }
-  settle();
+  apply_settings();
 }
 
 void Phantom::on_map(Words words, Host& host) {
@@ -83,7 +83,7 @@ void Phantom::on_map(Words words, Host& host) {
   if (!map)
     return host.error("map: expected the letters xyz in some order and three signs 1 or -1");
   settings_.map = *map;
-  settle();
+  apply_settings();
 }
 
 void Phantom::on_interp(Words words, Host& host) {
@@ -99,7 +99,7 @@ void Phantom::on_interp(Words words, Host& host) {
   } else {
     return host.error(expected("interp", words[0], "auto, off or 0.25..1000 ms"));
   }
-  settle();
+  apply_settings();
 }
 
 void Phantom::on_watchdog(Words words, Host& host) {
@@ -110,11 +110,11 @@ void Phantom::on_watchdog(Words words, Host& host) {
     return host.error("watchdog: " + refusal);
   settings_.chain.hold_s = ms[0] * 1e-3;
   settings_.chain.ramp_s = ms[1] * 1e-3;
-  settle();
+  apply_settings();
 }
 
 void Phantom::on_scene(Words words, Host& host) {
-  if (const std::string refusal = scene_.obey(words, host); !refusal.empty())
+  if (const std::string refusal = scene_.handle(words, host); !refusal.empty())
     return host.error(refusal);
   rig_->scene.publish(scene_.snapshot());
   if (!is(words[0], "move") && !is(words[0], "del"))
@@ -122,9 +122,9 @@ void Phantom::on_scene(Words words, Host& host) {
 }
 
 void Phantom::warn_of_scene(Host& host) {
-  const SceneBook::Stiffest stiffest = scene_.stiffest();
-  warn_of_stiffness("scene: " + stiffest.name, stiffest.stiffness_n_per_m, host);
-  const SceneBook::LargestDamping damped = scene_.largest_damping();
+  const NamedScene::NamedStiffness max_stiffness = scene_.max_stiffness();
+  warn_of_stiffness("scene: " + max_stiffness.name, max_stiffness.stiffness_n_per_m, host);
+  const NamedScene::NamedDamping damped = scene_.max_damping();
   warn_of_damping("scene: " + damped.name, damped.damping_n_s_per_m, host);
 }
 
@@ -158,7 +158,7 @@ void Phantom::warn_of_damping(const std::string& what, double damping_n_s_per_m,
   if (!renders_force())
     return;
   const double bound =
-      haptic::EffectModel::damping_bound(device().caps().damping_limit_n_s_per_m, period_s());
+      haptic::EffectModel::max_passive_damping(device().caps().damping_limit_n_s_per_m, period_s());
   if (!(damping_n_s_per_m > bound) || damping_n_s_per_m <= warned_n_s_per_m_)
     return;
   warned_n_s_per_m_ = damping_n_s_per_m;
@@ -188,7 +188,7 @@ void Phantom::dump(Host& host) {
   host.info({"watchdog", chain.hold_s * 1e3, chain.ramp_s * 1e3});
   scene_.dump(host);
   dump_effects(effect_settings_, host);
-  network_book_.dump(host, period_s());
+  network_.dump(host, period_s());
   if (!driver_)
     dump_hand(host);
 }

@@ -26,23 +26,23 @@ Store& store() {
 }
 
 /// An unloaded motor cools exponentially: h' = -h / tau.
-double left_n2(const Heat& heat, double now_s) noexcept {
+double decayed_n2(const Heat& heat, double now_s) noexcept {
   const double passed_s = std::max(now_s - heat.time_s, 0.0);
   return heat.heat_n2 * std::exp(-passed_s / haptic::ThermalLimit::kTimeConstant_s);
 }
 
 } // namespace
 
-void keep_motor_heat(const std::string& key, double heat_n2, double now_s) {
+void store_motor_heat(const std::string& key, double heat_n2, double now_s) {
   const std::scoped_lock lock(store().mutex);
   Heat& heat = store().devices[key];
-  heat = {std::max(heat_n2, left_n2(heat, now_s)), now_s};
+  heat = {std::max(heat_n2, decayed_n2(heat, now_s)), now_s};
 }
 
 double motor_heat_n2(const std::string& key, double now_s) {
   const std::scoped_lock lock(store().mutex);
   const auto found = store().devices.find(key);
-  return found != store().devices.end() ? left_n2(found->second, now_s) : 0.0;
+  return found != store().devices.end() ? decayed_n2(found->second, now_s) : 0.0;
 }
 
 } // namespace tactus::phantom

@@ -9,7 +9,7 @@ namespace tactus::phantom {
 
 /// heat_n2: h of haptic::ThermalLimit, N^2; key: of estop_latches.hpp; now_s: of one steady clock.
 /// Devices that share a key, since they tell no serial number, share the highest heat.
-void keep_motor_heat(const std::string& key, double heat_n2, double now_s);
+void store_motor_heat(const std::string& key, double heat_n2, double now_s);
 /// What is left of it, N^2; 0 for a device that was never driven.
 [[nodiscard]] double motor_heat_n2(const std::string& key, double now_s);
 

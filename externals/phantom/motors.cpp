@@ -22,7 +22,7 @@ void Phantom::set_motors() noexcept {
 void Phantom::on_estop(Host& host) {
   exchange().motors.emergency_stop();
   latch_stop();
-  estop_told_ = false;
+  estop_reported_ = false;
   send_estop(host);
 }
 
@@ -53,9 +53,9 @@ void Phantom::inherit_stop(const std::string& key, Host& host) {
 
 void Phantom::send_estop(Host& host) {
   const bool stopped = exchange().motors.request().stopped;
-  if (stopped == estop_told_)
+  if (stopped == estop_reported_)
     return;
-  estop_told_ = stopped;
+  estop_reported_ = stopped;
   if (reported_[kStatus])
     host.info({"status", "estop", stopped ? 1.0 : 0.0});
 }

@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 
@@ -10,14 +10,14 @@ using Action = haptic::NetworkModel::Action;
 
 void Phantom::on_network(Words words, Host& host) {
   if (!is(words[0], "pluck") && !is(words[0], "reset")) {
-    const double before_hz = network_book_.stepping(period_s()).rate_hz;
-    if (const std::string refusal = network_book_.obey(words, host, period_s()); !refusal.empty())
+    const double before_hz = network_.stepping(period_s()).rate_hz;
+    if (const std::string refusal = network_.handle(words, host, period_s()); !refusal.empty())
       return host.error(refusal);
-    rig_->network.publish(network_book_.snapshot());
-    const auto stepping = network_book_.stepping(period_s());
+    rig_->network.publish(network_.snapshot());
+    const auto stepping = network_.stepping(period_s());
     if (!stepping.reason.empty() && stepping.rate_hz != before_hz)
       host.log("network: stepped at " + number_text(stepping.rate_hz) + " Hz: " + stepping.reason);
-    const haptic::Network& network = network_book_.network();
+    const haptic::Network& network = network_.network();
     constexpr double kLate = 0.5; // the mean of a tick's steps is late by half a tick more
     if (is(words[0], "touch")) {
       warn_of_stiffness("network touch", network.touch.stiffness_n_per_m, host, kLate);
@@ -37,7 +37,7 @@ void Phantom::on_network(Words words, Host& host) {
     double v[4] = {};
     if (words.size() != 6)
       return host.error("network pluck: expected a mass, fx fy fz in N and ms");
-    const NetworkBook::Found found = network_book_.movable(words[1]);
+    const NamedNetwork::Found found = network_.movable(words[1]);
     std::string refusal = found.refusal;
     if (refusal.empty())
       refusal = read_numbers(words.subspan(2), ranges, v);
@@ -50,9 +50,9 @@ void Phantom::on_network(Words words, Host& host) {
     else if (is(words[1], "nearest"))
       action.kind = Action::Kind::kGrabNearest;
     else
-      action = {Action::Kind::kGrab, network_book_.movable(words[1]).key, {}, 0};
+      action = {Action::Kind::kGrab, network_.movable(words[1]).key, {}, 0};
   }
-  if (!rig_->network.act(action))
+  if (!rig_->network.queue_action(action))
     host.error(
         "network " + std::string(words[0].word) +
         ": 64 orders wait for the servo already, which does not run; expected an open device");
@@ -60,7 +60,7 @@ void Phantom::on_network(Words words, Host& host) {
 
 /// Another length of the servo's ticks may ask for more steps than one can have.
 void Phantom::check_network(Host& host) {
-  const auto stepping = network_book_.stepping(period_s());
+  const auto stepping = network_.stepping(period_s());
   if (!(stepping.rate_hz > 0))
     host.error("network: it rests, since at " + number_text(1 / period_s()) + " ticks a second " +
                stepping.reason);

@@ -1,5 +1,5 @@
-#include "core/words.hpp"
-#include "externals/phantom/network_book.hpp"
+#include "core/declaration_text.hpp"
+#include "externals/phantom/named_network.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/text.hpp"
 
@@ -24,7 +24,7 @@ using Words = std::span<const Atom>;
 
 } // namespace
 
-std::string NetworkBook::change(Words words, const Host& host) {
+std::string NamedNetwork::change(Words words, const Host& host) {
   const Words rest = words.subspan(1);
   if (is(words[0], "mass"))
     return add_mass(rest);
@@ -53,7 +53,7 @@ std::string NetworkBook::change(Words words, const Host& host) {
 }
 
 /// A mass that is there keeps its motion and its links; its position is where a reset puts it.
-std::string NetworkBook::add_mass(Words words) {
+std::string NamedNetwork::add_mass(Words words) {
   constexpr Range ranges[] = {kMass, near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())
     return "expected a name, kg and x y z in mm";
@@ -72,7 +72,7 @@ std::string NetworkBook::add_mass(Words words) {
   return {};
 }
 
-std::string NetworkBook::add_anchor(Words words) {
+std::string NamedNetwork::add_anchor(Words words) {
   constexpr Range ranges[] = {near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())
     return "expected a name, and x y z in mm for a new one";
@@ -93,7 +93,7 @@ std::string NetworkBook::add_anchor(Words words) {
   return {};
 }
 
-std::string NetworkBook::add_link(Words words) {
+std::string NamedNetwork::add_link(Words words) {
   using Kind = haptic::NetworkLink::Kind;
   constexpr Range ranges[] = {kStiffness, kDamping, {"l0", "mm", 0, 2 * kMaxPosition_mm}};
   if (words.size() < 3)
@@ -128,7 +128,7 @@ std::string NetworkBook::add_link(Words words) {
   return {};
 }
 
-std::string NetworkBook::add_string(Words words) {
+std::string NamedNetwork::add_string(Words words) {
   haptic::NetworkString string;
   constexpr Range ranges[] = {{"n", "", 1, static_cast<double>(haptic::Network::kMaxMasses)},
                               kCorners[0],
@@ -163,7 +163,7 @@ std::string NetworkBook::add_string(Words words) {
   return {};
 }
 
-std::string NetworkBook::add_membrane(Words words) {
+std::string NamedNetwork::add_membrane(Words words) {
   haptic::NetworkMembrane membrane;
   constexpr Range ranges[] = {
       {"nx", "", 1, 50}, {"ny", "", 1, 50}, kCorners[0], kCorners[1], kCorners[2],
@@ -208,7 +208,7 @@ std::string NetworkBook::add_membrane(Words words) {
   return {};
 }
 
-std::string NetworkBook::remove(Words words) {
+std::string NamedNetwork::remove(Words words) {
   if (words.size() != 1)
     return "expected a name or all";
   if (is(words[0], "all")) {

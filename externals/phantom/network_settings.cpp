@@ -1,4 +1,4 @@
-#include "externals/phantom/network_book.hpp"
+#include "externals/phantom/named_network.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/text.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 constexpr Range kDamping{"b", "N s/m", 0, 100};
 }
 
-std::string NetworkBook::set_motion(Words words) {
+std::string NamedNetwork::set_motion(Words words) {
   constexpr Range kGravity[] = {
       {"gx", "m/s^2", -100, 100}, {"gy", "m/s^2", -100, 100}, {"gz", "m/s^2", -100, 100}};
   constexpr Range kDrag[] = {{"drag", "1/s", 0, 10000}};
@@ -23,7 +23,7 @@ std::string NetworkBook::set_motion(Words words) {
   return refusal;
 }
 
-std::string NetworkBook::set_touch(Words words) {
+std::string NamedNetwork::set_touch(Words words) {
   constexpr Range ranges[] = {{"radius", "mm", 0, 200}, {"k", "N/m", 0, 1e5}, kDamping};
   auto& touch = network_.touch;
   double v[3] = {0, touch.stiffness_n_per_m, touch.damping_n_s_per_m};
@@ -33,7 +33,7 @@ std::string NetworkBook::set_touch(Words words) {
 }
 
 /// Checks the mass and sets the spring; NetworkModel::Action does the grabbing.
-std::string NetworkBook::set_grab(Words words) {
+std::string NamedNetwork::set_grab(Words words) {
   constexpr Range ranges[] = {{"k", "N/m", 1, 1e5}, kDamping};
   if (words.empty())
     return "expected a mass, nearest or off";
@@ -49,7 +49,7 @@ std::string NetworkBook::set_grab(Words words) {
   return refusal;
 }
 
-std::string NetworkBook::set_pickup(Words words) {
+std::string NamedNetwork::set_pickup(Words words) {
   using Quantity = haptic::NetworkPickup::Quantity;
   constexpr Range kOutlet[] = {{"outlet", "", 1, static_cast<double>(haptic::Network::kPickups)}};
   const bool off = !words.empty() && is(words[0], "off");

@@ -1,6 +1,6 @@
 #include "externals/phantom/numbers.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 
@@ -25,11 +25,11 @@ std::string read_numbers(std::span<const Atom> words, std::span<const Range> ran
 }
 
 std::string read_some(std::span<const Atom> words, std::span<const Range> ranges,
-                      std::size_t fewest, double* values) {
+                      std::size_t min_count, double* values) {
   if (words.size() > ranges.size())
     return "takes " + std::to_string(ranges.size()) +
            (ranges.size() == 1 ? " number" : " numbers") + " at most";
-  return read_numbers(words, ranges.first(std::max(words.size(), fewest)), values);
+  return read_numbers(words, ranges.first(std::max(words.size(), min_count)), values);
 }
 
 std::string expected(std::string_view message, const Atom& given, std::string_view choices) {

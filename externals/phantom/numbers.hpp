@@ -9,7 +9,7 @@
 
 namespace tactus::phantom {
 
-constexpr double kFarthest_mm = 1e4;
+constexpr double kMaxCoordinate_mm = 1e4;
 
 /// What a number in a message may be.
 struct Range {
@@ -19,7 +19,7 @@ struct Range {
 };
 
 constexpr Range millimetres(std::string_view name) {
-  return {name, "mm", -kFarthest_mm, kFarthest_mm};
+  return {name, "mm", -kMaxCoordinate_mm, kMaxCoordinate_mm};
 }
 
 [[nodiscard]] inline haptic::Vec3 metres(const double* mm) {
@@ -33,7 +33,7 @@ constexpr Range millimetres(std::string_view name) {
 /// Reads as many numbers as there are words, but no fewer than that; the other values stay. A
 /// sentence when there are too many or too few, or one is outside.
 [[nodiscard]] std::string read_some(std::span<const Atom> words, std::span<const Range> ranges,
-                                    std::size_t fewest, double* values);
+                                    std::size_t min_count, double* values);
 
 /// "hand soft: expected free, rigid, spring or person"
 [[nodiscard]] std::string expected(std::string_view message, const Atom& given,

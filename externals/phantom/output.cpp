@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
@@ -10,14 +10,14 @@ using namespace phantom;
 
 namespace {
 
-constexpr double kHostStalls_s = 0.1; // between two looks at the servo, which are 5 ms apart
+constexpr double kMaxHostStall_s = 0.1; // between two looks at the servo, which are 5 ms apart
 
 } // namespace
 
 /// Takes over what the servo has to tell.
 void Phantom::collect(Host& host) {
   const double now_s = devices::ServoThread::now_s();
-  const bool stalled = now_s - collected_s_ > kHostStalls_s; // then the servo may have, too
+  const bool stalled = now_s - collected_s_ > kMaxHostStall_s; // then the servo may have, too
   collected_s_ = now_s;
   const bool fresh = exchange().reports.read();
   has_report_ = has_report_ || fresh;
@@ -47,8 +47,8 @@ void Phantom::collect(Host& host) {
     watch_device(host);
   if (!wall_ || !open() || (driver_ && !running_))
     return;
-  if (!scheduling_told_ && !runner_->scheduling().empty()) {
-    scheduling_told_ = true;
+  if (!scheduling_reported_ && !runner_->scheduling().empty()) {
+    scheduling_reported_ = true;
     if (reported_[kStatus])
       host.info({"status", "sched", runner_->scheduling()});
   }
@@ -66,12 +66,12 @@ void Phantom::drain_trace() {
 void Phantom::watch_queues(Host& host) {
   const std::uint64_t lost =
       exchange().events.dropped() + rig_->scene.events().dropped() + exchange().trace.dropped();
-  if (lost == lost_told_ || host.now_ms() - last_loss_ms_ < 1000)
+  if (lost == lost_reported_ || host.now_ms() - last_loss_ms_ < 1000)
     return;
   last_loss_ms_ = host.now_ms();
-  host.error("events: " + number_text(static_cast<double>(lost - lost_told_)) +
+  host.error("events: " + number_text(static_cast<double>(lost - lost_reported_)) +
              " events or rows of the trace were lost, since the patch did not take them in time");
-  lost_told_ = lost;
+  lost_reported_ = lost;
 }
 
 void Phantom::send_event(const haptic::Event& event, Host& host) {
@@ -129,17 +129,17 @@ void Phantom::send_values(Host& host, bool all) {
   if (!has_report_)
     return;
   const haptic::Report report = exchange().reports.latest();
-  const auto triple = [&host](std::string_view tag, const haptic::Vec3& v) {
+  const auto send_vector = [&host](std::string_view tag, const haptic::Vec3& v) {
     host.info({tag, v.x, v.y, v.z});
   };
   if (all || reported_[kMm])
-    triple("mm", report.state.position * 1e3);
+    send_vector("mm", report.state.position * 1e3);
   if (all || reported_[kVel])
-    triple("vel", report.state.velocity);
+    send_vector("vel", report.state.velocity);
   if (all || reported_[kForce])
-    triple("force", report.force_n);
+    send_vector("force", report.force_n);
   if (reported_[kRot] || (all && device().caps().has_rotation))
-    triple("rot", report.state.rotation);
+    send_vector("rot", report.state.rotation);
   send_wrist(host, all);
 }
 
@@ -161,7 +161,7 @@ void Phantom::send_timing(Host& host) {
   const auto s = statistics();
   host.info({"jitter", s.lateness.mean_s() * 1e3, s.lateness.quantile_s(0.5) * 1e3,
              s.lateness.quantile_s(0.95) * 1e3, s.lateness.quantile_s(0.99) * 1e3,
-             s.lateness.longest_s() * 1e3});
+             s.lateness.max_s() * 1e3});
 }
 
 void Phantom::on_report(Words words, Host& host) {
@@ -200,9 +200,9 @@ void Phantom::on_stats(Words words, Host& host) {
   line("late_mean_ms", s.lateness.mean_s() * 1e3);
   line("late_p50_ms", s.lateness.quantile_s(0.5) * 1e3);
   line("late_p99_ms", s.lateness.quantile_s(0.99) * 1e3);
-  line("late_max_ms", s.lateness.longest_s() * 1e3);
+  line("late_max_ms", s.lateness.max_s() * 1e3);
   line("work_mean_ms", s.work.mean_s() * 1e3);
-  line("work_max_ms", s.work.longest_s() * 1e3);
+  line("work_max_ms", s.work.max_s() * 1e3);
   count("device_errors", s.device_errors);
   count("watchdog_trips", r.counters.watchdog_trips);
   count("clamped", r.counters.clamped);

@@ -33,7 +33,7 @@ PathChoice circle(Words words) {
   constexpr Range ranges[] = {millimetres("cx"),
                               millimetres("cy"),
                               millimetres("cz"),
-                              {"radius", "mm", 0, kFarthest_mm},
+                              {"radius", "mm", 0, kMaxCoordinate_mm},
                               kPeriod};
   double v[5] = {};
   std::string refusal = read_numbers(words, ranges, v);
@@ -77,7 +77,7 @@ PathChoice arrays(Words words, const Host& host) {
   for (std::size_t i = 0; i < count; ++i) {
     const double mm[] = {columns[0][i], columns[1][i], columns[2][i]};
     const Vec3 position = metres(mm);
-    if (!is_finite(position) || norm(position) > kFarthest_mm * 1e-3)
+    if (!is_finite(position) || norm(position) > kMaxCoordinate_mm * 1e-3)
       return {{}, "element " + std::to_string(i) + " is not a position within 10000 mm"};
     rows.push_back({static_cast<double>(i) * step_ms * 1e-3, position, 0});
   }

@@ -16,15 +16,15 @@ namespace tactus {
 namespace {
 
 // Two grids that meet at one instant differ by the rounding of their times only.
-constexpr double kSameInstant_ms = 1e-6;
+constexpr double kTimeTolerance_ms = 1e-6;
 // A wall-clock servo is fed at least this often with signs of life.
 constexpr double kHeartbeat_ms = 5;
 // Time always goes on between two wake-ups, whatever happens in between.
 constexpr double kShortestWake_ms = 1e-3;
 constexpr double kGraceful_s = 0.2;
 // Audio that has not run for this long, and two blocks, no longer steps the servo.
-constexpr double kAudioGone_ms = 20;
-constexpr std::uint64_t kOfferEvery = 64; // ticks
+constexpr double kAudioTimeout_ms = 20;
+constexpr std::uint64_t kOfferInterval_ticks = 64; // ticks
 
 } // namespace
 
@@ -34,13 +34,13 @@ Phantom::Phantom() {
   add_net_driver();
   for (std::size_t i = 0; i < kParameters.size(); ++i)
     values_[i] = kParameters[i].initial;
-  settle();
-  settle_device();
+  apply_settings();
+  apply_simulation_settings();
 }
 
 Phantom::~Phantom() {
   let_go();
-  rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+  rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
 }
 
 double Phantom::period_s() const noexcept {
@@ -56,7 +56,7 @@ void Phantom::fade_out() noexcept {
     return;
   exchange().motors.pause(true);
   const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
-  while (!exchange().motors.at_rest() && devices::ServoThread::now_s() < give_up_s)
+  while (!exchange().motors.zero_force_confirmed() && devices::ServoThread::now_s() < give_up_s)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   static_cast<void>(runner_->stop()); // waits: a simulated step cannot hang
   exchange().motors.pause(false);
@@ -67,19 +67,19 @@ void Phantom::set(std::size_t parameter, double value) noexcept {
   if (parameter == kMotors)
     set_motors();
   if (parameter == kRate || parameter == kOutRate)
-    new_grids_ = true;
+    restart_grids_ = true;
   if (parameter == kRate && running_ && !device_->owns_thread())
     runner_->set_period(period_s());
   if (parameter == kRate || parameter >= kMass)
-    settle_device();
+    apply_simulation_settings();
   else
-    settle();
+    apply_settings();
   if (parameter == kRate && open())
-    place_signals();
+    configure_signals();
 }
 
 /// Carries the chain's parameters to the servo.
-void Phantom::settle() noexcept {
+void Phantom::apply_settings() noexcept {
   auto& chain = settings_.chain;
   chain.force_limit_n = values_[kForceMax];
   const double peak_n = device().caps().peak_force_n;
@@ -98,7 +98,7 @@ void Phantom::settle() noexcept {
 }
 
 /// Carries the simulated device's parameters to it, and a new rate to whoever steps it.
-void Phantom::settle_device() noexcept {
+void Phantom::apply_simulation_settings() noexcept {
   simulation_.mass_kg = values_[kMass];
   simulation_.viscous_n_s_per_m = values_[kViscous];
   simulation_.stops = on(kStops);
@@ -116,12 +116,12 @@ void Phantom::settle_device() noexcept {
       rig_->servo.refresh_caps();
   });
   if (!driver_)
-    tell_limits();
+    update_limits();
 }
 
 void Phantom::created(Host& host) {
   created_ = true;
-  offered_ = host.offer(signal_link_name(name_), rig_->signals);
+  signals_offered_ = host.publish(signal_link_name(name_), rig_->signals);
   if (name_ != "-")
     inherit_stop(name_key(name_), host);
   if (!driver_)
@@ -129,13 +129,13 @@ void Phantom::created(Host& host) {
 }
 
 /// What the models in the servo must know of the device.
-void Phantom::tell_limits() noexcept {
+void Phantom::update_limits() noexcept {
   rig_->scene.set_continuous_force(device().caps().continuous_force_n);
   rig_->effects.set_damping_limit(device().caps().damping_limit_n_s_per_m);
 }
 
 void Phantom::attach() noexcept {
-  tell_limits();
+  update_limits();
   if (driver_) {
     rig_->device = device_;
     rig_->servo.attach(*device_, &rig_->local_models, &rig_->patch_models);
@@ -145,20 +145,21 @@ void Phantom::attach() noexcept {
   faults_ = 0;
 }
 
-void Phantom::place_signals() noexcept {
+void Phantom::configure_signals() noexcept {
   using Time = haptic::SignalLink::Time;
-  rig_->signals->place(wall_ ? Time::kWall : Time::kLogical, 1.0 / period_s(),
-                       {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
+  rig_->signals->configure(
+      wall_ ? Time::kWall : Time::kLogical, 1.0 / period_s(),
+      {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
 }
 
 /// A fresh grid of servo ticks and one of outputs, both from now on.
 void Phantom::begin(Host& host) {
   origin_ms_ = output_origin_ms_ = host.now_ms();
   steps_ = outputs_ = 0;
-  scheduling_told_ = false;
+  scheduling_reported_ = false;
   if (open()) {
     check_network(host);
-    place_signals();
+    configure_signals();
     if (wall_) {
       publish(devices::ServoThread::now_s());
       if (std::string refusal = driver_ ? worker(host).run({rig_, runner_}, period_s(), ticket_)
@@ -189,10 +190,10 @@ void Phantom::restart(Host& host) {
 
 void Phantom::scalar(std::size_t inlet, double value, Host& host) {
   if (std::isfinite(value)) {
-    asked_[static_cast<int>(inlet)] = value;
-    changed_now_ = true;
+    input_force_[static_cast<int>(inlet)] = value;
+    input_changed_ = true;
   } else {
-    refused_now_ = true;
+    input_refused_ = true;
   }
   host.wake_in(kForces, 0);
 }
@@ -204,7 +205,7 @@ void Phantom::publish(double now_s) noexcept {
 
 /// What came to the inlets at this instant is one force.
 void Phantom::force_changed(Host& host) {
-  if (refused_now_) {
+  if (input_refused_) {
     ++command_.refused;
     command_.last_refused = true;
     if (host.now_ms() - last_error_ms_ >= 1000) {
@@ -213,13 +214,13 @@ void Phantom::force_changed(Host& host) {
       if (reported_[kError])
         host.info({"error", "nan", "force", "refused"});
     }
-  } else if (changed_now_) {
+  } else if (input_changed_) {
     const double unit_n = on(kUnitsParameter) ? settings_.chain.force_limit_n : 1.0;
-    command_.force_n = asked_ * unit_n;
+    command_.force_n = input_force_ * unit_n;
     ++command_.number;
     command_.last_refused = false;
   }
-  refused_now_ = changed_now_ = false;
+  input_refused_ = input_changed_ = false;
   publish(wall_ ? devices::ServoThread::now_s() : host.now_ms() * 1e-3);
 }
 
@@ -230,8 +231,8 @@ void Phantom::tick(std::size_t timer, Host& host) {
     return watch_worker(host);
   if (!thread_refusal_.empty())
     return without_thread(std::exchange(thread_refusal_, {}), host);
-  if (new_grids_) {
-    new_grids_ = false;
+  if (restart_grids_) {
+    restart_grids_ = false;
     origin_ms_ = output_origin_ms_ = host.now_ms();
     steps_ = outputs_ = 0;
     check_network(host);
@@ -239,9 +240,9 @@ void Phantom::tick(std::size_t timer, Host& host) {
   if (!open())
     return;
   // Another may have had the name, and be gone.
-  if (!offered_ && ++unoffered_ % kOfferEvery == 0)
-    offered_ = host.offer(signal_link_name(name_), rig_->signals);
-  const double now = host.now_ms() + kSameInstant_ms;
+  if (!signals_offered_ && ++ticks_since_offer_ % kOfferInterval_ticks == 0)
+    signals_offered_ = host.publish(signal_link_name(name_), rig_->signals);
+  const double now = host.now_ms() + kTimeTolerance_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall_) {
     // One tick at most: a host that jumps forward gets no burst.
@@ -270,14 +271,14 @@ void Phantom::schedule(Host& host) {
   double next = now + kHeartbeat_ms;
   if (!wall_) {
     // After a jump of the host, or another rate, the grid starts anew where it would be late.
-    if (origin_ms_ + static_cast<double>(steps_) * period_ms < now - kSameInstant_ms) {
+    if (origin_ms_ + static_cast<double>(steps_) * period_ms < now - kTimeTolerance_ms) {
       origin_ms_ = now;
       steps_ = 1;
     }
     next = std::min(next, origin_ms_ + static_cast<double>(steps_) * period_ms);
   }
   if (rate > 0) {
-    if (output_origin_ms_ + static_cast<double>(outputs_) * 1e3 / rate < now - kSameInstant_ms) {
+    if (output_origin_ms_ + static_cast<double>(outputs_) * 1e3 / rate < now - kTimeTolerance_ms) {
       output_origin_ms_ = now;
       outputs_ = 1;
     }
@@ -305,7 +306,7 @@ bool Phantom::audio_steps(Host& host) noexcept {
     audio_blocks_ = blocks;
     audio_ms_ = host.now_ms();
   }
-  return host.now_ms() - audio_ms_ <= kAudioGone_ms + 2e3 * rig_->signals->longest_block_s();
+  return host.now_ms() - audio_ms_ <= kAudioTimeout_ms + 2e3 * rig_->signals->max_block_s();
 }
 
 void Phantom::message(std::size_t index, Words arguments, Host& host) {

@@ -7,8 +7,8 @@
 #include "externals/phantom/declaration.hpp"
 #include "externals/phantom/device_worker.hpp"
 #include "externals/phantom/live_connections.hpp"
-#include "externals/phantom/network_book.hpp"
-#include "externals/phantom/scene_book.hpp"
+#include "externals/phantom/named_network.hpp"
+#include "externals/phantom/named_scene.hpp"
 #include "externals/phantom/servo_rig.hpp"
 #include "externals/phantom/trace.hpp"
 
@@ -71,11 +71,11 @@ private:
   void force_changed(Host& host);
   void step(double now_s) noexcept;
   void step_with_audio() noexcept;
-  void place_signals() noexcept;
+  void configure_signals() noexcept;
   [[nodiscard]] bool audio_steps(Host& host) noexcept;
   void publish(double now_s) noexcept;
-  void settle() noexcept;
-  void settle_device() noexcept;
+  void apply_settings() noexcept;
+  void apply_simulation_settings() noexcept;
   void restart(Host& host);
   void fade_out() noexcept;
   void attach() noexcept;
@@ -96,7 +96,7 @@ private:
   [[nodiscard]] phantom::DeviceWorker& worker(Host& host);
   void watch_worker(Host& host);
   void replace_rig(Host& host);
-  void keep_heat() noexcept;
+  void store_heat() noexcept;
   void end_session(Host& host);
   [[nodiscard]] static std::string configure(haptic::Backend& device, Words words, bool which);
   void connect(Words which, Host& host);
@@ -123,8 +123,8 @@ private:
 
   // trouble.cpp: what is wrong with a real device
   void watch_device(Host& host);
-  void lose(Host& host);
-  void fail(Host& host);
+  void handle_lost_device(Host& host);
+  void handle_device_fault(Host& host);
   void send_trouble(std::string_view sentence, Host& host) const;
   void watch_trouble(Host& host);
   void watch_heat(Host& host);
@@ -157,7 +157,7 @@ private:
   void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host,
                          double share = 1);
   void warn_of_damping(const std::string& what, double damping_n_s_per_m, Host& host);
-  void tell_limits() noexcept;
+  void update_limits() noexcept;
 
   // network.cpp: the mass-spring network
   void on_network(Words, Host&);
@@ -189,41 +189,41 @@ private:
   bool running_ = false;         // a thread steps a real device's servo
   std::string thread_refusal_{}; // why the simulated device's thread did not start again
   phantom::Trace trace_{};
-  phantom::SceneBook scene_{};
-  phantom::NetworkBook network_book_{};
+  phantom::NamedScene scene_{};
+  phantom::NamedNetwork network_{};
   haptic::EffectSettings effect_settings_{};
 
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};
   haptic::Command command_{};
   haptic::WristRequest wrist_{};
-  haptic::Vec3 asked_{}; // inlets, in the chosen units
-  bool refused_now_ = false, changed_now_ = false;
+  haptic::Vec3 input_force_{}; // inlets, in the chosen units
+  bool input_refused_ = false, input_changed_ = false;
 
   const devices::Driver* driver_ = nullptr; // null: the simulated device
   Device device_{};                         // the driver's
   Link link_ = Link::kClosed;
   std::uint64_t ticket_ = 0; // of the latest wish to open
   std::uint32_t flags_ = haptic::State::kHomed, faults_ = 0;
-  std::string trouble_{}, heard_trouble_{}; // as told to the patch; as the driver said last
-  double trouble_ms_ = 0;                   // when the driver began to say that
-  double trouble_asked_ms_ = -1e9;
+  std::string trouble_{}, driver_trouble_{}; // as told to the patch; as the driver said last
+  double trouble_ms_ = 0;                    // when the driver began to say that
+  double trouble_polled_ms_ = -1e9;
   std::string device_key_{};              // of the real device that was opened last
   std::vector<std::string> estop_keys_{}; // what motors 1 releases
-  bool estop_told_ = false, warm_told_ = false;
+  bool estop_reported_ = false, warm_reported_ = false;
   std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};
 
   std::string path_name_ = "still";
   std::string name_ = "-";
   Clock clock_ = Clock::kAuto;
   bool wall_ = false; // stepped by a thread instead of the host's logical time
-  bool created_ = false, learning_ = false, new_grids_ = false, own_workspace_ = false;
-  bool offered_ = false;                        // the rig's signals, under name_
+  bool created_ = false, learning_ = false, restart_grids_ = false, own_workspace_ = false;
+  bool signals_offered_ = false;                // the rig's signals, under name_
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
   std::uint64_t index_ = 0;                     // servo ticks in logical time
   double stepped_s_ = 0;                        // when the last of them was
-  std::uint64_t audio_blocks_ = 0, unoffered_ = 0;
+  std::uint64_t audio_blocks_ = 0, ticks_since_offer_ = 0;
   double audio_ms_ = -1e9; // when audio was last seen to step
 
   std::optional<haptic::Vec3> sent_{};
@@ -233,9 +233,9 @@ private:
                                  true,  true,  true,  false, false, false};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
   double last_loss_ms_ = -1e9;
-  std::uint64_t lost_told_ = 0; // entries of full queues
+  std::uint64_t lost_reported_ = 0; // entries of full queues
   double warned_n_per_m_ = 0, warned_n_s_per_m_ = 0;
-  bool scheduling_told_ = false;
+  bool scheduling_reported_ = false;
 };
 
 } // namespace tactus

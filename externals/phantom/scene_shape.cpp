@@ -14,7 +14,7 @@ using haptic::Vec3;
 using Words = std::span<const Atom>;
 
 constexpr Range direction(std::string_view name) { return {name, "", -1e6, 1e6}; }
-constexpr Range length(std::string_view name) { return {name, "mm", 0.01, kFarthest_mm}; }
+constexpr Range length(std::string_view name) { return {name, "mm", 0.01, kMaxCoordinate_mm}; }
 
 ShapeChoice refused(std::string sentence) {
   ShapeChoice choice;
@@ -38,7 +38,7 @@ ShapeChoice plane(Words words) {
   if (norm(normal) == 0.0)
     return refused("the normal nx ny nz has no direction");
   const Rotation turn = Rotation::from_z_to(normal);
-  return {haptic::Plane{}, {turn.turned({0, 0, v[3] * 1e-3}), turn}, {}};
+  return {haptic::Plane{}, {turn.rotated({0, 0, v[3] * 1e-3}), turn}, {}};
 }
 
 ShapeChoice sphere(Words words) {
@@ -52,12 +52,12 @@ ShapeChoice sphere(Words words) {
 ShapeChoice box(Words words) {
   constexpr Range ranges[] = {millimetres("cx"), millimetres("cy"), millimetres("cz"),
                               length("hx"),      length("hy"),      length("hz")};
-  constexpr Range turned[] = {
+  constexpr Range rotated[] = {
       {"qw", "", -1e6, 1e6}, {"qx", "", -1e6, 1e6}, {"qy", "", -1e6, 1e6}, {"qz", "", -1e6, 1e6}};
   double v[6] = {}, q[4] = {1, 0, 0, 0};
   std::string refusal = read_numbers(words, ranges, v);
   if (refusal.empty() && words.size() > 6)
-    refusal = read(words.subspan(6), turned, q);
+    refusal = read(words.subspan(6), rotated, q);
   return {haptic::Box{metres(v + 3)},
           {metres(v), Rotation::of(q[0], q[1], q[2], q[3])},
           std::move(refusal)};
@@ -98,7 +98,7 @@ ShapeChoice mesh(Words words, const Host& host) {
     return refused(std::string(words[0].word) + ": " + parsed.error);
   for (Vec3& corner : parsed.corners) {
     corner = corner * (scale * 1e-3);
-    if (!is_finite(corner) || norm(corner) > kFarthest_mm * 1e-3)
+    if (!is_finite(corner) || norm(corner) > kMaxCoordinate_mm * 1e-3)
       return refused(std::string(words[0].word) + ": reaches beyond 10000 mm; give a scale");
   }
   auto made = std::make_shared<const haptic::TriangleMesh>(parsed.corners, parsed.triangles);

@@ -20,17 +20,17 @@ struct ServoRig {
   haptic::EffectModel effects{};
   haptic::NetworkModel network{};
   haptic::LocalModels<3> local_models{{&scene, &effects, &network}}; ///< passive by themselves
-  haptic::DrivenEffects driven_effects{effects};
+  haptic::ActiveEffects active_effects{effects};
   std::shared_ptr<haptic::SignalLink> signals = std::make_shared<haptic::SignalLink>();
-  haptic::LocalModels<2> patch_models{{signals.get(), &driven_effects}}; ///< the patch's wish
+  haptic::LocalModels<2> patch_models{{signals.get(), &active_effects}}; ///< the patch's wish
   std::shared_ptr<haptic::Backend> device{};                             ///< a real one
   haptic::Servo servo{};
   TerminationGuard guard{servo.exchange().motors};
 
   ServoRig() {
-    effects.watch(scene, local_models.force_of(0));
-    signals->watch(scene);
-    signals->listen(network);
+    effects.set_scene(scene, local_models.force_of(0));
+    signals->set_scene(scene);
+    signals->set_network(network);
   }
 };
 

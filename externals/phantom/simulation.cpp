@@ -49,7 +49,7 @@ void Phantom::on_hand(Words words, Host& host) {
     hand.yield_s = values[4] * 1e-3;
   }
   simulation_.hand = hand;
-  settle_device();
+  apply_simulation_settings();
 }
 
 void Phantom::on_path(Words words, Host& host) {
@@ -59,7 +59,7 @@ void Phantom::on_path(Words words, Host& host) {
   if (!choice.refusal.empty())
     return host.error(choice.refusal);
   path_name_ = words[0].word;
-  with_simulation([this, &choice] { simulated_.follow(std::move(choice.path)); });
+  with_simulation([this, &choice] { simulated_.set_path(std::move(choice.path)); });
 }
 
 void Phantom::on_target(Words words, Host& host) {
@@ -71,7 +71,7 @@ void Phantom::on_target(Words words, Host& host) {
   if (!refusal.empty())
     return host.error("target: " + refusal);
   path_name_ = "target";
-  with_simulation([this, &mm] { simulated_.reach_for(metres(mm)); });
+  with_simulation([this, &mm] { simulated_.set_target(metres(mm)); });
 }
 
 void Phantom::on_seek(Words words, Host& host) {
@@ -94,7 +94,7 @@ void Phantom::on_button(Words words, Host& host) {
   if (!refusal.empty())
     return host.error("button: " + refusal);
   with_simulation(
-      [this, &values] { simulated_.press(static_cast<int>(values[0]), values[1] != 0); });
+      [this, &values] { simulated_.set_button(static_cast<int>(values[0]), values[1] != 0); });
 }
 
 void Phantom::dump_hand(Host& host) const {

@@ -1,6 +1,6 @@
 #include "externals/phantom/text.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
 
 #include <charconv>
@@ -32,8 +32,8 @@ std::vector<Atom> words_of(std::string_view line) {
   }
 }
 
-std::string obey_file(std::span<const Atom> words, std::string_view message, const Host& host,
-                      const std::function<std::string(std::span<const Atom>)>& obey) {
+std::string handle_file(std::span<const Atom> words, std::string_view message, const Host& host,
+                        const std::function<std::string(std::span<const Atom>)>& handle) {
   if (words.size() != 1 || !words[0].is_word)
     return "expected a file name";
   const std::string name(words[0].word), found = host.find_file(name);
@@ -50,7 +50,7 @@ std::string obey_file(std::span<const Atom> words, std::string_view message, con
       continue;
     const std::string refusal = is(here[0], "load")
                                     ? "load: a " + std::string(message) + " file loads no other"
-                                    : obey(here);
+                                    : handle(here);
     if (!refusal.empty())
       return name + " line " + std::to_string(number) + ": " + refusal;
   }

@@ -20,8 +20,8 @@ namespace tactus::phantom {
 /// Gives each line of the text file that the words name to `obey`, without the message's own name
 /// (`scene`, `network`) where a line begins with it. Ends at the first line that is refused, with a
 /// sentence that names file and line; empty when all were obeyed. A file loads no other.
-[[nodiscard]] std::string obey_file(std::span<const Atom> words, std::string_view message,
-                                    const Host& host,
-                                    const std::function<std::string(std::span<const Atom>)>& obey);
+[[nodiscard]] std::string
+handle_file(std::span<const Atom> words, std::string_view message, const Host& host,
+            const std::function<std::string(std::span<const Atom>)>& handle);
 
 } // namespace tactus::phantom

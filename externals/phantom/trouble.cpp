@@ -11,10 +11,10 @@ using namespace phantom;
 
 namespace {
 
-constexpr double kAskEvery_ms = 50;
-constexpr double kLasting_ms = 100;   // before a trouble is told: a host may stall for some ms
-constexpr double kWellAfter_ms = 500; // without trouble, before that is told
-constexpr double kStandsStill_s = 1;  // without a tick of the servo, before that is told
+constexpr double kPollInterval_ms = 50;
+constexpr double kDebounce_ms = 100; // before a trouble is told: a host may stall for some ms
+constexpr double kClear_ms = 500;    // without trouble, before that is told
+constexpr double kStall_s = 1;       // without a tick of the servo, before that is told
 
 } // namespace
 
@@ -36,24 +36,25 @@ void Phantom::watch_device(Host& host) {
       host.info({"status", word, (now & flag) ? 1.0 : 0.0});
   if (report.faults != faults_) {
     faults_ = report.faults;
-    return report.fault == haptic::Fault::kReported ? fail(host) : lose(host);
+    return report.fault == haptic::Fault::kReported ? handle_device_fault(host)
+                                                    : handle_lost_device(host);
   }
   watch_trouble(host);
 }
 
 /// The device does not answer any more: it is closed and looked for until it returns.
-void Phantom::lose(Host& host) {
-  const std::string said = device_->trouble();
-  rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+void Phantom::handle_lost_device(Host& host) {
+  const std::string problem = device_->trouble();
+  rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
   link_ = Link::kLost;
   values_[kMotors] = 0;
   exchange().motors.disable();
   host.error(std::string(driver_name()) +
              ": the device does not answer any more; check its cable and power. It is opened again "
              "when it returns, with its motors off until motors 1" +
-             (said.empty() ? "" : " (" + said + ")"));
-  if (!said.empty())
-    send_trouble(trouble_ = said, host);
+             (problem.empty() ? "" : " (" + problem + ")"));
+  if (!problem.empty())
+    send_trouble(trouble_ = problem, host);
   send_status("lost", host);
   const std::string refusal = worker(host).reopen(*driver_, {rig_, runner_}, device_, ++ticket_);
   replace_rig(host);
@@ -63,14 +64,14 @@ void Phantom::lose(Host& host) {
 }
 
 /// The device says that it has failed; it still answers.
-void Phantom::fail(Host& host) {
+void Phantom::handle_device_fault(Host& host) {
   exchange().motors.emergency_stop();
   latch_stop();
-  const std::string said = device_->trouble();
+  const std::string problem = device_->trouble();
   host.error("the device has failed and its motors are off until motors 1: " +
-             (said.empty() ? std::string(driver_name()) + ": check it first" : said));
-  if (!said.empty())
-    send_trouble(trouble_ = said, host);
+             (problem.empty() ? std::string(driver_name()) + ": check it first" : problem));
+  if (!problem.empty())
+    send_trouble(trouble_ = problem, host);
   if (reported_[kStatus])
     host.info({"status", "fault", 1.0});
   send_estop(host);
@@ -84,24 +85,24 @@ void Phantom::send_trouble(std::string_view sentence, Host& host) const {
 
 void Phantom::watch_trouble(Host& host) {
   const double now_ms = host.now_ms();
-  if (now_ms - trouble_asked_ms_ < kAskEvery_ms)
+  if (now_ms - trouble_polled_ms_ < kPollInterval_ms)
     return;
-  trouble_asked_ms_ = now_ms;
-  const bool still = running_ && devices::ServoThread::now_s() - report_s_ > kStandsStill_s;
-  std::string said = still ? std::string(driver_name()) +
-                                 ": the servo stands still: a call of the driver does not "
-                                 "return, or the driver calls no more; close the device, "
-                                 "switch it off and on, and open it again"
-                           : device_->trouble();
-  if (said != heard_trouble_) {
-    heard_trouble_ = std::move(said);
+  trouble_polled_ms_ = now_ms;
+  const bool still = running_ && devices::ServoThread::now_s() - report_s_ > kStall_s;
+  std::string problem = still ? std::string(driver_name()) +
+                                    ": the servo stands still: a call of the driver does not "
+                                    "return, or the driver calls no more; close the device, "
+                                    "switch it off and on, and open it again"
+                              : device_->trouble();
+  if (problem != driver_trouble_) {
+    driver_trouble_ = std::move(problem);
     trouble_ms_ = now_ms;
   }
   const double lasts_ms = now_ms - trouble_ms_;
-  if (heard_trouble_ == trouble_ ||
-      lasts_ms < (heard_trouble_.empty() ? kWellAfter_ms : kLasting_ms))
+  if (driver_trouble_ == trouble_ ||
+      lasts_ms < (driver_trouble_.empty() ? kClear_ms : kDebounce_ms))
     return;
-  trouble_ = heard_trouble_;
+  trouble_ = driver_trouble_;
   send_trouble(trouble_, host);
   if (!trouble_.empty())
     host.log(trouble_);
@@ -110,15 +111,15 @@ void Phantom::watch_trouble(Host& host) {
 /// That the force limit falls with the motors' heat: a user who feels a force fade must know why.
 void Phantom::watch_heat(Host& host) {
   const haptic::Report& report = exchange().reports.latest();
-  if (!open() || !has_report_ || report.sparing == warm_told_)
+  if (!open() || !has_report_ || report.derating == warm_reported_)
     return;
-  warm_told_ = report.sparing;
+  warm_reported_ = report.derating;
   if (reported_[kStatus])
-    host.info({"status", "warm", warm_told_ ? 1.0 : 0.0});
-  if (!warm_told_)
+    host.info({"status", "warm", warm_reported_ ? 1.0 : 0.0});
+  if (!warm_reported_)
     return;
   char newtons[32];
-  std::snprintf(newtons, sizeof newtons, "%.2g", report.spared_to_n);
+  std::snprintf(newtons, sizeof newtons, "%.2g", report.derated_to_n);
   host.log(std::string(driver_name()) + ": the motors are warm: force is limited to about " +
            newtons + " N until they cool");
 }

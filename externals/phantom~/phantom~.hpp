@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/declaration_text.hpp"
 #include "core/haptic/signal/signal_player.hpp"
 #include "core/object.hpp"
-#include "core/words.hpp"
 #include "devices/servo_thread.hpp"
 #include "externals/phantom/signal_link_name.hpp"
 #include "externals/phantom~/declaration.hpp"
@@ -32,7 +32,7 @@ public:
   static constexpr std::size_t timers = 1;
 
   PhantomSignal() = default;
-  ~PhantomSignal() { let_go(); }
+  ~PhantomSignal() { release_link(); }
   PhantomSignal(const PhantomSignal&) = delete;
   PhantomSignal& operator=(const PhantomSignal&) = delete;
 
@@ -47,14 +47,14 @@ public:
   void message(std::size_t, std::span<const Atom> words, Host& host) {
     name_ = words[0].is_word ? std::string(words[0].word) : number_text(words[0].number);
     if (created_)
-      look(host);
+      find_device(host);
   }
   /// The patch is loaded before the first tick, in whatever order it holds its objects.
   void created(Host& host) {
     created_ = true;
     host.wake_in(0, 0);
   }
-  void tick(std::size_t, Host& host) { look(host); }
+  void tick(std::size_t, Host& host) { find_device(host); }
   void dump(Host& host) {
     host.info({"name", std::string_view(name_)});
     host.info({"status", link_ ? "attached" : "waiting", std::string_view(name_)});
@@ -78,15 +78,15 @@ public:
   }
 
 private:
-  static constexpr double kLookEvery_ms = 100;
+  static constexpr double kSearchInterval_ms = 100;
 
   /// Finds the device, notices when it is gone or another has its name.
-  void look(Host& host) {
+  void find_device(Host& host) {
     const auto found = std::static_pointer_cast<haptic::SignalLink>(
-        host.offered(phantom::signal_link_name(name_)));
+        host.find_published(phantom::signal_link_name(name_)));
     if (found != link_) {
-      let_go();
-      if (found && found->take()) {
+      release_link();
+      if (found && found->acquire()) {
         link_ = found;
         refused_ = false;
       } else if (found && !refused_) {
@@ -98,11 +98,11 @@ private:
         host.info({"status", link_ ? "attached" : "waiting", std::string_view(name_)});
       waiting_ = !link_;
     }
-    host.wake_in(0, kLookEvery_ms);
+    host.wake_in(0, kSearchInterval_ms);
   }
-  void let_go() noexcept {
+  void release_link() noexcept {
     if (link_)
-      link_->leave();
+      link_->release();
     link_.reset();
     player_.attach(nullptr);
   }

@@ -14,19 +14,19 @@ constexpr std::size_t kMaxNodes = 1u << 20;
 } // namespace
 
 void MapStore::put(std::string key, std::vector<double> nodes) {
-  for (auto& [known, held] : maps_)
-    if (known == key) {
-      held = std::move(nodes);
+  for (auto& [stored, nodes_held] : maps_)
+    if (stored == key) {
+      nodes_held = std::move(nodes);
       return;
     }
-  if (maps_.size() == kMost)
+  if (maps_.size() == kMaxMaps)
     maps_.pop_front();
   maps_.emplace_back(std::move(key), std::move(nodes));
 }
 
 const std::vector<double>* MapStore::find(const std::string& key) const noexcept {
-  for (const auto& [known, nodes] : maps_)
-    if (known == key)
+  for (const auto& [stored, nodes] : maps_)
+    if (stored == key)
       return &nodes;
   return nullptr;
 }

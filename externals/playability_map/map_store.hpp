@@ -23,7 +23,7 @@ public:
   [[nodiscard]] std::size_t size() const noexcept { return maps_.size(); }
 
 private:
-  static constexpr std::size_t kMost = 32;
+  static constexpr std::size_t kMaxMaps = 32;
   std::deque<std::pair<std::string, std::vector<double>>> maps_;
 };
 

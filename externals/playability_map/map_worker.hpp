@@ -1,6 +1,6 @@
 #pragma once
 
-#include "externals/ordinary_priority.hpp"
+#include "externals/normal_priority.hpp"
 
 #include <atomic>
 #include <cstddef>
@@ -28,11 +28,11 @@ public:
   /// Cancels what is at work and begins anew. Empty when a thread is at work; else why there is
   /// none, and the computation goes on by step().
   [[nodiscard]] std::string start(std::size_t nodes, Portion portion) {
-    renew(nodes);
+    reset(nodes);
     running_.store(true, std::memory_order_relaxed);
     try {
       thread_ = std::jthread([this, work = portion](const std::stop_token& stop) {
-        take_ordinary_priority();
+        set_normal_priority();
         std::size_t done = 0;
         while (done < nodes_.size() && !stop.stop_requested()) {
           done = work(nodes_, done);
@@ -49,8 +49,8 @@ public:
     return {};
   }
   /// The same without a thread: step() does one portion.
-  void start_by_steps(std::size_t nodes, Portion portion) {
-    renew(nodes);
+  void start_stepped(std::size_t nodes, Portion portion) {
+    reset(nodes);
     steps_ = std::move(portion);
   }
   void step() {
@@ -58,7 +58,7 @@ public:
       done_.store(steps_(nodes_, done()), std::memory_order_release);
   }
   /// Without waiting: the thread ends after the portion at hand.
-  void ask_to_stop() {
+  void request_stop() {
     steps_ = nullptr;
     thread_.request_stop();
   }
@@ -72,9 +72,9 @@ public:
 
   /// Nothing is at work.
   [[nodiscard]] bool idle() const noexcept {
-    return by_steps() ? finished() : !running_.load(std::memory_order_acquire);
+    return is_stepped() ? finished() : !running_.load(std::memory_order_acquire);
   }
-  [[nodiscard]] bool by_steps() const noexcept { return static_cast<bool>(steps_); }
+  [[nodiscard]] bool is_stepped() const noexcept { return static_cast<bool>(steps_); }
   [[nodiscard]] std::size_t done() const noexcept { return done_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
   [[nodiscard]] bool finished() const noexcept { return done() == nodes_.size(); }
@@ -82,7 +82,7 @@ public:
   [[nodiscard]] double node(std::size_t index) const noexcept { return nodes_[index]; }
 
 private:
-  void renew(std::size_t nodes) {
+  void reset(std::size_t nodes) {
     cancel();
     nodes_.assign(nodes, 0);
     done_.store(0, std::memory_order_release);

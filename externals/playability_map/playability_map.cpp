@@ -29,10 +29,10 @@ Colour colour(double x) {
       {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
   const double at = (x > 0 ? std::min(x, 1.0) : 0.0) * (kStops.size() - 1);
   const auto stop = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
-  const double rest = at - static_cast<double>(stop);
+  const double fraction = at - static_cast<double>(stop);
   const Colour &a = kStops[stop], &b = kStops[stop + 1];
-  return {std::round(a.r + rest * (b.r - a.r)), std::round(a.g + rest * (b.g - a.g)),
-          std::round(a.b + rest * (b.b - a.b))};
+  return {std::round(a.r + fraction * (b.r - a.r)), std::round(a.g + fraction * (b.g - a.g)),
+          std::round(a.b + fraction * (b.b - a.b))};
 }
 
 /// The length that an instrument with these parameters takes for a bore frequency.
@@ -85,8 +85,8 @@ std::string PlayabilityMapObject::key() const {
 
 MapWorker::Portion PlayabilityMapObject::portion() const {
   if (growth_) {
-    const Playing playing = embouchure_for(clamped(parameters_), own_[kBoreFrequency],
-                                           length_of(parameters_, own_[kBoreFrequency]));
+    const PlayingSetup playing = embouchure_for(clamped(parameters_), own_[kBoreFrequency],
+                                                length_of(parameters_, own_[kBoreFrequency]));
     const LinearStability theory(playing.valve, playing.length, playing.fingering.end);
     const double scale = playing.reed_scale;
     const ControlRange range = range_;
@@ -128,16 +128,16 @@ void PlayabilityMapObject::compute(Host& host) {
   total_ = columns_ * rows_;
   working_key_ = key();
   computing_ = true;
-  if (const auto* known = store_.find(working_key_)) {
-    worker_.start_by_steps(total_, [known = *known](std::vector<double>& nodes, std::size_t) {
-      nodes = known;
+  if (const auto* stored = store_.find(working_key_)) {
+    worker_.start_stepped(total_, [stored = *stored](std::vector<double>& nodes, std::size_t) {
+      nodes = stored;
       return nodes.size();
     });
   } else if (own_[kBackground] >= 0.5) {
-    if (const std::string refusal = worker_.start(total_, portion()); !refusal.empty())
-      host.error("compute: " + refusal);
+    if (const std::string error_text = worker_.start(total_, portion()); !error_text.empty())
+      host.error("compute: " + error_text);
   } else {
-    worker_.start_by_steps(total_, portion());
+    worker_.start_stepped(total_, portion());
   }
   draw(host);
 }
@@ -174,7 +174,7 @@ void PlayabilityMapObject::send_cells(Host& host, std::size_t to) {
 void PlayabilityMapObject::tick(std::size_t, Host& host) {
   if (!drawing_)
     return;
-  const bool steps = computing_ && worker_.by_steps();
+  const bool steps = computing_ && worker_.is_stepped();
   if (steps)
     worker_.step();
   const std::size_t done = worker_.done();
@@ -198,9 +198,9 @@ void PlayabilityMapObject::tick(std::size_t, Host& host) {
 
 void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
   enum { kPreset, kRange, kCompute, kBang, kCancel, kDraw, kWrite, kRead };
-  const auto report = [&host](const std::string& refusal) {
-    if (!refusal.empty())
-      host.error(refusal);
+  const auto report = [&host](const std::string& error_text) {
+    if (!error_text.empty())
+      host.error(error_text);
   };
   const auto is_name = [&](const char* message) {
     if (arguments[0].is_word)

@@ -81,7 +81,7 @@ public:
   void dump(Host& host);
 
 private:
-  enum Own : std::size_t {
+  enum OwnParameter : std::size_t {
     kQuantity,
     kColumns,
     kRows,
@@ -94,7 +94,7 @@ private:
   };
   static constexpr std::size_t kFirstOwn = greed::kParameters.size();
 
-  [[nodiscard]] std::size_t count(Own p) const noexcept {
+  [[nodiscard]] std::size_t count(OwnParameter p) const noexcept {
     return static_cast<std::size_t>(own_[p]);
   }
   void compute(Host& host);

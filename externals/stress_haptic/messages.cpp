@@ -1,4 +1,4 @@
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 #include "externals/stress_haptic/stress_haptic.hpp"
 
 #include <algorithm>
@@ -12,13 +12,13 @@ using haptic::Vec3;
 
 namespace {
 
-constexpr double kM_per_mm = 1e-3, kFarthest_mm = 1e6, kFastest_m_per_s = 100;
+constexpr double kM_per_mm = 1e-3, kMaxPosition_mm = 1e6, kMaxSpeed_m_per_s = 100;
 
 /// The numbers of a message; empty after one sentence when one is a word or not of a sane size.
 std::vector<double> numbers_of(std::string_view message, std::span<const Atom> atoms, Host& host) {
   std::vector<double> numbers;
   for (const Atom& atom : atoms) {
-    if (atom.is_word || !(std::abs(atom.number) <= kFarthest_mm)) {
+    if (atom.is_word || !(std::abs(atom.number) <= kMaxPosition_mm)) {
       host.error(std::string(message) + ": '" +
                  (atom.is_word ? std::string(atom.word) : number_text(atom.number)) +
                  "': expected numbers within -1e+06..1e+06");
@@ -101,8 +101,8 @@ void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
   const Vec3 estimate = velocity_estimate_.update(position_m, now_s);
   const Vec3 velocity = numbers.size() == 6 ? Vec3{numbers[3], numbers[4], numbers[5]} : estimate;
   position_m_ = position_m;
-  velocity_m_per_s_ = haptic::limited(velocity, kFastest_m_per_s);
-  placed_ = true;
+  velocity_m_per_s_ = haptic::limited(velocity, kMaxSpeed_m_per_s);
+  has_position_ = true;
   sent_force_n_.reset(); // every position is answered
   if (!anchored_) {
     anchor_.jump(position_m_);
@@ -234,11 +234,11 @@ void StressHaptic::set_anchor(std::span<const Atom> arguments, Host& host) {
     anchor_m = Vec3{numbers[0], numbers[1], numbers[2]} * kM_per_mm;
   } else if (arguments.size() != 1 || !arguments[0].is_word || arguments[0].word != "here") {
     return host.error(sentence_of("anchor", arguments) + ": expected here, or x y z in mm");
-  } else if (!placed_) {
+  } else if (!has_position_) {
     anchored_ = false; // the first position that comes
     return;
   }
-  if (placed_ && anchored_)
+  if (has_position_ && anchored_)
     anchor_.fade(anchor_m, 1e-3 * host.now_ms(), kFade_s);
   else
     anchor_.jump(anchor_m);

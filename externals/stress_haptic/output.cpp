@@ -36,7 +36,8 @@ void StressHaptic::send(Host& host, bool all) {
   if (table_ && (all || since_ms >= kFeedbackRepeat_ms ||
                  (since_ms >= kFeedback_ms && sent_feedback_ != gamma)))
     send_feedback(host, gamma);
-  if (const Vec3 force_n = force(1e-3 * now_ms); all || (placed_ && sent_force_n_ != force_n)) {
+  if (const Vec3 force_n = force(1e-3 * now_ms);
+      all || (has_position_ && sent_force_n_ != force_n)) {
     sent_force_n_ = force_n;
     host.send(kForceOutlet, {force_n.x, force_n.y, force_n.z});
   }
@@ -66,12 +67,12 @@ void StressHaptic::send_info(Host& host) {
   }
   const Feedback& feedback = result_.feedback;
   // Within what a host's single precision holds.
-  const auto held = [](double x) { return std::clamp(x, -1e38, 1e38); };
+  const auto clamped = [](double x) { return std::clamp(x, -1e38, 1e38); };
   const auto send_value = [&](std::string_view name, const Vec3& value) {
     if (is_axis())
-      host.info({name, held(value.x), held(value.y), held(value.z)});
+      host.info({name, clamped(value.x), clamped(value.y), clamped(value.z)});
     else
-      host.info({name, held(value.x)});
+      host.info({name, clamped(value.x)});
   };
   send_value("gmin", feedback.min);
   send_value("gmax", feedback.max);
@@ -82,7 +83,7 @@ void StressHaptic::send_info(Host& host) {
   host.info({"iters", static_cast<double>(result_.iterations)});
   host.info({"ms", 1e3 * (result_.method == Method::kTaylor ? result_.update_s : result_.solve_s)});
   host.info({"mean", feedback.mean_pa});
-  host.info({"peak", held(feedback.peak_pa)});
+  host.info({"peak", clamped(feedback.peak_pa)});
   host.info({"outside", result_.outside_trust ? 1.0 : 0.0});
 }
 
@@ -123,9 +124,9 @@ void StressHaptic::send_points(Host& host) {
             {"hap", "workspace", first.x, first.y, first.z, last.x, last.y, last.z});
   host.send(kProtocolOutlet, {"hap", "cp", "begin", static_cast<double>(points.size())});
   for (std::size_t c = 0; c < points.size(); ++c) {
-    const Vec3 place = (points[c] + displacement_of(c)) * kMm_per_m;
-    host.send(kProtocolOutlet,
-              {"hap", "cp", "set", static_cast<double>(c), place.x, place.y, place.z});
+    const Vec3 position_mm = (points[c] + displacement_of(c)) * kMm_per_m;
+    host.send(kProtocolOutlet, {"hap", "cp", "set", static_cast<double>(c), position_mm.x,
+                                position_mm.y, position_mm.z});
   }
   host.send(kProtocolOutlet, {"hap", "cp", "end"});
 }

@@ -1,6 +1,6 @@
 #include "externals/stress_haptic/part_solver.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace tactus::stress {
 namespace {
 
 constexpr const char* kProgram = "part_stress";
-constexpr double kLook_s = 0.1; // between looks at the clock of one who waits
+constexpr double kPollInterval_s = 0.1; // between looks at the clock of one who waits
 
 template <class T> void append(std::vector<std::byte>& bytes, const T& value) {
   const auto* begin = reinterpret_cast<const std::byte*>(&value);
@@ -32,10 +32,10 @@ template <class T> std::vector<T> take_array(std::span<const std::byte>& bytes, 
 
 std::string find_part_stress(const std::string& program) { return find_program(kProgram, program); }
 
-PartSolver::PartSolver(SolverOrder order, const Limits& limits)
-    : order_(std::move(order)), limits_(limits) {}
+PartSolver::PartSolver(SolverOptions options, const Limits& limits)
+    : options_(std::move(options)), limits_(limits) {}
 
-void PartSolver::lose(const std::string& reason) {
+void PartSolver::mark_lost(const std::string& reason) {
   child_.reset();
   state_ = State::kLost;
   result_ = Result{};
@@ -44,21 +44,22 @@ void PartSolver::lose(const std::string& reason) {
 }
 
 void PartSolver::launch() {
-  const std::string program = find_part_stress(order_.program);
+  const std::string program = find_part_stress(options_.program);
   if (program.empty())
-    return lose("the program " + (order_.program.empty() ? kProgram : order_.program) +
-                " was not found: expected it beside stress_haptic, in PATH, or by solver PATH");
+    return mark_lost(
+        "the program " + (options_.program.empty() ? kProgram : options_.program) +
+        " was not found: expected it beside stress_haptic, in PATH, or by solver PATH");
   std::string refusal;
-  child_ =
-      ServedProgram::start({program, "serve", order_.path, "--tolerance", number_text(kTolerance)},
-                           kProgram, limits_.start_s, refusal);
+  child_ = ServedProgram::start(
+      {program, "serve", options_.path, "--tolerance", number_text(kTolerance)}, kProgram,
+      limits_.start_s, refusal);
   if (!child_)
-    return lose("the solver: " + refusal);
+    return mark_lost("the solver: " + refusal);
   state_ = State::kLoading;
 }
 
 bool PartSolver::prepare() {
-  if (order_.wait)
+  if (options_.wait)
     return state_ != State::kLost; // start() loads the part when it is needed
   if (state_ == State::kNone)
     launch();
@@ -70,7 +71,7 @@ std::string PartSolver::start(std::span<const double> displacement_m, Method met
                               bool sensitivities) {
   if (state_ == State::kNone)
     launch();
-  while (order_.wait && (state_ == State::kLoading || state_ == State::kChecking))
+  while (options_.wait && (state_ == State::kLoading || state_ == State::kChecking))
     advance();
   if (state_ == State::kLost)
     return {}; // poll() tells
@@ -79,12 +80,12 @@ std::string PartSolver::start(std::span<const double> displacement_m, Method met
   const bool direct = method == Method::kFull || sensitivities;
   sensitivities_ = sensitivities;
   // All that a solve may take by the costs, twenty times.
-  const double parameters = static_cast<double>(order_.table.parameters.size());
+  const double parameters = static_cast<double>(options_.table.parameters.size());
   const double expected_s =
       costs_.factor_s + (60 + parameters) * (costs_.product_s + costs_.solve_s);
-  ask(displacement_m, direct ? ServeMethod::refactor : ServeMethod::pcg,
-      (sensitivities ? kWithDerivatives : 0U) | kKeepFactor,
-      std::max(limits_.solve_s, 20 * expected_s));
+  send_request(displacement_m, direct ? ServeMethod::refactor : ServeMethod::pcg,
+               (sensitivities ? kWithDerivatives : 0U) | kKeepFactor,
+               std::max(limits_.solve_s, 20 * expected_s));
   state_ = State::kSolving;
   return {};
 }
@@ -92,33 +93,33 @@ std::string PartSolver::start(std::span<const double> displacement_m, Method met
 std::optional<Reanalysis::Result> PartSolver::poll() {
   if (state_ != State::kNone && state_ != State::kLost)
     advance();
-  while (order_.wait && state_ == State::kSolving)
+  while (options_.wait && state_ == State::kSolving)
     advance();
   return std::exchange(result_, std::nullopt);
 }
 
-void PartSolver::ask(std::span<const double> displacement_m, ServeMethod method,
-                     std::uint32_t flags, double limit_s) {
+void PartSolver::send_request(std::span<const double> displacement_m, ServeMethod method,
+                              std::uint32_t flags, double limit_s) {
   std::vector<std::byte> payload;
   append(payload, static_cast<std::uint32_t>(method));
   append(payload, flags);
   const auto bytes = std::as_bytes(displacement_m);
   payload.insert(payload.end(), bytes.begin(), bytes.end());
-  child_->ask(ServeKind::solve, payload, limit_s);
+  child_->send_request(ServeKind::solve, payload, limit_s);
 }
 
 std::uint64_t PartSolver::answer_bytes() const noexcept {
-  const std::uint64_t rows = sensitivities_ ? 1 + order_.table.parameters.size() : 1;
-  return sizeof(StressAnswer) + 8 * order_.table.parameters.size() +
-         8 * rows * order_.table.elements();
+  const std::uint64_t rows = sensitivities_ ? 1 + options_.table.parameters.size() : 1;
+  return sizeof(StressAnswer) + 8 * options_.table.parameters.size() +
+         8 * rows * options_.table.elements();
 }
 
 /// Acts on a message that is whole.
 void PartSolver::advance() {
   if (state_ == State::kNone || state_ == State::kLost)
     return;
-  if (order_.wait && state_ != State::kReady)
-    child_->wait(kLook_s);
+  if (options_.wait && state_ != State::kReady)
+    child_->wait(kPollInterval_s);
   std::string reason;
   const auto expects = [this](const ServeHeader& header) {
     const auto kind = static_cast<ServeKind>(header.kind);
@@ -127,12 +128,12 @@ void PartSolver::advance() {
   };
   const auto message = child_->poll(expects, reason);
   if (!reason.empty())
-    return lose(reason);
+    return mark_lost(reason);
   if (message)
     try {
       take(message->kind, message->payload);
     } catch (const std::bad_alloc&) {
-      lose("there is not enough memory for the solver's answer");
+      mark_lost("there is not enough memory for the solver's answer");
     }
 }
 
@@ -144,7 +145,7 @@ void PartSolver::take(ServeKind kind, std::span<const std::byte> payload) {
   const std::string sentence = printable_line(
       std::string_view(reinterpret_cast<const char*>(payload.data()), payload.size()));
   if (state_ != State::kSolving)
-    return lose("the solver refuses the part: " + sentence);
+    return mark_lost("the solver refuses the part: " + sentence);
   state_ = State::kReady;
   result_ = Result{};
   result_->refusal = sentence;
@@ -152,22 +153,23 @@ void PartSolver::take(ServeKind kind, std::span<const std::byte> payload) {
 
 void PartSolver::take_ready(std::span<const std::byte> payload) {
   const auto ready = value_at<ServeReady>(payload);
-  const StressTable& table = order_.table;
+  const StressTable& table = options_.table;
   if (ready.elements != table.elements() || ready.parameters != table.parameters.size())
-    return lose("the solver's part has " + std::to_string(ready.elements) + " elements and " +
-                std::to_string(ready.parameters) + " parameters: expected the table's " +
-                std::to_string(table.elements()) + " and " +
-                std::to_string(table.parameters.size()));
+    return mark_lost("the solver's part has " + std::to_string(ready.elements) + " elements and " +
+                     std::to_string(ready.parameters) + " parameters: expected the table's " +
+                     std::to_string(table.elements()) + " and " +
+                     std::to_string(table.parameters.size()));
   for (const double cost : {ready.product_s, ready.solve_s, ready.factor_s})
     if (!(cost >= 0 && cost < 1e5))
-      return lose("the solver says that an operation takes " + number_text(cost) +
-                  " s: expected 0..100000 s");
+      return mark_lost("the solver says that an operation takes " + number_text(cost) +
+                       " s: expected 0..100000 s");
   costs_ = {ready.product_s, ready.solve_s, ready.factor_s};
   state_ = State::kChecking;
-  ask(std::vector<double>(table.parameters.size()), ServeMethod::pcg, kKeepFactor, limits_.start_s);
+  send_request(std::vector<double>(table.parameters.size()), ServeMethod::pcg, kKeepFactor,
+               limits_.start_s);
 }
 
-bool PartSolver::is_tables_own(const StressBase& base) const {
+bool PartSolver::is_initial_base(const StressBase& base) const {
   const auto same = [](const std::vector<float>& a, const std::vector<float>& b) {
     double largest = 0, difference = 0;
     for (std::size_t i = 0; i < b.size(); ++i) {
@@ -178,13 +180,13 @@ bool PartSolver::is_tables_own(const StressBase& base) const {
     }
     return difference <= kSameStress * largest;
   };
-  const StressBase& own = order_.table.base;
+  const StressBase& own = options_.table.base;
   return same(base.von_mises.stress, own.von_mises.stress) &&
-         (!order_.table.has_shear() || same(base.max_shear.stress, own.max_shear.stress));
+         (!options_.table.has_shear() || same(base.max_shear.stress, own.max_shear.stress));
 }
 
 void PartSolver::take_answer(std::span<const std::byte> payload) {
-  const StressTable& table = order_.table;
+  const StressTable& table = options_.table;
   const std::size_t elements = table.elements(), parameters = table.parameters.size();
   const auto fixed = value_at<StressAnswer>(payload);
   payload = payload.subspan(sizeof fixed);
@@ -193,19 +195,21 @@ void PartSolver::take_answer(std::span<const std::byte> payload) {
   base->displacement_m = take_array<double>(payload, parameters);
   base->von_mises.stress = take_array<float>(payload, elements);
   base->max_shear.stress = take_array<float>(payload, elements);
-  const bool makes_sense = (fixed.method == static_cast<std::uint32_t>(ServeMethod::pcg) ||
-                            fixed.method == static_cast<std::uint32_t>(ServeMethod::refactor)) &&
-                           fixed.seconds >= 0 && fixed.seconds < 1e6 && fixed.iterations < 100000 &&
-                           std::all_of(base->displacement_m.begin(), base->displacement_m.end(),
-                                       [](double x) { return std::isfinite(x); });
-  if (!makes_sense)
-    return lose("the solver's answer holds numbers that cannot be (method " +
-                std::to_string(fixed.method) + ", " + std::to_string(fixed.iterations) +
-                " iterations, " + number_text(fixed.seconds) + " s), and it was ended");
+  const bool is_consistent = (fixed.method == static_cast<std::uint32_t>(ServeMethod::pcg) ||
+                              fixed.method == static_cast<std::uint32_t>(ServeMethod::refactor)) &&
+                             fixed.seconds >= 0 && fixed.seconds < 1e6 &&
+                             fixed.iterations < 100000 &&
+                             std::all_of(base->displacement_m.begin(), base->displacement_m.end(),
+                                         [](double x) { return std::isfinite(x); });
+  if (!is_consistent)
+    return mark_lost("the solver's answer holds numbers that cannot be (method " +
+                     std::to_string(fixed.method) + ", " + std::to_string(fixed.iterations) +
+                     " iterations, " + number_text(fixed.seconds) + " s), and it was ended");
   if (state_ == State::kChecking) {
-    if (!is_tables_own(*base))
-      return lose("the solver finds another stress at the table's own shape than the table holds: "
-                  "expected the file that part_stress wrote, unchanged");
+    if (!is_initial_base(*base))
+      return mark_lost(
+          "the solver finds another stress at the table's own shape than the table holds: "
+          "expected the file that part_stress wrote, unchanged");
     state_ = State::kReady;
     return;
   }
@@ -224,7 +228,7 @@ void PartSolver::take_answer(std::span<const std::byte> payload) {
       fixed.method == static_cast<std::uint32_t>(ServeMethod::pcg) ? Method::kPcg : Method::kFull;
   result.iterations = fixed.iterations;
   result.seconds = fixed.seconds;
-  result.old_sensitivities = !sensitivities_;
+  result.stale_sensitivities = !sensitivities_;
   result.base = base;
   latest_ = std::move(base);
   result_ = std::move(result);

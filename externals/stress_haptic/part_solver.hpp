@@ -13,7 +13,7 @@
 namespace tactus::stress {
 
 /// What a solver is made for.
-struct SolverOrder {
+struct SolverOptions {
   const StressTable& table; ///< outlives the solver
   std::string path;         ///< of the table
   std::string program;      ///< path or name of part_stress; empty: where it is looked for
@@ -37,13 +37,13 @@ public:
     double solve_s = 30;  ///< for an answer, if its costs do not make it longer
   };
 
-  explicit PartSolver(SolverOrder order) : PartSolver(std::move(order), Limits{}) {}
-  PartSolver(SolverOrder order, const Limits& limits);
+  explicit PartSolver(SolverOptions options) : PartSolver(std::move(options), Limits{}) {}
+  PartSolver(SolverOptions options, const Limits& limits);
 
   [[nodiscard]] bool prepare() override;
   /// As the child measured them. None when the caller waits: the choice of a method must not depend
   /// on the clock; then it goes by iterations alone.
-  [[nodiscard]] Costs costs() const noexcept override { return order_.wait ? Costs{} : costs_; }
+  [[nodiscard]] Costs costs() const noexcept override { return options_.wait ? Costs{} : costs_; }
   [[nodiscard]] std::string start(std::span<const double> displacement_m, Method method,
                                   bool sensitivities) override;
   [[nodiscard]] std::optional<Result> poll() override;
@@ -56,13 +56,13 @@ private:
   void take(ServeKind kind, std::span<const std::byte> payload);
   void take_ready(std::span<const std::byte> payload);
   void take_answer(std::span<const std::byte> payload);
-  [[nodiscard]] bool is_tables_own(const StressBase& base) const;
-  void ask(std::span<const double> displacement_m, ServeMethod method, std::uint32_t flags,
-           double limit_s);
-  void lose(const std::string& reason);
+  [[nodiscard]] bool is_initial_base(const StressBase& base) const;
+  void send_request(std::span<const double> displacement_m, ServeMethod method, std::uint32_t flags,
+                    double limit_s);
+  void mark_lost(const std::string& reason);
   [[nodiscard]] std::uint64_t answer_bytes() const noexcept;
 
-  SolverOrder order_;
+  SolverOptions options_;
   Limits limits_;
   Costs costs_;
   std::unique_ptr<ServedProgram> child_;

@@ -69,8 +69,8 @@ void StressHaptic::send_picture(Host& host) {
                mm(1), mm(2), mm(3), mm(4), mm(5)});
   }
   for (const std::size_t c : movable) {
-    const Vec3 place = (table_->control_point_m[c] + displacement_of(c)) * kMm_per_m;
-    host.info({"point", static_cast<double>(c), place.x, place.y, place.z});
+    const Vec3 position_mm = (table_->control_point_m[c] + displacement_of(c)) * kMm_per_m;
+    host.info({"point", static_cast<double>(c), position_mm.x, position_mm.y, position_mm.z});
   }
 }
 

@@ -15,10 +15,10 @@ StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::m
 }
 
 StressHaptic::StressHaptic()
-    : StressHaptic([](SolverOrder order) -> std::unique_ptr<Reanalysis> {
-        if (!order.table.has_mesh)
+    : StressHaptic([](SolverOptions options) -> std::unique_ptr<Reanalysis> {
+        if (!options.table.has_mesh)
           return nullptr;
-        return std::make_unique<PartSolver>(std::move(order));
+        return std::make_unique<PartSolver>(std::move(options));
       }) {}
 
 void StressHaptic::set(std::size_t parameter, double value) noexcept {
@@ -55,11 +55,11 @@ void StressHaptic::set(std::size_t parameter, double value) noexcept {
   }
   if (!host_)
     return;
-  warn_of(parameter, *host_);
+  warn_if_inactive(parameter, *host_);
   submit(*host_);
 }
 
-void StressHaptic::warn_of(std::size_t parameter, Host& host) const {
+void StressHaptic::warn_if_inactive(std::size_t parameter, Host& host) const {
   const auto& settings = request_.settings;
   const Resolve resolve = request_.resolve;
   if (parameter == kState && table_ && settings.state == State::kShear && !table_->has_shear())
@@ -135,7 +135,7 @@ void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
              static_cast<double>(table_->parameters.size()),
              static_cast<double>(table_->control_point_m.size())});
   for (const std::size_t parameter : {kState, kWeights, kResolve})
-    warn_of(parameter, host);
+    warn_if_inactive(parameter, host);
   submit(host);
   if (std::exchange(draw_when_loaded_, false))
     draw({}, host);
@@ -157,12 +157,12 @@ void StressHaptic::collect(Host& host) {
     host.error(refusal);
   const double now_s = 1e-3 * host.now_ms();
   if (worker_.read() && worker_.latest().table == request_.table) {
-    const bool swapped =
-        worker_.latest().swaps != result_.swaps || worker_.latest().table != result_.table;
+    const bool base_changed = worker_.latest().base_changes != result_.base_changes ||
+                              worker_.latest().table != result_.table;
     result_.update_s = worker_.latest().update_s; // the clock's, always another
     const bool changed = !(result_ == worker_.latest());
     result_ = worker_.latest();
-    if (swapped)
+    if (base_changed)
       gamma_.fade(result_.feedback.gamma, now_s, kFade_s);
     else if (!(result_.feedback.gamma == gamma_.target()))
       gamma_.go(result_.feedback.gamma, now_s);
@@ -186,7 +186,7 @@ RenderGains StressHaptic::gains_in_force() const noexcept {
 Vec3 StressHaptic::force(double now_s) noexcept {
   enum { kSpring, kDamper, kBoth, kOff };
   const auto render = static_cast<int>(value_[kRender]);
-  if (!table_ || !placed_ || render == kOff)
+  if (!table_ || !has_position_ || render == kOff)
     return {};
   const Vec3 gamma = gamma_.at(now_s);
   const RenderGains gains = gains_in_force();

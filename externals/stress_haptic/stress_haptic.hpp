@@ -71,7 +71,7 @@ private:
   void displace(std::size_t control_point, const haptic::Vec3& displacement_m) noexcept;
   [[nodiscard]] haptic::Vec3 displacement_of(std::size_t control_point) const noexcept;
   /// What the table or the object cannot do; it goes on with what it can.
-  void warn_of(std::size_t parameter, Host& host) const;
+  void warn_if_inactive(std::size_t parameter, Host& host) const;
   void submit(Host& host);
   void collect(Host& host);
   void send(Host& host, bool all);
@@ -95,8 +95,8 @@ private:
   SessionResult result_;
   RenderGains gains_{0, 400, 0, 4};
   LinearGlide gamma_{}, anchor_{};
-  bool anchored_ = false; ///< else the first position becomes the anchor
-  bool placed_ = false;   ///< the handle's position is known
+  bool anchored_ = false;     ///< else the first position becomes the anchor
+  bool has_position_ = false; ///< the handle's position is known
   haptic::Vec3 position_m_{}, velocity_m_per_s_{};
   haptic::VelocityEstimator velocity_estimate_;
   haptic::Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< at the grab

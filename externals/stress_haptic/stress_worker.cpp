@@ -1,6 +1,6 @@
 #include "externals/stress_haptic/stress_worker.hpp"
 
-#include "externals/ordinary_priority.hpp"
+#include "externals/normal_priority.hpp"
 #include "externals/read_file.hpp"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-constexpr double kLongestSleep_s = 3600;
+constexpr double kMaxSleep_s = 3600;
 
 } // namespace
 
@@ -43,22 +43,22 @@ std::string StressWorker::start(std::function<void()> ready) {
 
 void StressWorker::load(const std::string& path, std::uint64_t number) {
   if (!threaded())
-    return carry_out_load(path, number);
+    return execute_load(path, number);
   {
     const std::lock_guard lock(mutex_);
-    to_load_ = {path, number};
-    awake_ = true;
+    pending_load_ = {path, number};
+    wake_requested_ = true;
   }
   wake_.notify_all();
 }
 
 void StressWorker::set_program(const std::string& program) {
   if (!threaded())
-    return carry_out_program(program);
+    return execute_program(program);
   {
     const std::lock_guard lock(mutex_);
     to_program_ = program;
-    awake_ = true;
+    wake_requested_ = true;
   }
   wake_.notify_all();
 }
@@ -69,7 +69,7 @@ void StressWorker::request(const SessionRequest& request, double now) {
     return step(now);
   {
     const std::lock_guard lock(mutex_);
-    awake_ = true;
+    wake_requested_ = true;
   }
   wake_.notify_all();
 }
@@ -95,16 +95,16 @@ std::string StressWorker::take_refusal() {
 }
 
 std::unique_ptr<Reanalysis> StressWorker::solver_for(const StressTable& table) const {
-  return solvers_ ? solvers_({table, path_, program_, waits_}) : nullptr;
+  return solvers_ ? solvers_({table, path_, program_, blocking_solvers_}) : nullptr;
 }
 
-void StressWorker::carry_out_program(const std::string& program) {
+void StressWorker::execute_program(const std::string& program) {
   program_ = program;
   if (session_)
     session_->attach(solver_for(session_->table()));
 }
 
-void StressWorker::carry_out_load(const std::string& path, std::uint64_t number) {
+void StressWorker::execute_load(const std::string& path, std::uint64_t number) {
   Loaded loaded;
   loaded.number = number;
   try {
@@ -151,25 +151,26 @@ void StressWorker::step(double now) {
 }
 
 void StressWorker::work(const std::stop_token& stop) {
-  take_ordinary_priority();
+  set_normal_priority();
   while (!stop.stop_requested()) {
     std::optional<std::pair<std::string, std::uint64_t>> to_load;
     std::optional<std::string> to_program;
     {
       std::unique_lock lock(mutex_);
       const double sleep_s =
-          session_ ? std::min(session_->due_in_s(now_s()), kLongestSleep_s) : kLongestSleep_s;
-      wake_.wait_for(lock, stop, std::chrono::duration<double>(sleep_s), [this] { return awake_; });
-      awake_ = false;
-      to_load = std::exchange(to_load_, std::nullopt);
+          session_ ? std::min(session_->due_in_s(now_s()), kMaxSleep_s) : kMaxSleep_s;
+      wake_.wait_for(lock, stop, std::chrono::duration<double>(sleep_s),
+                     [this] { return wake_requested_; });
+      wake_requested_ = false;
+      to_load = std::exchange(pending_load_, std::nullopt);
       to_program = std::exchange(to_program_, std::nullopt);
     }
     if (stop.stop_requested())
       return;
     if (to_program)
-      carry_out_program(*to_program);
+      execute_program(*to_program);
     if (to_load)
-      carry_out_load(to_load->first, to_load->second);
+      execute_load(to_load->first, to_load->second);
     step(now_s());
     ready_();
   }

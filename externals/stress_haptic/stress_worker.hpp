@@ -28,7 +28,7 @@ public:
   };
 
   /// Makes the solver of a part; null when there is none for it.
-  using SolverFactory = std::function<std::unique_ptr<Reanalysis>(SolverOrder order)>;
+  using SolverFactory = std::function<std::unique_ptr<Reanalysis>(SolverOptions options)>;
 
   explicit StressWorker(SolverFactory solvers = {}) : solvers_(std::move(solvers)) {}
   ~StressWorker();
@@ -40,7 +40,7 @@ public:
   /// sentence.
   [[nodiscard]] std::string start(std::function<void()> ready);
   /// Solvers wait for their answers: for a host whose time is not the wall's.
-  void wait_for_solvers() noexcept { waits_ = true; }
+  void wait_for_solvers() noexcept { blocking_solvers_ = true; }
   [[nodiscard]] bool threaded() const noexcept { return thread_.joinable(); }
 
   /// The last load counts. The old table goes on until the new one is read.
@@ -62,13 +62,13 @@ public:
 
 private:
   void work(const std::stop_token& stop);
-  void carry_out_program(const std::string& program);
+  void execute_program(const std::string& program);
   [[nodiscard]] std::unique_ptr<Reanalysis> solver_for(const StressTable& table) const;
-  void carry_out_load(const std::string& path, std::uint64_t number);
+  void execute_load(const std::string& path, std::uint64_t number);
   void step(double now_s);
 
   SolverFactory solvers_;
-  bool waits_ = false; // set before there is a thread
+  bool blocking_solvers_ = false; // set before there is a thread
   haptic::Mailbox<SessionRequest> requests_;
   haptic::Mailbox<SessionResult> results_;
   // The worker's alone.
@@ -78,8 +78,8 @@ private:
   // Shared, all short.
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  bool awake_ = false;
-  std::optional<std::pair<std::string, std::uint64_t>> to_load_;
+  bool wake_requested_ = false;
+  std::optional<std::pair<std::string, std::uint64_t>> pending_load_;
   std::optional<std::string> to_program_;
   std::optional<Loaded> loaded_;
   std::string refusal_;

@@ -17,14 +17,14 @@ NodeGraph::NodeGraph(const Mesh& mesh) : start(mesh.nodes.size() + 1, 0) {
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (const int n : mesh.nodes_of(mesh.elements[e]))
       around[next[static_cast<std::size_t>(n)]++] = e;
-  std::vector<std::size_t> seen(count, count);
+  std::vector<std::size_t> visited(count, count);
   for (std::size_t column = 0; column < count; ++column) {
     const auto begin = static_cast<std::ptrdiff_t>(row.size());
     for (std::size_t k = first[column]; k < first[column + 1]; ++k)
       for (const int n : mesh.nodes_of(mesh.elements[around[k]])) {
         const auto i = static_cast<std::size_t>(n);
-        if (i >= column && seen[i] != column) {
-          seen[i] = column;
+        if (i >= column && visited[i] != column) {
+          visited[i] = column;
           row.push_back(n);
         }
       }
@@ -42,7 +42,7 @@ std::size_t NodeGraph::find(std::int64_t at_row, std::int64_t column) const noex
 namespace {
 
 /// Vectors that pass through the matrix together: it is read from memory once for all of them.
-constexpr std::size_t kTogether = 8;
+constexpr std::size_t kBlockColumns = 8;
 template <std::size_t Width> using Lanes = std::array<double, Width>;
 
 template <std::size_t Width> void add(Lanes<Width>& y, double a, const Lanes<Width>& x) noexcept {
@@ -54,10 +54,11 @@ template <std::size_t Width> void add(Lanes<Width>& y, double a, const Lanes<Wid
 /// or its transpose, times x[0..2] to y[0..2]. Rows and columns in `held` count as zero; `held` may
 /// be empty.
 template <std::size_t Width, class Block>
-void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::span<const double> x,
-              std::span<double> y, std::size_t columns, const Block& block) {
+void multiply(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
+              std::span<const double> x, std::span<double> y, std::size_t columns,
+              const Block& block) {
   const std::size_t n = 3 * graph.node_count();
-  const auto skipped = [&](std::size_t i) { return !held.empty() && held[i]; };
+  const auto skipped = [&](std::size_t i) { return !constrained.empty() && constrained[i]; };
   std::vector<Lanes<Width>> in(n), out(n);
   for (std::size_t first = 0; first < columns; first += Width) {
     const std::size_t width = std::min(Width, columns - first);
@@ -82,21 +83,21 @@ void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::s
 
 /// One vector alone would waste seven of the lanes.
 template <class Block>
-void multiply_any(const NodeGraph& graph, std::span<const std::uint8_t> held,
+void multiply_any(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
                   std::span<const double> x, std::span<double> y, std::size_t columns,
                   const Block& block) {
   if (columns == 1)
-    multiply<1>(graph, held, x, y, columns, block);
+    multiply<1>(graph, constrained, x, y, columns, block);
   else
-    multiply<kTogether>(graph, held, x, y, columns, block);
+    multiply<kBlockColumns>(graph, constrained, x, y, columns, block);
 }
 
 auto stiffness_block(std::span<const double> stiffness) {
-  return [stiffness](std::size_t k, const auto* from, auto* to, bool turned) {
+  return [stiffness](std::size_t k, const auto* from, auto* to, bool transposed) {
     const double* s = &stiffness[9 * k];
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j)
-        add(to[i], turned ? s[3 * j + i] : s[3 * i + j], from[j]);
+        add(to[i], transposed ? s[3 * j + i] : s[3 * i + j], from[j]);
   };
 }
 
@@ -104,15 +105,16 @@ auto stiffness_block(std::span<const double> stiffness) {
 
 void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
                              std::size_t columns) const {
-  multiply_any(graph, held, x, y, columns, [this](std::size_t k, const auto* from, auto* to, bool) {
-    for (std::size_t i = 0; i < 3; ++i)
-      add(to[i], mass[k], from[i]);
-  });
+  multiply_any(graph, constrained, x, y, columns,
+               [this](std::size_t k, const auto* from, auto* to, bool) {
+                 for (std::size_t i = 0; i < 3; ++i)
+                   add(to[i], mass[k], from[i]);
+               });
 }
 
 void Matrices::multiply_stiffness(std::span<const double> x, std::span<double> y,
                                   std::size_t columns) const {
-  multiply_any(graph, held, x, y, columns, stiffness_block(stiffness));
+  multiply_any(graph, constrained, x, y, columns, stiffness_block(stiffness));
 }
 
 void Matrices::multiply_whole_stiffness(std::span<const double> x, std::span<double> y) const {
@@ -126,10 +128,10 @@ PairPositions::PairPositions(const Mesh& mesh, const NodeGraph& graph) : start_{
     const auto nodes = mesh.nodes_of(e);
     for (std::size_t a = 0; a < nodes.size(); ++a)
       for (std::size_t b = 0; b <= a; ++b) {
-        const bool turned = nodes[a] < nodes[b];
+        const bool transposed = nodes[a] < nodes[b];
         const auto k = static_cast<std::int32_t>(
             graph.find(std::max(nodes[a], nodes[b]), std::min(nodes[a], nodes[b])) + 1);
-        position_.push_back(turned ? -k : k);
+        position_.push_back(transposed ? -k : k);
       }
     start_.push_back(position_.size());
   }
@@ -145,22 +147,22 @@ void add_element_stiffness(const Mesh& mesh, std::size_t element, const ElasticL
   const std::int32_t* position = positions.of(element).data();
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b <= a; ++b, ++position) {
-      const bool turned = *position < 0;
-      const auto k = static_cast<std::size_t>(turned ? -*position : *position) - 1;
+      const bool transposed = *position < 0;
+      const auto k = static_cast<std::size_t>(transposed ? -*position : *position) - 1;
       if (!only.empty() && !only[k])
         continue;
       const double* from = &blocks[9 * (a * n + b)];
       double* to = &stiffness[9 * k];
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
-          to[3 * i + j] += turned ? from[3 * j + i] : from[3 * i + j];
+          to[3 * i + j] += transposed ? from[3 * j + i] : from[3 * i + j];
     }
 }
 
 std::vector<ElasticLaw> elastic_laws(const Mesh& mesh, std::span<const Material> materials) {
   if (materials.size() != mesh.regions.size())
-    throw Refusal("the mesh has " + std::to_string(mesh.regions.size()) + " regions and " +
-                  std::to_string(materials.size()) + " materials, expected one for each");
+    throw InputError("the mesh has " + std::to_string(mesh.regions.size()) + " regions and " +
+                     std::to_string(materials.size()) + " materials, expected one for each");
   return {materials.begin(), materials.end()};
 }
 
@@ -199,7 +201,7 @@ Matrices assemble(const Mesh& mesh, std::span<const Material> materials,
   }
   for (const Support& support : supports) {
     if (support.nodes.empty())
-      throw Refusal("support " + support.name + " holds no node: expected a place on the body");
+      throw InputError("support " + support.name + " holds no node: expected a place on the body");
     const double share = support.stiffness_n_per_m / static_cast<double>(support.nodes.size());
     for (const int node : support.nodes) {
       const std::size_t diagonal = matrices.graph.find(node, node);
@@ -208,7 +210,7 @@ Matrices assemble(const Mesh& mesh, std::span<const Material> materials,
           if (share > 0)
             matrices.stiffness[9 * diagonal + 4 * i] += share;
           else
-            matrices.held[3 * static_cast<std::size_t>(node) + i] = 1;
+            matrices.constrained[3 * static_cast<std::size_t>(node) + i] = 1;
         }
     }
   }

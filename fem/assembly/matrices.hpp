@@ -54,12 +54,12 @@ struct Support {
 /// marked in `held`: solvers skip them.
 struct Matrices {
   NodeGraph graph;
-  std::vector<double> stiffness;  ///< 9 a pair
-  std::vector<double> mass;       ///< 1 a pair
-  std::vector<std::uint8_t> held; ///< 1 a degree of freedom
+  std::vector<double> stiffness;         ///< 9 a pair
+  std::vector<double> mass;              ///< 1 a pair
+  std::vector<std::uint8_t> constrained; ///< 1 a degree of freedom
 
-  explicit Matrices(const Mesh& mesh) : graph(mesh), held(mesh.dofs(), 0) {}
-  [[nodiscard]] std::size_t dofs() const noexcept { return held.size(); }
+  explicit Matrices(const Mesh& mesh) : graph(mesh), constrained(mesh.dofs(), 0) {}
+  [[nodiscard]] std::size_t dofs() const noexcept { return constrained.size(); }
 
   /// y = M x and y = K x for `columns` vectors, each contiguous and dofs() long. Rows and columns
   /// of held directions count as zero.

@@ -42,7 +42,7 @@ CgReport conjugate_gradients(const Matrices& m, ShiftedFactor& preconditioner,
   const double size = std::sqrt(dot(b, b));
   m.multiply_stiffness(x, image, 1);
   for (std::size_t i = 0; i < n; ++i)
-    r[i] = m.held[i] ? 0 : b[i] - image[i];
+    r[i] = m.constrained[i] ? 0 : b[i] - image[i];
   CgReport report;
   const auto residual = [&] {
     const double own = std::sqrt(dot(r, r));
@@ -60,11 +60,11 @@ CgReport conjugate_gradients(const Matrices& m, ShiftedFactor& preconditioner,
       break;
     // Polak and Ribiere's form: with a preconditioner in single precision, r' z of before does not
     // vanish, and the usual form loses steps (Notay 2000).
-    const double turn = report.iterations > 0 ? (next - dot(before, z)) / rz : 0;
+    const double beta_step = report.iterations > 0 ? (next - dot(before, z)) / rz : 0;
     if (report.iterations > 0)
-      beta.push_back(std::max(turn, 0.0));
+      beta.push_back(std::max(beta_step, 0.0));
     for (std::size_t i = 0; i < n; ++i)
-      p[i] = z[i] + turn * p[i];
+      p[i] = z[i] + beta_step * p[i];
     before = r;
     rz = next;
     m.multiply_stiffness(p, image, 1);
@@ -121,7 +121,7 @@ double combined_approximations(const Matrices& m, ShiftedFactor& old_factor,
       force += weight[static_cast<Eigen::Index>(k)] * image[k * n + i];
     }
     x[i] = sum;
-    squares += m.held[i] ? 0 : (b[i] - force) * (b[i] - force);
+    squares += m.constrained[i] ? 0 : (b[i] - force) * (b[i] - force);
   }
   const double size = std::sqrt(dot(b, b));
   return size > 0 ? std::sqrt(squares) / size : 0;

@@ -48,14 +48,15 @@ void check_lattice(const Lattice& lattice) {
     const double low = lattice.box.low[static_cast<int>(k)],
                  high = lattice.box.high[static_cast<int>(k)];
     if (!(low < high) || !std::isfinite(low) || !std::isfinite(high))
-      throw Refusal("the lattice's box has no extent along " + axis + ", expected low < high");
+      throw InputError("the lattice's box has no extent along " + axis + ", expected low < high");
     if (lattice.points[k] < 2 || lattice.points[k] > 64)
-      throw Refusal("the lattice has " + std::to_string(lattice.points[k]) +
-                    " control points along " + axis + ", expected 2 to 64");
+      throw InputError("the lattice has " + std::to_string(lattice.points[k]) +
+                       " control points along " + axis + ", expected 2 to 64");
     if (lattice.degree[k] < 1 || lattice.degree[k] >= lattice.points[k])
-      throw Refusal("the lattice has the degree " + std::to_string(lattice.degree[k]) + " along " +
-                    axis + ", expected 1 to " + std::to_string(lattice.points[k] - 1) +
-                    " with its " + std::to_string(lattice.points[k]) + " control points");
+      throw InputError("the lattice has the degree " + std::to_string(lattice.degree[k]) +
+                       " along " + axis + ", expected 1 to " +
+                       std::to_string(lattice.points[k] - 1) + " with its " +
+                       std::to_string(lattice.points[k]) + " control points");
   }
 }
 
@@ -105,7 +106,7 @@ ControlWeights embed(const Mesh& mesh, const Lattice& lattice) {
     weights.start.push_back(weights.control.size());
   }
   if (!any)
-    throw Refusal("no node of the mesh lies in the lattice's box");
+    throw InputError("no node of the mesh lies in the lattice's box");
   return weights;
 }
 
@@ -113,9 +114,9 @@ ControlWeights import_weights(const Mesh& mesh, std::vector<Vector3> control_poi
                               std::span<const double> dense) {
   const std::size_t controls = control_points.size(), nodes = mesh.nodes.size();
   if (controls == 0 || dense.size() != controls * nodes)
-    throw Refusal("the weights are " + std::to_string(dense.size()) + " numbers, expected " +
-                  std::to_string(nodes) + " nodes times " + std::to_string(controls) +
-                  " control points");
+    throw InputError("the weights are " + std::to_string(dense.size()) + " numbers, expected " +
+                     std::to_string(nodes) + " nodes times " + std::to_string(controls) +
+                     " control points");
   ControlWeights weights{std::move(control_points), {0}, {}, {}};
   for (std::size_t n = 0; n < nodes; ++n) {
     double sum = 0;
@@ -128,8 +129,8 @@ ControlWeights import_weights(const Mesh& mesh, std::vector<Vector3> control_poi
       }
     }
     if (!(std::abs(sum) < 1e-6 || std::abs(sum - 1) < 1e-6)) // no number neither
-      throw Refusal("the weights of node " + std::to_string(n + 1) + " sum to " +
-                    std::to_string(sum) + ", expected 1 (it moves with the cage) or 0");
+      throw InputError("the weights of node " + std::to_string(n + 1) + " sum to " +
+                       std::to_string(sum) + ", expected 1 (it moves with the cage) or 0");
     weights.start.push_back(weights.control.size());
   }
   return weights;
@@ -154,8 +155,8 @@ std::vector<DesignVelocity> design_velocities(const ControlWeights& weights,
     std::vector<double> share(weights.control_points.size(), 0.0);
     for (const int c : parameter.controls) {
       if (c < 0 || static_cast<std::size_t>(c) >= share.size())
-        throw Refusal("parameter " + parameter.name + " moves control point " + std::to_string(c) +
-                      ", expected 0 to " + std::to_string(share.size() - 1));
+        throw InputError("parameter " + parameter.name + " moves control point " +
+                         std::to_string(c) + ", expected 0 to " + std::to_string(share.size() - 1));
       share[static_cast<std::size_t>(c)] = 1;
     }
     DesignVelocity& velocity = velocities.emplace_back();
@@ -171,7 +172,7 @@ std::vector<DesignVelocity> design_velocities(const ControlWeights& weights,
     }
     if (velocity.node.empty() || !(length(parameter.direction) > 0) ||
         !std::isfinite(length(parameter.direction)))
-      throw Refusal("parameter " + parameter.name + " moves no node of the mesh");
+      throw InputError("parameter " + parameter.name + " moves no node of the mesh");
   }
   return velocities;
 }
@@ -180,12 +181,12 @@ std::vector<Vector3> moved_nodes(std::span<const Vector3> nodes,
                                  std::span<const DesignVelocity> velocities,
                                  std::span<const double> parameters) {
   if (parameters.size() != velocities.size())
-    throw Refusal("a shape has " + std::to_string(velocities.size()) + " parameters, got " +
-                  std::to_string(parameters.size()));
+    throw InputError("a shape has " + std::to_string(velocities.size()) + " parameters, got " +
+                     std::to_string(parameters.size()));
   std::vector<Vector3> moved(nodes.begin(), nodes.end());
   for (std::size_t k = 0; k < velocities.size(); ++k) {
     if (!std::isfinite(parameters[k]))
-      throw Refusal("parameter " + velocities[k].name + " is no number, expected metres");
+      throw InputError("parameter " + velocities[k].name + " is no number, expected metres");
     for (std::size_t i = 0; parameters[k] != 0 && i < velocities[k].node.size(); ++i)
       moved[static_cast<std::size_t>(velocities[k].node[i])] +=
           parameters[k] * velocities[k].velocity[i];

@@ -7,7 +7,7 @@ namespace {
 
 /// Beyond this share of moved elements all are assembled: the ring around the moved ones would be
 /// integrated too.
-constexpr double kAllAbove = 0.7;
+constexpr double kFullAssemblyShare = 0.7;
 
 } // namespace
 
@@ -32,7 +32,7 @@ MovingSystem::MovingSystem(const Mesh& mesh, const StaticModel& model, StaticSys
 }
 
 std::size_t MovingSystem::update(const Mesh& mesh, const StaticModel& model, StaticSystem& system) {
-  enum : std::uint8_t { still, beside, moved };
+  enum : std::uint8_t { unchanged, adjacent, moved };
   Matrices& m = system.matrices;
   std::size_t changed = 0;
   for (std::size_t n = 0; n < nodes_.size(); ++n)
@@ -51,7 +51,8 @@ std::size_t MovingSystem::update(const Mesh& mesh, const StaticModel& model, Sta
                           positions_, stiffness, only);
     ++integrated;
   };
-  if (static_cast<double>(changed) > kAllAbove * static_cast<double>(mesh.elements.size())) {
+  if (static_cast<double>(changed) >
+      kFullAssemblyShare * static_cast<double>(mesh.elements.size())) {
     std::fill(stiffness.begin(), stiffness.end(), 0.0);
     for (std::size_t e = 0; e < mesh.elements.size(); ++e)
       add(e, {});
@@ -67,16 +68,16 @@ std::size_t MovingSystem::update(const Mesh& mesh, const StaticModel& model, Sta
       for (const int n : mesh.nodes_of(mesh.elements[e]))
         for (std::size_t k = first_[static_cast<std::size_t>(n)];
              k < first_[static_cast<std::size_t>(n) + 1]; ++k)
-          if (element_state_[around_[k]] == still)
-            element_state_[around_[k]] = beside;
+          if (element_state_[around_[k]] == unchanged)
+            element_state_[around_[k]] = adjacent;
     }
     // In the elements' order, so that sums come out as in a full assembly.
     for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-      if (element_state_[e] != still)
+      if (element_state_[e] != unchanged)
         add(e, changed_pair_);
     std::fill(changed_pair_.begin(), changed_pair_.end(), std::uint8_t{0});
   }
-  std::fill(element_state_.begin(), element_state_.end(), std::uint8_t{still});
+  std::fill(element_state_.begin(), element_state_.end(), std::uint8_t{unchanged});
   if (!elements_alone_.empty()) {
     m.stiffness = elements_alone_;
     add_springs(mesh, model.springs, m);

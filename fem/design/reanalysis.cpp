@@ -49,14 +49,14 @@ struct Refactorisation::Implementation {
   bool done = false;
 };
 
-Refactorisation::Refactorisation() : own_(std::make_unique<Implementation>()) {}
+Refactorisation::Refactorisation() : impl_(std::make_unique<Implementation>()) {}
 Refactorisation::Refactorisation(Refactorisation&&) noexcept = default;
 Refactorisation::~Refactorisation() = default;
 
 void Refactorisation::run() {
-  own_->factor->factorise();
-  own_->factor->prepare();
-  own_->done = true;
+  impl_->factor->factorise();
+  impl_->factor->prepare();
+  impl_->done = true;
 }
 
 struct Reanalysis::Implementation {
@@ -75,7 +75,7 @@ struct Reanalysis::Implementation {
   StressSensitivity sensitivity;
   CostModel cost;
   double growth = kFirstGrowth; ///< d log(condition) / d(displacement gradient)
-  double pessimism = 1;         ///< iterations that runs took, of the bound
+  double iteration_ratio = 1;   ///< iterations that runs took, of the bound
 
   Implementation(Mesh given, StaticModel own_model, std::vector<DesignVelocity> own_velocities,
                  const ReanalysisSettings& own_settings)
@@ -92,7 +92,7 @@ struct Reanalysis::Implementation {
   [[nodiscard]] std::vector<double> free_displacement() const {
     std::vector<double> u = analysis.solution.displacement;
     for (std::size_t i = 0; i < u.size(); ++i)
-      if (analysis.system.matrices.held[i])
+      if (analysis.system.matrices.constrained[i])
         u[i] = 0;
     return u;
   }
@@ -116,8 +116,8 @@ struct Reanalysis::Implementation {
 
   void fill_stress(StressUpdate& update) const {
     const auto stress = element_stress(mesh, model.materials, analysis.solution.displacement);
-    update.von_mises = measured(stress, StressMeasure::von_mises);
-    update.max_shear = measured(stress, StressMeasure::max_shear);
+    update.von_mises = equivalent_stress(stress, StressMeasure::von_mises);
+    update.max_shear = equivalent_stress(stress, StressMeasure::max_shear);
   }
 
   void measure_cost() {
@@ -159,7 +159,7 @@ struct Reanalysis::Implementation {
 
   [[nodiscard]] double expected_iterations() const {
     const double bound = iterations_for(std::exp(growth * stretch()), settings.tolerance);
-    return std::max(1.0, pessimism * bound);
+    return std::max(1.0, iteration_ratio * bound);
   }
 
   void learn(const CgReport& report) {
@@ -167,37 +167,37 @@ struct Reanalysis::Implementation {
     if (report.iterations < 2 || !(s > 1e-6) || !(report.condition > 1))
       return;
     growth = std::log(report.condition) / s;
-    pessimism = report.iterations / iterations_for(report.condition, settings.tolerance);
+    iteration_ratio = report.iterations / iterations_for(report.condition, settings.tolerance);
   }
 };
 
 Reanalysis::Reanalysis(Mesh mesh, StaticModel model, std::vector<DesignVelocity> velocities,
                        ReanalysisSettings settings, const Progress& progress)
-    : own_(std::make_unique<Implementation>(std::move(mesh), std::move(model),
-                                            std::move(velocities), settings)) {
-  own_->measure_cost();
+    : impl_(std::make_unique<Implementation>(std::move(mesh), std::move(model),
+                                             std::move(velocities), settings)) {
+  impl_->measure_cost();
   StressUpdate base;
-  own_->fill_stress(base);
-  own_->base_von_mises = std::move(base.von_mises);
-  own_->base_max_shear = std::move(base.max_shear);
+  impl_->fill_stress(base);
+  impl_->base_von_mises = std::move(base.von_mises);
+  impl_->base_max_shear = std::move(base.max_shear);
   if (settings.sensitivities)
-    own_->sensitivity =
-        stress_sensitivity(own_->mesh, own_->model, own_->analysis, own_->velocities, progress);
+    impl_->sensitivity =
+        stress_sensitivity(impl_->mesh, impl_->model, impl_->analysis, impl_->velocities, progress);
 }
 
 Reanalysis::~Reanalysis() = default;
 
 ValidStep Reanalysis::move_to(std::span<const double> parameters) {
-  const auto target = moved_nodes(own_->original, own_->velocities, parameters);
-  const ValidStep step = valid_step(own_->mesh, target);
+  const auto target = moved_nodes(impl_->original, impl_->velocities, parameters);
+  const ValidStep step = valid_step(impl_->mesh, target);
   if (step.fraction == 1) {
-    own_->parameters.assign(parameters.begin(), parameters.end());
-    own_->mesh.nodes = target;
+    impl_->parameters.assign(parameters.begin(), parameters.end());
+    impl_->mesh.nodes = target;
     return step;
   }
   for (std::size_t k = 0; k < parameters.size(); ++k)
-    own_->parameters[k] += step.fraction * (parameters[k] - own_->parameters[k]);
-  own_->mesh.nodes = moved_nodes(own_->original, own_->velocities, own_->parameters);
+    impl_->parameters[k] += step.fraction * (parameters[k] - impl_->parameters[k]);
+  impl_->mesh.nodes = moved_nodes(impl_->original, impl_->velocities, impl_->parameters);
   return step;
 }
 
@@ -205,17 +205,17 @@ StressUpdate Reanalysis::taylor() const {
   const Stopwatch watch;
   StressUpdate update;
   update.residual = std::numeric_limits<double>::quiet_NaN();
-  update.von_mises = own_->base_von_mises;
-  update.max_shear = own_->base_max_shear;
+  update.von_mises = impl_->base_von_mises;
+  update.max_shear = impl_->base_max_shear;
   const std::size_t elements = update.von_mises.size();
-  if (own_->sensitivity.von_mises.size() != own_->velocities.size() * elements)
-    throw Refusal("the Taylor update needs sensitivities, which were not asked for");
-  for (std::size_t k = 0; k < own_->parameters.size(); ++k) {
-    const double step = own_->parameters[k] - own_->base_parameters[k];
+  if (impl_->sensitivity.von_mises.size() != impl_->velocities.size() * elements)
+    throw InputError("the Taylor update needs sensitivities, which were not asked for");
+  for (std::size_t k = 0; k < impl_->parameters.size(); ++k) {
+    const double step = impl_->parameters[k] - impl_->base_parameters[k];
     if (step == 0)
       continue;
-    const float* mises = &own_->sensitivity.von_mises[k * elements];
-    const float* shear = &own_->sensitivity.max_shear[k * elements];
+    const float* mises = &impl_->sensitivity.von_mises[k * elements];
+    const float* shear = &impl_->sensitivity.max_shear[k * elements];
     for (std::size_t e = 0; e < elements; ++e) {
       update.von_mises[e] += step * static_cast<double>(mises[e]);
       update.max_shear[e] += step * static_cast<double>(shear[e]);
@@ -231,8 +231,8 @@ StressUpdate Reanalysis::solve(Method method) {
   const Stopwatch watch;
   StressUpdate update;
   update.method = method;
-  auto& analysis = own_->analysis;
-  own_->moving.update(own_->mesh, own_->model, analysis.system);
+  auto& analysis = impl_->analysis;
+  impl_->moving.update(impl_->mesh, impl_->model, analysis.system);
   if (method != Method::refactor) {
     const std::vector<double> right = analysis.system.right_side();
     std::vector<double> u(right.size());
@@ -240,92 +240,96 @@ StressUpdate Reanalysis::solve(Method method) {
       update.residual =
           combined_approximations(analysis.system.matrices, *analysis.factor, right, u);
     } else {
-      own_->past.start(analysis.system.matrices, right, u);
+      impl_->past.start(analysis.system.matrices, right, u);
       const CgReport report =
           conjugate_gradients(analysis.system.matrices, *analysis.factor, right, u,
-                              own_->settings.tolerance, own_->settings.max_iterations);
-      own_->learn(report);
+                              impl_->settings.tolerance, impl_->settings.max_iterations);
+      impl_->learn(report);
       update.iterations = report.iterations;
       update.residual = report.residual;
-      update.wants_factor =
-          report.iterations > own_->settings.refactor_iterations ||
-          report.iterations * (own_->cost.product + own_->cost.solve) > own_->cost.factor;
+      update.refactor_recommended =
+          report.iterations > impl_->settings.refactor_iterations ||
+          report.iterations * (impl_->cost.product + impl_->cost.solve) > impl_->cost.factor;
       if (!report.converged)
         update.method = Method::refactor;
     }
     if (update.method != Method::refactor)
-      own_->accept(std::move(u));
+      impl_->accept(std::move(u));
   }
   if (update.method == Method::refactor) {
-    own_->solve_directly();
+    impl_->solve_directly();
     update.residual = 0;
-    update.wants_factor = false;
+    update.refactor_recommended = false;
   }
-  own_->fill_stress(update);
+  impl_->fill_stress(update);
   update.seconds = watch.seconds();
   return update;
 }
 
 StressUpdate Reanalysis::solve() {
-  const CostModel& cost = own_->cost;
-  const double iterative = (own_->expected_iterations() + 1) * (cost.product + cost.solve);
+  const CostModel& cost = impl_->cost;
+  const double iterative = (impl_->expected_iterations() + 1) * (cost.product + cost.solve);
   return solve(iterative < cost.factor + cost.solve ? Method::pcg : Method::refactor);
 }
 
-void Reanalysis::set_tolerance(double tolerance) noexcept { own_->settings.tolerance = tolerance; }
+void Reanalysis::set_tolerance(double tolerance) noexcept { impl_->settings.tolerance = tolerance; }
 
 Refactorisation Reanalysis::refactorisation() {
-  own_->moving.update(own_->mesh, own_->model, own_->analysis.system);
+  impl_->moving.update(impl_->mesh, impl_->model, impl_->analysis.system);
   Refactorisation job;
-  job.own_->factor =
-      std::make_unique<ShiftedFactor>(*own_->analysis.factor, own_->analysis.system.matrices, 0);
-  job.own_->nodes = own_->mesh.nodes;
+  job.impl_->factor =
+      std::make_unique<ShiftedFactor>(*impl_->analysis.factor, impl_->analysis.system.matrices, 0);
+  job.impl_->nodes = impl_->mesh.nodes;
   return job;
 }
 
 void Reanalysis::adopt(Refactorisation job) {
-  if (!job.own_ || !job.own_->done || job.own_->nodes.size() != own_->mesh.nodes.size())
-    throw Refusal("a factor that has not run, or of another part, cannot be taken");
-  own_->take_factor(std::move(job.own_->factor), std::move(job.own_->nodes));
+  if (!job.impl_ || !job.impl_->done || job.impl_->nodes.size() != impl_->mesh.nodes.size())
+    throw InputError("a factor that has not run, or of another part, cannot be taken");
+  impl_->take_factor(std::move(job.impl_->factor), std::move(job.impl_->nodes));
 }
 
 void Reanalysis::rebase(const Progress& progress) {
   StressUpdate update = solve(Method::refactor);
-  own_->base_von_mises = std::move(update.von_mises);
-  own_->base_max_shear = std::move(update.max_shear);
-  own_->base_parameters = own_->parameters;
-  if (own_->settings.sensitivities)
-    own_->sensitivity =
-        stress_sensitivity(own_->mesh, own_->model, own_->analysis, own_->velocities, progress);
+  impl_->base_von_mises = std::move(update.von_mises);
+  impl_->base_max_shear = std::move(update.max_shear);
+  impl_->base_parameters = impl_->parameters;
+  if (impl_->settings.sensitivities)
+    impl_->sensitivity =
+        stress_sensitivity(impl_->mesh, impl_->model, impl_->analysis, impl_->velocities, progress);
 }
 
-std::span<const double> Reanalysis::parameters() const noexcept { return own_->parameters; }
-const Mesh& Reanalysis::mesh() const noexcept { return own_->mesh; }
-const StaticModel& Reanalysis::model() const noexcept { return own_->model; }
-const StaticSolution& Reanalysis::solution() const noexcept { return own_->analysis.solution; }
-const StressSensitivity& Reanalysis::sensitivity() const noexcept { return own_->sensitivity; }
-std::span<const double> Reanalysis::base_von_mises() const noexcept { return own_->base_von_mises; }
-std::span<const double> Reanalysis::base_max_shear() const noexcept { return own_->base_max_shear; }
-std::span<const double> Reanalysis::base_parameters() const noexcept {
-  return own_->base_parameters;
+std::span<const double> Reanalysis::parameters() const noexcept { return impl_->parameters; }
+const Mesh& Reanalysis::mesh() const noexcept { return impl_->mesh; }
+const StaticModel& Reanalysis::model() const noexcept { return impl_->model; }
+const StaticSolution& Reanalysis::solution() const noexcept { return impl_->analysis.solution; }
+const StressSensitivity& Reanalysis::sensitivity() const noexcept { return impl_->sensitivity; }
+std::span<const double> Reanalysis::base_von_mises() const noexcept {
+  return impl_->base_von_mises;
 }
-const CostModel& Reanalysis::cost() const noexcept { return own_->cost; }
-double Reanalysis::expected_iterations() const { return own_->expected_iterations(); }
+std::span<const double> Reanalysis::base_max_shear() const noexcept {
+  return impl_->base_max_shear;
+}
+std::span<const double> Reanalysis::base_parameters() const noexcept {
+  return impl_->base_parameters;
+}
+const CostModel& Reanalysis::cost() const noexcept { return impl_->cost; }
+double Reanalysis::expected_iterations() const { return impl_->expected_iterations(); }
 
 MemoryUse Reanalysis::memory() const {
-  const StaticSystem& system = own_->analysis.system;
+  const StaticSystem& system = impl_->analysis.system;
   const NodeGraph& graph = system.matrices.graph;
   MemoryUse use;
-  use.factor = own_->analysis.factor->memory_bytes();
+  use.factor = impl_->analysis.factor->memory_bytes();
   use.matrix = static_cast<double>(8 * system.matrices.stiffness.size() + 8 * graph.row.size() +
                                    8 * graph.start.size()) +
-               own_->moving.bytes() + own_->past.bytes();
-  use.sensitivities = 4. * static_cast<double>(own_->sensitivity.von_mises.size() +
-                                               own_->sensitivity.max_shear.size());
-  use.mesh = static_cast<double>(2 * sizeof(Vector3) * own_->mesh.nodes.size() +
-                                 4 * own_->mesh.connectivity.size() +
-                                 sizeof(Element) * own_->mesh.elements.size());
-  for (const DesignVelocity& v : own_->velocities)
+               impl_->moving.bytes() + impl_->past.bytes();
+  use.sensitivities = 4. * static_cast<double>(impl_->sensitivity.von_mises.size() +
+                                               impl_->sensitivity.max_shear.size());
+  use.mesh = static_cast<double>(2 * sizeof(Vector3) * impl_->mesh.nodes.size() +
+                                 4 * impl_->mesh.connectivity.size() +
+                                 sizeof(Element) * impl_->mesh.elements.size());
+  for (const DesignVelocity& v : impl_->velocities)
     use.mesh += static_cast<double>((4 + sizeof(Vector3)) * v.node.size());
   return use;
 }

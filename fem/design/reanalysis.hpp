@@ -40,7 +40,7 @@ struct StressUpdate {
   int iterations = 0;                       ///< of PCG
   double residual = 0;                      ///< ||f - K u|| / ||f||; NaN for Taylor
   double seconds = 0;
-  bool wants_factor = false; ///< a new factor would pay: start a Refactorisation
+  bool refactor_recommended = false; ///< a new factor would pay: start a Refactorisation
 };
 
 /// The numeric factorisation of one shape, to be run by a thread of the caller's: it owns all that
@@ -55,7 +55,7 @@ private:
   friend class Reanalysis;
   Refactorisation();
   struct Implementation;
-  std::unique_ptr<Implementation> own_;
+  std::unique_ptr<Implementation> impl_;
 };
 
 /// A part whose stress follows its shape: a mesh, a model, shape parameters, and the factor of an
@@ -65,7 +65,7 @@ private:
 ///   part.move_to(p);                      // nodes move, as far as the mesh stays valid
 ///   StressUpdate s = part.taylor();       // microseconds
 ///   s = part.solve();                     // by what the cost model expects to be fastest
-///   if (s.wants_factor) { auto job = part.refactorisation(); ...job.run() elsewhere...;
+///   if (s.refactor_recommended) { auto job = part.refactorisation(); ...job.run() elsewhere...;
 ///                         part.adopt(std::move(job)); }
 ///   part.rebase();                        // s0 and S at the present shape
 class Reanalysis {
@@ -116,7 +116,7 @@ public:
 
 private:
   struct Implementation;
-  std::unique_ptr<Implementation> own_;
+  std::unique_ptr<Implementation> impl_;
 };
 
 } // namespace tactus::fem

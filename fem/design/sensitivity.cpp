@@ -9,12 +9,12 @@ namespace tactus::fem {
 namespace {
 
 /// Parameters that pass through the elements together: the geometry is worked out once for all.
-constexpr std::size_t kTogether = 8;
+constexpr std::size_t kBlockColumns = 8;
 
 /// The velocities of up to eight parameters at every node.
 struct VelocityBlock {
   std::size_t count = 0;
-  std::vector<std::array<Vector3, kTogether>> of_node;
+  std::vector<std::array<Vector3, kBlockColumns>> of_node;
   std::vector<std::uint8_t> moves; ///< [node], a bit a parameter
 
   VelocityBlock(std::size_t nodes, std::span<const DesignVelocity> velocities)
@@ -145,7 +145,7 @@ std::vector<double> block_sensitivity(const Mesh& mesh, const StaticModel& model
     for (std::size_t i = 0; i < face.size(); ++i)
       right[k * n + i] += face[i];
     for (std::size_t i = 0; i < n; ++i)
-      if (analysis.system.matrices.held[i])
+      if (analysis.system.matrices.constrained[i])
         right[k * n + i] = 0;
   }
   analysis.factor->solve(right, right, block.count);
@@ -154,8 +154,8 @@ std::vector<double> block_sensitivity(const Mesh& mesh, const StaticModel& model
 
 template <class Work>
 void for_each_block(const Mesh& mesh, std::span<const DesignVelocity> velocities, Work&& work) {
-  for (std::size_t first = 0; first < velocities.size(); first += kTogether) {
-    const auto own = velocities.subspan(first, std::min(kTogether, velocities.size() - first));
+  for (std::size_t first = 0; first < velocities.size(); first += kBlockColumns) {
+    const auto own = velocities.subspan(first, std::min(kBlockColumns, velocities.size() - first));
     work(first, own, VelocityBlock(mesh.nodes.size(), own));
   }
 }
@@ -200,8 +200,8 @@ ScalarSlopes slopes_of(const StressScalar& scalar, std::span<const double> s,
   }
   const double p = scalar.power;
   if (!(p >= 1) || !std::isfinite(p))
-    throw Refusal("a p-norm of the stress has the power " + std::to_string(p) +
-                  ", expected 1 or more");
+    throw InputError("a p-norm of the stress has the power " + std::to_string(p) +
+                     ", expected 1 or more");
   if (largest == 0)
     return slopes;
   double sum = 0; // scaled by the largest: powers overflow
@@ -218,7 +218,7 @@ ScalarSlopes slopes_of(const StressScalar& scalar, std::span<const double> s,
 
 } // namespace
 
-std::vector<double> measured(std::span<const Stress> stress, StressMeasure measure) {
+std::vector<double> equivalent_stress(std::span<const Stress> stress, StressMeasure measure) {
   std::vector<double> values;
   values.reserve(stress.size());
   for (const Stress& s : stress)
@@ -264,10 +264,10 @@ StressSensitivity stress_sensitivity(const Mesh& mesh, const StaticModel& model,
       for (std::size_t k = 0; k < block.count; ++k) {
         Tensor change =
             field_gradient(at, gather(std::span(du).subspan(k * n, n), nodes), nodes.size());
-        const Tensor carried = h * block.gradient(at, nodes, k);
+        const Tensor convected = h * block.gradient(at, nodes, k);
         for (std::size_t i = 0; i < 3; ++i)
           for (std::size_t j = 0; j < 3; ++j)
-            change[i][j] -= carried[i][j];
+            change[i][j] -= convected[i][j];
         const Stress slope = stress_of(law, change);
         const std::size_t to = (first + k) * elements + e;
         sensitivity.von_mises[to] = static_cast<float>(product(mises, slope));
@@ -286,7 +286,7 @@ Gradient stress_scalar(const Mesh& mesh, const StaticModel& model, StaticAnalysi
   const auto& u = analysis.solution.displacement;
   const auto stress = element_stress(mesh, model.materials, u);
   const ScalarSlopes slopes =
-      slopes_of(scalar, measured(stress, scalar.measure), element_volumes(mesh));
+      slopes_of(scalar, equivalent_stress(stress, scalar.measure), element_volumes(mesh));
   NodeGradient gradient(mesh.nodes.size());
   std::vector<double> adjoint(mesh.dofs(), 0.0);
   PointGradients at;
@@ -301,7 +301,7 @@ Gradient stress_scalar(const Mesh& mesh, const StaticModel& model, StaticAnalysi
     const Tensor tau =
         to_tensor(stress_of(laws[static_cast<std::size_t>(element.region)], as_strain));
     gradients(mesh, element, at_centroid(element.shape), at);
-    const Tensor carried =
+    const Tensor convected =
         transposed_product(field_gradient(at, gather(u, nodes), nodes.size()), tau);
     const double weight = slopes.by_measure[e];
     for (std::size_t a = 0; a < nodes.size(); ++a) {
@@ -310,13 +310,13 @@ Gradient stress_scalar(const Mesh& mesh, const StaticModel& model, StaticAnalysi
       for (std::size_t i = 0; i < 3; ++i) {
         adjoint[3 * node + i] += weight * (tau[i][0] * g.x + tau[i][1] * g.y + tau[i][2] * g.z);
         gradient[node][static_cast<int>(i)] -=
-            weight * (carried[i][0] * g.x + carried[i][1] * g.y + carried[i][2] * g.z);
+            weight * (convected[i][0] * g.x + convected[i][1] * g.y + convected[i][2] * g.z);
       }
     }
   }
   add_volume_gradient(mesh, slopes.by_volume, gradient);
   for (std::size_t i = 0; i < adjoint.size(); ++i)
-    if (analysis.system.matrices.held[i])
+    if (analysis.system.matrices.constrained[i])
       adjoint[i] = 0;
   analysis.factor->solve(adjoint, adjoint, 1);
   add_internal_force_gradient(mesh, laws, u, adjoint, -1, gradient);

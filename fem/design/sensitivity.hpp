@@ -8,7 +8,7 @@ namespace tactus::fem {
 enum class StressMeasure : std::uint8_t { von_mises, max_shear };
 
 /// Of each element at its centroid, Pa.
-[[nodiscard]] std::vector<double> measured(std::span<const Stress>, StressMeasure);
+[[nodiscard]] std::vector<double> equivalent_stress(std::span<const Stress>, StressMeasure);
 
 /// d stress / d parameter by the direct method: one back-substitution a parameter.
 struct StressSensitivity {

@@ -161,9 +161,9 @@ std::vector<double> FaceForceDerivative::along(const DesignVelocity& velocity,
       mesh_.nodes[n] = nodes[n] + side * step * velocity.velocity[i];
     }
     const auto force = load_vector(mesh_, materials_, loads_);
-    const auto held = spring_forces(mesh_, springs_, u);
+    const auto constrained = spring_forces(mesh_, springs_, u);
     for (std::size_t i = 0; i < difference.size(); ++i)
-      difference[i] += side * (force[i] - held[i]) / (2 * step);
+      difference[i] += side * (force[i] - constrained[i]) / (2 * step);
   }
   mesh_.nodes = nodes;
   return difference;

@@ -49,10 +49,10 @@ double scaled_jacobian(const Mesh& mesh, const Element& e) {
   return smallest;
 }
 
-ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double least) {
+ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double min_quality) {
   if (target.size() != mesh.nodes.size())
-    throw Refusal("a step has " + std::to_string(target.size()) + " nodes, the mesh has " +
-                  std::to_string(mesh.nodes.size()));
+    throw InputError("a step has " + std::to_string(target.size()) + " nodes, the mesh has " +
+                     std::to_string(mesh.nodes.size()));
   std::vector<std::size_t> moving;
   for (std::size_t k = 0; k < mesh.elements.size(); ++k) {
     const auto nodes = mesh.nodes_of(mesh.elements[k]);
@@ -64,8 +64,8 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double l
   Mesh trial = mesh;
   struct Quality {
     double jacobian, volume; // scaled; of the element's own
-    [[nodiscard]] bool holds(double least_jacobian, double least_volume) const {
-      return jacobian >= least_jacobian && volume >= least_volume;
+    [[nodiscard]] bool satisfies(double min_jacobian, double min_volume) const {
+      return jacobian >= min_jacobian && volume >= min_volume;
     }
   };
   const auto quality_at = [&](std::size_t k, double fraction) -> Quality {
@@ -86,13 +86,14 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double l
     step.scaled_jacobian = 1;
     for (const std::size_t k : moving) {
       Quality quality = quality_at(k, step.fraction);
-      if (!quality.holds(least, least) && step.fraction > 0) {
-        const double limit = std::min(least, (1 - 1e-9) * scaled_jacobian(mesh, mesh.elements[k]));
+      if (!quality.satisfies(min_quality, min_quality) && step.fraction > 0) {
+        const double limit =
+            std::min(min_quality, (1 - 1e-9) * scaled_jacobian(mesh, mesh.elements[k]));
         double good = 0, bad = step.fraction;
-        if (!quality.holds(limit, least)) {
+        if (!quality.satisfies(limit, min_quality)) {
           while (bad - good > 1e-3) {
             const double middle = .5 * (good + bad);
-            (quality_at(k, middle).holds(limit, least) ? good : bad) = middle;
+            (quality_at(k, middle).satisfies(limit, min_quality) ? good : bad) = middle;
           }
           agreed = false;
           step.fraction = good;

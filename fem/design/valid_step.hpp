@@ -24,6 +24,6 @@ struct ValidStep {
 /// one that is flattened evenly keeps its scaled Jacobian. Elements that are below it at the start
 /// must not get worse.
 [[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
-                                   double least = kMinScaledJacobian);
+                                   double min_quality = kMinScaledJacobian);
 
 } // namespace tactus::fem

@@ -56,7 +56,7 @@ void add_block(const float* k, const Lanes* from, Lanes* to, bool transposed) no
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const double entry = transposed ? k[3 * j + i] : k[3 * i + j];
-      for (std::size_t c = 0; c < kTogether; ++c)
+      for (std::size_t c = 0; c < kBlockColumns; ++c)
         to[i][c] += entry * from[j][c];
     }
 }
@@ -65,7 +65,8 @@ void add_block(const float* k, const Lanes* from, Lanes* to, bool transposed) no
 
 EnrichedSystem::EnrichedSystem(const Mesh& mesh, std::span<const Material> materials,
                                const Matrices& matrices)
-    : mesh_(mesh), held_nodes_(matrices.held), functions_(mesh, matrices.held) {
+    : mesh_(mesh), constrained_nodes_(matrices.constrained),
+      functions_(mesh, matrices.constrained) {
   const std::vector<ElasticLaw> laws(materials.begin(), materials.end());
   std::size_t size = 0;
   for (const Element& e : mesh.elements) {
@@ -108,19 +109,19 @@ void EnrichedSystem::integrate(std::size_t index, const ElasticLaw& law) {
     }
   }
   // Stored as (b, a): row of b, column of a. Held rows and columns are empty.
-  const auto held = [&](std::size_t a, std::size_t k) {
-    return functions_.held[unknown(index, a) + k] != 0;
+  const auto constrained = [&](std::size_t a, std::size_t k) {
+    return functions_.constrained[unknown(index, a) + k] != 0;
   };
   for (std::size_t a = 0; a < w; ++a) {
     for (std::size_t b = 0; b < v; ++b)
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k)
-          if (held(a, k) || held_nodes_[3 * static_cast<std::size_t>(nodes[b]) + i])
+          if (constrained(a, k) || constrained_nodes_[3 * static_cast<std::size_t>(nodes[b]) + i])
             sum[9 * (a * v + b) + 3 * i + k] = 0;
     for (std::size_t b = 0; b <= a; ++b)
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k)
-          if (held(a, k) || held(b, i))
+          if (constrained(a, k) || constrained(b, i))
             sum[9 * (w * v + a * (a + 1) / 2 + b) + 3 * i + k] = 0;
     for (std::size_t i = 0; i < 9; ++i)
       diagonal_[3 * unknown(index, a) + i] += sum[9 * (w * v + a * (a + 1) / 2 + a) + i];
@@ -134,7 +135,7 @@ void EnrichedSystem::invert_diagonal() {
     double* d = &diagonal_[9 * f];
     std::array<Vector3, 3> row;
     for (std::size_t i = 0; i < 3; ++i) {
-      if (functions_.held[3 * f + i])
+      if (functions_.constrained[3 * f + i])
         d[4 * i] = 1;
       row[i] = {d[3 * i], d[3 * i + 1], d[3 * i + 2]};
     }
@@ -179,7 +180,7 @@ void EnrichedSystem::subtract_coupling(std::span<const Lanes> x, std::span<Lanes
       for (std::size_t b = 0; b < v; ++b, k += 9)
         add_block(k, &x[3 * static_cast<std::size_t>(nodes[b])], sum.data(), true);
       for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t c = 0; c < kTogether; ++c)
+        for (std::size_t c = 0; c < kBlockColumns; ++c)
           y[unknown(e, a) + i][c] -= sum[i][c];
     }
   }
@@ -207,10 +208,10 @@ void EnrichedSystem::residual(std::span<const Material> materials, std::span<con
     for (std::size_t a = 0; a < w; ++a)
       for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t row = unknown(index, a) + i;
-        if (functions_.held[row])
+        if (functions_.constrained[row])
           continue;
         for (std::size_t b = 0; b < nodes.size(); ++b)
-          for (std::size_t c = 0; c < kTogether; ++c)
+          for (std::size_t c = 0; c < kBlockColumns; ++c)
             y[row][c] += sign(index, a) * mass[a * nodes.size() + b] * lambda[c] *
                          u[3 * static_cast<std::size_t>(nodes[b]) + i][c];
       }
@@ -220,7 +221,7 @@ void EnrichedSystem::residual(std::span<const Material> materials, std::span<con
 void EnrichedSystem::precondition(std::span<const Lanes> x, std::span<Lanes> y) const {
   for (std::size_t f = 0; f < functions_.count; ++f)
     for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t c = 0; c < kTogether; ++c)
+      for (std::size_t c = 0; c < kBlockColumns; ++c)
         y[3 * f + i][c] = diagonal_[9 * f + 3 * i] * x[3 * f][c] +
                           diagonal_[9 * f + 3 * i + 1] * x[3 * f + 1][c] +
                           diagonal_[9 * f + 3 * i + 2] * x[3 * f + 2][c];

@@ -11,8 +11,8 @@
 namespace tactus::fem {
 
 /// Columns that are worked on together.
-inline constexpr std::size_t kTogether = 8;
-using Lanes = std::array<double, kTogether>;
+inline constexpr std::size_t kBlockColumns = 8;
+using Lanes = std::array<double, kBlockColumns>;
 
 /// The element matrices of the enriching space W beside the mesh's own space V, one after another
 /// in single precision, which is ample here: first K_WV, then the lower blocks of K_WW, nine
@@ -45,7 +45,7 @@ private:
   }
 
   const Mesh& mesh_;
-  std::span<const std::uint8_t> held_nodes_;
+  std::span<const std::uint8_t> constrained_nodes_;
   Enrichment functions_;
   std::vector<std::size_t> at_;
   std::vector<float> blocks_;

@@ -208,7 +208,7 @@ void evaluate_enrichment(Shape shape, const Vector3& at, ShapeValues& out) noexc
   }
 }
 
-Enrichment::Enrichment(const Mesh& mesh, std::span<const std::uint8_t> held_nodes) {
+Enrichment::Enrichment(const Mesh& mesh, std::span<const std::uint8_t> constrained_nodes) {
   std::unordered_map<std::array<int, 4>, int, KeyHash> known;
   known.reserve(4 * mesh.elements.size());
   for (const Element& e : mesh.elements) {
@@ -231,10 +231,11 @@ Enrichment::Enrichment(const Mesh& mesh, std::span<const std::uint8_t> held_node
       ++count;
       const auto on_it = nodes_of_entity(e.shape, f);
       for (std::size_t k = 0; k < 3; ++k)
-        held.push_back(
+        constrained.push_back(
             shared && std::all_of(on_it.begin(), on_it.end(), [&](int n) {
-              return held_nodes[3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(n)]) +
-                                k];
+              return constrained_nodes[3 * static_cast<std::size_t>(
+                                               nodes[static_cast<std::size_t>(n)]) +
+                                       k];
             }));
     }
   }

@@ -39,9 +39,9 @@ struct Enrichment {
   std::vector<int> number;
   std::vector<std::int8_t> sign;
   std::size_t count = 0;
-  std::vector<std::uint8_t> held; ///< 3 a function: every node of its edge or face is held
+  std::vector<std::uint8_t> constrained; ///< 3 a function: every node of its edge or face is held
 
-  Enrichment(const Mesh&, std::span<const std::uint8_t> held_nodes);
+  Enrichment(const Mesh&, std::span<const std::uint8_t> constrained_nodes);
 };
 
 } // namespace tactus::fem

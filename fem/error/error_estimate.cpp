@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxSteps = 20;
 /// What V + W holds of an element's error: .8 to 1 where modes are smooth, half next to a
 /// singular line.
-constexpr double kHeldSmooth = .78, kHeldSingular = .5;
+constexpr double kEnrichedShareSmooth = .78, kEnrichedShareSingular = .5;
 /// Steps of conjugate gradients add ever less; what the steps not done would have added is taken
 /// to go on geometrically, by this ratio at most.
 constexpr double kMaxRatio = .75;
@@ -20,7 +20,7 @@ constexpr double kMaxRatio = .75;
 Lanes inner(std::span<const Lanes> a, std::span<const Lanes> b) noexcept {
   Lanes sum{};
   for (std::size_t i = 0; i < a.size(); ++i)
-    for (std::size_t c = 0; c < kTogether; ++c)
+    for (std::size_t c = 0; c < kBlockColumns; ++c)
       sum[c] += a[i][c] * b[i][c];
   return sum;
 }
@@ -28,7 +28,7 @@ Lanes inner(std::span<const Lanes> a, std::span<const Lanes> b) noexcept {
 void spread(std::span<const double> columns, std::size_t n, std::size_t width,
             std::span<Lanes> out) {
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t c = 0; c < kTogether; ++c)
+    for (std::size_t c = 0; c < kBlockColumns; ++c)
       out[i][c] = c < width ? columns[c * n + i] : 0;
 }
 
@@ -44,13 +44,13 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
   estimate.relative.assign(count, 0.0);
   estimate.share.assign(count * mesh.elements.size() * 3, 0.0F);
   std::vector<Lanes> u(n), down(n), right(m), r(m), z(m), p(m), q(m), e(m);
-  std::vector<double> flat(n * kTogether);
-  const std::vector<std::uint8_t> singular = singular_elements(mesh, matrices.held);
+  std::vector<double> flat(n * kBlockColumns);
+  const std::vector<std::uint8_t> singular = singular_elements(mesh, matrices.constrained);
   std::vector<int> elements_of(system.functions().count, 0);
   for (const int f : system.functions().number)
     ++elements_of[static_cast<std::size_t>(f)];
-  for (std::size_t begin = 0; begin < count; begin += kTogether) {
-    const std::size_t width = std::min(kTogether, count - begin);
+  for (std::size_t begin = 0; begin < count; begin += kBlockColumns) {
+    const std::size_t width = std::min(kBlockColumns, count - begin);
     Lanes lambda{};
     for (std::size_t c = 0; c < width; ++c)
       lambda[c] = std::pow(2 * std::numbers::pi * modes.frequency_hz[begin + c], 2);
@@ -80,7 +80,7 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
         done = done && alpha[c] * rz[c] <= settle * eta[c];
       }
       for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t c = 0; c < kTogether; ++c) {
+        for (std::size_t c = 0; c < kBlockColumns; ++c) {
           e[i][c] += alpha[c] * p[i][c];
           r[i][c] -= alpha[c] * q[i][c];
         }
@@ -93,7 +93,7 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
         beta[c] = rz[c] > 0 ? next[c] / rz[c] : 0;
       rz = next;
       for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t c = 0; c < kTogether; ++c)
+        for (std::size_t c = 0; c < kBlockColumns; ++c)
           p[i][c] = z[i][c] + beta[c] * p[i][c];
     }
     Lanes scale{};
@@ -109,7 +109,8 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
           double part = 0;
           for (std::size_t k = 0; k < 3; ++k)
             part += right[3 * f + k][c] * e[3 * f + k][c];
-          part *= scale[c] / (elements_of[f] * (singular[element] ? kHeldSingular : kHeldSmooth));
+          part *= scale[c] / (elements_of[f] *
+                              (singular[element] ? kEnrichedShareSingular : kEnrichedShareSmooth));
           estimate.relative[begin + c] += part;
           float* to = &estimate.share[((begin + c) * mesh.elements.size() + element) * 3];
           for (std::size_t axis = 0; axis < 3; ++axis)
@@ -123,12 +124,12 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
   return estimate;
 }
 
-ErrorCells interval_errors(const Mesh& mesh, std::span<const std::uint8_t> held,
+ErrorCells interval_errors(const Mesh& mesh, std::span<const std::uint8_t> constrained,
                            const ErrorEstimate& estimate, std::size_t intervals) {
   // An interval's order is the mean over its elements, by what they add to each mode's error.
   ErrorCells cells{{}, std::vector<double>(intervals, 0.0)};
   std::vector<double> weight(intervals, 1e-12);
-  const auto singular = singular_axes(mesh, held);
+  const auto singular = singular_axes(mesh, constrained);
   for (std::size_t k = 0; k < estimate.relative.size(); ++k) {
     std::vector<double>& sum = cells.share.emplace_back(intervals, 0.0);
     for (std::size_t e = 0; e < mesh.elements.size(); ++e)
@@ -146,10 +147,10 @@ ErrorCells interval_errors(const Mesh& mesh, std::span<const std::uint8_t> held,
   return cells;
 }
 
-ErrorCells element_errors(const Mesh& mesh, std::span<const std::uint8_t> held,
+ErrorCells element_errors(const Mesh& mesh, std::span<const std::uint8_t> constrained,
                           const ErrorEstimate& estimate) {
   ErrorCells cells;
-  for (const std::uint8_t singular : singular_elements(mesh, held))
+  for (const std::uint8_t singular : singular_elements(mesh, constrained))
     cells.order.push_back(singular ? kSingularOrder : kSmoothOrder);
   for (std::size_t k = 0; k < estimate.relative.size(); ++k)
     for (std::vector<double>& sum = cells.share.emplace_back();

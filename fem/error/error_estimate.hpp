@@ -33,11 +33,11 @@ struct ErrorEstimate {
                                             const Progress& = {});
 
 /// What each interval of a swept shape's grid adds to each mode's error. `held`: of Matrices.
-[[nodiscard]] ErrorCells interval_errors(const Mesh&, std::span<const std::uint8_t> held,
+[[nodiscard]] ErrorCells interval_errors(const Mesh&, std::span<const std::uint8_t> constrained,
                                          const ErrorEstimate&, std::size_t intervals);
 
 /// What each element adds to each mode's error.
-[[nodiscard]] ErrorCells element_errors(const Mesh&, std::span<const std::uint8_t> held,
+[[nodiscard]] ErrorCells element_errors(const Mesh&, std::span<const std::uint8_t> constrained,
                                         const ErrorEstimate&);
 
 } // namespace tactus::fem

@@ -35,20 +35,20 @@ double mean_side(const Mesh& mesh, std::span<const int> corners) {
 /// corner the smallest size that a cell around wants, grown from the small ones along the cells'
 /// edges (Dijkstra).
 SizeField field_of(const Mesh& mesh, const std::vector<std::span<const int>>& cells,
-                   std::span<const double> wanted) {
-  std::vector<double> wanted_at(mesh.nodes.size(), std::numeric_limits<double>::infinity());
+                   std::span<const double> target_sizes) {
+  std::vector<double> target_at(mesh.nodes.size(), std::numeric_limits<double>::infinity());
   for (std::size_t c = 0; c < cells.size(); ++c)
     for (const int n : cells[c])
-      wanted_at[static_cast<std::size_t>(n)] =
-          std::min(wanted_at[static_cast<std::size_t>(n)], wanted[c]);
+      target_at[static_cast<std::size_t>(n)] =
+          std::min(target_at[static_cast<std::size_t>(n)], target_sizes[c]);
   std::vector<int> number(mesh.nodes.size(), -1);
   std::vector<Vector3> points;
   std::vector<double> size;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    if (std::isfinite(wanted_at[n])) {
+    if (std::isfinite(target_at[n])) {
       number[n] = static_cast<int>(points.size());
       points.push_back(mesh.nodes[n]);
-      size.push_back(wanted_at[n]);
+      size.push_back(target_at[n]);
     }
   std::vector<std::vector<int>> neighbours(points.size());
   for (const auto& corners : cells)
@@ -170,7 +170,7 @@ SizeField refined_swept_sizes(const Mesh& mesh, const SweptLayers& swept, const 
     factor[c] *= mean_side(mesh, cells_of_base[c]);
   }
   SizeField field = field_of(mesh, cells_of_base, std::span(factor).first(columns));
-  field.levels = divided_anew(swept.levels, std::array{0., 1.},
+  field.levels = redistribute(swept.levels, std::array{0., 1.},
                               {factor.begin() + static_cast<std::ptrdiff_t>(columns), factor.end()},
                               std::span(cells.order).subspan(columns));
   field.elements = count * static_cast<double>(field.levels.size() - 1);

@@ -11,7 +11,8 @@ namespace tactus::fem {
 namespace {
 
 /// Nodes on a line where the stress is unbounded.
-std::vector<std::uint8_t> singular_nodes(const Mesh& mesh, std::span<const std::uint8_t> held) {
+std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
+                                         std::span<const std::uint8_t> constrained) {
   std::vector<std::uint8_t> singular_node(mesh.nodes.size(), 0);
   const Surface skin = surface_of(mesh);
   const auto node = [&](int v) {
@@ -28,12 +29,12 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh, std::span<const std::
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t a = node(corners[k]), b = node(corners[(k + 1) % 3]);
       sides.push_back({{std::min(a, b), std::max(a, b)}, t});
-      fixed += held[3 * a] || held[3 * a + 1] || held[3 * a + 2];
+      fixed += constrained[3 * a] || constrained[3 * a + 1] || constrained[3 * a + 2];
     }
     if (fixed == 1 || fixed == 2)
       for (std::size_t k = 0; k < 3; ++k)
         if (const std::size_t n = node(corners[k]);
-            held[3 * n] || held[3 * n + 1] || held[3 * n + 2])
+            constrained[3 * n] || constrained[3 * n + 1] || constrained[3 * n + 2])
           singular_node[n] = 1;
   }
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
@@ -65,8 +66,9 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh, std::span<const std::
 
 } // namespace
 
-std::vector<std::uint8_t> singular_elements(const Mesh& mesh, std::span<const std::uint8_t> held) {
-  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, held);
+std::vector<std::uint8_t> singular_elements(const Mesh& mesh,
+                                            std::span<const std::uint8_t> constrained) {
+  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, constrained);
   std::vector<std::uint8_t> singular;
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);
@@ -78,8 +80,8 @@ std::vector<std::uint8_t> singular_elements(const Mesh& mesh, std::span<const st
 }
 
 std::vector<std::array<std::uint8_t, 3>> singular_axes(const Mesh& mesh,
-                                                       std::span<const std::uint8_t> held) {
-  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, held);
+                                                       std::span<const std::uint8_t> constrained) {
+  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, constrained);
   std::vector<std::array<std::uint8_t, 3>> axes;
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);
@@ -100,9 +102,9 @@ std::vector<std::array<std::uint8_t, 3>> singular_axes(const Mesh& mesh,
       bool along = true;
       for (std::size_t a = 0; a < corners; ++a)
         for (std::size_t b = 0; b < a; ++b) {
-          Vector3 apart = reference[a] - reference[b];
-          apart[static_cast<int>(axis)] = 0;
-          if (dot(apart, apart) < 1e-9)
+          Vector3 separation = reference[a] - reference[b];
+          separation[static_cast<int>(axis)] = 0;
+          if (dot(separation, separation) < 1e-9)
             along = along && on_line(a) == on_line(b);
         }
       of[axis] = !along;

@@ -1,6 +1,6 @@
 #include "fem/io/cad_format.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <fstream>
@@ -18,7 +18,7 @@ void skip_blanks(std::string_view& text) {
 std::string cad_format(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
-    throw Refusal("cannot read " + path);
+    throw InputError("cannot read " + path);
   std::string head(1024, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
@@ -34,8 +34,8 @@ std::string cad_format(const std::string& path) {
   if (text.starts_with("ISO-10303-21;"))
     return "step";
   const std::string_view line = text.substr(0, text.find('\n'));
-  throw Refusal(path + " begins with \"" + printable(line, 40) +
-                "\", expected ISO-10303-21; (STEP) or DBRep_DrawableShape (BREP)");
+  throw InputError(path + " begins with \"" + printable(line, 40) +
+                   "\", expected ISO-10303-21; (STEP) or DBRep_DrawableShape (BREP)");
 }
 
 } // namespace tactus::fem

@@ -2,7 +2,7 @@
 
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/safe_file.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/modes/rigid.hpp"
 
 #include <algorithm>
@@ -97,7 +97,8 @@ void write_inp(const std::string& path, const Mesh& mesh, std::span<const Materi
   write_body(file, mesh, materials);
   for (const Support& s : supports) {
     if (s.stiffness_n_per_m > 0)
-      throw Refusal("springs cannot be written to " + path + ": CalculiX' springs need elements");
+      throw InputError("springs cannot be written to " + path +
+                       ": CalculiX' springs need elements");
     file.write("*BOUNDARY\n");
     for (const int n : s.nodes)
       for (std::size_t i = 0; i < 3; ++i)
@@ -110,7 +111,7 @@ void write_inp(const std::string& path, const Mesh& mesh, std::span<const Materi
 
 void write_static_inp(const std::string& path, const Mesh& mesh, const StaticModel& model) {
   if (!model.springs.empty())
-    throw Refusal("springs cannot be written to " + path + ": CalculiX' springs need elements");
+    throw InputError("springs cannot be written to " + path + ": CalculiX' springs need elements");
   SafeFile file(path);
   write_body(file, mesh, model.materials);
   file.write("*STEP\n*STATIC\n*BOUNDARY\n");
@@ -138,7 +139,7 @@ void write_petsc(const std::string& path, const Matrices& m) {
   // Both triangles by rows: for every node the pairs it is the row or the column of.
   struct Pair {
     std::size_t column, at;
-    bool turned;
+    bool transposed;
   };
   std::vector<std::vector<Pair>> rows(nodes);
   for (std::size_t c = 0; c < nodes; ++c)
@@ -165,11 +166,11 @@ void write_petsc(const std::string& path, const Matrices& m) {
             if (mass && i != j)
               continue;
             const bool diagonal = p.column == r && i == j;
-            const bool held = m.held[3 * r + i] || m.held[3 * p.column + j];
-            if (held && !diagonal)
+            const bool constrained = m.constrained[3 * r + i] || m.constrained[3 * p.column + j];
+            if (constrained && !diagonal)
               continue;
-            const double k = m.stiffness[9 * p.at + (p.turned ? 3 * j + i : 3 * i + j)];
-            const double value = held ? (mass ? 0.0 : 1.0) : mass ? m.mass[p.at] : k;
+            const double k = m.stiffness[9 * p.at + (p.transposed ? 3 * j + i : 3 * i + j)];
+            const double value = constrained ? (mass ? 0.0 : 1.0) : mass ? m.mass[p.at] : k;
             put_big(columns, 3 * p.column + j, 4);
             put_big(values, std::bit_cast<std::uint64_t>(value), 8);
             ++in_row;
@@ -178,7 +179,7 @@ void write_petsc(const std::string& path, const Matrices& m) {
         entries += in_row;
       }
     if (entries > 0x7FFFFFFF)
-      throw Refusal("the matrix has more entries than PETSc's 32-bit files can hold");
+      throw InputError("the matrix has more entries than PETSc's 32-bit files can hold");
     std::string head;
     put_big(head, kMatrixClass, 4);
     put_big(head, n, 4);
@@ -218,11 +219,11 @@ std::vector<std::vector<double>> read_vectors(const std::string& path) {
   std::vector<std::vector<double>> vectors;
   for (std::size_t at = 0; at < bytes.size();) {
     if (bytes.size() - at < 8 || big(at, 4) != kVectorClass)
-      throw Refusal(path + " holds no PETSc vector at byte " + std::to_string(at));
+      throw InputError(path + " holds no PETSc vector at byte " + std::to_string(at));
     const std::size_t size = big(at + 4, 4);
     at += 8;
     if (size > (bytes.size() - at) / 8)
-      throw Refusal(path + " ends in the middle of a vector");
+      throw InputError(path + " ends in the middle of a vector");
     std::vector<double>& vector = vectors.emplace_back(size);
     for (double& x : vector) {
       x = std::bit_cast<double>(big(at, 8));
@@ -237,9 +238,9 @@ std::vector<std::vector<double>> read_vectors(const std::string& path) {
 std::vector<double> read_petsc_vector(const std::string& path, std::size_t size) {
   auto vectors = read_vectors(path);
   if (vectors.size() != 1 || vectors[0].size() != size)
-    throw Refusal(path + " holds " + std::to_string(vectors.size()) + " vectors of " +
-                  std::to_string(vectors.empty() ? 0 : vectors[0].size()) +
-                  " numbers, expected 1 of " + std::to_string(size));
+    throw InputError(path + " holds " + std::to_string(vectors.size()) + " vectors of " +
+                     std::to_string(vectors.empty() ? 0 : vectors[0].size()) +
+                     " numbers, expected 1 of " + std::to_string(size));
   return std::move(vectors[0]);
 }
 
@@ -248,24 +249,25 @@ Modes import_modes(const std::string& values_path, const std::string& vectors_pa
   const auto values = read_vectors(values_path), vectors = read_vectors(vectors_path);
   const std::size_t n = m.dofs(), rigid = rigid_motions(mesh, m).size() / n;
   if (values.size() != 1 || values[0].size() < vectors.size())
-    throw Refusal(values_path + " has fewer values than " + vectors_path + " has vectors");
+    throw InputError(values_path + " has fewer values than " + vectors_path + " has vectors");
   std::vector<std::size_t> order(vectors.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     order[i] = i;
     if (vectors[i].size() != n)
-      throw Refusal(vectors_path + ": vector " + std::to_string(i + 1) + " has " +
-                    std::to_string(vectors[i].size()) + " entries, the mesh " + std::to_string(n));
+      throw InputError(vectors_path + ": vector " + std::to_string(i + 1) + " has " +
+                       std::to_string(vectors[i].size()) + " entries, the mesh " +
+                       std::to_string(n));
     for (const double x : vectors[i])
       if (!std::isfinite(x))
-        throw Refusal(vectors_path + ": vector " + std::to_string(i + 1) + " holds no number");
+        throw InputError(vectors_path + ": vector " + std::to_string(i + 1) + " holds no number");
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return values[0][a] < values[0][b]; });
   const std::size_t left_out = rigid_among_them ? rigid : 0;
   if (order.size() <= left_out)
-    throw Refusal(vectors_path + " has " + std::to_string(order.size()) +
-                  " vectors, expected more than the " + std::to_string(left_out) +
-                  " rigid motions");
+    throw InputError(vectors_path + " has " + std::to_string(order.size()) +
+                     " vectors, expected more than the " + std::to_string(left_out) +
+                     " rigid motions");
   Modes modes;
   modes.rigid = rigid;
   for (std::size_t k = left_out; k < order.size(); ++k)
@@ -275,8 +277,8 @@ Modes import_modes(const std::string& values_path, const std::string& vectors_pa
   make_canonical(mesh, modes);
   const double residual = *std::max_element(modes.residual.begin(), modes.residual.end());
   if (residual > 1e-3)
-    throw Refusal("the imported vectors are no modes of this body: residual " +
-                  format("%.2g", residual) + ", expected below 0.001");
+    throw InputError("the imported vectors are no modes of this body: residual " +
+                     format("%.2g", residual) + ", expected below 0.001");
   return modes;
 }
 

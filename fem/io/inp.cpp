@@ -1,6 +1,6 @@
 #include "fem/io/inp.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -35,7 +35,7 @@ std::string option(const std::vector<std::string>& cells, const std::string& key
 Mesh read_inp(const std::string& path, double unit) {
   std::ifstream file(path);
   if (!file)
-    throw Refusal("cannot read " + path);
+    throw InputError("cannot read " + path);
   Mesh mesh;
   mesh.regions.clear();
   std::map<int, int> number_of; // not hashed: a file chooses its numbers
@@ -46,11 +46,11 @@ Mesh read_inp(const std::string& path, double unit) {
   std::size_t in_sets = 0;
   int region = 0, line_number = 0;
   std::vector<int> pending; // an element's numbers may run over several lines
-  const auto who = [&] { return path + " line " + std::to_string(line_number); };
+  const auto location = [&] { return path + " line " + std::to_string(line_number); };
   const auto node = [&](int id) {
     const auto at = number_of.find(id);
     if (at == number_of.end())
-      throw Refusal(who() + ": node " + std::to_string(id) + " is not defined");
+      throw InputError(location() + ": node " + std::to_string(id) + " is not defined");
     return at->second;
   };
   for (std::string line; std::getline(file, line);) {
@@ -60,7 +60,7 @@ Mesh read_inp(const std::string& path, double unit) {
       continue;
     if (line.starts_with("*")) {
       if (!pending.empty())
-        throw Refusal(who() + ": element " + std::to_string(pending[0]) + " ends early");
+        throw InputError(location() + ": element " + std::to_string(pending[0]) + " ends early");
       const std::string key = lower(cells[0]);
       block = Block::none;
       if (key == "*node") {
@@ -99,9 +99,9 @@ Mesh read_inp(const std::string& path, double unit) {
         p[k] = unit * value.value_or(0);
       }
       if (!good)
-        throw Refusal(who() + ": " + printable(line, 60) + ", expected number,x,y,z");
+        throw InputError(location() + ": " + printable(line, 60) + ", expected number,x,y,z");
       if (!number_of.try_emplace(*id, static_cast<int>(mesh.nodes.size())).second)
-        throw Refusal(who() + ": node " + cells[0] + " is defined twice");
+        throw InputError(location() + ": node " + cells[0] + " is defined twice");
       mesh.nodes.push_back(p);
       continue;
     }
@@ -111,7 +111,7 @@ Mesh read_inp(const std::string& path, double unit) {
       if (!id && block == Block::set) // a set of sets
         continue;
       if (!id)
-        throw Refusal(who() + ": " + printable(cell, 60) + " is no number");
+        throw InputError(location() + ": " + printable(cell, 60) + " is no number");
       ids.push_back(*id);
     }
     if (block == Block::set) {
@@ -128,16 +128,16 @@ Mesh read_inp(const std::string& path, double unit) {
       // A line that names a range is short: without a limit a small file could ask for any amount.
       in_sets += nodes.size() - before;
       if (in_sets > 1000 + 100 * mesh.nodes.size())
-        throw Refusal(who() + ": " + std::to_string(in_sets) + " entries in sets, expected " +
-                      std::to_string(1000 + 100 * mesh.nodes.size()) +
-                      " at most (a hundred for each node)");
+        throw InputError(
+            location() + ": " + std::to_string(in_sets) + " entries in sets, expected " +
+            std::to_string(1000 + 100 * mesh.nodes.size()) + " at most (a hundred for each node)");
       continue;
     }
     pending.insert(pending.end(), ids.begin(), ids.end());
     const auto needed = static_cast<std::size_t>(node_count(shape)) + 1;
     if (pending.size() > needed)
-      throw Refusal(who() + ": element " + std::to_string(pending[0]) + " has more than " +
-                    std::to_string(needed - 1) + " nodes");
+      throw InputError(location() + ": element " + std::to_string(pending[0]) + " has more than " +
+                       std::to_string(needed - 1) + " nodes");
     if (pending.size() == needed) {
       std::vector<int> nodes;
       for (std::size_t i = 1; i < pending.size(); ++i)
@@ -147,7 +147,7 @@ Mesh read_inp(const std::string& path, double unit) {
     }
   }
   if (mesh.elements.empty())
-    throw Refusal(path + " holds no volume element: expected C3D10, C3D15 or C3D20");
+    throw InputError(path + " holds no volume element: expected C3D10, C3D15 or C3D20");
   drop_unused_nodes(mesh);
   return mesh;
 }

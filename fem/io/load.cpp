@@ -2,7 +2,7 @@
 
 #include "fem/io/inp.hpp"
 #include "fem/io/msh.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/cad.hpp"
 #include "fem/mesh/surface_file.hpp"
 
@@ -16,8 +16,10 @@ bool is_cad(const std::string& ending) {
   return ending == ".step" || ending == ".stp" || ending == ".brep" || ending == ".brp";
 }
 
-Mesh load_here(const std::string& path, const std::string& ending, const LoadChoice& choice) {
-  const auto unit = [&](double habit) { return choice.unit > 0 ? choice.unit : habit; };
+Mesh load_in_process(const std::string& path, const std::string& ending, const LoadChoice& choice) {
+  const auto unit = [&](double default_unit) {
+    return choice.unit > 0 ? choice.unit : default_unit;
+  };
   if (ending == ".msh")
     return read_msh(path, unit(1));
   if (ending == ".inp")
@@ -34,20 +36,20 @@ std::string face_set(int number) { return "face " + std::to_string(number); }
 Mesh load_body(const std::string& path, const LoadChoice& choice) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    throw Refusal("cannot read " + path + ": no such file");
+    throw InputError("cannot read " + path + ": no such file");
   const std::string ending = lower(std::filesystem::path(path).extension().string());
   if (!is_cad(ending) && ending != ".stl" && ending != ".obj" && ending != ".msh" &&
       ending != ".inp")
-    throw Refusal(path + ": expected a .step, .stp, .brep, .stl, .obj, .msh or .inp file");
+    throw InputError(path + ": expected a .step, .stp, .brep, .stl, .obj, .msh or .inp file");
   if (choice.fillet > 0 && !is_cad(ending))
-    throw Refusal("--fillet rounds edges of .step and .brep bodies, " + path +
-                  " has none to round");
-  Mesh mesh = run_isolated(path, choice.limits, {choice.say, choice.report},
+    throw InputError("--fillet rounds edges of .step and .brep bodies, " + path +
+                     " has none to round");
+  Mesh mesh = run_isolated(path, choice.limits, {choice.notify, choice.report},
                            [&](const ChildProgress& progress) {
                              LoadChoice in_child = choice;
-                             in_child.say = progress.say;
+                             in_child.notify = progress.notify;
                              in_child.report = progress.report;
-                             return load_here(path, ending, in_child);
+                             return load_in_process(path, ending, in_child);
                            });
   check_range(path, mesh.nodes);
   return mesh;

@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/io/isolated.hpp"
+#include "fem/io/isolated_process.hpp"
 #include "fem/mesh/mesh_size.hpp"
 #include "fem/mesh/size_field.hpp"
 
@@ -27,11 +27,11 @@ struct LoadChoice {
   /// In place of h: those of a refinement. What cannot be meshed so is refused, not meshed
   /// otherwise.
   const SizeField* sizes = nullptr;
-  std::function<void(const std::string&)> say{};
+  std::function<void(const std::string&)> notify{};
   /// Called before gmsh meshes, with what is coming; may refuse it. Runs in the child process: what
   /// it changes in memory is lost.
-  std::function<void(const MeshSize&, const std::function<void(const std::string&)>& say)>
-      foretold{};
+  std::function<void(const MeshSize&, const std::function<void(const std::string&)>& notify)>
+      on_prediction{};
   std::function<void(const std::string& stage, double share)> report{};
   ChildLimits limits{}; ///< of the process that reads and meshes
 };

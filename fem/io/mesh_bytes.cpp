@@ -63,7 +63,7 @@ public:
 
 private:
   [[noreturn]] static void fail() {
-    throw Refusal("the mesh that came back from the mesher's process is damaged");
+    throw InputError("the mesh that came back from the mesher's process is damaged");
   }
   std::string_view bytes_;
 };

@@ -1,7 +1,7 @@
 #include "fem/io/meta.hpp"
 
 #include "fem/io/checksums.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 namespace tactus::fem {
 

@@ -4,8 +4,8 @@
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/safe_file.hpp"
+#include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
-#include "fem/io/words.hpp"
 #include "fem/mesh/surface.hpp"
 
 #include <numbers>
@@ -14,12 +14,12 @@ namespace tactus::fem {
 namespace {
 
 std::string meta_of(const ModalTable& t) {
-  const TableNotes& notes = t.notes;
+  const TableMetadata& metadata = t.metadata;
   std::string out =
       "{\"format\": \"modal-table\", \"version\": \"1.0\", \"generator\": \"tactus modal_fem\"";
-  if (!notes.created.empty())
-    out += ", \"created\": " + quoted(notes.created);
-  out += ", \"units\": \"SI\", \"body_name\": " + quoted(notes.body_name) +
+  if (!metadata.created.empty())
+    out += ", \"created\": " + quoted(metadata.created);
+  out += ", \"units\": \"SI\", \"body_name\": " + quoted(metadata.body_name) +
          ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
          format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
                 t.mesh.elements.size(), t.mesh.dofs()) +
@@ -27,11 +27,12 @@ std::string meta_of(const ModalTable& t) {
          ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
   for (std::size_t i = 0; i < t.materials.size(); ++i)
     out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
-  out += "], \"bc\": " + quoted(notes.support) + format(", \"rigid_modes\": %zu", t.modes.rigid) +
-         format(", \"air\": {\"rho\": %.9g, \"c\": %.9g}", notes.air_density, notes.air_speed) +
-         ", \"accuracy\": {\"est_rel_error\": " + list(notes.relative_error) + "}" +
-         (notes.command.empty() ? "" : ", \"command\": " + list(notes.command)) +
-         ", \"license\": \"of the body's author\"}";
+  out +=
+      "], \"bc\": " + quoted(metadata.support) + format(", \"rigid_modes\": %zu", t.modes.rigid) +
+      format(", \"air\": {\"rho\": %.9g, \"c\": %.9g}", metadata.air_density, metadata.air_speed) +
+      ", \"accuracy\": {\"est_rel_error\": " + list(metadata.relative_error) + "}" +
+      (metadata.command.empty() ? "" : ", \"command\": " + list(metadata.command)) +
+      ", \"license\": \"of the body's author\"}";
   return out;
 }
 
@@ -97,7 +98,7 @@ NpzWriter arrays_of(const ModalTable& t) {
   if (const ModeRadiation& r = t.radiation; !r.empty()) {
     const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
     npz.add("alpha_rad", r.decay_rate, {modes});
-    npz.add("mp_lmax", r.highest_degree, {modes});
+    npz.add("mp_lmax", r.max_degree, {modes});
     npz.add("mp_off", r.offset, {modes + 1});
     npz.add("mp_scales", r.ratios, {r.ratios.size()});
     npz.add("mp_coef", r.coefficients, {r.coefficients.size()});
@@ -105,7 +106,7 @@ NpzWriter arrays_of(const ModalTable& t) {
     npz.add("mp_rref", std::span(&r.reference_radius, 1), {});
     if (const ModeRadiation::Band& band = r.band; !band.frequency_hz.empty()) {
       npz.add("mp_band_freq", band.frequency_hz, {band.frequency_hz.size()});
-      npz.add("mp_band_lmax", band.highest_degree, {modes});
+      npz.add("mp_band_lmax", band.max_degree, {modes});
       npz.add("mp_band_off", band.offset, {modes + 1});
       npz.add("mp_band_coef", band.coefficients, {band.coefficients.size()});
     }
@@ -117,7 +118,7 @@ NpzWriter arrays_of(const ModalTable& t) {
 
 void write_table(const std::string& path, const ModalTable& t) {
   NpzWriter npz = arrays_of(t);
-  if (!t.shape.parameters.empty() && !t.notes.command.empty()) {
+  if (!t.shape.parameters.empty() && !t.metadata.command.empty()) {
     const std::string mesh = to_bytes(t.mesh);
     npz.add_bytes("mesh", "|u1", std::as_bytes(std::span(mesh)), {mesh.size()});
   }
@@ -133,7 +134,7 @@ void write_csv(const std::string& path, const ModalTable& t) {
   for (std::size_t k = 0; k < t.modes.frequency_hz.size(); ++k) {
     const double f = t.modes.frequency_hz[k];
     const std::string error =
-        k < t.notes.relative_error.size() ? format("%.3g", t.notes.relative_error[k]) : "";
+        k < t.metadata.relative_error.size() ? format("%.3g", t.metadata.relative_error[k]) : "";
     file.write(format("%zu,%.6f,%d,%.4g,%.5g,%s,%.2g\n", k + 1, f, t.modes.multiplicity[k],
                       t.loss[k], decay_time(f, t.loss[k]), error.c_str(), t.modes.residual[k]));
   }

@@ -8,7 +8,7 @@
 namespace tactus::fem {
 
 /// What a table says of itself beside its numbers.
-struct TableNotes {
+struct TableMetadata {
   std::string body_name = "body";
   std::string support = "free";
   std::string created; ///< ISO 8601; empty: left out, and equal bodies are equal files
@@ -34,7 +34,7 @@ struct ModalTable {
   MassProperties body;
   std::vector<double> loss;          ///< loss factor of each mode
   std::vector<double> poisson_slope; ///< may be empty
-  TableNotes notes;
+  TableMetadata metadata;
   ModeRadiation radiation;     ///< may be empty
   std::vector<float> residual; ///< m/N at each vertex of the skin; may be empty
   ShapeDerivatives shape{};    ///< may be empty

@@ -2,7 +2,7 @@
 
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/msh_sections.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -17,7 +17,7 @@ class NodeIndex {
 public:
   NodeIndex(const std::string& path, const std::vector<std::uint64_t>& tags) {
     if (tags.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-      throw Refusal(path + format(" has %zu nodes, expected 2147483647 at most", tags.size()));
+      throw InputError(path + format(" has %zu nodes, expected 2147483647 at most", tags.size()));
     sorted_.reserve(tags.size());
     for (std::size_t i = 0; i < tags.size(); ++i)
       sorted_.emplace_back(tags[i], static_cast<int>(i));
@@ -27,8 +27,8 @@ public:
         std::adjacent_find(sorted_.begin(), sorted_.end(),
                            [](const auto& a, const auto& b) { return a.first == b.first; });
     if (twice != sorted_.end())
-      throw Refusal(path + ": node " + std::to_string(twice->first) +
-                    " is defined twice, expected once");
+      throw InputError(path + ": node " + std::to_string(twice->first) +
+                       " is defined twice, expected once");
   }
 
   /// -1 for a tag that no node has.
@@ -49,9 +49,9 @@ std::vector<int> resolve(const std::string& path, const MshSections& file) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(e.type->nodes); ++i) {
       const int node = index.find(file.uses[e.first + i]);
       if (node < 0)
-        throw Refusal(path + ": element " + std::to_string(e.tag) + " (" + e.type->name +
-                      ") uses node " + std::to_string(file.uses[e.first + i]) +
-                      ", expected one that $Nodes defines");
+        throw InputError(path + ": element " + std::to_string(e.tag) + " (" + e.type->name +
+                         ") uses node " + std::to_string(file.uses[e.first + i]) +
+                         ", expected one that $Nodes defines");
       nodes[e.first + i] = node;
     }
   return nodes;
@@ -160,7 +160,7 @@ Mesh read_msh(const std::string& path, double unit) {
     mesh.add(*e.type->shape, std::span(own).first(count), at->second);
   }
   if (mesh.elements.empty())
-    throw Refusal(path + " holds no volume element: expected tet10, wedge15 or hex20");
+    throw InputError(path + " holds no volume element: expected tet10, wedge15 or hex20");
   drop_unused_nodes(mesh);
   return mesh;
 }

@@ -1,6 +1,6 @@
 #include "fem/io/msh_scanner.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <algorithm>
@@ -34,19 +34,19 @@ MshScanner::MshScanner(std::string path, std::string bytes)
     : path_(std::move(path)), bytes_(std::move(bytes)) {}
 
 void MshScanner::refuse(const std::string& value, const std::string& expected) const {
-  std::string where = path_;
+  std::string location = path_;
   if (binary_) {
-    where += " byte " + std::to_string(at_);
+    location += " byte " + std::to_string(at_);
   } else {
     const auto end = bytes_.begin() + static_cast<std::ptrdiff_t>(std::min(at_, bytes_.size()));
-    where += " line " + std::to_string(1 + std::count(bytes_.begin(), end, '\n'));
+    location += " line " + std::to_string(1 + std::count(bytes_.begin(), end, '\n'));
   }
   if (!section_.empty())
-    where += " in $" + section_;
-  throw Refusal(where + ": " + value + ", expected " + expected);
+    location += " in $" + section_;
+  throw InputError(location + ": " + value + ", expected " + expected);
 }
 
-std::string MshScanner::shown(std::string_view text) const {
+std::string MshScanner::printable_value(std::string_view text) const {
   if (text.empty())
     return "the file ends";
   return binary_ ? "other bytes" : printable(text, 60);
@@ -83,7 +83,7 @@ std::string_view MshScanner::next_section() {
   const std::string_view text = line();
   if (text.size() < 2 || text[0] != '$' || text.size() > 100 || text.starts_with("$End")) {
     at_ = begin;
-    refuse(shown(text), "a section such as $MeshFormat, $Nodes or $Elements");
+    refuse(printable_value(text), "a section such as $MeshFormat, $Nodes or $Elements");
   }
   section_ = text.substr(1);
   return section_;
@@ -95,7 +95,7 @@ void MshScanner::end_section() {
   const std::string_view text = token();
   if (text != "$End" + section_) {
     at_ = begin;
-    refuse(shown(text), "$End" + section_);
+    refuse(printable_value(text), "$End" + section_);
   }
 }
 
@@ -109,7 +109,7 @@ void MshScanner::skip_section() {
 
 void MshScanner::set_binary(bool swapped_bytes, std::size_t word) {
   binary_ = true;
-  swapped_ = swapped_bytes;
+  byte_swapped_ = swapped_bytes;
   word_ = word;
 }
 
@@ -118,16 +118,17 @@ std::uint64_t MshScanner::stored(std::size_t size, const char* what) {
     refuse("the file ends", what);
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < size; ++i) // the least significant byte last
-    value = value << 8 | static_cast<unsigned char>(bytes_[at_ + (swapped_ ? i : size - 1 - i)]);
+    value =
+        value << 8 | static_cast<unsigned char>(bytes_[at_ + (byte_swapped_ ? i : size - 1 - i)]);
   at_ += size;
   return value;
 }
 
 std::uint32_t MshScanner::raw_word() {
-  const bool before = std::exchange(swapped_, false);
+  const bool before = std::exchange(byte_swapped_, false);
   const auto value =
       static_cast<std::uint32_t>(stored(4, "the number 1 that tells the order of bytes"));
-  swapped_ = before;
+  byte_swapped_ = before;
   return value;
 }
 
@@ -141,7 +142,7 @@ int MshScanner::integer(const char* what, int low, int high) {
   } else {
     const std::string_view word = token();
     good = parse(word, value);
-    text = shown(word);
+    text = printable_value(word);
   }
   if (!good || value < low || value > high)
     refuse(text, what + (low == std::numeric_limits<int>::min()
@@ -156,16 +157,16 @@ std::uint64_t MshScanner::tag(const char* what) {
   const std::string_view word = token();
   std::uint64_t value = 0;
   if (!parse(word, value))
-    refuse(shown(word), std::string(what) + ", a whole number from 0");
+    refuse(printable_value(word), std::string(what) + ", a whole number from 0");
   return value;
 }
 
 std::size_t MshScanner::count(const char* what, std::size_t numbers, std::size_t bytes) {
   const std::uint64_t value = tag(what);
-  const std::size_t most = left() / (binary_ ? bytes : 2 * numbers);
-  if (value > most)
+  const std::size_t max_count = left() / (binary_ ? bytes : 2 * numbers);
+  if (value > max_count)
     refuse(std::to_string(value),
-           std::string(what) + " of " + std::to_string(most) + " at most, by the bytes left");
+           std::string(what) + " of " + std::to_string(max_count) + " at most, by the bytes left");
   return static_cast<std::size_t>(value);
 }
 
@@ -180,7 +181,7 @@ double MshScanner::real(const char* what) {
   const std::string_view word = token();
   const auto number = to_number(word);
   if (!number)
-    refuse(shown(word), std::string(what) + ", a finite number");
+    refuse(printable_value(word), std::string(what) + ", a finite number");
   return *number;
 }
 

@@ -60,12 +60,12 @@ private:
   [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - at_; }
   void skip_blanks() noexcept;
   std::string_view token();
-  [[nodiscard]] std::string shown(std::string_view text) const;
+  [[nodiscard]] std::string printable_value(std::string_view text) const;
   std::uint64_t stored(std::size_t size, const char* what);
 
   std::string path_, bytes_, section_;
   std::size_t at_ = 0, word_ = 8;
-  bool binary_ = false, swapped_ = false;
+  bool binary_ = false, byte_swapped_ = false;
 };
 
 } // namespace tactus::fem

@@ -1,7 +1,7 @@
 #include "fem/io/msh_sections.hpp"
 
 #include "fem/io/msh_scanner.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <array>
 #include <cstdlib>
@@ -11,8 +11,8 @@
 namespace tactus::fem {
 namespace {
 
-constexpr int kLowest = std::numeric_limits<int>::min() + 1, // its magnitude is an int too
-    kHighest = std::numeric_limits<int>::max();
+constexpr int kMinInt = std::numeric_limits<int>::min() + 1, // its magnitude is an int too
+    kMaxInt = std::numeric_limits<int>::max();
 
 class Reader {
 public:
@@ -35,7 +35,7 @@ public:
         file_.refuse("$" + section, "one such section");
       file_.end_section();
       if (section == "MeshFormat" && binary_)
-        file_.set_binary(swapped_, word_);
+        file_.set_binary(byte_swapped_, word_);
     }
     if (version_ == 0)
       file_.refuse("the file ends", "$MeshFormat");
@@ -82,7 +82,7 @@ private:
     const std::uint32_t one = file_.raw_word();
     if (one != 1 && one != 0x01000000)
       file_.refuse(format("the bytes %08x", one), "the number 1 in one order of bytes");
-    swapped_ = one != 1;
+    byte_swapped_ = one != 1;
     word_ = word;
   }
 
@@ -91,7 +91,7 @@ private:
     const std::size_t count = file_.count("a number of names", 4, 8);
     for (std::size_t i = 0; i < count; ++i) {
       const int dimension = file_.integer("a dimension", 0, 3);
-      const int tag = file_.integer("a tag of a physical group", kLowest, kHighest);
+      const int tag = file_.integer("a tag of a physical group", kMinInt, kMaxInt);
       const std::string_view rest = file_.line();
       if (rest.size() < 2 || rest.front() != '"' || rest.back() != '"')
         file_.refuse(printable(rest, 60), "a name in quotation marks");
@@ -109,16 +109,16 @@ private:
     for (std::size_t d = 0; d < 4; ++d)
       for (std::size_t i = 0; i < counts[d]; ++i) {
         const int dimension = static_cast<int>(d);
-        const int tag = file_.integer("a tag of an entity", kLowest, kHighest);
+        const int tag = file_.integer("a tag of an entity", kMinInt, kMaxInt);
         for (int k = 0; k < (d == 0 ? 3 : 6); ++k)
           file_.real("a coordinate of an entity");
         auto& groups = out_.groups_of_entity[{dimension, tag}];
         const std::size_t physical = file_.count("a number of physical groups", 1, 4);
         for (std::size_t p = 0; p < physical; ++p)
-          groups.push_back(std::abs(file_.integer("a tag of a physical group", kLowest, kHighest)));
+          groups.push_back(std::abs(file_.integer("a tag of a physical group", kMinInt, kMaxInt)));
         const std::size_t bounds = d == 0 ? 0 : file_.count("a number of bounding entities", 1, 4);
         for (std::size_t b = 0; b < bounds; ++b)
-          file_.integer("a tag of an entity", kLowest, kHighest);
+          file_.integer("a tag of an entity", kMinInt, kMaxInt);
       }
   }
 
@@ -133,11 +133,11 @@ private:
   void read_nodes_2(bool parametric) {
     const std::size_t count = head_2("a number of nodes", 4, 28);
     for (std::size_t i = 0; i < count; ++i) {
-      add_node(static_cast<std::uint64_t>(file_.integer("a node's number", 0, kHighest)));
+      add_node(static_cast<std::uint64_t>(file_.integer("a node's number", 0, kMaxInt)));
       if (!parametric)
         continue;
       const int dimension = file_.integer("a dimension", 0, 3);
-      file_.integer("a tag of an entity", kLowest, kHighest);
+      file_.integer("a tag of an entity", kMinInt, kMaxInt);
       for (int k = 0; k < (dimension == 3 ? 0 : dimension); ++k)
         file_.real("a parameter");
     }
@@ -150,7 +150,7 @@ private:
     file_.tag("the highest tag");
     for (std::size_t b = 0; b < blocks; ++b) {
       const int dimension = file_.integer("a dimension", 0, 3);
-      file_.integer("a tag of an entity", kLowest, kHighest);
+      file_.integer("a tag of an entity", kMinInt, kMaxInt);
       const int parameters = file_.integer("0 or 1, whether parametric", 0, 1) * dimension;
       const std::size_t count = file_.count("a number of nodes", 4, 24 + file_.word());
       if (count > all - out_.nodes.size())
@@ -194,16 +194,16 @@ private:
   void add_element(std::uint64_t tag, const GmshElement& type, int entity, int physical) {
     out_.elements.push_back({tag, &type, entity, physical, out_.uses.size()});
     for (int i = 0; i < type.nodes; ++i)
-      out_.uses.push_back(version_ == 4 ? file_.tag("a node's tag")
-                                        : static_cast<std::uint64_t>(
-                                              file_.integer("a node's number", 0, kHighest)));
+      out_.uses.push_back(
+          version_ == 4 ? file_.tag("a node's tag")
+                        : static_cast<std::uint64_t>(file_.integer("a node's number", 0, kMaxInt)));
   }
 
   /// Tags of an element of MSH 2: physical group, entity, then partitions.
   std::array<int, 2> tags_2(int count) {
     std::array<int, 2> groups{0, 1};
     for (int t = 0; t < count; ++t) {
-      const int tag = file_.integer("a tag", kLowest, kHighest);
+      const int tag = file_.integer("a tag", kMinInt, kMaxInt);
       if (t < 2)
         groups[static_cast<std::size_t>(t)] = tag;
     }
@@ -216,21 +216,21 @@ private:
     std::size_t done = 0;
     while (done < count) {
       if (!file_.binary()) {
-        const int tag = file_.integer("an element's number", 0, kHighest);
-        const GmshElement& type = type_of(file_.integer("an element type", 1, kHighest));
+        const int tag = file_.integer("an element's number", 0, kMaxInt);
+        const GmshElement& type = type_of(file_.integer("an element type", 1, kMaxInt));
         const auto [physical, entity] = tags_2(file_.integer(kTags, 0, 1 << 20));
         add_element(static_cast<std::uint64_t>(tag), type, entity, physical);
         ++done;
         continue;
       }
-      const GmshElement& type = type_of(file_.integer("an element type", 1, kHighest));
-      const int block = file_.integer("a number of elements in a block", 1, kHighest);
+      const GmshElement& type = type_of(file_.integer("an element type", 1, kMaxInt));
+      const int block = file_.integer("a number of elements in a block", 1, kMaxInt);
       const int tags = file_.integer(kTags, 0, 1 << 20);
       if (static_cast<std::size_t>(block) > count - done)
         file_.refuse(std::to_string(block) + " elements in a block",
                      std::to_string(count) + " in all blocks");
       for (int i = 0; i < block; ++i, ++done) {
-        const int tag = file_.integer("an element's number", 0, kHighest);
+        const int tag = file_.integer("an element's number", 0, kMaxInt);
         const auto [physical, entity] = tags_2(tags);
         add_element(static_cast<std::uint64_t>(tag), type, entity, physical);
       }
@@ -244,8 +244,8 @@ private:
     file_.tag("the highest tag");
     for (std::size_t b = 0; b < blocks; ++b) {
       const int dimension = file_.integer("a dimension", 0, 3);
-      const int entity = file_.integer("a tag of an entity", kLowest, kHighest);
-      const GmshElement& type = type_of(file_.integer("an element type", 1, kHighest));
+      const int entity = file_.integer("a tag of an entity", kMinInt, kMaxInt);
+      const GmshElement& type = type_of(file_.integer("an element type", 1, kMaxInt));
       if (type.dimension != dimension)
         file_.refuse(std::string("a ") + type.name + " in an entity of dimension " +
                          std::to_string(dimension),
@@ -270,7 +270,7 @@ private:
   MshSections out_;
   std::set<std::string> seen_;
   int version_ = 0; ///< 2 or 4
-  bool binary_ = false, swapped_ = false;
+  bool binary_ = false, byte_swapped_ = false;
   std::size_t word_ = 8;
 };
 

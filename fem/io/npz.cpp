@@ -69,7 +69,7 @@ void NpzWriter::emit(const Sink& sink) const {
   std::uint64_t at = 0;
   for (const Member& m : members_) {
     if (at + m.bytes.size() > 0xFFFFFF00ULL)
-      throw Refusal("the table is larger than 4 GB: take fewer modes or a coarser mesh");
+      throw InputError("the table is larger than 4 GB: take fewer modes or a coarser mesh");
     std::string common; // what local and central headers share
     put(common, 20, 2); // version needed
     put(common, 0, 2);

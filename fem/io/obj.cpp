@@ -35,7 +35,7 @@ std::vector<Point2> flattened(std::span<const Vector3> corners) {
 }
 
 /// Joins lines that end with a backslash; the line numbers after them stay.
-std::string joined(std::string text) {
+std::string join_continued_lines(std::string text) {
   std::size_t skipped = 0;
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\\') {
@@ -55,7 +55,7 @@ std::string joined(std::string text) {
 
 } // namespace
 
-std::vector<std::array<int, 3>> cut_ears(std::span<const Vector3> corners) {
+std::vector<std::array<int, 3>> clip_ears(std::span<const Vector3> corners) {
   const std::vector<Point2> flat = flattened(corners);
   std::vector<int> left(corners.size());
   std::iota(left.begin(), left.end(), 0);
@@ -109,20 +109,20 @@ Triangles read_obj(const std::string& path, const std::string& text, double unit
     out.groups.emplace_back(name.empty() ? "part" + std::to_string(out.groups.size() + 1)
                                          : std::string(name));
   };
-  each_line(joined(text), [&](int number, Words words) {
-    const std::string_view kind = words.next();
-    const std::string where = path + " line " + std::to_string(number) + ": ";
+  for_each_line(join_continued_lines(text), [&](int number, Tokens tokens) {
+    const std::string_view kind = tokens.next();
+    const std::string location = path + " line " + std::to_string(number) + ": ";
     if (kind == "v") {
-      out.points.push_back(unit * read_point(words, path, number));
+      out.points.push_back(unit * read_point(tokens, path, number));
     } else if (kind == "o" || (kind == "g" && !objects)) {
       if (kind == "o" && !objects && out.triangles.empty())
         out.groups.clear();
       objects = objects || kind == "o";
-      start_group(words.rest());
+      start_group(tokens.rest_of_line());
     } else if (free_form.contains(kind)) {
-      throw Refusal(where + "\"" + std::string(kind) +
-                    "\" is a free-form curve or surface, expected polygons (f): export the body "
-                    "as polygons, or as STEP");
+      throw InputError(location + "\"" + std::string(kind) +
+                       "\" is a free-form curve or surface, expected polygons (f): export the body "
+                       "as polygons, or as STEP");
     } else if (kind == "l") {
       ++lines;
     } else if (kind == "p") {
@@ -130,22 +130,22 @@ Triangles read_obj(const std::string& path, const std::string& text, double unit
     } else if (kind == "f") {
       std::vector<int> face;
       std::vector<Vector3> corners;
-      for (std::string_view word = words.next(); !word.empty() && word[0] != '#';
-           word = words.next()) {
+      for (std::string_view word = tokens.next(); !word.empty() && word[0] != '#';
+           word = tokens.next()) {
         const auto index = to_integer(word.substr(0, word.find('/')));
         const int count = static_cast<int>(out.points.size());
         const int at = index ? (*index < 0 ? count + *index : *index - 1) : -1;
         if (at < 0 || at >= count)
-          throw Refusal(where + "vertex " + std::string(word) + " does not exist");
+          throw InputError(location + "vertex " + std::string(word) + " does not exist");
         face.push_back(at);
         corners.push_back(out.points[static_cast<std::size_t>(at)]);
       }
       if (face.size() < 3 || face.size() > kMaxCorners)
-        throw Refusal(where + "a face with " + std::to_string(face.size()) +
-                      " corners, expected 3 to " + std::to_string(kMaxCorners));
+        throw InputError(location + "a face with " + std::to_string(face.size()) +
+                         " corners, expected 3 to " + std::to_string(kMaxCorners));
       if (out.groups.empty())
         start_group("");
-      for (const auto& ear : cut_ears(corners)) {
+      for (const auto& ear : clip_ears(corners)) {
         std::array<int, 3> triangle{};
         for (std::size_t k = 0; k < 3; ++k)
           triangle[k] = face[static_cast<std::size_t>(ear[k])];
@@ -155,9 +155,9 @@ Triangles read_obj(const std::string& path, const std::string& text, double unit
     }
   });
   if (out.triangles.empty() && lines + single_points > 0)
-    throw Refusal(path + " holds " + std::to_string(lines) + " lines and " +
-                  std::to_string(single_points) +
-                  " points and no face: expected the polygons (f) of a closed surface");
+    throw InputError(path + " holds " + std::to_string(lines) + " lines and " +
+                     std::to_string(single_points) +
+                     " points and no face: expected the polygons (f) of a closed surface");
   return out;
 }
 

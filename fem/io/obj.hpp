@@ -11,6 +11,6 @@ namespace tactus::fem {
 
 /// A polygon, plane or nearly so and possibly concave, as corner numbers of its triangles, turning
 /// as the polygon does. Ears are cut in the plane of its mean normal (Meisters 1975).
-[[nodiscard]] std::vector<std::array<int, 3>> cut_ears(std::span<const Vector3> corners);
+[[nodiscard]] std::vector<std::array<int, 3>> clip_ears(std::span<const Vector3> corners);
 
 } // namespace tactus::fem

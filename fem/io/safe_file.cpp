@@ -1,6 +1,6 @@
 #include "fem/io/safe_file.hpp"
 
-#include "fem/io/isolated.hpp"
+#include "fem/io/isolated_process.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <algorithm>
@@ -41,11 +41,11 @@ void also_on_interrupt(void (*action)()) { g_also = action; }
 
 SafeFile::SafeFile(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
   if (partial_.size() >= sizeof g_partial)
-    throw Refusal("the file name " + path_ + " is too long");
+    throw InputError("the file name " + path_ + " is too long");
   std::copy_n(partial_.c_str(), partial_.size() + 1, g_partial);
   file_ = std::fopen(partial_.c_str(), "wb");
   if (!file_)
-    throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));
+    throw InputError("cannot write " + path_ + ": " + std::strerror(errno));
   g_writing = true;
 }
 
@@ -59,14 +59,14 @@ SafeFile::~SafeFile() {
 
 void SafeFile::write(const void* bytes, std::size_t size) {
   if (size && std::fwrite(bytes, 1, size, file_) != size)
-    throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));
+    throw InputError("cannot write " + path_ + ": " + std::strerror(errno));
 }
 
 void SafeFile::commit() {
   const int status = std::fclose(file_);
   file_ = nullptr;
   if (status != 0 || std::rename(partial_.c_str(), path_.c_str()) != 0)
-    throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));
+    throw InputError("cannot write " + path_ + ": " + std::strerror(errno));
   partial_.clear();
   g_writing = false;
 }

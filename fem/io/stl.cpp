@@ -31,15 +31,15 @@ bool is_ascii(const std::string& bytes) {
 
 Triangles read_binary(const std::string& path, const std::string& bytes, double unit) {
   if (bytes.size() < kHeader)
-    throw Refusal(path + " is no STL file: it has " + std::to_string(bytes.size()) +
-                  " bytes and does not start with \"solid\"");
+    throw InputError(path + " is no STL file: it has " + std::to_string(bytes.size()) +
+                     " bytes and does not start with \"solid\"");
   const std::size_t there = (bytes.size() - kHeader) / kRecord;
   std::size_t count = binary_count(bytes);
   if (count == 0) // left out by some writers
     count = (bytes.size() - kHeader) % kRecord == 0 ? there : 0;
   if (count > there)
-    throw Refusal(path + " promises " + std::to_string(count) + " triangles and ends after " +
-                  std::to_string(there));
+    throw InputError(path + " promises " + std::to_string(count) + " triangles and ends after " +
+                     std::to_string(there));
   Triangles out;
   for (std::size_t i = 0; i < count; ++i) {
     std::array<int, 3> triangle{};
@@ -47,8 +47,8 @@ Triangles read_binary(const std::string& path, const std::string& bytes, double 
       std::array<float, 3> p{};
       std::memcpy(p.data(), bytes.data() + kHeader + kRecord * i + 12 + 12 * c, 12);
       if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])))
-        throw Refusal(path + ": triangle " + std::to_string(i + 1) +
-                      " has a corner that is no number");
+        throw InputError(path + ": triangle " + std::to_string(i + 1) +
+                         " has a corner that is no number");
       triangle[c] = static_cast<int>(out.points.size());
       out.points.push_back({unit * p[0], unit * p[1], unit * p[2]});
     }
@@ -62,18 +62,18 @@ Triangles read_binary(const std::string& path, const std::string& bytes, double 
 Triangles read_ascii(const std::string& path, const std::string& bytes, double unit) {
   Triangles out;
   std::size_t first = 0; // corner of the facet being read
-  each_line(bytes, [&](int number, Words words) {
-    const std::string word = lower(words.next());
+  for_each_line(bytes, [&](int number, Tokens tokens) {
+    const std::string word = lower(tokens.next());
     if (word == "solid") {
-      const std::string name(words.rest());
+      const std::string name(tokens.rest_of_line());
       out.groups.push_back(name.empty() ? "solid" + std::to_string(out.groups.size() + 1) : name);
     } else if (word == "vertex") {
-      out.points.push_back(unit * read_point(words, path, number));
+      out.points.push_back(unit * read_point(tokens, path, number));
     } else if (word == "endfacet") {
       const std::size_t corners = out.points.size() - first;
       if (corners != 3)
-        throw Refusal(path + " line " + std::to_string(number) + ": a facet with " +
-                      std::to_string(corners) + " corners, expected 3");
+        throw InputError(path + " line " + std::to_string(number) + ": a facet with " +
+                         std::to_string(corners) + " corners, expected 3");
       const int a = static_cast<int>(first);
       out.triangles.push_back({a, a + 1, a + 2});
       out.group.push_back(std::max(0, static_cast<int>(out.groups.size()) - 1));
@@ -81,7 +81,7 @@ Triangles read_ascii(const std::string& path, const std::string& bytes, double u
     }
   });
   if (first != out.points.size())
-    throw Refusal(path + " ends within a facet");
+    throw InputError(path + " ends within a facet");
   return out;
 }
 

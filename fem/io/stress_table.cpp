@@ -3,7 +3,7 @@
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/simplify.hpp"
 
 #include <map>
@@ -19,28 +19,28 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 std::string meta_of(const StressTable& t) {
-  const StressNotes& notes = t.notes;
+  const StressMetadata& metadata = t.metadata;
   std::string out = "{\"format\": \"stress-table\", \"version\": \"1.0\", \"generator\": \"tactus "
                     "part_stress\"";
-  if (!notes.created.empty())
-    out += ", \"created\": " + quoted(notes.created);
-  out +=
-      ", \"units\": {\"stress\": \"Pa\", \"length\": \"m\"}, \"name\": " + quoted(notes.body_name) +
-      ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
-      format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
-             t.mesh.elements.size(), t.mesh.dofs()) +
-      ", \"element\": " + quoted(t.mesh.element_names()) +
-      ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
+  if (!metadata.created.empty())
+    out += ", \"created\": " + quoted(metadata.created);
+  out += ", \"units\": {\"stress\": \"Pa\", \"length\": \"m\"}, \"name\": " +
+         quoted(metadata.body_name) + ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
+         format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
+                t.mesh.elements.size(), t.mesh.dofs()) +
+         ", \"element\": " + quoted(t.mesh.element_names()) +
+         ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
   for (std::size_t i = 0; i < t.materials.size(); ++i)
     out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
-  out += "], \"supports\": " + list(notes.supports) +
-         ", \"loads\": " + quoted(joined(notes.loads)) + ", \"load_list\": " + list(notes.loads) +
+  out += "], \"supports\": " + list(metadata.supports) +
+         ", \"loads\": " + quoted(joined(metadata.loads)) +
+         ", \"load_list\": " + list(metadata.loads) +
          format(", \"lattice\": [%d, %d, %d]", t.lattice[0], t.lattice[1], t.lattice[2]) +
-         format(", \"mass\": %.9g, \"volume\": %.9g, \"max_displacement\": %.9g", notes.mass,
-                notes.volume, notes.max_displacement) +
+         format(", \"mass\": %.9g, \"volume\": %.9g, \"max_displacement\": %.9g", metadata.mass,
+                metadata.volume, metadata.max_displacement) +
          format(", \"costs\": {\"product_s\": %.3g, \"solve_s\": %.3g, \"factor_s\": %.3g}",
-                notes.product_s, notes.solve_s, notes.factor_s) +
-         ", \"command\": " + list(notes.command) + "}";
+                metadata.product_s, metadata.solve_s, metadata.factor_s) +
+         ", \"command\": " + list(metadata.command) + "}";
   return out;
 }
 

@@ -8,7 +8,7 @@
 namespace tactus::fem {
 
 /// What a stress table says of the part in words.
-struct StressNotes {
+struct StressMetadata {
   std::string body_name, created; ///< created: ISO 8601, or empty
   std::vector<std::string> supports, loads;
   double mass = 0, volume = 0;                     ///< kg, m^3
@@ -29,7 +29,7 @@ struct StressTable {
   std::array<int, 3> lattice{};          ///< control points along x, y, z
   double trust = 0;                      ///< m
   double skin_edge = 0; ///< m: length of the edges of the drawn skin; 0: the mesh's
-  StressNotes notes;
+  StressMetadata metadata;
 };
 
 /// NAME.stress.npz, SI: meta (JSON), s0, shear0 [N], S, S_shear [P,N], weights [N], parameters

@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <string_view>
@@ -7,9 +7,9 @@
 namespace tactus::fem {
 
 /// The words of a line, one after the other.
-class Words {
+class Tokens {
 public:
-  explicit Words(std::string_view line) : line_(line) {}
+  explicit Tokens(std::string_view line) : line_(line) {}
   /// The next word, or an empty one.
   std::string_view next() {
     skip_blanks();
@@ -19,7 +19,7 @@ public:
     return word;
   }
   /// What is left of the line, blanks around it removed.
-  std::string_view rest() {
+  std::string_view rest_of_line() {
     skip_blanks();
     return line_.substr(0, line_.find_last_not_of(kBlanks) + 1);
   }
@@ -33,11 +33,11 @@ private:
 };
 
 /// Calls use(number, words) for every line, numbers from one. Lines end with LF, CR LF or CR.
-template <class Use> void each_line(std::string_view text, Use&& use) {
+template <class Use> void for_each_line(std::string_view text, Use&& use) {
   int number = 0;
   while (!text.empty()) {
     const auto end = text.find_first_of("\r\n");
-    use(++number, Words(text.substr(0, end)));
+    use(++number, Tokens(text.substr(0, end)));
     if (end == std::string_view::npos)
       return;
     const bool pair = text[end] == '\r' && end + 1 < text.size() && text[end + 1] == '\n';
@@ -46,12 +46,12 @@ template <class Use> void each_line(std::string_view text, Use&& use) {
 }
 
 /// The next three words as coordinates. Refuses others, naming the line.
-[[nodiscard]] inline Vector3 read_point(Words& words, const std::string& path, int line) {
+[[nodiscard]] inline Vector3 read_point(Tokens& tokens, const std::string& path, int line) {
   Vector3 p;
   for (int k = 0; k < 3; ++k) {
-    const auto value = to_number(words.next());
+    const auto value = to_number(tokens.next());
     if (!value)
-      throw Refusal(path + " line " + std::to_string(line) + ": expected three coordinates");
+      throw InputError(path + " line " + std::to_string(line) + ": expected three coordinates");
     p[k] = *value;
   }
   return p;

@@ -2,7 +2,7 @@
 
 #include "fem/io/obj.hpp"
 #include "fem/io/stl.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <fstream>
 #include <iterator>
@@ -32,19 +32,19 @@ std::string near_position(const Vector3& p) {
   return format(" near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
 }
 
-std::string place_of(const Triangles& t, std::size_t i) {
+std::string triangle_location(const Triangles& t, std::size_t i) {
   return "triangle " + std::to_string(i + 1) + near_position(t.corner(i, 0));
 }
 
 Triangles read_triangles(const std::string& path, double unit) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
-    throw Refusal("cannot read " + path);
+    throw InputError("cannot read " + path);
   const std::string bytes = plain_text({std::istreambuf_iterator<char>(file), {}});
   Triangles out =
       lower(path).ends_with(".obj") ? read_obj(path, bytes, unit) : read_stl(path, bytes, unit);
   if (out.triangles.empty())
-    throw Refusal(path + " holds no triangle");
+    throw InputError(path + " holds no triangle");
   return out;
 }
 

@@ -33,7 +33,7 @@ struct Triangles {
 [[nodiscard]] std::string near_position(const Vector3&);
 
 /// "triangle 17 near (1, 2, 3) mm", counted from one, for refusals.
-[[nodiscard]] std::string place_of(const Triangles&, std::size_t triangle);
+[[nodiscard]] std::string triangle_location(const Triangles&, std::size_t triangle);
 
 /// Share of triangles with an angle below `degrees`.
 [[nodiscard]] double share_of_slivers(const Triangles&, double degrees);

@@ -1,7 +1,7 @@
 #include "fem/io/vtu.hpp"
 
 #include "fem/io/safe_file.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <cmath>
 
@@ -20,14 +20,15 @@ std::string attribute(const std::string& text) {
   return out;
 }
 
-void check(const std::string& path, const VtuField& field, std::size_t count, const char* where) {
+void check(const std::string& path, const VtuField& field, std::size_t count,
+           const char* location) {
   if (field.components == 0 || field.values.size() != field.components * count)
-    throw Refusal(path + ": field " + field.name +
-                  format(" has %zu numbers, expected %zu for each of %zu %s", field.values.size(),
-                         field.components, count, where));
+    throw InputError(path + ": field " + field.name +
+                     format(" has %zu numbers, expected %zu for each of %zu %s",
+                            field.values.size(), field.components, count, location));
   for (const double value : field.values)
     if (!std::isfinite(value))
-      throw Refusal(path + ": field " + field.name + " holds a value that is no finite number");
+      throw InputError(path + ": field " + field.name + " holds a value that is no finite number");
 }
 
 void write_field(SafeFile& file, const VtuField& field) {

@@ -1,6 +1,6 @@
 #include "fem/material/material.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/material/table.hpp"
 #include "fem/mesh/mesh.hpp"
 
@@ -46,7 +46,7 @@ Matrix6 bond(const Eigen::Matrix3d& r) {
 
 ElasticMatrix elastic_matrix(const Material& m) {
   const auto refuse = [&](const std::string& what) -> void {
-    throw Refusal("material " + m.name + ": " + what);
+    throw InputError("material " + m.name + ": " + what);
   };
   if (!(m.density > 0))
     refuse("density is " + std::to_string(m.density) + " kg/m^3, expected above 0");
@@ -85,15 +85,15 @@ std::vector<Material> read_materials(const std::string& csv) {
       continue;
     const auto cell = split(line, ',');
     if (cell.size() != 15)
-      throw Refusal("materials.csv line " + std::to_string(number) + " has " +
-                    std::to_string(cell.size()) + " cells, expected 15");
+      throw InputError("materials.csv line " + std::to_string(number) + " has " +
+                       std::to_string(cell.size()) + " cells, expected 15");
     const auto value = [&](std::size_t i) {
       if (cell[i].empty())
         return 0.0;
       const auto v = to_number(cell[i]);
       if (!v)
-        throw Refusal("materials.csv line " + std::to_string(number) + ": " + cell[i] +
-                      " is no number");
+        throw InputError("materials.csv line " + std::to_string(number) + ": " + cell[i] +
+                         " is no number");
       return *v;
     };
     Material m;
@@ -123,7 +123,7 @@ Material find_material(const std::string& name) {
       return m;
     names += (names.empty() ? "" : ", ") + m.name;
   }
-  throw Refusal("material " + name + " is not known: expected one of " + names);
+  throw InputError("material " + name + " is not known: expected one of " + names);
 }
 
 } // namespace tactus::fem

@@ -10,14 +10,14 @@ public:
 
   /// Calls use(index) for each box that is within `distance` (m) of `box` along every axis, until
   /// it returns false.
-  template <class Use> void each_near(const Box& box, double distance, Use&& use) const {
+  template <class Use> void for_each_near(const Box& box, double distance, Use&& use) const {
     std::array<std::size_t, 64> open{};
     std::size_t depth = 0;
     if (!nodes_.empty())
       open[depth++] = 0;
     while (depth > 0) {
       const Node& node = nodes_[open[--depth]];
-      if (apart(node.box, box, distance))
+      if (are_separated(node.box, box, distance))
         continue;
       if (node.right > 0) {
         open[depth++] = node.right;
@@ -25,7 +25,7 @@ public:
         continue;
       }
       for (std::size_t i = node.first; i < node.last; ++i)
-        if (!apart(boxes_[order_[i]], box, distance) && !use(order_[i]))
+        if (!are_separated(boxes_[order_[i]], box, distance) && !use(order_[i]))
           return;
     }
   }
@@ -36,7 +36,7 @@ private:
     std::size_t first, last; ///< in order_
     std::size_t right;       ///< node; its sibling follows the parent. 0: a leaf
   };
-  static bool apart(const Box& a, const Box& b, double distance) noexcept {
+  static bool are_separated(const Box& a, const Box& b, double distance) noexcept {
     return a.low.x > b.high.x + distance || b.low.x > a.high.x + distance ||
            a.low.y > b.high.y + distance || b.low.y > a.high.y + distance ||
            a.low.z > b.high.z + distance || b.low.z > a.high.z + distance;

@@ -1,7 +1,7 @@
 #include "fem/mesh/cad.hpp"
 
 #include "fem/io/cad_format.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/cad_solids.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 #include "fem/mesh/surface_file.hpp"
@@ -20,10 +20,10 @@ constexpr double kMaxVolumeChange = .01; ///< of the mesh against the solids
 std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,
                               double radius) {
   if (volumes.size() != 1)
-    throw Refusal("--fillet rounds the edges of one solid, the file holds " +
-                  std::to_string(volumes.size()));
+    throw InputError("--fillet rounds the edges of one solid, the file holds " +
+                     std::to_string(volumes.size()));
   if (concave.empty())
-    throw Refusal("--fillet: the body has no concave edge to round");
+    throw InputError("--fillet: the body has no concave edge to round");
   std::vector<int> curves;
   curves.reserve(concave.size());
   for (const double curve : concave)
@@ -33,9 +33,9 @@ std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector
   try {
     gmsh::model::occ::fillet({volumes[0].second}, curves, {radius}, rounded, true);
   } catch (...) { // what gmsh throws is no exception of the library
-    throw Refusal(format("--fillet: a radius of %g of the file's units does not fit the concave "
-                         "edges",
-                         radius));
+    throw InputError(format("--fillet: a radius of %g of the file's units does not fit the concave "
+                            "edges",
+                            radius));
   }
   gmsh::model::occ::synchronize();
   gmsh::option::setNumber("Mesh.CharacteristicLengthMin", radius / 3);
@@ -43,7 +43,7 @@ std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector
 }
 
 /// Number, kind, middle and area of each of the model's faces, a sentence each.
-void tell_faces(double unit, const std::function<void(const std::string&)>& say) {
+void report_faces(double unit, const std::function<void(const std::string&)>& notify) {
   gmsh::vectorpair faces;
   gmsh::model::getEntities(faces, 2);
   for (const auto& [dimension, face] : faces) {
@@ -62,9 +62,9 @@ void tell_faces(double unit, const std::function<void(const std::string&)>& say)
     gmsh::model::occ::getCenterOfMass(dimension, face, middle.x, middle.y, middle.z);
     for (int k = 0; k < 3; ++k)
       middle[k] = std::abs(middle[k]) < 1e-9 ? 0 : middle[k];
-    say(text + format(", area %.4g mm^2, around (%.4g, %.4g, %.4g) mm",
-                      1e6 * unit * unit * mass_of(dimension, face), 1e3 * unit * middle.x,
-                      1e3 * unit * middle.y, 1e3 * unit * middle.z));
+    notify(text + format(", area %.4g mm^2, around (%.4g, %.4g, %.4g) mm",
+                         1e6 * unit * unit * mass_of(dimension, face), 1e3 * unit * middle.x,
+                         1e3 * unit * middle.y, 1e3 * unit * middle.z));
   }
 }
 
@@ -95,7 +95,7 @@ Triangles skin_of_model(const gmsh::vectorpair& volumes, double unit) {
 std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& choice, double unit) {
   for (const bool quadrilaterals : {true, false}) {
     std::optional<Mesh> mesh;
-    const bool done = tried([&] { mesh = swept_mesh(choice, unit, quadrilaterals); });
+    const bool done = succeeds([&] { mesh = swept_mesh(choice, unit, quadrilaterals); });
     if (mesh)
       return mesh;
     if (done)
@@ -103,7 +103,7 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
     import_solids(path, choice, unit, [](const std::string&) {}); // whole again
   }
   if (choice.sizes && !choice.sizes->levels.empty())
-    throw Refusal(path + ": the finer base could not be meshed");
+    throw InputError(path + ": the finer base could not be meshed");
   gmsh::option::setNumber("Mesh.RecombineAll", 0);
   gmsh::option::setNumber("Mesh.SecondOrderIncomplete", 0);
   return std::nullopt;
@@ -113,7 +113,7 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
 
 Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   (void)cad_format(path); // refused before anything is tried
-  const auto say = choice.say ? choice.say : [](const std::string&) {};
+  const auto notify = choice.notify ? choice.notify : [](const std::string&) {};
   const double unit = choice.unit > 0 ? choice.unit : 1e-3;
   Triangles skin;
   std::string reason;
@@ -121,7 +121,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   std::optional<Session> session(std::in_place);
   const auto attempt = [&](const std::string& how, bool heal, double finer, int algorithm) {
     return session->run(path + " cannot be meshed" + how, [&] {
-      import_solids(path, choice, unit, say);
+      import_solids(path, choice, unit, notify);
       if (!heal && finer == 1 && !choice.face_sets && choice.h <= 0 && choice.size_for &&
           !(choice.fillet > 0))
         if (std::optional<Mesh> swept = mesh_of_prism(path, choice, unit))
@@ -146,13 +146,14 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
       gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
       gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", choice.elements_per_turn);
       gmsh::option::setNumber("Mesh.Algorithm", algorithm);
-      const auto foretell = [&](double triangles) {
-        if (choice.foretold)
-          choice.foretold(foretold_size(choice, unit * unit * unit * solid, unit * unit * area,
-                                        unit * box_of(-1, -1).size(), unit * h, triangles),
-                          say);
+      const auto predict_size = [&](double triangles) {
+        if (choice.on_prediction)
+          choice.on_prediction(predicted_mesh_size(choice, unit * unit * unit * solid,
+                                                   unit * unit * area, unit * box_of(-1, -1).size(),
+                                                   unit * h, triangles),
+                               notify);
       };
-      foretell(0);
+      predict_size(0);
       set_sizes(h, {});
       if (choice.h <= 0) // the first of several: what small curves need shows in the errors
         gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 3);
@@ -164,7 +165,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         if (choice.fillet > 0)
           concave = round_off(volumes, concave, choice.fillet / unit);
         if (!concave.empty()) {
-          say(std::to_string(concave.size()) + " concave edges, graded");
+          notify(std::to_string(concave.size()) + " concave edges, graded");
           gmsh::model::mesh::clear();
           set_sizes(h, concave);
         }
@@ -176,17 +177,17 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
       generate(2);
       if (Triangles made = skin_of_model(volumes_of_model(), unit); !made.triangles.empty())
         skin = std::move(made);
-      foretell(static_cast<double>(skin.triangles.size()));
+      predict_size(static_cast<double>(skin.triangles.size()));
       generate(3);
       Mesh mesh = make_quadratic(choice.curved, unit, choice.face_sets);
       if (choice.face_sets)
-        tell_faces(unit, say);
+        report_faces(unit, notify);
       check(mesh);
       if (choice.sizes && !choice.sizes->straight && has_straight_sides(mesh))
-        throw Refusal(path + ": curved sides turn inside out on a finer mesh");
+        throw InputError(path + ": curved sides turn inside out on a finer mesh");
       const double whole = unit * unit * unit * volume_of(volumes_of_model());
       if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxVolumeChange)
-        throw Refusal(
+        throw InputError(
             path + format(": the mesh has %+.2f %% of the solid's volume too much", 100 * change));
       return mesh;
     });
@@ -200,8 +201,8 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   const bool facets_serve = !choice.sizes || choice.sizes->straight; // else another body's
   const auto take_facets = [&] {
     session.reset(); // the surface is filled in one of its own
-    say(reason);
-    say("the solids' faces are taken as triangles, and as one region");
+    notify(reason);
+    notify("the solids' faces are taken as triangles, and as one region");
     return mesh_soup(skin, choice);
   };
   std::string facets_reason;
@@ -218,18 +219,18 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
           return take_facets();
         } catch (const TooLarge&) {
           throw;
-        } catch (const Refusal& refusal) {
+        } catch (const InputError& refusal) {
           facets_reason = refusal.what();
           session.emplace();
         }
       }
       Mesh mesh = attempt(how.words, how.heal, how.finer, how.algorithm);
       if (*how.words)
-        say(std::string("meshed") + how.words);
+        notify(std::string("meshed") + how.words);
       return mesh;
     } catch (const TooLarge&) {
       throw;
-    } catch (const Refusal& refusal) {
+    } catch (const InputError& refusal) {
       const std::string what = refusal.what();
       const bool swept = choice.sizes && !choice.sizes->levels.empty();
       if (swept || choice.fillet > 0 || what.find("separate parts") != std::string::npos ||
@@ -241,17 +242,17 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
     }
   }
   if (!facets_serve)
-    throw Refusal(reason);
+    throw InputError(reason);
   if (!facets_reason.empty())
-    throw Refusal(reason + "; as triangles: " + facets_reason);
+    throw InputError(reason + "; as triangles: " + facets_reason);
   if (skin.triangles.empty())
-    throw Refusal(reason + "; give another --h, or export it as STL");
+    throw InputError(reason + "; give another --h, or export it as STL");
   try {
     return take_facets();
   } catch (const TooLarge&) {
     throw;
-  } catch (const Refusal& refusal) {
-    throw Refusal(reason + "; as triangles: " + refusal.what());
+  } catch (const InputError& refusal) {
+    throw InputError(reason + "; as triangles: " + refusal.what());
   }
 }
 

@@ -1,8 +1,8 @@
 #include "fem/mesh/cad_solids.hpp"
 
 #include "fem/io/cad_format.hpp"
+#include "fem/io/text.hpp"
 #include "fem/io/triangles.hpp"
-#include "fem/io/words.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 #include "fem/mesh/parts.hpp"
 
@@ -69,7 +69,7 @@ std::string without_solid(double unit) {
     std::vector<int> above, below;
     gmsh::model::getAdjacencies(1, tag, above, below);
     double size = 0;
-    tried([&size, curve = tag] { size = mass_of(1, curve); });
+    succeeds([&size, curve = tag] { size = mass_of(1, curve); });
     if (above.size() < 2 && size > 0) {
       ++open;
       if (size > longest) {
@@ -88,7 +88,7 @@ std::string without_solid(double unit) {
 bool sew(double largest) {
   for (const double share : {1e-8, 1e-6, 1e-5, 1e-4}) {
     vectorpair healed;
-    if (tried([&] {
+    if (succeeds([&] {
           gmsh::model::occ::healShapes(healed, {}, share * largest, true, true, true, true, true);
           gmsh::model::occ::synchronize();
         }) &&
@@ -133,7 +133,7 @@ bool fragment_solids(double tolerance) {
   gmsh::option::setNumber("Geometry.ToleranceBoolean", tolerance);
   vectorpair all;
   std::vector<vectorpair> map;
-  const bool done = tried([&] {
+  const bool done = succeeds([&] {
     gmsh::model::occ::fragment({before[0]}, {before.begin() + 1, before.end()}, all, map);
     gmsh::model::occ::synchronize();
   });
@@ -199,31 +199,32 @@ void keep_chosen_parts(const LoadChoice& choice, double unit) {
 
 /// Reads the file into gmsh: at least one solid, touching ones with common faces.
 void import_solids(const std::string& path, const LoadChoice& choice, double unit,
-                   const std::function<void(const std::string&)>& say) {
+                   const std::function<void(const std::string&)>& notify) {
   const std::string kind = cad_format(path);
   const auto read = [&] {
     gmsh::clear();
     vectorpair shapes;
-    if (!tried([&] {
+    if (!succeeds([&] {
           gmsh::model::occ::importShapes(path, shapes, false, kind); // never a script
           gmsh::model::occ::synchronize();
         }) ||
         (gmsh::model::getEntities(shapes), shapes.empty()))
-      throw Refusal(path + " cannot be read by the CAD kernel (Open CASCADE): is it damaged or of "
-                           "another format? save it again as STEP, or as STL");
+      throw InputError(path +
+                       " cannot be read by the CAD kernel (Open CASCADE): is it damaged or of "
+                       "another format? save it again as STEP, or as STL");
   };
   read();
   const double largest = box_of(-1, -1).largest();
   if (volumes_of_model().empty()) {
     const std::string reason = without_solid(unit);
     if (!sew(largest))
-      throw Refusal(path + " holds no solid: " + reason +
-                    "; expected a solid or faces that can be sewn into one: close it in a CAD "
-                    "program, or export it as STL for --shrink-wrap");
-    say("faces were sewn into " + std::to_string(volumes_of_model().size()) + " solid");
+      throw InputError(path + " holds no solid: " + reason +
+                       "; expected a solid or faces that can be sewn into one: close it in a CAD "
+                       "program, or export it as STL for --shrink-wrap");
+    notify("faces were sewn into " + std::to_string(volumes_of_model().size()) + " solid");
   }
   // Faces are sewn where there is no solid; what belongs to no solid goes.
-  const auto tidy = [&](bool tell) {
+  const auto remove_leftovers = [&](bool report_gaps) {
     if (volumes_of_model().empty())
       sew(largest);
     vectorpair sheets;
@@ -237,14 +238,14 @@ void import_solids(const std::string& path, const LoadChoice& choice, double uni
           sheets.push_back(entity);
       }
     }
-    const bool gone = !sheets.empty() && tried([&] {
+    const bool gone = !sheets.empty() && succeeds([&] {
       gmsh::model::occ::remove(sheets, true);
       gmsh::model::occ::synchronize();
     });
-    if (gone && tell)
-      say(format("%zu faces and curves that belong to no solid were left out", sheets.size()));
+    if (gone && report_gaps)
+      notify(format("%zu faces and curves that belong to no solid were left out", sheets.size()));
   };
-  tidy(true);
+  remove_leftovers(true);
   const auto pieces = [&] {
     const auto group = connected_groups(volumes_of_model());
     return std::set<int>(group.begin(), group.end()).size();
@@ -257,35 +258,36 @@ void import_solids(const std::string& path, const LoadChoice& choice, double uni
       bool closed = false;
       for (const double share : {1e-4, 1e-3}) { // small gaps of the CAD system
         read();
-        tidy(false);
+        remove_leftovers(false);
         const double change = [&] {
           const bool done = fragment_solids(share * largest);
           return !done ? 1. : whole > 0 ? std::abs(volume_of(volumes_of_model()) / whole - 1) : 0;
         }();
         closed = change < kMaxGapVolume && (!shared || pieces() < separate);
         if (closed) {
-          say(format("gaps below %.2g mm between the parts were closed",
-                     1e3 * unit * share * largest));
+          notify(format("gaps below %.2g mm between the parts were closed",
+                        1e3 * unit * share * largest));
           if (pieces() == 1 || share > 5e-4)
             break;
         }
       }
       if (!closed) {
         read();
-        tidy(false);
+        remove_leftovers(false);
         closed = fragment_solids(0);
       }
       shared = closed;
     }
     if (!shared)
-      throw Refusal(path + ": its " + std::to_string(volumes_of_model().size()) +
-                    " solids could not be joined where they touch; fuse them in a CAD program, or "
-                    "save one alone");
+      throw InputError(
+          path + ": its " + std::to_string(volumes_of_model().size()) +
+          " solids could not be joined where they touch; fuse them in a CAD program, or "
+          "save one alone");
   }
   try {
     keep_chosen_parts(choice, unit);
-  } catch (const Refusal& refusal) {
-    throw Refusal(path + ": " + refusal.what());
+  } catch (const InputError& refusal) {
+    throw InputError(path + ": " + refusal.what());
   }
   const vectorpair volumes = volumes_of_model();
   if (volumes.size() > 1)

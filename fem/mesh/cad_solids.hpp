@@ -10,7 +10,7 @@ namespace tactus::fem {
 /// no solid is left out, and of separate parts those of the choice stay (parts.hpp). `unit`: metres
 /// of the model's lengths.
 void import_solids(const std::string& path, const LoadChoice&, double unit,
-                   const std::function<void(const std::string&)>& say);
+                   const std::function<void(const std::string&)>& notify);
 
 /// The model's volumes; length, area or volume of an entity and of several volumes, and boxes, in
 /// the model's unit.

@@ -52,7 +52,7 @@ std::vector<std::array<std::size_t, 2>> crossings(const Triangles& t, std::size_
   };
   std::vector<std::array<std::size_t, 2>> found;
   for (std::size_t i = 0; i < boxes.size() && found.size() < limit; ++i)
-    tree.each_near(boxes[i], 0, [&](std::size_t j) {
+    tree.for_each_near(boxes[i], 0, [&](std::size_t j) {
       if (j <= i)
         return true;
       const auto &c = t.triangles[i], &d = t.triangles[j];

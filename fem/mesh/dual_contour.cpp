@@ -77,18 +77,18 @@ struct Cut {
 Cut cut_of(const RayGrid& grid, const std::vector<std::uint8_t>& inside,
            const std::array<int, 3>& from, int axis) {
   const bool starts_inside = inside[grid.index(from[0], from[1], from[2])] != 0;
-  const auto met = grid.between(from, axis);
+  const auto hits = grid.between(from, axis);
   const auto leaves = [&](const Crossing& c) { return (c.sign > 0) == starts_inside; };
   const Crossing* chosen = nullptr;
-  for (std::size_t i = 0; i < met.size(); ++i) { // the one nearest to the outside end
-    const Crossing& c = starts_inside ? met[met.size() - 1 - i] : met[i];
+  for (std::size_t i = 0; i < hits.size(); ++i) { // the one nearest to the outside end
+    const Crossing& c = starts_inside ? hits[hits.size() - 1 - i] : hits[i];
     if (leaves(c)) {
       chosen = &c;
       break;
     }
   }
-  if (!chosen && !met.empty())
-    chosen = starts_inside ? &met.back() : &met.front();
+  if (!chosen && !hits.empty())
+    chosen = starts_inside ? &hits.back() : &hits.front();
   Vector3 p = grid.point(from);
   if (!chosen) {
     p[axis] += .5 * grid.spacing();

@@ -29,7 +29,7 @@ struct EdgeUse {
 }
 
 /// Calls use(first, last) for the uses of each edge.
-template <class Uses, class Use> void each_edge(Uses& uses, Use&& use) {
+template <class Uses, class Use> void for_each_edge(Uses& uses, Use&& use) {
   for (auto first = uses.begin(); first != uses.end();) {
     auto last = first;
     while (last != uses.end() && last->a == first->a && last->b == first->b)

@@ -1,6 +1,6 @@
 #include "fem/mesh/fill.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/crossing.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 #include "fem/mesh/remesh.hpp"
@@ -72,24 +72,25 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
     edges += length(at(1) - at(0)) + length(at(2) - at(1)) + length(at(0) - at(2));
   }
   const double largest = bounding_box(surface.points).largest();
-  const double wanted =
+  const double target_edge =
       choice.sizes ? choice.sizes->largest() : first_size(choice, solid, skin, largest);
   const auto size_at = [&](const Vector3& p) {
-    return choice.sizes ? std::min(wanted, choice.sizes->at(p)) : wanted;
+    return choice.sizes ? std::min(target_edge, choice.sizes->at(p)) : target_edge;
   };
   const double mean_edge = edges / (3 * static_cast<double>(surface.triangles.size()));
   const double slivers = share_of_slivers(surface, 8);
-  const bool renew = choice.remesh || choice.sizes || slivers > .01 || mean_edge < .6 * wanted ||
-                     mean_edge > 1.6 * wanted;
-  const auto foretell = [&](double triangles) {
-    if (choice.foretold)
-      choice.foretold(foretold_size(choice, std::abs(solid), skin,
-                                    bounding_box(surface.points).size(), wanted, triangles),
-                      choice.say);
+  const bool remesh_surface = choice.remesh || choice.sizes || slivers > .01 ||
+                              mean_edge < .6 * target_edge || mean_edge > 1.6 * target_edge;
+  const auto predict_size = [&](double triangles) {
+    if (choice.on_prediction)
+      choice.on_prediction(predicted_mesh_size(choice, std::abs(solid), skin,
+                                               bounding_box(surface.points).size(), target_edge,
+                                               triangles),
+                           choice.notify);
   };
-  foretell(renew ? 0 : static_cast<double>(surface.triangles.size()));
+  predict_size(remesh_surface ? 0 : static_cast<double>(surface.triangles.size()));
   const auto fill = [&](const Triangles& triangles) {
-    foretell(static_cast<double>(triangles.triangles.size()));
+    predict_size(static_cast<double>(triangles.triangles.size()));
     Session session;
     return session.run("the surface cannot be filled", [&] {
       build_discrete(triangles);
@@ -100,31 +101,31 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       if (choice.sizes)
         set_sizes(*choice.sizes, 1);
       else
-        set_sizes(wanted, {});
+        set_sizes(target_edge, {});
       add_volume(faces_of_shell);
       generate(3);
       Mesh mesh = make_quadratic(false, 1);
       check(mesh);
       const double change = volume(mesh) / std::abs(solid) - 1;
       if (std::abs(change) > kMaxVolumeChange)
-        throw Refusal(format("the volume changed by %.1f %%", 100 * change));
+        throw InputError(format("the volume changed by %.1f %%", 100 * change));
       return mesh;
     });
   };
-  if (!renew)
+  if (!remesh_surface)
     return fill(surface);
-  const auto say = [&](const std::string& sentence) {
-    if (choice.say)
-      choice.say(sentence);
+  const auto notify = [&](const std::string& sentence) {
+    if (choice.notify)
+      choice.notify(sentence);
   };
   // Faces that lie close together leave less room for a coarser surface between them.
   std::string reason;
-  for (const auto& [size, away] : std::initializer_list<std::pair<double, double>>{
+  for (const auto& [size, deviation_factor] : std::initializer_list<std::pair<double, double>>{
            {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}}) {
     const std::function<double(const Vector3&)> edge = [&, scale = .85 * size](const Vector3& p) {
       return scale * size_at(p);
     };
-    const double deviation = away * size * wanted;
+    const double deviation = deviation_factor * size * target_edge;
     const bool large = surface.triangles.size() > kSimplified;
     Triangles thin = large ? simplified(surface, edge, .5 * deviation) : Triangles{};
     Triangles even = remeshed(large ? thin : surface, edge, deviation);
@@ -133,26 +134,27 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       even = std::move(thin);
     if (even.triangles.size() > kMaxTriangles || (crossed && !large))
       continue;
-    say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
-               surface.triangles.size(), 1e3 * size * wanted, even.triangles.size(), 100 * slivers,
-               100 * share_of_slivers(even, 8)));
+    notify(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
+                  surface.triangles.size(), 1e3 * size * target_edge, even.triangles.size(),
+                  100 * slivers, 100 * share_of_slivers(even, 8)));
     try {
       return fill(even);
     } catch (const TooLarge&) {
       throw;
-    } catch (const Refusal& refusal) {
+    } catch (const InputError& refusal) {
       reason = refusal.what();
-      say(reason);
+      notify(reason);
     }
   }
   if (choice.sizes) // the triangles as they are would not be what the refinement asks for
-    throw Refusal(reason.empty() ? "the surface crosses itself in the finer triangles" : reason);
+    throw InputError(reason.empty() ? "the surface crosses itself in the finer triangles" : reason);
   if (surface.triangles.size() > kMaxTriangles)
-    throw Refusal(reason.empty() ? format("no coarser surface without crossings was found for its "
-                                          "%zu triangles; give a smaller --h",
-                                          surface.triangles.size())
-                                 : reason);
-  say("the triangles are kept as they are");
+    throw InputError(reason.empty()
+                         ? format("no coarser surface without crossings was found for its "
+                                  "%zu triangles; give a smaller --h",
+                                  surface.triangles.size())
+                         : reason);
+  notify("the triangles are kept as they are");
   return fill(surface);
 }
 

@@ -21,11 +21,11 @@ void generate(int dimension) {
   gmsh::logger::get(log);
   for (const std::string& line : log)
     if (line.starts_with("Error"))
-      throw Refusal(line);
+      throw InputError(line);
 }
 
 /// The mesh that gmsh holds; each volume is a region.
-Mesh take_over(double unit, bool face_sets) {
+Mesh import_mesh(double unit, bool face_sets) {
   Mesh mesh;
   std::vector<std::size_t> tags;
   std::vector<double> coordinates, parameters;
@@ -55,9 +55,9 @@ Mesh take_over(double unit, bool face_sets) {
     for (std::size_t t = 0; t < types.size(); ++t) {
       const GmshElement* const type = gmsh_element(types[t]);
       if (!type || !type->shape)
-        throw Refusal("element " + std::to_string(elements[t][0]) + " is a " +
-                      (type ? type->name : "type that is not known") +
-                      ", expected tet10, wedge15 or hex20");
+        throw InputError("element " + std::to_string(elements[t][0]) + " is a " +
+                         (type ? type->name : "type that is not known") +
+                         ", expected tet10, wedge15 or hex20");
       const auto count = static_cast<std::size_t>(type->nodes);
       for (std::size_t e = 0; e < elements[t].size(); ++e) {
         std::vector<int> own(count);
@@ -68,7 +68,7 @@ Mesh take_over(double unit, bool face_sets) {
     }
   }
   if (mesh.elements.empty())
-    throw Refusal("the mesh holds no volume element: expected tet10, wedge15 or hex20");
+    throw InputError("the mesh holds no volume element: expected tet10, wedge15 or hex20");
   gmsh::vectorpair faces;
   if (face_sets)
     gmsh::model::getEntities(faces, 2);
@@ -94,12 +94,12 @@ struct Facet {
 } // namespace
 
 std::vector<double> concave_curves() {
-  std::unordered_map<std::size_t, Vector3> place;
+  std::unordered_map<std::size_t, Vector3> position;
   std::vector<std::size_t> tags;
   std::vector<double> xyz, parameters;
   gmsh::model::mesh::getNodes(tags, xyz, parameters);
   for (std::size_t i = 0; i < tags.size(); ++i)
-    place[tags[i]] = {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]};
+    position[tags[i]] = {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]};
   std::map<std::array<std::size_t, 2>, std::vector<std::size_t>> far_corners; // by oriented use
   gmsh::vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);
@@ -116,7 +116,7 @@ std::vector<double> concave_curves() {
       Facet f{{nodes[3 * e], nodes[3 * e + 1], nodes[3 * e + 2]}};
       if (face < 0)
         std::swap(f.node[0], f.node[1]);
-      whole += dot(place[f.node[0]], cross(place[f.node[1]], place[f.node[2]])) / 6;
+      whole += dot(position[f.node[0]], cross(position[f.node[1]], position[f.node[2]])) / 6;
       facets.push_back(f);
     }
   }
@@ -136,23 +136,24 @@ std::vector<double> concave_curves() {
   for (const auto& [dimension, curve] : curves) {
     std::vector<std::size_t> elements, nodes;
     gmsh::model::mesh::getElementsByType(1, elements, nodes, curve);
-    std::size_t seen = 0, inward = 0;
+    std::size_t edge_count = 0, inward = 0;
     for (std::size_t e = 0; e < elements.size(); ++e) {
       const std::size_t a = nodes[2 * e], b = nodes[2 * e + 1];
       const auto owners = at_edge.find({std::min(a, b), std::max(a, b)});
       if (owners == at_edge.end() || owners->second.size() != 2)
         continue;
       const auto& [f, g] = std::tie(owners->second[0], owners->second[1]);
-      const Vector3 normal = cross(place[f[1]] - place[f[0]], place[f[2]] - place[f[0]]);
+      const Vector3 normal =
+          cross(position[f[1]] - position[f[0]], position[f[2]] - position[f[0]]);
       std::size_t far = g[0];
       for (const std::size_t n : g)
         if (n != a && n != b)
           far = n;
-      const Vector3 away = place[far] - .5 * (place[a] + place[b]);
-      ++seen;
-      inward += dot(normal, away) > limit * length(normal) * length(away);
+      const Vector3 outward = position[far] - .5 * (position[a] + position[b]);
+      ++edge_count;
+      inward += dot(normal, outward) > limit * length(normal) * length(outward);
     }
-    if (seen > 0 && 2 * inward > seen)
+    if (edge_count > 0 && 2 * inward > edge_count)
       concave.push_back(curve);
   }
   return concave;
@@ -162,8 +163,9 @@ double first_size(const LoadChoice& choice, double volume, double skin, double l
   if (choice.h > 0)
     return choice.h;
   const double wall = 2 * std::abs(volume) / skin;
-  const double wanted = choice.size_for ? choice.size_for(std::abs(volume), skin, largest) : wall;
-  return std::max(std::min({wanted, largest / 4, 2 * wall}),
+  const double target_size =
+      choice.size_for ? choice.size_for(std::abs(volume), skin, largest) : wall;
+  return std::max(std::min({target_size, largest / 4, 2 * wall}),
                   std::sqrt(4 / std::sqrt(3.0) * skin / 60000));
 }
 
@@ -178,12 +180,12 @@ void set_sizes(const SizeField& sizes, double unit, double finer) {
   });
 }
 
-MeshSize foretold_size(const LoadChoice& choice, double volume, double skin, const Vector3& box,
-                       double h, double faces) {
+MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double skin,
+                             const Vector3& box, double h, double faces) {
   if (!choice.sizes)
-    return foretell_tetrahedra(volume, skin, box, h, faces);
+    return predict_tetrahedra(volume, skin, box, h, faces);
   // Of one body among several the field foretells them all: no more than its smallest size gives.
-  const MeshSize even = foretell_tetrahedra(volume, skin, box, choice.sizes->smallest());
+  const MeshSize even = predict_tetrahedra(volume, skin, box, choice.sizes->smallest());
   return scaled(even, std::min(even.elements, choice.sizes->elements));
 }
 
@@ -209,7 +211,7 @@ Mesh make_quadratic(bool curved, double unit, bool face_sets) {
   // gmsh's own repair ("HighOrder") takes minutes where fillets are smaller than the elements.
   gmsh::option::setNumber("Mesh.SecondOrderLinear", curved ? 0 : 1);
   setOrder(2);
-  Mesh mesh = take_over(unit, face_sets);
+  Mesh mesh = import_mesh(unit, face_sets);
   if (curved)
     straighten_inverted(mesh);
   return mesh;

@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/io/load.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <gmsh.h>
 #include <new>
@@ -24,18 +24,18 @@ public:
   template <class Work> auto run(const std::string& what, Work&& work) {
     try {
       return work();
-    } catch (const Refusal&) {
+    } catch (const InputError&) {
       throw;
     } catch (const std::exception& error) {
-      throw Refusal(what + ": " + complaint(error.what()));
+      throw InputError(what + ": " + error_text(error.what()));
     } catch (...) {
-      throw Refusal(what + ": " + complaint("gmsh failed"));
+      throw InputError(what + ": " + error_text("gmsh failed"));
     }
   }
 
 private:
   /// gmsh's last error, or what is known otherwise.
-  static std::string complaint(std::string reason) {
+  static std::string error_text(std::string reason) {
     std::vector<std::string> log;
     gmsh::logger::get(log);
     for (const std::string& line : log)
@@ -47,7 +47,7 @@ private:
 
 /// Whether `work` went through; gmsh's last exception may be no std::exception. What is beyond
 /// memory or budget is passed on.
-template <class Work> bool tried(Work&& work) {
+template <class Work> bool succeeds(Work&& work) {
   try {
     work();
     return true;
@@ -66,7 +66,7 @@ void generate(int dimension);
 
 /// gmsh's volume elements, nodes and names as a mesh of ours; its lengths times `unit`. With
 /// `face_sets` the model's faces are node sets (face_set()).
-[[nodiscard]] Mesh take_over(double unit, bool face_sets = false);
+[[nodiscard]] Mesh import_mesh(double unit, bool face_sets = false);
 
 /// Model curves where the body turns inward. Compares the two facets at each mesh edge on a curve:
 /// where the far corner of one rises above the outward plane of the other, the angle is concave.
@@ -78,8 +78,8 @@ void generate(int dimension);
 
 /// What is coming: of one size h, of a surface that is meshed already in `faces` triangles, or of
 /// the ordered sizes.
-[[nodiscard]] MeshSize foretold_size(const LoadChoice&, double volume, double skin,
-                                     const Vector3& box, double h, double faces);
+[[nodiscard]] MeshSize predicted_mesh_size(const LoadChoice&, double volume, double skin,
+                                           const Vector3& box, double h, double faces);
 
 /// Element sizes: h everywhere, finer towards these curves.
 void set_sizes(double h, const std::vector<double>& concave);

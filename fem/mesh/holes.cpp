@@ -15,7 +15,7 @@ constexpr std::size_t kMaxRing = 4096;
 constexpr double kFlat = .02; ///< of an opening's extent
 /// Triangles of a surface whose open side is closed: of a scan or a terrain. What is drawn with
 /// fewer may be a box or a cup on purpose.
-constexpr std::size_t kFewest = 100;
+constexpr std::size_t kMinCorners = 100;
 
 /// Largest distance of a ring's corners from its mean plane (Newell's normal), m.
 double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
@@ -39,7 +39,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     skin += .5 * length(t.normal(i));
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     if (last - first == 1)
       next[first->forward ? first->b : first->a] = {first->forward ? first->a : first->b,
                                                     first->triangle};
@@ -70,7 +70,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
     hole.edges = ring.size();
     hole.extent = bounding_box(corners).largest();
     const auto patch =
-        ring.size() <= kMaxRing ? cut_ears(corners) : std::vector<std::array<int, 3>>{};
+        ring.size() <= kMaxRing ? clip_ears(corners) : std::vector<std::array<int, 3>>{};
     const auto at = [&](int i) { return corners[static_cast<std::size_t>(i)]; };
     for (const auto& [a, b, c] : patch)
       hole.area += .5 * length(cross(at(b) - at(a), at(c) - at(a)));
@@ -90,7 +90,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
       close();
     } else {
       ++large;
-      if (!patch.empty() && t.triangles.size() >= kFewest &&
+      if (!patch.empty() && t.triangles.size() >= kMinCorners &&
           off_plane(corners, hole.centre) <= kFlat * hole.extent) {
         opening = holes.size();
         close_opening = close;

@@ -14,7 +14,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
   std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     const auto join = [&](const EdgeUse& u, const EdgeUse& v) {
       across[u.triangle][u.side] = static_cast<int>(v.triangle);
       across[v.triangle][v.side] = static_cast<int>(u.triangle);
@@ -25,9 +25,10 @@ std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
     if (count <= 2)
       return;
     if (count % 2 == 1)
-      throw Refusal("the surface cannot be told from a wall inside at " +
-                    place_of(t, first->triangle) + ": an edge has " + std::to_string(count) +
-                    " triangles, expected two; --shrink-wrap takes the outer skin");
+      throw InputError("the surface cannot be told from a wall inside at " +
+                       triangle_location(t, first->triangle) + ": an edge has " +
+                       std::to_string(count) +
+                       " triangles, expected two; --shrink-wrap takes the outer skin");
     // Turning about the edge, the body lies between a triangle and the next, or not.
     const Vector3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
     const Vector3 axis = (1 / length(along)) * along;
@@ -94,20 +95,20 @@ void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
 /// point of their own in its middle. Returns how many did.
 std::size_t split_shared_edges(Triangles& t, const std::vector<std::array<int, 3>>& across) {
   std::size_t done = 0;
-  std::vector<bool> touched(t.triangles.size(), false);
+  std::vector<bool> affected(t.triangles.size(), false);
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     if (last - first <= 2)
       return;
     const std::size_t kept = at(across[first->triangle][first->side]);
     for (auto u = first + 1; u != last; ++u) {
       const std::size_t i = u->triangle, j = at(across[i][u->side]);
-      if (i == kept || i > j || touched[i] || touched[j])
+      if (i == kept || i > j || affected[i] || affected[j])
         continue;
       const int middle = static_cast<int>(t.points.size());
       t.points.push_back(.5 * (t.points[at(u->a)] + t.points[at(u->b)]));
       for (const std::size_t half : {i, j}) {
-        touched[half] = true;
+        affected[half] = true;
         auto& c = t.triangles[half];
         const auto tip =
             std::find_if(c.begin(), c.end(), [&](int v) { return v != u->a && v != u->b; });

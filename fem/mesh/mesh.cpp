@@ -2,7 +2,7 @@
 
 #include "fem/element/jacobian.hpp"
 #include "fem/element/quadrature.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,12 +20,12 @@ void Mesh::add(Shape shape, std::span<const int> element_nodes, int region) {
 }
 
 std::string Mesh::element_names() const {
-  std::array<bool, 5> seen{};
+  std::array<bool, 5> present{};
   for (const Element& e : elements)
-    seen[static_cast<std::size_t>(e.shape)] = true;
+    present[static_cast<std::size_t>(e.shape)] = true;
   std::string names;
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    if (seen[i])
+  for (std::size_t i = 0; i < present.size(); ++i)
+    if (present[i])
       names += (names.empty() ? "" : " + ") + std::string(name(static_cast<Shape>(i)));
   return names;
 }
@@ -137,11 +137,11 @@ std::vector<int> coincident_points(std::span<const Vector3> points, double toler
     const Vector3& p = points[n];
     std::array<std::int64_t, 3> at{}, low{}, high{};
     for (int k = 0; k < 3; ++k) {
-      const double place = (p[k] - box.low[k]) / cell;
+      const double coordinate = (p[k] - box.low[k]) / cell;
       const auto i = static_cast<std::size_t>(k);
-      at[i] = static_cast<std::int64_t>(place);
-      low[i] = static_cast<std::int64_t>(std::floor(place - .25));
-      high[i] = static_cast<std::int64_t>(std::floor(place + .25));
+      at[i] = static_cast<std::int64_t>(coordinate);
+      low[i] = static_cast<std::int64_t>(std::floor(coordinate - .25));
+      high[i] = static_cast<std::int64_t>(std::floor(coordinate + .25));
     }
     int partner = -1;
     for (auto i = low[0]; i <= high[0]; ++i)
@@ -172,18 +172,18 @@ std::size_t merge_nodes(Mesh& mesh, double tolerance) {
   return before - static_cast<std::size_t>(count);
 }
 
-double least_jacobian(const Mesh& mesh, const Element& e) {
+double min_jacobian(const Mesh& mesh, const Element& e) {
   ShapeValues values;
-  double least = std::numeric_limits<double>::infinity();
-  const auto look = [&](const Vector3& at) {
+  double min_determinant = std::numeric_limits<double>::infinity();
+  const auto sample = [&](const Vector3& at) {
     evaluate(e.shape, at, values);
-    least = std::min(least, jacobian(mesh, e, values).determinant);
+    min_determinant = std::min(min_determinant, jacobian(mesh, e, values).determinant);
   };
   for (const QuadraturePoint& q : mass_points(e.shape))
-    look(q.at);
+    sample(q.at);
   for (const QuadraturePoint& q : stiffness_points(e.shape))
-    look(q.at);
-  return least;
+    sample(q.at);
+  return min_determinant;
 }
 
 namespace {
@@ -219,13 +219,13 @@ bool has_straight_sides(const Mesh& mesh) {
 std::size_t straighten_inverted(Mesh& mesh) {
   // Halved twice, most sides keep a quarter of their bend or more; the next attempt is straight.
   // An element that is nearly flat would be as stiff as one turned inside out is soft.
-  constexpr double kLeastShare = .05; ///< of the Jacobian with straight sides
+  constexpr double kMinJacobianShare = .05; ///< of the Jacobian with straight sides
   constexpr int kHalvings = 3;
   std::vector<std::uint8_t> halvings(mesh.nodes.size(), 0);
-  std::vector<std::size_t> touched, suspects(mesh.elements.size());
+  std::vector<std::size_t> straightened, candidates(mesh.elements.size());
   std::vector<std::vector<std::size_t>> around(mesh.nodes.size());
   for (std::size_t i = 0; i < mesh.elements.size(); ++i) {
-    suspects[i] = i;
+    candidates[i] = i;
     if (mesh.elements[i].shape == Shape::tet10)
       for (const int n : mesh.nodes_of(mesh.elements[i]).subspan(4))
         around[static_cast<std::size_t>(n)].push_back(i);
@@ -235,18 +235,19 @@ std::size_t straighten_inverted(Mesh& mesh) {
     const auto at = [&](std::size_t k) { return mesh.nodes[static_cast<std::size_t>(n[k])]; };
     return dot(cross(at(1) - at(0), at(2) - at(0)), at(3) - at(0));
   };
-  while (!suspects.empty()) { // a node that moves may turn a neighbour
+  while (!candidates.empty()) { // a node that moves may turn a neighbour
     std::vector<std::size_t> next;
-    for (const std::size_t i : suspects) {
+    for (const std::size_t i : candidates) {
       const Element& e = mesh.elements[i];
-      if (e.shape != Shape::tet10 || least_jacobian(mesh, e) > kLeastShare * straight_jacobian(e))
+      if (e.shape != Shape::tet10 ||
+          min_jacobian(mesh, e) > kMinJacobianShare * straight_jacobian(e))
         continue;
       visit_sides(mesh, e, [&](std::size_t a, std::size_t b, std::size_t middle) {
         const Vector3 off = bend(mesh, a, b, middle);
         if (halvings[middle] == kHalvings || !(length(off) > 0))
           return;
         if (halvings[middle]++ == 0)
-          touched.push_back(middle);
+          straightened.push_back(middle);
         mesh.nodes[middle] = .5 * (mesh.nodes[a] + mesh.nodes[b]);
         if (halvings[middle] < kHalvings)
           mesh.nodes[middle] += .5 * off;
@@ -255,22 +256,22 @@ std::size_t straighten_inverted(Mesh& mesh) {
     }
     std::sort(next.begin(), next.end());
     next.erase(std::unique(next.begin(), next.end()), next.end());
-    suspects = std::move(next);
+    candidates = std::move(next);
   }
-  return touched.size();
+  return straightened.size();
 }
 
 void check(const Mesh& mesh) {
   if (mesh.elements.empty())
-    throw Refusal("the mesh has no volume element: expected tet10, wedge15 or hex20");
+    throw InputError("the mesh has no volume element: expected tet10, wedge15 or hex20");
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
     const Vector3& p = mesh.nodes[i];
     if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
-      throw Refusal("node " + std::to_string(i + 1) + " has a coordinate that is no number");
+      throw InputError("node " + std::to_string(i + 1) + " has a coordinate that is no number");
   }
   for (std::size_t i = 0; i < mesh.elements.size(); ++i) {
     const Element& e = mesh.elements[i];
-    const std::string who =
+    const std::string label =
         "element " + std::to_string(i + 1) + " (" + std::string(name(e.shape)) + ")";
     const auto nodes = mesh.nodes_of(e);
     std::array<int, kMaxNodes> sorted{};
@@ -278,16 +279,16 @@ void check(const Mesh& mesh) {
     const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(nodes.size());
     std::sort(sorted.begin(), end);
     if (sorted[0] < 0 || *(end - 1) >= static_cast<int>(mesh.nodes.size()))
-      throw Refusal(who + " uses a node that does not exist");
+      throw InputError(label + " uses a node that does not exist");
     if (std::adjacent_find(sorted.begin(), end) != end)
-      throw Refusal(who + " uses node " +
-                    std::to_string(*std::adjacent_find(sorted.begin(), end) + 1) + " twice");
-    if (const double least = least_jacobian(mesh, e); !(least > 0)) {
+      throw InputError(label + " uses node " +
+                       std::to_string(*std::adjacent_find(sorted.begin(), end) + 1) + " twice");
+    if (const double min_determinant = min_jacobian(mesh, e); !(min_determinant > 0)) {
       const Vector3& p = mesh.nodes[static_cast<std::size_t>(nodes[0])];
       char at[96];
       std::snprintf(at, sizeof at, " near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
-      throw Refusal(who + at + " is turned inside out: its Jacobian is " + std::to_string(least) +
-                    ", expected above 0");
+      throw InputError(label + at + " is turned inside out: its Jacobian is " +
+                       std::to_string(min_determinant) + ", expected above 0");
     }
   }
 }
@@ -296,8 +297,8 @@ void check_range(const std::string& path, std::span<const Vector3> points) {
   constexpr double kLargest = 1e6; // m
   for (const Vector3& p : points)
     if (!(length(p) < kLargest))
-      throw Refusal(path + format(" has a point at (%g, %g, %g) m, expected one within %g m", p.x,
-                                  p.y, p.z, kLargest));
+      throw InputError(path + format(" has a point at (%g, %g, %g) m, expected one within %g m",
+                                     p.x, p.y, p.z, kLargest));
 }
 
 } // namespace tactus::fem

@@ -11,12 +11,12 @@
 namespace tactus::fem {
 
 /// What a tool tells its user in one sentence: the object, the value, what was expected.
-struct Refusal : std::runtime_error {
+struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 /// What is too large for the memory or the disk: another way to mesh the same would not help.
-struct TooLarge : Refusal {
-  using Refusal::Refusal;
+struct TooLarge : InputError {
+  using InputError::InputError;
 };
 
 /// One element: its nodes are `connectivity[first .. first + node_count)`.
@@ -74,7 +74,7 @@ void drop_unused_nodes(Mesh&);
 std::size_t merge_nodes(Mesh&, double tolerance_m);
 
 /// The smallest Jacobian determinant at an element's quadrature points, m^3.
-[[nodiscard]] double least_jacobian(const Mesh&, const Element&);
+[[nodiscard]] double min_jacobian(const Mesh&, const Element&);
 
 /// Whether the sides of all tet10 are straight, with the node between in the middle.
 [[nodiscard]] bool has_straight_sides(const Mesh&);

@@ -80,8 +80,8 @@ MeshSize size_of(const Mesh& mesh) {
   return size;
 }
 
-MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box, double h,
-                             double faces) {
+MeshSize predict_tetrahedra(double volume, double skin_area, const Vector3& box, double h,
+                            double faces) {
   MeshSize size;
   size.volume = volume;
   size.skin_area = skin_area;
@@ -100,8 +100,8 @@ MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box
   return size;
 }
 
-MeshSize foretell_sweep(double volume, double skin_area, const Vector3& box, double height,
-                        double h, double layers) {
+MeshSize predict_swept_size(double volume, double skin_area, const Vector3& box, double height,
+                            double h, double layers) {
   MeshSize size;
   size.volume = volume;
   size.skin_area = skin_area;
@@ -132,11 +132,11 @@ MeshSize scaled(const MeshSize& size, double elements) {
 
 MeshSize resized_tetrahedra(const MeshSize& size, double h) {
   const auto even = [&](double at) {
-    return foretell_tetrahedra(size.volume, size.skin_area, size.box, at);
+    return predict_tetrahedra(size.volume, size.skin_area, size.box, at);
   };
   const double faces = even(h).skin_triangles / 4;
-  return foretell_tetrahedra(size.volume, size.skin_area, size.box, h,
-                             faces * size.skin_triangles / even(size.h).skin_triangles);
+  return predict_tetrahedra(size.volume, size.skin_area, size.box, h,
+                            faces * size.skin_triangles / even(size.h).skin_triangles);
 }
 
 } // namespace tactus::fem

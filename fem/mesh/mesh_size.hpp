@@ -34,12 +34,12 @@ struct MeshSize {
 /// all in metres; `faces`, when the surface is meshed already, is the number of its triangles.
 /// Ungraded meshes have within a fifth of the elements foretold, graded ones with their `faces` up
 /// to twice as many.
-[[nodiscard]] MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box,
-                                           double h, double faces = 0);
+[[nodiscard]] MeshSize predict_tetrahedra(double volume, double skin_area, const Vector3& box,
+                                          double h, double faces = 0);
 
 /// The size of a swept mesh (sweep.hpp) of wedge15: triangles of edge h in the base's area, layers.
-[[nodiscard]] MeshSize foretell_sweep(double volume, double skin_area, const Vector3& box,
-                                      double height, double h, double layers);
+[[nodiscard]] MeshSize predict_swept_size(double volume, double skin_area, const Vector3& box,
+                                          double height, double h, double layers);
 
 /// The size of a mesh of the same body and kind with another number of elements.
 [[nodiscard]] MeshSize scaled(const MeshSize&, double elements);

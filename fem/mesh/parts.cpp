@@ -1,7 +1,7 @@
 #include "fem/mesh/parts.hpp"
 
+#include "fem/io/text.hpp"
 #include "fem/io/triangles.hpp"
-#include "fem/io/words.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -9,8 +9,8 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kCrumb = 1e-4; ///< share of the largest part's volume
-constexpr double kDebris = .01; ///< the same, of all small pieces together
+constexpr double kMinPartShare = 1e-4;  ///< share of the largest part's volume
+constexpr double kMaxDebrisShare = .01; ///< the same, of all small pieces together
 
 std::string described(const Part& part) {
   return part.name + format(" (%.3g mm)", 1e3 * part.box.largest()) +
@@ -24,29 +24,29 @@ std::string list_of(const std::vector<Part>& parts, const std::vector<std::size_
   return list + (among.size() > 8 ? ", ..." : "");
 }
 
-std::size_t part_called(const std::vector<Part>& parts, const std::string& wanted) {
+std::size_t part_called(const std::vector<Part>& parts, const std::string& requested_part) {
   for (std::size_t i = 0; i < parts.size(); ++i)
-    if (parts[i].name == wanted)
+    if (parts[i].name == requested_part)
       return i;
-  const auto number = to_number(wanted);
+  const auto number = to_number(requested_part);
   if (number && *number == std::floor(*number) && *number >= 1 &&
       *number <= static_cast<double>(parts.size()))
     return static_cast<std::size_t>(*number) - 1;
   std::vector<std::size_t> all(parts.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  throw Refusal("--only " + wanted + ": expected a name or number out of " +
-                std::to_string(parts.size()) + " separate parts: " + list_of(parts, all));
+  throw InputError("--only " + requested_part + ": expected a name or number out of " +
+                   std::to_string(parts.size()) + " separate parts: " + list_of(parts, all));
 }
 
-void say_left_out(const std::vector<Part>& parts, const std::vector<std::size_t>& left,
-                  double whole, const LoadChoice& choice) {
+void report_discarded_parts(const std::vector<Part>& parts, const std::vector<std::size_t>& left,
+                            double whole, const LoadChoice& choice) {
   double sum = 0;
   for (const std::size_t i : left)
     sum += parts[i].volume;
-  if (!left.empty() && choice.say)
-    choice.say(format("%zu small pieces, together %.2g %% of the body's volume, were left out: ",
-                      left.size(), 100 * sum / whole) +
-               list_of(parts, left));
+  if (!left.empty() && choice.notify)
+    choice.notify(format("%zu small pieces, together %.2g %% of the body's volume, were left out: ",
+                         left.size(), 100 * sum / whole) +
+                  list_of(parts, left));
 }
 
 } // namespace
@@ -63,15 +63,16 @@ std::vector<std::size_t> chosen_parts(const std::vector<Part>& parts, const Load
   for (std::size_t i = 1; i < order.size(); ++i)
     rest += parts[order[i]].volume;
   std::vector<std::size_t> kept, left;
-  const bool debris = !choice.multi && rest < kDebris * largest;
+  const bool debris = !choice.multi && rest < kMaxDebrisShare * largest;
   for (const std::size_t i : order)
-    (i == order[0] || (!debris && parts[i].volume >= kCrumb * largest) ? kept : left).push_back(i);
+    (i == order[0] || (!debris && parts[i].volume >= kMinPartShare * largest) ? kept : left)
+        .push_back(i);
   std::sort(kept.begin(), kept.end());
-  say_left_out(parts, left, largest, choice);
+  report_discarded_parts(parts, left, largest, choice);
   if (kept.size() > 1 && !choice.multi)
-    throw Refusal("it holds " + std::to_string(kept.size()) +
-                  " separate parts, expected one body: " + list_of(parts, kept) +
-                  "; take one with --only NUMBER or NAME, or all as one table with --multi");
+    throw InputError("it holds " + std::to_string(kept.size()) +
+                     " separate parts, expected one body: " + list_of(parts, kept) +
+                     "; take one with --only NUMBER or NAME, or all as one table with --multi");
   return kept;
 }
 

@@ -10,10 +10,10 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// Twice the signed area of p, a, b in the plane of axes u and v; exactly the opposite if a and b
 /// change places, so that a line between two neighbours meets one of them.
 double area(double pu, double pv, const Vector3& a, const Vector3& b, int u, int v) {
-  const bool turned = a[u] != b[u] ? a[u] > b[u] : a[v] > b[v];
-  const Vector3 &from = turned ? b : a, &to = turned ? a : b;
+  const bool swapped = a[u] != b[u] ? a[u] > b[u] : a[v] > b[v];
+  const Vector3 &from = swapped ? b : a, &to = swapped ? a : b;
   const double value = (from[u] - pu) * (to[v] - pv) - (from[v] - pv) * (to[u] - pu);
-  return turned ? -value : value;
+  return swapped ? -value : value;
 }
 
 } // namespace
@@ -128,12 +128,12 @@ std::vector<std::int8_t> RayGrid::winding() const {
 
 std::array<double, 2> RayGrid::volumes() const {
   std::array<double, 2> sum{};
-  const auto most = static_cast<std::size_t>(
+  const auto main_axis = static_cast<std::size_t>(
       std::max_element(crossings_.begin(), crossings_.end(),
                        [](const auto& a, const auto& b) { return a.size() < b.size(); }) -
       crossings_.begin());
-  const std::vector<Crossing>& along = crossings_[most];
-  for (const Line line : lines_[most]) {
+  const std::vector<Crossing>& along = crossings_[main_axis];
+  for (const Line line : lines_[main_axis]) {
     int number = 0;
     for (std::size_t n = line.first; n + 1 < line.last; ++n) {
       number -= along[n].sign;

@@ -17,16 +17,17 @@ constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of su
 
 class Remesher {
 public:
-  Remesher(const Triangles& surface, const std::function<double(const Vector3&)>& edge, double away)
+  Remesher(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+           double deviation)
       : point_(surface.points), triangle_(surface.triangles), shell_(surface.shell),
         around_(surface.points.size()), plane_(surface.points.size()),
-        corner_(surface.points.size(), false), edge_(edge), away_(away) {
+        corner_(surface.points.size(), false), edge_(edge), max_deviation_(deviation) {
     for (std::size_t t = 0; t < triangle_.size(); ++t)
       for (const int v : triangle_[t])
         around_[at(v)].push_back(static_cast<int>(t));
     for (std::size_t v = 0; v < point_.size(); ++v)
       for (const int t : around_[v])
-        remember_plane(static_cast<int>(v), triangle_[at(t)]);
+        add_plane(static_cast<int>(v), triangle_[at(t)]);
     find_features();
   }
 
@@ -34,9 +35,9 @@ public:
     collapse_short();
     for (int round = 0; round < 6; ++round) {
       split_long();
-      turn_edges();
+      flip_edges();
       collapse_short();
-      turn_edges();
+      flip_edges();
       smooth_flat();
     }
     Triangles out;
@@ -108,18 +109,18 @@ private:
     return out;
   }
 
-  void remember_plane(int v, const Corners& t) {
+  void add_plane(int v, const Corners& t) {
     const Vector3 n = normal(t);
     const double size = length(n);
     if (size > 0)
       plane_[at(v)].push_back({(1 / size) * n, dot((1 / size) * n, point(t[0]))});
   }
   /// The largest distance of a place from the planes that met in v, and in what v took over.
-  double away(int v, const Vector3& place) const {
-    double most = 0;
+  double deviation(int v, const Vector3& position) const {
+    double max_distance = 0;
     for (const auto& [n, level] : plane_[at(v)])
-      most = std::max(most, std::abs(dot(n, place) - level));
-    return most;
+      max_distance = std::max(max_distance, std::abs(dot(n, position) - level));
+    return max_distance;
   }
 
   /// Whether a normal lies near that of some plane that v stands for.
@@ -207,18 +208,18 @@ private:
     around_.emplace_back();
     plane_.emplace_back();
     corner_.push_back(false);
-    remember_plane(m, triangle_[at(left)]);
-    remember_plane(m, triangle_[at(right)]);
+    add_plane(m, triangle_[at(left)]);
+    add_plane(m, triangle_[at(right)]);
     if (feature_.erase(sorted(a, b)) > 0) {
       feature_.insert(sorted(a, m));
       feature_.insert(sorted(m, b));
     }
     for (const auto& [t, from, to] : {std::tuple(left, a, b), {right, b, a}}) {
-      const int c = third(t, a, b), fresh = static_cast<int>(triangle_.size());
+      const int c = third(t, a, b), new_triangle = static_cast<int>(triangle_.size());
       triangle_.push_back({-1, -1, -1});
       shell_.push_back(shell_[at(t)]);
       replace(t, {from, m, c});
-      replace(fresh, {m, to, c});
+      replace(new_triangle, {m, to, c});
     }
   }
 
@@ -236,7 +237,8 @@ private:
     if (corner_[at(from)] || (!along && on_feature(from)))
       return false;
     const auto a = neighbours(from), b = neighbours(onto);
-    if (!std::binary_search(a.begin(), a.end(), onto) || away(from, point(onto)) > away_)
+    if (!std::binary_search(a.begin(), a.end(), onto) ||
+        deviation(from, point(onto)) > max_deviation_)
       return false;
     std::vector<int> common;
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
@@ -281,33 +283,33 @@ private:
   /// surface, one of those that differ by little (2.5 degrees at most), so that time does not grow
   /// with them.
   void thin_out(std::vector<Plane>& planes) const {
-    double turn = 1e-6, level = 1e-2 * away_;
+    double flip_edge = 1e-6, level = 1e-2 * max_deviation_;
     for (int round = 0; round < 4; ++round) {
       std::vector<Plane> kept;
       for (const Plane& p : planes)
         if (std::none_of(kept.begin(), kept.end(), [&](const Plane& q) {
-              return dot(p.first, q.first) > 1 - turn && std::abs(p.second - q.second) < level;
+              return dot(p.first, q.first) > 1 - flip_edge && std::abs(p.second - q.second) < level;
             }))
           kept.push_back(p);
       planes = std::move(kept);
       if (planes.size() <= 32)
         return;
-      turn *= 10;
-      level = std::min(2 * level, .1 * away_);
+      flip_edge *= 10;
+      level = std::min(2 * level, .1 * max_deviation_);
     }
   }
 
   /// Edges between flat neighbours turn where that makes the worse of two triangles better.
-  void turn_edges() {
+  void flip_edges() {
     for (int pass = 0; pass < 10; ++pass) {
       std::size_t done = 0;
       for (const auto& [a, b] : edges())
-        done += turn(a, b);
+        done += flip_edge(a, b);
       if (done == 0)
         return;
     }
   }
-  bool turn(int a, int b) {
+  bool flip_edge(int a, int b) {
     if (feature_.contains(sorted(a, b)))
       return false;
     const int left = beside(a, b), right = beside(b, a);
@@ -328,7 +330,7 @@ private:
                         std::abs(dot(whole, point(b) - point(a))) +
                         std::abs(dot(whole, point(c) - point(a)));
     const Vector3 n = normal(first), m = normal(second);
-    if (bend > away_ * size || dot(n, whole) <= .9 * length(n) * size ||
+    if (bend > max_deviation_ * size || dot(n, whole) <= .9 * length(n) * size ||
         dot(m, whole) <= .9 * length(m) * size)
       return false;
     replace(left, first);
@@ -354,7 +356,7 @@ private:
           worst = std::min(worst, quality(triangle_[at(t)]));
         for (const int w : ring)
           bend = std::max(bend, std::abs(dot(whole, point(w) - point(v))));
-        if (!(size > 0) || bend > 1e-3 * away_ * size)
+        if (!(size > 0) || bend > 1e-3 * max_deviation_ * size)
           continue;
         const Vector3 before = point(v);
         point_[at(v)] = middle - (dot(whole, middle - before) / (size * size)) * whole;
@@ -374,14 +376,14 @@ private:
   std::vector<bool> corner_;
   std::set<Edge> feature_;
   const std::function<double(const Vector3&)>& edge_;
-  double away_;
+  double max_deviation_;
 };
 
 } // namespace
 
 Triangles remeshed(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
-                   double away) {
-  return Remesher(surface, edge, away).run();
+                   double deviation) {
+  return Remesher(surface, edge, deviation).run();
 }
 
 } // namespace tactus::fem

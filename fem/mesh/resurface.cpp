@@ -1,6 +1,6 @@
 #include "fem/mesh/resurface.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/crossing.hpp"
 #include "fem/mesh/dual_contour.hpp"
 #include "fem/mesh/shells.hpp"
@@ -22,11 +22,12 @@ double skin_area(const Triangles& t) {
 }
 
 /// The finest spacing that the limits allow, if it is wider than the one wanted.
-double affordable(const Triangles& t, double wanted) {
+double affordable(const Triangles& t, double target_spacing) {
   const Vector3 size = bounding_box(t.points).size();
-  const double room = (size.x + 20 * wanted) * (size.y + 20 * wanted) * (size.z + 20 * wanted);
-  return std::max(
-      {wanted, std::cbrt(room / kMaxGridPoints), std::sqrt(skin_area(t) / kMaxSkinSquares)});
+  const double grid_volume = (size.x + 20 * target_spacing) * (size.y + 20 * target_spacing) *
+                             (size.z + 20 * target_spacing);
+  return std::max({target_spacing, std::cbrt(grid_volume / kMaxGridPoints),
+                   std::sqrt(skin_area(t) / kMaxSkinSquares)});
 }
 
 /// Squared distance of every grid point to the nearest marked one, in spacings, up to `limit`
@@ -70,7 +71,7 @@ std::vector<float> squared_distance(const RayGrid& grid, const std::vector<std::
 }
 
 /// Calls use(neighbour, crossed) for the grid points beside one: whether triangles lie between.
-template <class Use> void each_neighbour(const RayGrid& grid, std::size_t index, Use&& use) {
+template <class Use> void for_each_neighbour(const RayGrid& grid, std::size_t index, Use&& use) {
   const auto cell = grid.cell(index);
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -171,7 +172,7 @@ Resurfaced contoured(const RayGrid& grid, const std::vector<std::uint8_t>& insid
   out.spacing = grid.spacing();
   out.surface = dual_contour(grid, inside, sharp);
   if (out.surface.triangles.empty())
-    throw Refusal("the triangles enclose nothing");
+    throw InputError("the triangles enclose nothing");
   weld(out.surface);
   if (!sharp)
     smooth(out.surface);
@@ -208,17 +209,18 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   const double spacing = affordable(t, std::min(gap / 4, largest / 80));
   const double reach = .5 * gap / spacing; // of the ball, in spacings
   if (reach < 1.5)
-    throw Refusal(format("--shrink-wrap %.3g mm is too fine for this surface: expected %.3g mm or "
-                         "more",
-                         1e3 * gap, 3e3 * spacing));
+    throw InputError(
+        format("--shrink-wrap %.3g mm is too fine for this surface: expected %.3g mm or "
+               "more",
+               1e3 * gap, 3e3 * spacing));
   if (reach > 60)
-    throw Refusal(format("--shrink-wrap %.3g mm: expected at most half the body, %.3g mm",
-                         1e3 * gap, 500 * largest));
+    throw InputError(format("--shrink-wrap %.3g mm: expected at most half the body, %.3g mm",
+                            1e3 * gap, 500 * largest));
   const int margin = static_cast<int>(std::ceil(reach)) + 3;
   const RayGrid grid(t, spacing, margin);
   std::vector<std::uint8_t> marked(grid.count(), 0); // beside a triangle
   for (std::size_t i = 0; i < marked.size(); ++i)
-    each_neighbour(grid, i, [&](std::size_t, bool crossed) { marked[i] |= crossed; });
+    for_each_neighbour(grid, i, [&](std::size_t, bool crossed) { marked[i] |= crossed; });
   const auto far = squared_distance(grid, marked, static_cast<int>(std::ceil(reach)));
   const auto square = static_cast<float>(reach * reach);
   // Centres of the ball, from the border of the grid on.
@@ -228,7 +230,7 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   while (!front.empty()) {
     const std::size_t i = front.back();
     front.pop_back();
-    each_neighbour(grid, i, [&](std::size_t j, bool) {
+    for_each_neighbour(grid, i, [&](std::size_t j, bool) {
       if (!centre[j] && far[j] >= square) {
         centre[j] = 1;
         front.push_back(j);
@@ -249,7 +251,7 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
     std::vector<std::size_t> outside;
     for (const std::size_t i : front) {
       int votes = 0;
-      each_neighbour(grid, i, [&](std::size_t j, bool crossed) {
+      for_each_neighbour(grid, i, [&](std::size_t j, bool crossed) {
         if (!inside[j])
           votes += crossed ? -1 : 1;
       });
@@ -260,9 +262,9 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
       inside[i] = 0;
   }
   if (std::find(inside.begin(), inside.end(), 1) == inside.end())
-    throw Refusal(format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap; "
-                         "expected more than their widest hole",
-                         1e3 * gap));
+    throw InputError(format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap; "
+                            "expected more than their widest hole",
+                            1e3 * gap));
   Resurfaced out = contoured(grid, inside, false);
   out.volume = enclosed(out.surface);
   return out;

@@ -60,11 +60,11 @@ bool near(const Triangles& t, std::size_t i, std::size_t j, double distance) {
 void find_shells(Triangles& t) {
   std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     if (last - first > 2)
-      throw Refusal("the surface crosses itself at " + place_of(t, first->triangle) +
-                    ": an edge has " + std::to_string(last - first) +
-                    " triangles, expected two; --shrink-wrap takes the outer skin");
+      throw InputError("the surface crosses itself at " + triangle_location(t, first->triangle) +
+                       ": an edge has " + std::to_string(last - first) +
+                       " triangles, expected two; --shrink-wrap takes the outer skin");
     if (last - first == 2) {
       across[first[0].triangle][first[0].side] = static_cast<int>(first[1].triangle);
       across[first[1].triangle][first[1].side] = static_cast<int>(first[0].triangle);
@@ -78,7 +78,7 @@ void find_shells(Triangles& t) {
   };
   t.shell.assign(t.triangles.size(), -1);
   t.shells = 0;
-  std::vector<bool> turned(t.triangles.size(), false);
+  std::vector<bool> flipped(t.triangles.size(), false);
   for (std::size_t seed = 0; seed < t.triangles.size(); ++seed) {
     if (t.shell[seed] >= 0)
       continue;
@@ -92,21 +92,21 @@ void find_shells(Triangles& t) {
           continue;
         const std::size_t j = at(across[i][k]);
         const bool same = runs(j, t.triangles[i][k], t.triangles[i][(k + 1) % 3]);
-        const bool turn = turned[i] != same; // of j, from how it was written
+        const bool flip = flipped[i] != same; // of j, from how it was written
         if (t.shell[j] < 0) {
           t.shell[j] = t.shells;
-          turned[j] = turn;
+          flipped[j] = flip;
           front.push_back(j);
-        } else if (turned[j] != turn) {
-          throw Refusal("the surface has one side only at " + place_of(t, j) +
-                        ": expected the skin of a solid");
+        } else if (flipped[j] != flip) {
+          throw InputError("the surface has one side only at " + triangle_location(t, j) +
+                           ": expected the skin of a solid");
         }
       }
     }
     ++t.shells;
   }
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
-    if (turned[i])
+    if (flipped[i])
       std::swap(t.triangles[i][0], t.triangles[i][1]);
   const std::vector<double> volumes = shell_volumes(t);
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
@@ -134,20 +134,20 @@ std::vector<double> shell_volumes(const Triangles& t) {
 std::string open_edge_sentence(const Triangles& t) {
   std::size_t count = 0, example = 0;
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     if (last - first == 1 && count++ == 0)
       example = first->triangle;
   });
   if (count == 0)
     return {};
-  return "the surface is open at " + place_of(t, example) +
+  return "the surface is open at " + triangle_location(t, example) +
          ": an edge has one triangle, expected two (" + std::to_string(count) + " such edges)";
 }
 
 void close(Triangles& t) {
   find_shells(t);
   if (const std::string sentence = open_edge_sentence(t); !sentence.empty())
-    throw Refusal(sentence);
+    throw InputError(sentence);
 }
 
 std::size_t drop_flat_shells(Triangles& t, double thickness) {
@@ -201,7 +201,8 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
       if (q != s && fits(s, q) && inside(sample[at(s)], t, members[at(q)]))
         around[at(s)].push_back(q);
   // The body of a cavity is the shell around it that lies deepest.
-  std::vector<int> outer(at(t.shells), -1), place(at(t.shells), 0), cavities(at(t.shells), 0);
+  std::vector<int> outer(at(t.shells), -1), cavity_index(at(t.shells), 0),
+      cavities(at(t.shells), 0);
   for (int s = 0; s < t.shells; ++s) {
     outer[at(s)] = s;
     if (around[at(s)].size() % 2 == 1)
@@ -211,7 +212,7 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
   }
   for (int s = 0; s < t.shells; ++s)
     if (outer[at(s)] != s)
-      place[at(s)] = ++cavities[at(outer[at(s)])];
+      cavity_index[at(s)] = ++cavities[at(outer[at(s)])];
   std::vector<int> number(at(t.shells), -1);
   std::vector<Triangles> bodies;
   for (int s = 0; s < t.shells; ++s)
@@ -237,7 +238,7 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
     if ((volumes[at(s)] > 0) != (outer[at(s)] == s))
       std::swap(corners[0], corners[1]);
     body.triangles.push_back(corners);
-    body.shell.push_back(place[at(s)]);
+    body.shell.push_back(cavity_index[at(s)]);
     if (!t.group.empty())
       body.group.push_back(t.group[i]);
   }
@@ -251,7 +252,7 @@ bool shells_touch(const Triangles& t, double distance) {
   const BoxTree tree(boxes);
   bool touch = false;
   for (std::size_t i = 0; i < boxes.size() && !touch; ++i)
-    tree.each_near(boxes[i], distance, [&](std::size_t j) {
+    tree.for_each_near(boxes[i], distance, [&](std::size_t j) {
       touch = j > i && t.shell[i] != t.shell[j] && near(t, i, j, distance);
       return !touch;
     });

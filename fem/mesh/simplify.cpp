@@ -65,7 +65,7 @@ public:
     for (const Corners& c : triangle_)
       for (std::size_t k = 0; k < 3; ++k)
         if (c[k] < c[(k + 1) % 3])
-          offer(c[k], c[(k + 1) % 3]);
+          push_candidate(c[k], c[(k + 1) % 3]);
     while (!queue_.empty()) {
       const Candidate c = queue_.top();
       queue_.pop();
@@ -73,7 +73,7 @@ public:
         continue;
       if (collapse(c.from, c.onto))
         for (const int w : neighbours(c.onto))
-          offer(c.onto, w);
+          push_candidate(c.onto, w);
     }
     return compact();
   }
@@ -93,7 +93,7 @@ private:
     return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
   }
   double span(int a, int b) const { return length(point(b) - point(a)); }
-  double wanted(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
+  double target_edge(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
   double quality(const Corners& t) const {
     const double a = span(t[0], t[1]), b = span(t[1], t[2]), c = span(t[2], t[0]);
     const double sides = a * a + b * b + c * c;
@@ -112,9 +112,9 @@ private:
   }
 
   /// Puts the cheaper of the two collapses of an edge into the queue, then the other.
-  void offer(int a, int b) {
-    const double size = span(a, b), aim = wanted(a, b);
-    if (size > .8 * aim)
+  void push_candidate(int a, int b) {
+    const double size = span(a, b), target = target_edge(a, b);
+    if (size > .8 * target)
       return;
     for (const auto& [from, onto] : {std::pair(a, b), std::pair(b, a)}) {
       if (kept_[at(from)])
@@ -150,7 +150,8 @@ private:
           quality(corners) < std::min(.2, .8 * shape))
         return false;
       for (const int v : corners)
-        if (v != onto && span(v, onto) > 4. / 3 * wanted(v, onto) && span(v, onto) > span(v, from))
+        if (v != onto && span(v, onto) > 4. / 3 * target_edge(v, onto) &&
+            span(v, onto) > span(v, from))
           return false;
     }
     for (const int t : around_[at(from)]) {
@@ -222,7 +223,7 @@ public:
   void mark(const Vector3& p, double distance) {
     const auto cell = [&](double x) { return std::floor(4 * x / distance); };
     if (done_.insert({distance, cell(p.x), cell(p.y), cell(p.z)}).second)
-      tree_->each_near({p, p}, distance, [&](std::size_t i) {
+      tree_->for_each_near({p, p}, distance, [&](std::size_t i) {
         marked[i] = true;
         return true;
       });
@@ -256,7 +257,7 @@ Triangles simplified(const Triangles& surface, const std::function<double(const 
       if (kept.marked[v])
         continue; // its neighbourhood is marked already
       bool near = false;
-      faces.each_near({p, p}, deviation, [&](std::size_t i) {
+      faces.for_each_near({p, p}, deviation, [&](std::size_t i) {
         near = distance_to_triangle(p, made.corner(i, 0), made.corner(i, 1), made.corner(i, 2)) <=
                deviation;
         return !near;

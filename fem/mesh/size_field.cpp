@@ -55,9 +55,9 @@ double SizeField::at(const Vector3& p) const noexcept {
           if (c + 1 >= first_.size())
             continue;
           for (std::size_t n = first_[c]; n < first_[c + 1]; ++n) {
-            const double away = length(point_[inside_[n]] - p);
-            if (away < nearest) {
-              nearest = away;
+            const double distance = length(point_[inside_[n]] - p);
+            if (distance < nearest) {
+              nearest = distance;
               size = size_[inside_[n]];
             }
           }

@@ -23,8 +23,8 @@ std::vector<MeshFace> outer_faces(const Mesh& mesh) {
       std::sort(key.begin(), key.end());
       const auto [at, added] = uses.try_emplace(key, Use{e, f, 0});
       if (++at->second.count > 2)
-        throw Refusal("element " + std::to_string(e + 1) +
-                      " shares a face with two others, expected with one at most");
+        throw InputError("element " + std::to_string(e + 1) +
+                         " shares a face with two others, expected with one at most");
     }
   }
   std::vector<MeshFace> outer;

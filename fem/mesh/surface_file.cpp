@@ -1,6 +1,6 @@
 #include "fem/mesh/surface_file.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/crossing.hpp"
 #include "fem/mesh/fill.hpp"
 #include "fem/mesh/holes.hpp"
@@ -21,15 +21,15 @@ constexpr double kSheet = .003; ///< thickness of the body, below which a capped
 constexpr double kMaxVolumeChange = .01; ///< of a surface made anew
 constexpr double kClosedGap = 2e-4;      ///< of the body, between pieces that are one
 
-using Say = std::function<void(const std::string&)>;
+using Notify = std::function<void(const std::string&)>;
 
 std::string percent(double share) { return format("%+.2f %%", 100 * share); }
 
-void close_small_holes(Triangles& t, const Say& say) {
+void close_small_holes(Triangles& t, const Notify& notify) {
   const auto holes = close_holes(t, kHoleArea, kHoleExtent);
   for (const Hole& h : holes)
     if (!h.closed)
-      throw Refusal(
+      throw InputError(
           open_edge_sentence(t) +
           format("; the hole of %zu edges, %.3g mm wide,", h.edges, 1e3 * h.extent) +
           near_position(h.centre) +
@@ -45,22 +45,22 @@ void close_small_holes(Triangles& t, const Say& say) {
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     skin += .5 * length(t.normal(i));
   if (patched > kAllHolesArea * skin)
-    throw Refusal(
+    throw InputError(
         format("%zu holes make up %.0f %% of the skin, expected %g %% at most, the largest",
                holes.size(), 100 * patched / skin, 100 * kAllHolesArea) +
         near_position(holes[0].centre) +
         "; close them, or take --shrink-wrap SIZE with a SIZE above their width");
-  std::size_t told = 0;
+  std::size_t reported = 0;
   for (const Hole& h : holes)
-    if (told++ < 5)
-      say(format(h.flat_opening ? "the open flat side of %zu edges, %.3g mm wide,"
-                                : "a hole of %zu edges, %.3g mm wide,",
-                 h.edges, 1e3 * h.extent) +
-          near_position(h.centre) +
-          (h.flat_opening ? " was closed: the surface is taken as the skin of a solid"
-                          : " was closed"));
+    if (reported++ < 5)
+      notify(format(h.flat_opening ? "the open flat side of %zu edges, %.3g mm wide,"
+                                   : "a hole of %zu edges, %.3g mm wide,",
+                    h.edges, 1e3 * h.extent) +
+             near_position(h.centre) +
+             (h.flat_opening ? " was closed: the surface is taken as the skin of a solid"
+                             : " was closed"));
   if (holes.size() > 5)
-    say(format("%zu smaller holes were closed too", holes.size() - 5));
+    notify(format("%zu smaller holes were closed too", holes.size() - 5));
   weld(t);
   close(t);
   double solid = 0;
@@ -68,7 +68,7 @@ void close_small_holes(Triangles& t, const Say& say) {
     solid += std::abs(v);
   const double wall = 2 * solid / skin;
   if (holes[0].flat_opening && wall < kSheet * bounding_box(t.points).largest())
-    throw Refusal(
+    throw InputError(
         format("the surface is a sheet: with its open side of %zu edges closed its mean "
                "thickness is %.2g mm, expected %.2g mm or more; the opening is",
                holes[0].edges, 1e3 * wall, 1e3 * kSheet * bounding_box(t.points).largest()) +
@@ -76,21 +76,23 @@ void close_small_holes(Triangles& t, const Say& say) {
 }
 
 /// A closed surface without crossings of what overlaps, touches or crosses itself.
-Triangles unite(const Triangles& t, const std::string& reason, const Say& say) {
+Triangles unite(const Triangles& t, const std::string& reason, const Notify& notify) {
   for (const double finer : {1., 1.7, 3.}) {
     Resurfaced made = united(t, finer);
     if (made.inverted > .02 * made.volume)
-      throw Refusal(reason + format(": %.3g %% of its volume is inside out; repair the surface, or "
-                                    "take --shrink-wrap SIZE",
-                                    100 * made.inverted / made.volume));
+      throw InputError(reason +
+                       format(": %.3g %% of its volume is inside out; repair the surface, or "
+                              "take --shrink-wrap SIZE",
+                              100 * made.inverted / made.volume));
     if (std::abs(made.volume_change) > kMaxVolumeChange)
       continue;
-    say(reason + format(": its outer skin was taken anew at %.3g mm, volume ", 1e3 * made.spacing) +
-        percent(made.volume_change));
+    notify(reason +
+           format(": its outer skin was taken anew at %.3g mm, volume ", 1e3 * made.spacing) +
+           percent(made.volume_change));
     return std::move(made.surface);
   }
-  throw Refusal(reason + ", and its walls are too thin to take its outer skin anew: expected "
-                         "one closed surface; repair it there, or take --shrink-wrap SIZE");
+  throw InputError(reason + ", and its walls are too thin to take its outer skin anew: expected "
+                            "one closed surface; repair it there, or take --shrink-wrap SIZE");
 }
 
 /// Shells that cross nothing, cavities inward, for winding numbers.
@@ -114,35 +116,35 @@ Triangles turned_by_nesting(const Triangles& t) {
   return out;
 }
 
-Triangles repaired(Triangles t, bool multi, const Say& say) {
+Triangles repaired(Triangles t, bool multi, const Notify& notify) {
   const Welded welded = weld(t);
   if (welded.duplicates + welded.split + welded.fins > 0)
-    say(format(
+    notify(format(
         "corners within %.2g mm welded; %zu double, %zu dangling triangles left out, %zu cut "
         "at corners on their edges",
         1e3 * welded.tolerance, welded.duplicates, welded.fins, welded.split));
   find_shells(t);
-  close_small_holes(t, say);
+  close_small_holes(t, notify);
   const double size = bounding_box(t.points).largest();
   if (const std::size_t flat = drop_flat_shells(t, 1e-5 * size))
-    say(format("%zu flat pieces without volume left out", flat));
+    notify(format("%zu flat pieces without volume left out", flat));
   if (std::all_of(t.shell.begin(), t.shell.end(), [](int s) { return s == 0; }) &&
       !(shell_volumes(t)[0] > 1e-9 * size * size * size))
-    throw Refusal("the surface encloses no volume: it is flat" + near_position(t.points[0]) +
-                  "; give a sheet a thickness, or take --shrink-wrap SIZE");
+    throw InputError("the surface encloses no volume: it is flat" + near_position(t.points[0]) +
+                     "; give a sheet a thickness, or take --shrink-wrap SIZE");
   const auto pair = crossing(t);
   if (pair)
     return unite(turned_by_nesting(t),
-                 "the surface crosses itself: " + place_of(t, (*pair)[0]) + " cuts " +
-                     place_of(t, (*pair)[1]),
-                 say);
+                 "the surface crosses itself: " + triangle_location(t, (*pair)[0]) + " cuts " +
+                     triangle_location(t, (*pair)[1]),
+                 notify);
   // Faces of an assembly often miss each other by rounding in the program that made them. The
   // grid of the union is a hundred times as wide and closes such gaps.
   const double gap = std::max(welded.tolerance, (multi ? 1e-6 : kClosedGap) * size);
   if (shells_touch(t, gap))
     return unite(turned_by_nesting(t),
                  format("the surface has %d pieces with gaps below %.2g mm", t.shells, 1e3 * gap),
-                 say);
+                 notify);
   return t;
 }
 
@@ -180,18 +182,18 @@ void append(Mesh& whole, const Mesh& part, const std::string& region) {
 } // namespace
 
 Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
-  const Say say = choice.say ? choice.say : [](const std::string&) {};
+  const Notify notify = choice.notify ? choice.notify : [](const std::string&) {};
   Triangles closed;
   if (choice.shrink_wrap != 0) {
     const double largest = bounding_box(t.points).largest();
     const double gap = choice.shrink_wrap > 0 ? choice.shrink_wrap : largest / 25;
     Resurfaced made = shrink_wrapped(t, gap);
-    say(format(
+    notify(format(
         "wrapped: holes and crevices below %.3g mm closed, grid of %.3g mm, volume %.4g cm^3",
         1e3 * gap, 1e3 * made.spacing, 1e6 * made.volume));
     closed = std::move(made.surface);
   } else {
-    closed = repaired(std::move(t), choice.multi || !choice.part.empty(), say);
+    closed = repaired(std::move(t), choice.multi || !choice.part.empty(), notify);
   }
   std::vector<Triangles> bodies = separate_bodies(closed);
   const std::vector<std::string> names = names_of(bodies);
@@ -207,9 +209,9 @@ Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
       part = mesh_surface(bodies[b], choice);
     } catch (const TooLarge&) {
       throw;
-    } catch (const Refusal& refusal) {
-      Triangles anew = unite(bodies[b], refusal.what(), say);
-      const std::vector<Triangles> pieces = separate_bodies(anew);
+    } catch (const InputError& refusal) {
+      Triangles rebuilt = unite(bodies[b], refusal.what(), notify);
+      const std::vector<Triangles> pieces = separate_bodies(rebuilt);
       if (pieces.size() != 1)
         throw;
       LoadChoice again = choice;
@@ -228,8 +230,8 @@ Mesh mesh_surface_file(const std::string& path, double unit, const LoadChoice& c
     return mesh_soup(std::move(t), choice);
   } catch (const TooLarge&) {
     throw;
-  } catch (const Refusal& refusal) {
-    throw Refusal(path + ": " + refusal.what());
+  } catch (const InputError& refusal) {
+    throw InputError(path + ": " + refusal.what());
   }
 }
 

@@ -1,6 +1,6 @@
 #include "fem/mesh/sweep.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 
 #include <algorithm>
@@ -91,13 +91,13 @@ std::array<Vector3, 2> tangents(const BaseMesh& mesh, const Cell& cell, const Ve
 
 /// Turns cells counter-clockwise about the direction; straightens the sides of those that curve so
 /// much that they fold.
-void mend(BaseMesh& mesh, const Vector3& direction) {
+void repair_columns(BaseMesh& mesh, const Vector3& direction) {
   const auto folds = [&](const Cell& cell, double limit) {
-    const auto places = reference_nodes(cell.corners == 3 ? Shape::wedge15 : Shape::hex20);
+    const auto reference = reference_nodes(cell.corners == 3 ? Shape::wedge15 : Shape::hex20);
     double largest = 0, smallest = 1e300;
     for (std::size_t c = 0; c < cell.corners; ++c)
       for (const std::size_t node : {c, 2 * cell.corners + c}) {
-        const auto [r, s] = tangents(mesh, cell, places[node]);
+        const auto [r, s] = tangents(mesh, cell, reference[node]);
         const double area = dot(cross(r, s), direction);
         largest = std::max(largest, area);
         smallest = std::min(smallest, area);
@@ -133,7 +133,7 @@ void mend(BaseMesh& mesh, const Vector3& direction) {
 
 Mesh sweep(const Prism& prism, std::span<const double> levels, const SweepChoice& choice) {
   BaseMesh base = mesh_base(prism, choice);
-  mend(base, prism.direction);
+  repair_columns(base, prism.direction);
   std::vector<std::uint8_t> is_corner(base.points.size(), 0);
   for (const Cell& cell : base.cells)
     for (std::size_t c = 0; c < cell.corners; ++c)
@@ -197,19 +197,20 @@ std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadr
                height = unit * prism->height;
   const Vector3 box = unit * prism->box;
   std::vector<double> levels;
-  const auto foretell = [&](const MeshSize& size) {
-    if (choice.foretold)
-      choice.foretold(size, choice.say);
+  const auto predict_size = [&](const MeshSize& size) {
+    if (choice.on_prediction)
+      choice.on_prediction(size, choice.notify);
   };
   if (choice.sizes) {
     levels = choice.sizes->levels;
-    foretell(scaled(foretell_sweep(solid, skin, box, height, choice.sizes->largest(), 1),
-                    choice.sizes->elements));
+    predict_size(scaled(predict_swept_size(solid, skin, box, height, choice.sizes->largest(), 1),
+                        choice.sizes->elements));
     set_sizes(*choice.sizes, unit);
   } else {
     const double h = choice.size_for(solid, skin, std::max({box.x, box.y, box.z}));
     levels = even_levels(height, h);
-    foretell(foretell_sweep(solid, skin, box, height, h, static_cast<double>(levels.size() - 1)));
+    predict_size(
+        predict_swept_size(solid, skin, box, height, h, static_cast<double>(levels.size() - 1)));
     gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
     gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
     set_sizes(h / unit, {});
@@ -219,7 +220,7 @@ std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadr
                     {.quadrilaterals = quadrilaterals, .curved = choice.curved, .unit = unit});
   check(mesh);
   if (const double change = volume(mesh) / solid - 1; std::abs(change) > kMaxVolumeChange)
-    throw Refusal(
+    throw InputError(
         format("the swept mesh has %+.2f %% of the solid's volume too much", 100 * change));
   return mesh;
 }

@@ -1,6 +1,6 @@
 #include "fem/mesh/weld.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/edge_uses.hpp"
 #include "fem/mesh/manifold.hpp"
 
@@ -40,7 +40,7 @@ void drop_degenerate(Triangles& t) {
 std::vector<std::array<int, 2>> open_edges(const Triangles& t) {
   std::vector<std::array<int, 2>> open;
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     if ((last - first) % 2 == 1)
       open.push_back({first->a, first->b});
   });
@@ -74,14 +74,15 @@ bool join_open_edges(Triangles& t, double tolerance) {
   for (const auto& [a, b] : open) // a short edge is a detail, not a gap
     if (name[at(a)] == name[at(b)])
       name[at(a)] = a, name[at(b)] = b;
-  Triangles joined = t;
-  for (auto& c : joined.triangles)
+  Triangles joined_corners = t;
+  for (auto& c : joined_corners.triangles)
     for (int& v : c)
       v = name[at(v)];
-  drop_degenerate(joined);
-  if (joined.triangles.size() != t.triangles.size() || open_edges(joined).size() >= open.size())
+  drop_degenerate(joined_corners);
+  if (joined_corners.triangles.size() != t.triangles.size() ||
+      open_edges(joined_corners).size() >= open.size())
     return false;
-  t = std::move(joined);
+  t = std::move(joined_corners);
   return true;
 }
 
@@ -163,14 +164,14 @@ std::size_t drop_duplicates(Triangles& t) {
     return i;
   };
   const auto uses = edge_uses(t);
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     for (auto u = first; u != last; ++u)
       for (auto v = u + 1; v != last; ++v)
         if (twice[u->triangle] && twice[v->triangle])
           patch[root(u->triangle)] = root(v->triangle);
   });
   std::map<std::size_t, int> odd; // odd edges of a patch, if one copy stays, minus even ones
-  each_edge(uses, [&](auto first, auto last) {
+  for_each_edge(uses, [&](auto first, auto last) {
     int stay = 0, once = 0;
     std::size_t of = 0;
     for (auto u = first; u != last; ++u) {
@@ -194,16 +195,16 @@ std::size_t drop_duplicates(Triangles& t) {
 std::size_t drop_fins(Triangles& t) {
   std::size_t dropped = 0;
   for (bool again = true; again;) {
-    std::vector<int> free(t.triangles.size(), 0), crowded(t.triangles.size(), 0);
+    std::vector<int> free(t.triangles.size(), 0), overfull_edges(t.triangles.size(), 0);
     const auto uses = edge_uses(t);
-    each_edge(uses, [&](auto first, auto last) {
+    for_each_edge(uses, [&](auto first, auto last) {
       for (auto u = first; u != last; ++u) {
         free[u->triangle] += last - first == 1;
-        crowded[u->triangle] += last - first > 2;
+        overfull_edges[u->triangle] += last - first > 2;
       }
     });
     const std::size_t gone =
-        keep_triangles(t, [&](std::size_t i) { return free[i] == 0 || crowded[i] == 0; });
+        keep_triangles(t, [&](std::size_t i) { return free[i] == 0 || overfull_edges[i] == 0; });
     dropped += gone;
     again = gone > 0;
   }
@@ -219,7 +220,7 @@ Welded weld(Triangles& t) {
     far = std::max({far, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const double size = bounding_box(t.points).largest();
   if (!(size > 0))
-    throw Refusal("the surface has no extent");
+    throw InputError("the surface has no extent");
   const std::size_t count = t.triangles.size();
   const Vector3 first = t.points[0];
   done.tolerance = std::min(4 * far * double{std::numeric_limits<float>::epsilon()}, 1e-3 * size);
@@ -244,10 +245,11 @@ Welded weld(Triangles& t) {
   done.duplicates = drop_duplicates(t);
   done.fins = drop_fins(t);
   if (t.triangles.empty())
-    throw Refusal(format("the surface encloses no volume: each of its %zu triangles has a partner "
-                         "or a free edge, the first",
-                         count) +
-                  near_position(first) + "; give a sheet a thickness, or take --shrink-wrap SIZE");
+    throw InputError(
+        format("the surface encloses no volume: each of its %zu triangles has a partner "
+               "or a free edge, the first",
+               count) +
+        near_position(first) + "; give a sheet a thickness, or take --shrink-wrap SIZE");
   make_manifold(t);
   return done;
 }

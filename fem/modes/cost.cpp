@@ -73,7 +73,7 @@ private:
 
 } // namespace
 
-FactorCost foretell_factor(const MeshSize& size) {
+FactorCost predict_factor(const MeshSize& size) {
   FactorCost cost = Dissection(size.nodes_on_planes)(size.cells);
   // Supernodes are stored as rectangles: a fifth more. Beside them the matrix itself, 16 bytes each
   // of 9 entries a pair of nodes.
@@ -90,16 +90,16 @@ double bytes_of_results(const MeshSize& mesh, double modes) {
          8 * mesh.dofs() * std::min(modes, mesh.dofs());
 }
 
-Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
+Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) {
   const MeshSize& mesh = work.mesh;
-  const FactorCost factor = exact ? *exact : foretell_factor(mesh);
+  const FactorCost factor = exact ? *exact : predict_factor(mesh);
   const double vector = 8 * mesh.dofs(), pairs = mesh.node_pairs;
   const double found = std::min(work.modes, mesh.dofs()) + 4;
-  const double room = std::min(4 * found + 12 * kBlock, mesh.dofs()) + kBlock;
+  const double basis_columns = std::min(4 * found + 12 * kBlock, mesh.dofs()) + kBlock;
   const double lanes = 2 * kBlock * vector; // columns side by side in a product with K or M
 
   constexpr double kProgram = 60e6; // what the program and its libraries take without a body
-  const double started = kProgram + work.kept_bytes;
+  const double started = kProgram + work.retained_bytes;
   const double raw = started + kMeshNode * mesh.nodes + kMeshElement * mesh.elements;
   const double assembled = raw + kMatrixPair * pairs;
   const double shapes = std::min(work.modes, mesh.dofs()) * vector;
@@ -120,9 +120,10 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
     stage(assembled + 4 * found * vector + lanes, "the modes' import");
   } else {
     stage(assembled + factorising, "the factor");
-    const double projected = 4 * 8 * room * room; // the small eigenproblem and its copies
+    const double projected =
+        4 * 8 * basis_columns * basis_columns; // the small eigenproblem and its copies
     stage(assembled + factored + projected +
-              std::max(room + found + 6 * kBlock, 4 * found) * vector + lanes,
+              std::max(basis_columns + found + 6 * kBlock, 4 * found) * vector + lanes,
           "the modes' basis");
     if (work.estimated) {
       // Blocks and vectors of an element's enriching functions: 19 of hex20, 7 of them its own, and

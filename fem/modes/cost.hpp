@@ -16,7 +16,7 @@ struct Workload {
   double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
   bool factor_elsewhere = false; ///< on other processes: not counted here
   double flops_per_second = 8e9; ///< of a dense product, on the threads used
-  double kept_bytes = 0;         ///< of another mesh's results, which stay in memory meanwhile
+  double retained_bytes = 0;     ///< of another mesh's results, which stay in memory meanwhile
 };
 
 /// A mesh with its matrices and modes.
@@ -34,12 +34,12 @@ struct Cost {
 /// block of `cells` elements by planes across its longest side (George 1973). A separator of s
 /// unknowns whose block has b on older separators adds s^2/2 + s b entries and
 /// s^3/3 + s^2 b + s b^2 operations.
-[[nodiscard]] FactorCost foretell_factor(const MeshSize&);
+[[nodiscard]] FactorCost predict_factor(const MeshSize&);
 
 /// The whole work's cost; with `exact`, of the symbolic factorisation, in place of the foretold
 /// factor. Memory is right within kCostMargin on meshes of shapes and of gmsh
 /// (tests/fem/cost_test.cpp and test_modal_fem_budget.py).
-[[nodiscard]] Cost foretell(const Workload&, const std::optional<FactorCost>& exact = {});
+[[nodiscard]] Cost predict_cost(const Workload&, const std::optional<FactorCost>& exact = {});
 
 inline constexpr double kCostMargin = 1.3;
 

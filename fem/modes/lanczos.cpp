@@ -21,11 +21,11 @@ double random_unit(std::uint64_t& state) {
 class Lanczos {
 public:
   Lanczos(const Matrices& matrices, ShiftedFactor& factor, std::span<const double> deflated,
-          std::size_t room)
+          std::size_t max_columns)
       : matrices_(matrices), factor_(factor), deflated_(deflated), n_(matrices.dofs()),
-        room_(room) {
-    basis_.resize(n_ * room);
-    projected_.assign(room * room, 0.0);
+        max_columns_(max_columns) {
+    basis_.resize(n_ * max_columns);
+    projected_.assign(max_columns * max_columns, 0.0);
   }
 
   std::size_t width = 0; ///< columns of the basis
@@ -42,7 +42,7 @@ public:
       x = random_unit(state);
     for (std::size_t c = 0; c < kBlock; ++c)
       for (std::size_t i = 0; i < n_; ++i)
-        if (matrices_.held[i])
+        if (matrices_.constrained[i])
           next[c * n_ + i] = 0;
     weighted_.resize(n_ * kBlock);
     matrices_.multiply_mass(next, weighted_, kBlock);
@@ -65,7 +65,7 @@ public:
     next = std::move(image);
     for (std::size_t c = 0; c < last_width; ++c)
       for (std::size_t r = 0; r < width; ++r)
-        projected_[(first + c) * room_ + r] = projected_[r * room_ + first + c] =
+        projected_[(first + c) * max_columns_ + r] = projected_[r * max_columns_ + first + c] =
             coefficients[c * width + r];
   }
 
@@ -73,7 +73,8 @@ public:
     std::vector<double> small(width * width);
     for (std::size_t c = 0; c < width; ++c)
       for (std::size_t r = 0; r < width; ++r)
-        small[c * width + r] = .5 * (projected_[c * room_ + r] + projected_[r * room_ + c]);
+        small[c * width + r] =
+            .5 * (projected_[c * max_columns_ + r] + projected_[r * max_columns_ + c]);
     return symmetric_eigenpairs(small, width);
   }
 
@@ -92,10 +93,10 @@ public:
 
   /// Ritz vectors of the `count` largest values, largest first.
   [[nodiscard]] std::vector<double> vectors(const Eigenpairs& pairs, std::size_t count) const {
-    std::vector<double> turn(width * count), out(n_ * count, 0.0);
+    std::vector<double> rotation(width * count), out(n_ * count, 0.0);
     for (std::size_t k = 0; k < count; ++k)
-      std::copy_n(&pairs.vectors[(width - 1 - k) * width], width, &turn[k * width]);
-    add_product(1, std::span(basis_).first(n_ * width), width, turn, count, out, n_);
+      std::copy_n(&pairs.vectors[(width - 1 - k) * width], width, &rotation[k * width]);
+    add_product(1, std::span(basis_).first(n_ * width), width, rotation, count, out, n_);
     return out;
   }
 
@@ -105,7 +106,7 @@ public:
     std::copy(kept.begin(), kept.end(), basis_.begin());
     std::fill(projected_.begin(), projected_.end(), 0.0);
     for (std::size_t k = 0; k < count; ++k)
-      projected_[k * room_ + k] = pairs.values[width - 1 - k];
+      projected_[k * max_columns_ + k] = pairs.values[width - 1 - k];
     width = count;
   }
 
@@ -154,20 +155,20 @@ private:
       while (dependent < rank && pairs.values[dependent] <= floor)
         ++dependent;
       const std::size_t left = rank - dependent;
-      std::vector<double> turn(rank * left), back(left * rank), turned(n_ * left, 0.0);
+      std::vector<double> rotation(rank * left), back(left * rank), rotated(n_ * left, 0.0);
       for (std::size_t k = 0; k < left; ++k) {
         const double root = std::sqrt(pairs.values[dependent + k]);
         for (std::size_t r = 0; r < rank; ++r) {
           const double v = pairs.vectors[(dependent + k) * rank + r];
-          turn[k * rank + r] = v / root;
+          rotation[k * rank + r] = v / root;
           back[r * left + k] = v * root;
         }
       }
-      add_product(1, std::span(block).first(n_ * rank), rank, turn, left, turned, n_);
-      block = std::move(turned);
-      turned.assign(n_ * left, 0.0);
-      add_product(1, weighted, rank, turn, left, turned, n_);
-      weighted = std::move(turned);
+      add_product(1, std::span(block).first(n_ * rank), rank, rotation, left, rotated, n_);
+      block = std::move(rotated);
+      rotated.assign(n_ * left, 0.0);
+      add_product(1, weighted, rank, rotation, left, rotated, n_);
+      weighted = std::move(rotated);
       std::vector<double> product(left * columns, 0.0);
       add_product(1, back, rank, coupling, columns, product, left);
       coupling = std::move(product);
@@ -182,7 +183,7 @@ private:
   const Matrices& matrices_;
   ShiftedFactor& factor_;
   std::span<const double> deflated_;
-  std::size_t n_, room_;
+  std::size_t n_, max_columns_;
   std::vector<double> basis_, projected_, weighted_;
 };
 
@@ -192,12 +193,12 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
                       std::span<const double> deflated, std::size_t count, double tolerance,
                       const Progress& progress) {
   const std::size_t n = matrices.dofs();
-  const auto held =
-      static_cast<std::size_t>(std::count(matrices.held.begin(), matrices.held.end(), 1));
-  const std::size_t possible = n - held - deflated.size() / n;
+  const auto constrained = static_cast<std::size_t>(
+      std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));
+  const std::size_t possible = n - constrained - deflated.size() / n;
   count = std::min(count, possible);
-  const std::size_t room = std::min(4 * count + 12 * kBlock, possible + kBlock);
-  Lanczos lanczos(matrices, factor, deflated, room + kBlock);
+  const std::size_t max_columns = std::min(4 * count + 12 * kBlock, possible + kBlock);
+  Lanczos lanczos(matrices, factor, deflated, max_columns + kBlock);
   lanczos.start();
   Eigenpairs pairs;
   for (int blocks = 0; count > 0; ++blocks) {
@@ -209,7 +210,7 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
       progress(std::min(.95, static_cast<double>(lanczos.solves) /
                                  static_cast<double>(2 * count + 100)));
     const bool exhausted = lanczos.next_width == 0 || lanczos.width >= possible;
-    const bool full = lanczos.width + lanczos.next_width > room;
+    const bool full = lanczos.width + lanczos.next_width > max_columns;
     if (!(exhausted || full || (lanczos.width >= count + kBlock && blocks % 3 == 0)))
       continue;
     pairs = lanczos.ritz();
@@ -227,8 +228,8 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
     if (full)
       lanczos.restart(pairs, std::min(count + 2 * kBlock, lanczos.width));
     if (blocks > 2000)
-      throw Refusal("the modes do not converge after " + std::to_string(lanczos.solves) +
-                    " solves: the mesh is badly shaped");
+      throw InputError("the modes do not converge after " + std::to_string(lanczos.solves) +
+                       " solves: the mesh is badly shaped");
   }
   Spectrum spectrum;
   count = std::min(count, lanczos.width);

@@ -48,16 +48,16 @@ std::vector<ModeMatch> match_modes(const Matrices& m, std::span<const double> be
     for (std::size_t j = 0; j < p; ++j)
       if (c[i * p + j] * c[i * p + j] >= kLinked)
         parent[root(q + j)] = root(i);
-  std::vector<std::vector<std::size_t>> befores(q + p), nows(q + p);
+  std::vector<std::vector<std::size_t>> groups_before(q + p), groups_now(q + p);
   for (std::size_t i = 0; i < q; ++i)
-    befores[root(i)].push_back(i);
+    groups_before[root(i)].push_back(i);
   for (std::size_t j = 0; j < p; ++j)
-    nows[root(q + j)].push_back(j);
+    groups_now[root(q + j)].push_back(j);
 
   std::vector<ModeMatch> matches;
   for (std::size_t set = 0; set < q + p; ++set) {
-    const auto& from = befores[set];
-    const auto& to = nows[set];
+    const auto& from = groups_before[set];
+    const auto& to = groups_now[set];
     if (from.empty() || to.empty())
       continue;
     const std::size_t width = from.size(), height = to.size();

@@ -20,7 +20,7 @@ struct ModeMatch {
 /// whatever its number; modes of like frequency that have mixed are rotated into each other; what
 /// has no likeness in the other solution has no share. Columns of dofs() numbers, mass-normalised
 /// in their own shapes.
-[[nodiscard]] std::vector<ModeMatch> match_modes(const Matrices& now_matrices,
+[[nodiscard]] std::vector<ModeMatch> match_modes(const Matrices& matrices_now,
                                                  std::span<const double> before,
                                                  std::span<const double> now);
 

@@ -22,7 +22,7 @@ double estimated_frequency(const Vector3& box, double volume, double speed) {
   return std::min(speed * thickness / (size * size), speed / (2 * size));
 }
 
-double usual_shift(const Mesh& mesh, std::span<const Material> materials) {
+double default_shift(const Mesh& mesh, std::span<const Material> materials) {
   const double root = 2 * std::numbers::pi * .3 * estimated_frequency(mesh, materials);
   return root * root;
 }
@@ -63,7 +63,7 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
     if (settings.report)
       settings.report(stage, share);
   };
-  const double shift = usual_shift(mesh, materials);
+  const double shift = default_shift(mesh, materials);
   report("ordering the equations", 0);
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
   ShiftedFactor factor(matrices, shift);
@@ -164,7 +164,7 @@ std::size_t farthest_node(const Mesh& mesh, const Vector3& direction) {
 /// The orthogonal matrix (columns: new modes) that puts the motion at `node` into the first column;
 /// false when the group does not move there.
 bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t first,
-                 std::size_t width, std::size_t node, std::vector<double>& turn) {
+                 std::size_t width, std::size_t node, std::vector<double>& rotation) {
   std::vector<double> gram(width * width, 0.0);
   for (std::size_t a = 0; a < width; ++a)
     for (std::size_t b = 0; b < width; ++b)
@@ -178,9 +178,9 @@ bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t firs
   const Eigenpairs pairs = symmetric_eigenpairs(gram, width);
   if (pairs.values[width - 1] < 1e-4 * largest * largest)
     return false;
-  turn.resize(width * width);
+  rotation.resize(width * width);
   for (std::size_t c = 0; c < width; ++c)
-    std::copy_n(&pairs.vectors[(width - 1 - c) * width], width, &turn[c * width]);
+    std::copy_n(&pairs.vectors[(width - 1 - c) * width], width, &rotation[c * width]);
   return true;
 }
 
@@ -188,7 +188,7 @@ bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t firs
 
 void make_canonical(const Mesh& mesh, Modes& modes, double same) {
   const std::size_t n = mesh.dofs(), count = modes.frequency_hz.size();
-  const std::array<std::size_t, 3> places{farthest_node(mesh, {1, 1e-3, 1e-4}),
+  const std::array<std::size_t, 3> probes{farthest_node(mesh, {1, 1e-3, 1e-4}),
                                           farthest_node(mesh, {1e-3, 1, 1e-4}),
                                           farthest_node(mesh, {1e-3, 1e-4, 1})};
   const auto groups = [&](double gap, auto&& use) {
@@ -203,15 +203,15 @@ void make_canonical(const Mesh& mesh, Modes& modes, double same) {
   };
   groups(same, [&](std::size_t first, std::size_t width) {
     std::size_t done = 0;
-    for (const std::size_t place : places) {
-      std::vector<double> turn;
+    for (const std::size_t probe : probes) {
+      std::vector<double> rotation;
       const std::size_t left = width - done;
-      if (left < 2 || !concentrate(modes.shapes, n, first + done, left, place, turn))
+      if (left < 2 || !concentrate(modes.shapes, n, first + done, left, probe, rotation))
         continue;
-      std::vector<double> turned(n * left, 0.0);
-      add_product(1, std::span(modes.shapes).subspan((first + done) * n, left * n), left, turn,
-                  left, turned, n);
-      std::copy(turned.begin(), turned.end(),
+      std::vector<double> rotated(n * left, 0.0);
+      add_product(1, std::span(modes.shapes).subspan((first + done) * n, left * n), left, rotation,
+                  left, rotated, n);
+      std::copy(rotated.begin(), rotated.end(),
                 modes.shapes.begin() + static_cast<std::ptrdiff_t>((first + done) * n));
       ++done;
     }

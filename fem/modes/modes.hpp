@@ -34,7 +34,7 @@ struct ModeSettings {
 [[nodiscard]] double estimated_frequency(const Vector3& box, double volume, double bar_speed);
 
 /// s of K + s M, rad^2/s^2: near (0.3 omega_1)^2, from the estimate.
-[[nodiscard]] double usual_shift(const Mesh&, std::span<const Material>);
+[[nodiscard]] double default_shift(const Mesh&, std::span<const Material>);
 
 /// The largest wave number (1/m) among the `count` lowest modes of a body, roughly: from the number
 /// of modes below omega of a plate of the body's mean thickness t = 2 V / S, of a bar of its

@@ -71,12 +71,12 @@ PushPatch push_patch(const Mesh& mesh, const Surface& skin, std::size_t vertex, 
 
 std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Material> materials,
                                        const Matrices& matrices, const Modes& modes,
-                                       std::size_t places, const Progress& progress) {
+                                       std::size_t probe_count, const Progress& progress) {
   const Surface skin = surface_of(mesh);
   std::vector<Vector3> points;
   for (const int node : skin.node)
     points.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
-  const auto chosen = spread_out(points, places);
+  const auto chosen = spread_out(points, probe_count);
   const double radius = 3 * mean_edge(mesh, skin);
   const std::size_t n = matrices.dofs();
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
@@ -92,7 +92,7 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
   const Material& m = materials[0];
   const double soft = 16 * (1 - m.poisson[0] * m.poisson[0]) /
                       (3 * std::numbers::pi * std::numbers::pi * m.young_pa[0]);
-  std::vector<double> yields(chosen.size(), 0.0);
+  std::vector<double> deflections(chosen.size(), 0.0);
   for (std::size_t first = 0; first < chosen.size(); first += kColumns) {
     const std::size_t columns = std::min(kColumns, chosen.size() - first);
     std::vector<double> push(n * columns, 0.0), moved(n * columns);
@@ -102,7 +102,7 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
       patches.push_back(push_patch(mesh, skin, chosen[first + c], radius));
       for (std::size_t i = 0; i < patches[c].node.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k)
-          if (!matrices.held[3 * patches[c].node[i] + k])
+          if (!matrices.constrained[3 * patches[c].node[i] + k])
             f[3 * patches[c].node[i] + k] = patches[c].force[i][static_cast<int>(k)];
       for (std::size_t r = 0; r < rigid.size(); r += n) { // accelerates as a whole, does not yield
         double along = 0;
@@ -128,7 +128,8 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
         const double omega = 2 * std::numbers::pi * modes.frequency_hz[k];
         sum -= along * along / (omega * omega + shift);
       }
-      yields[first + c] = std::max(sum - soft / std::sqrt(patches[c].area / std::numbers::pi), 0.0);
+      deflections[first + c] =
+          std::max(sum - soft / std::sqrt(patches[c].area / std::numbers::pi), 0.0);
     }
   }
 
@@ -142,7 +143,7 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
     double sum = 0, weights = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const double weight = 1 / (near[i].first * near[i].first + 1e-6 * radius * radius);
-      sum += weight * yields[near[i].second];
+      sum += weight * deflections[near[i].second];
       weights += weight;
     }
     everywhere.push_back(static_cast<float>(sum / weights));

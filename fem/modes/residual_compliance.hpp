@@ -5,7 +5,7 @@
 namespace tactus::fem {
 
 /// How many places the compliance is worked out at.
-inline constexpr std::size_t kCompliancePlaces = 128;
+inline constexpr std::size_t kCompliancePoints = 128;
 
 /// A push spread evenly over the skin within `radius` of a vertex, each part along its own normal:
 /// of unit total, inwards.
@@ -30,7 +30,7 @@ struct PushPatch {
 /// region.
 [[nodiscard]] std::vector<float> residual_compliance(const Mesh&, std::span<const Material>,
                                                      const Matrices&, const Modes&,
-                                                     std::size_t places = kCompliancePlaces,
+                                                     std::size_t probe_count = kCompliancePoints,
                                                      const Progress& = {});
 
 } // namespace tactus::fem

@@ -33,11 +33,11 @@ std::vector<double> trial_motions(const Mesh& mesh, const Parts& parts) {
     for (int k = 0; k < 3; ++k) {
       Vector3 axis;
       axis[k] = 1;
-      const Vector3 turn = cross(axis, arm);
+      const Vector3 rotation = cross(axis, arm);
       for (int d = 0; d < 3; ++d) {
         const std::size_t row = 3 * i + static_cast<std::size_t>(d);
         trial[(6 * p + static_cast<std::size_t>(k)) * n + row] = axis[d];
-        trial[(6 * p + 3 + static_cast<std::size_t>(k)) * n + row] = turn[d];
+        trial[(6 * p + 3 + static_cast<std::size_t>(k)) * n + row] = rotation[d];
       }
     }
   }
@@ -62,14 +62,14 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
   // are put back into K here, since a trial motion may move them.
   std::vector<double> image(n * count);
   Matrices free = m;
-  std::fill(free.held.begin(), free.held.end(), std::uint8_t{0});
+  std::fill(free.constrained.begin(), free.constrained.end(), std::uint8_t{0});
   free.multiply_stiffness(trial, image, count);
   std::vector<double> cost = transposed_product(trial, count, image, count, n);
   for (std::size_t a = 0; a < count; ++a)
     for (std::size_t b = 0; b < count; ++b) {
       double violation = 0;
       for (std::size_t i = 0; i < n; ++i)
-        if (m.held[i])
+        if (m.constrained[i])
           violation += trial[a * n + i] * trial[b * n + i];
       cost[b * count + a] = cost[b * count + a] / scale + violation;
     }
@@ -83,7 +83,7 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
   std::vector<double> found(n * rigid, 0.0);
   add_product(1, trial, count, std::span(motions.vectors).first(count * rigid), rigid, found, n);
   for (std::size_t i = 0; i < n; ++i)
-    if (m.held[i])
+    if (m.constrained[i])
       for (std::size_t c = 0; c < rigid; ++c)
         found[c * n + i] = 0;
 
@@ -92,11 +92,11 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
   m.multiply_mass(found, weighted, rigid);
   const Eigenpairs gram =
       symmetric_eigenpairs(transposed_product(found, rigid, weighted, rigid, n), rigid);
-  std::vector<double> turn = gram.vectors, result(n * rigid, 0.0);
+  std::vector<double> rotation = gram.vectors, result(n * rigid, 0.0);
   for (std::size_t c = 0; c < rigid; ++c)
     for (std::size_t r = 0; r < rigid; ++r)
-      turn[c * rigid + r] /= std::sqrt(gram.values[c]);
-  add_product(1, found, rigid, turn, rigid, result, n);
+      rotation[c * rigid + r] /= std::sqrt(gram.values[c]);
+  add_product(1, found, rigid, rotation, rigid, result, n);
   return result;
 }
 

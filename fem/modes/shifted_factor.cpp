@@ -46,7 +46,7 @@ struct ShiftedFactor::Implementation {
   void copy_symbolic(cholmod_factor* from) {
     factor = from ? cholmod_l_copy_factor(from, &common) : nullptr;
     if (!factor)
-      throw Refusal("the equations cannot be analysed: out of memory");
+      throw InputError("the equations cannot be analysed: out of memory");
   }
 };
 
@@ -83,10 +83,10 @@ void ShiftedFactor::Implementation::fill(const Matrices& m, double shift) {
            k < static_cast<std::size_t>(graph.start[column + 1]); ++k) {
         const auto r = static_cast<std::size_t>(graph.row[k]);
         for (std::size_t i = r == column ? j : 0; i < 3; ++i) {
-          const bool held = m.held[3 * r + i] || m.held[c];
+          const bool constrained = m.constrained[3 * r + i] || m.constrained[c];
           const bool diagonal = 3 * r + i == c;
-          double a = held ? (diagonal ? 1.0 : 0.0) : m.stiffness[9 * k + 3 * i + j];
-          if (!held && i == j && shift != 0)
+          double a = constrained ? (diagonal ? 1.0 : 0.0) : m.stiffness[9 * k + 3 * i + j];
+          if (!constrained && i == j && shift != 0)
             a += shift * m.mass[k];
           row.push_back(static_cast<SuiteSparse_long>(3 * r + i));
           value.push_back(a);
@@ -106,7 +106,7 @@ std::vector<SuiteSparse_long> ShiftedFactor::Implementation::order(const NodeGra
   cholmod_sparse a = lower_view(n, graph_start.data(), graph_row.data(), nullptr);
   std::vector<SuiteSparse_long> of_node(n), of_dof(3 * n);
   if (!cholmod_l_metis(&a, nullptr, 0, 1, of_node.data(), &common))
-    throw Refusal("the equations cannot be ordered: out of memory");
+    throw InputError("the equations cannot be ordered: out of memory");
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t k = 0; k < 3; ++k)
       of_dof[3 * i + k] = 3 * of_node[i] + static_cast<SuiteSparse_long>(k);
@@ -114,43 +114,43 @@ std::vector<SuiteSparse_long> ShiftedFactor::Implementation::order(const NodeGra
 }
 
 ShiftedFactor::ShiftedFactor(const Matrices& m, double shift)
-    : own_(std::make_unique<Implementation>()) {
-  own_->fill(m, shift);
-  auto permutation = own_->order(m.graph);
-  own_->symbolic =
-      cholmod_l_analyze_p(&own_->matrix, permutation.data(), nullptr, 0, &own_->common);
-  own_->copy_symbolic(own_->symbolic);
-  cost_.entries = own_->common.lnz;
-  cost_.operations = own_->common.fl;
-  cost_.memory_bytes =
-      8.0 * static_cast<double>(own_->factor->xsize) + 16.0 * static_cast<double>(own_->row.size());
+    : impl_(std::make_unique<Implementation>()) {
+  impl_->fill(m, shift);
+  auto permutation = impl_->order(m.graph);
+  impl_->symbolic =
+      cholmod_l_analyze_p(&impl_->matrix, permutation.data(), nullptr, 0, &impl_->common);
+  impl_->copy_symbolic(impl_->symbolic);
+  cost_.entries = impl_->common.lnz;
+  cost_.operations = impl_->common.fl;
+  cost_.memory_bytes = 8.0 * static_cast<double>(impl_->factor->xsize) +
+                       16.0 * static_cast<double>(impl_->row.size());
 }
 
 ShiftedFactor::ShiftedFactor(const ShiftedFactor& pattern, const Matrices& m, double shift)
-    : own_(std::make_unique<Implementation>()), cost_(pattern.cost_) {
-  own_->fill(m, shift);
-  own_->symbolic = cholmod_l_copy_factor(pattern.own_->symbolic, &own_->common);
-  own_->copy_symbolic(own_->symbolic);
+    : impl_(std::make_unique<Implementation>()), cost_(pattern.cost_) {
+  impl_->fill(m, shift);
+  impl_->symbolic = cholmod_l_copy_factor(pattern.impl_->symbolic, &impl_->common);
+  impl_->copy_symbolic(impl_->symbolic);
 }
 
 ShiftedFactor::~ShiftedFactor() = default;
 
 void ShiftedFactor::factorise() {
-  cholmod_l_factorize(&own_->matrix, own_->factor, &own_->common);
-  if (own_->common.status == CHOLMOD_NOT_POSDEF)
-    throw Refusal("the stiffness matrix is not positive definite: an element near node " +
-                  std::to_string(own_->factor->minor / 3 + 1) + " is broken");
-  if (own_->common.status != CHOLMOD_OK)
-    throw Refusal("the factor does not fit into memory: " +
-                  std::to_string(static_cast<long>(cost_.memory_bytes / 1e6)) +
-                  " MB are needed; take a coarser mesh");
-  own_->matrix.i = own_->matrix.x = nullptr; // solutions need the size alone
-  own_->row = {};
-  own_->value = {};
+  cholmod_l_factorize(&impl_->matrix, impl_->factor, &impl_->common);
+  if (impl_->common.status == CHOLMOD_NOT_POSDEF)
+    throw InputError("the stiffness matrix is not positive definite: an element near node " +
+                     std::to_string(impl_->factor->minor / 3 + 1) + " is broken");
+  if (impl_->common.status != CHOLMOD_OK)
+    throw InputError("the factor does not fit into memory: " +
+                     std::to_string(static_cast<long>(cost_.memory_bytes / 1e6)) +
+                     " MB are needed; take a coarser mesh");
+  impl_->matrix.i = impl_->matrix.x = nullptr; // solutions need the size alone
+  impl_->row = {};
+  impl_->value = {};
 }
 
 void ShiftedFactor::solve(std::span<const double> b, std::span<double> x, std::size_t columns) {
-  const std::size_t n = own_->matrix.nrow;
+  const std::size_t n = impl_->matrix.nrow;
   cholmod_dense right{};
   right.nrow = right.d = n;
   right.ncol = columns;
@@ -158,21 +158,21 @@ void ShiftedFactor::solve(std::span<const double> b, std::span<double> x, std::s
   right.x = const_cast<double*>(b.data()); // only read
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
-  if (!cholmod_l_solve2(CHOLMOD_A, own_->factor, &right, nullptr, &own_->solution, nullptr,
-                        &own_->work_y, &own_->work_e, &own_->common))
-    throw Refusal("the equations cannot be solved: out of memory");
-  std::memcpy(x.data(), own_->solution->x, n * columns * sizeof(double));
+  if (!cholmod_l_solve2(CHOLMOD_A, impl_->factor, &right, nullptr, &impl_->solution, nullptr,
+                        &impl_->work_y, &impl_->work_e, &impl_->common))
+    throw InputError("the equations cannot be solved: out of memory");
+  std::memcpy(x.data(), impl_->solution->x, n * columns * sizeof(double));
 }
 
 void ShiftedFactor::prepare() {
-  if (own_->single)
+  if (impl_->single)
     return;
-  const cholmod_factor& f = *own_->factor;
+  const cholmod_factor& f = *impl_->factor;
   const auto numbers = [](const void* all, std::size_t count) {
     static_assert(sizeof(SuiteSparse_long) == sizeof(std::int64_t));
     return std::span(static_cast<const std::int64_t*>(all), count);
   };
-  own_->single = std::make_unique<SingleFactor>(
+  impl_->single = std::make_unique<SingleFactor>(
       SupernodalFactor{numbers(f.super, f.nsuper + 1), numbers(f.pi, f.nsuper + 1),
                        numbers(f.px, f.nsuper + 1), numbers(f.s, f.ssize), numbers(f.Perm, f.n),
                        std::span(static_cast<const double*>(f.x), f.xsize)});
@@ -180,13 +180,13 @@ void ShiftedFactor::prepare() {
 
 void ShiftedFactor::precondition(std::span<const double> b, std::span<double> x) {
   prepare();
-  own_->single->solve(b, x);
+  impl_->single->solve(b, x);
 }
 
 double ShiftedFactor::memory_bytes() const noexcept {
-  return 8. * static_cast<double>(own_->factor->xsize) +
-         (own_->single ? own_->single->memory_bytes() : 0) +
-         8. * static_cast<double>(own_->factor->ssize);
+  return 8. * static_cast<double>(impl_->factor->xsize) +
+         (impl_->single ? impl_->single->memory_bytes() : 0) +
+         8. * static_cast<double>(impl_->factor->ssize);
 }
 
 } // namespace tactus::fem

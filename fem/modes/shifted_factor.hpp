@@ -40,7 +40,7 @@ public:
 
 private:
   struct Implementation;
-  std::unique_ptr<Implementation> own_;
+  std::unique_ptr<Implementation> impl_;
   FactorCost cost_;
 };
 

@@ -133,9 +133,10 @@ std::vector<double> edge_depth(const AcousticSkin& s, double reach) {
     double nearest = reach;
     for (const auto& edge : edges) {
       const Vector3& a = s.vertex[static_cast<std::size_t>(edge[0])];
-      const Vector3 along = s.vertex[static_cast<std::size_t>(edge[1])] - a, way = s.vertex[v] - a;
-      const double at = std::clamp(dot(way, along) / dot(along, along), 0.0, 1.0);
-      nearest = std::min(nearest, length(way - at * along));
+      const Vector3 along = s.vertex[static_cast<std::size_t>(edge[1])] - a,
+                    offset = s.vertex[v] - a;
+      const double at = std::clamp(dot(offset, along) / dot(along, along), 0.0, 1.0);
+      nearest = std::min(nearest, length(offset - at * along));
     }
     depth[v] = 2 * std::sqrt(reach * nearest);
   }
@@ -144,7 +145,8 @@ std::vector<double> edge_depth(const AcousticSkin& s, double reach) {
 
 class Collapse {
 public:
-  Collapse(AcousticSkin skin, std::size_t triangles) : skin_(std::move(skin)), wanted_(triangles) {
+  Collapse(AcousticSkin skin, std::size_t triangles)
+      : skin_(std::move(skin)), target_triangles_(triangles) {
     double area = 0;
     for (const auto& t : skin_.triangle)
       area += length(double_area(skin_, t)) / 2;
@@ -171,8 +173,9 @@ public:
       area += shape_of(t).first;
     // Edges of equilateral triangles, and a margin that grows where nothing else can give way.
     longest_ = 1.4 * even_edge(area);
-    double limit = 1e-4 * area / static_cast<double>(wanted_);
-    for (int round = 0; round < 80 && count_ > wanted_; ++round, limit *= 1.35, longest_ *= 1.01) {
+    double limit = 1e-4 * area / static_cast<double>(target_triangles_);
+    for (int round = 0; round < 80 && count_ > target_triangles_;
+         ++round, limit *= 1.35, longest_ *= 1.01) {
       std::vector<std::tuple<double, int, int>> edges;
       for (std::size_t t = 0; t < alive_.size(); ++t)
         if (alive_[t])
@@ -184,7 +187,7 @@ public:
           }
       std::sort(edges.begin(), edges.end());
       for (const auto& [c, from, onto] : edges)
-        if (count_ > wanted_ && std::abs(cost(from, onto) - c) <= 1e-9 * c)
+        if (count_ > target_triangles_ && std::abs(cost(from, onto) - c) <= 1e-9 * c)
           collapse(from, onto);
     }
     AcousticSkin out{skin_.vertex, {}};
@@ -197,25 +200,25 @@ public:
 private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Vector3& vertex(int v) const { return skin_.vertex[at(v)]; }
-  /// Side of the equilateral triangles of which `wanted_` cover an area.
+  /// Side of the equilateral triangles of which `target_triangles_` cover an area.
   double even_edge(double area) const {
-    return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(wanted_));
+    return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(target_triangles_));
   }
   /// Squared distance in four dimensions.
-  double apart(int a, int b) const {
-    const Vector3 way = vertex(b) - vertex(a);
+  double separation(int a, int b) const {
+    const Vector3 offset = vertex(b) - vertex(a);
     const double down = depth_[at(b)] - depth_[at(a)];
-    return dot(way, way) + down * down;
+    return dot(offset, offset) + down * down;
   }
   /// Area in four dimensions (Heron), and 1 for an equilateral triangle there, 0 for a line.
   std::pair<double, double> shape_of(const std::array<int, 3>& t) const {
-    const double a = apart(t[0], t[1]), b = apart(t[1], t[2]), c = apart(t[2], t[0]);
+    const double a = separation(t[0], t[1]), b = separation(t[1], t[2]), c = separation(t[2], t[0]);
     const double sum = a + b + c;
     const double area = std::sqrt(std::max(sum * sum - 2 * (a * a + b * b + c * c), 0.0)) / 4;
     return {area, sum > 0 ? 4 * std::sqrt(3.0) * area / sum : 0};
   }
   double cost(int from, int onto) const {
-    return quadric_[at(from)](vertex(onto)) + .05 * apart(from, onto);
+    return quadric_[at(from)](vertex(onto)) + .05 * separation(from, onto);
   }
   std::vector<int> neighbours(int v) const {
     std::vector<int> out;
@@ -244,7 +247,7 @@ private:
       std::replace(corners.begin(), corners.end(), from, onto);
       const Vector3 after = double_area(skin_, corners);
       for (const int v : corners)
-        if (v != onto && apart(v, onto) > longest_ * longest_)
+        if (v != onto && separation(v, onto) > longest_ * longest_)
           return false;
       if (dot(before, after) <= .7 * length(before) * length(after) ||
           shape_of(corners).second < std::min(.35, .8 * shape))
@@ -271,7 +274,7 @@ private:
   static constexpr double kGradedEdges = 1;
 
   AcousticSkin skin_;
-  std::size_t wanted_;
+  std::size_t target_triangles_;
   std::vector<double> depth_; ///< m, the fourth coordinate
   std::vector<std::vector<int>> around_;
   std::vector<Quadric> quadric_;
@@ -299,14 +302,14 @@ std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& c, const
   if (v >= 0 && w >= 0 && v + w <= 1)
     return {1 - v - w, v, w};
   std::array<double, 3> best{};
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance_squared = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = (k + 1) % 3;
     const Vector3 edge = c[next] - c[k];
     const double s = std::clamp(dot(p - c[k], edge) / dot(edge, edge), 0.0, 1.0);
     const Vector3 off = p - c[k] - s * edge;
-    if (dot(off, off) < least) {
-      least = dot(off, off);
+    if (dot(off, off) < min_distance_squared) {
+      min_distance_squared = dot(off, off);
       best = {};
       best[k] = 1 - s;
       best[next] = s;
@@ -338,12 +341,12 @@ FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
       for (std::size_t j = 0; j < 3; ++j)
         p += (j == k ? 2. / 3 : 1. / 6) * fine.vertex[static_cast<std::size_t>(t[j])];
       Share share{};
-      double least = std::numeric_limits<double>::infinity();
+      double min_distance_squared = std::numeric_limits<double>::infinity();
       for (std::size_t u = 0; u < coarse.triangle.size(); ++u) {
         if (dot(normal[u], twice) <= 0) // the other side of a thin wall is near, and wrong
           continue;
         const double away = length(p - middle[u]) - radius[u];
-        if (away > 0 && away * away >= least)
+        if (away > 0 && away * away >= min_distance_squared)
           continue;
         std::array<Vector3, 3> corner;
         for (std::size_t j = 0; j < 3; ++j)
@@ -351,8 +354,8 @@ FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
         const auto weight = nearest_on_triangle(corner, p);
         const Vector3 off =
             p - (weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2]);
-        if (dot(off, off) < least) {
-          least = dot(off, off);
+        if (dot(off, off) < min_distance_squared) {
+          min_distance_squared = dot(off, off);
           share = {coarse.triangle[u], weight, (1. / 6) * twice};
         }
       }

@@ -167,7 +167,8 @@ std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow
   int info = 0;
   zgesv_(&size, &right, galerkin.data(), &size, pivots.data(), mu.data(), &size, &info);
   if (info != 0)
-    throw Refusal("the boundary elements have no single solution: is the skin closed and sound?");
+    throw InputError(
+        "the boundary elements have no single solution: is the skin closed and sound?");
   return mu;
 }
 
@@ -179,10 +180,10 @@ Complex ExteriorField::pressure(double k, std::span<const Complex> mu, const Vec
       Complex density = 0;
       for (std::size_t j = 0; j < 3; ++j)
         density += kHatAtPoint[i][j] * mu[static_cast<std::size_t>(skin_.triangle[t][j])];
-      const Vector3 way = x - p.point[i];
-      const double r = length(way);
+      const Vector3 offset = x - p.point[i];
+      const double r = length(offset);
       const Complex wave = std::polar(kOver4Pi * p.area / 3 / r, -k * r);
-      sum += density * wave * (dot(way, p.normal) / r * Complex(1 / r, k) + Complex(0, k));
+      sum += density * wave * (dot(offset, p.normal) / r * Complex(1 / r, k) + Complex(0, k));
     }
   }
   return sum;

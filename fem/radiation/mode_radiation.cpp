@@ -1,6 +1,6 @@
 #include "fem/radiation/mode_radiation.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/radiation/spherical_waves.hpp"
 
 #include <algorithm>
@@ -11,7 +11,8 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kSameFrequency = 1e-3;
-constexpr double kForgotten = 1e-6; // share of the power's sum at the reference sphere in the tail
+constexpr double kTailPowerShare =
+    1e-6; // share of the power's sum at the reference sphere in the tail
 
 /// Vertices of the outer skin as mesh nodes: outer_skin keeps the order of surface_of.
 std::vector<Vector3> motion(const Modes& modes, std::size_t k, const Mesh& mesh,
@@ -53,7 +54,7 @@ std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
   for (std::size_t l = highest; l > 0; --l) {
     for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
       tail += std::norm(c[q]);
-    if (tail > kForgotten * all)
+    if (tail > kTailPowerShare * all)
       return l;
   }
   return 0;
@@ -92,7 +93,7 @@ ModeRadiation::Band radiate_band(const Mesh& mesh, const Modes& modes, std::span
   }
   band.offset.push_back(0);
   for (std::size_t k = 0; k < count; ++k) {
-    band.highest_degree.push_back(static_cast<std::int32_t>(degree[k]));
+    band.max_degree.push_back(static_cast<std::int32_t>(degree[k]));
     band.offset.push_back(band.offset.back() +
                           static_cast<std::int64_t>((degree[k] + 1) * (degree[k] + 1)));
   }
@@ -138,9 +139,10 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
   out.triangles = coarse.triangle.size();
   const double bytes = 16.0 * std::pow(static_cast<double>(coarse.vertex.size()), 2);
   if (settings.memory_limit_bytes > 0 && bytes > .8 * settings.memory_limit_bytes)
-    throw Refusal(format("the boundary elements need %.0f MB, more than is free: take fewer with "
-                         "--acoustic-triangles",
-                         bytes / 1e6));
+    throw InputError(
+        format("the boundary elements need %.0f MB, more than is free: take fewer with "
+               "--acoustic-triangles",
+               bytes / 1e6));
   double edges = 0;
   for (const auto& t : coarse.triangle)
     for (std::size_t j = 0; j < 3; ++j)
@@ -197,10 +199,10 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
         found[from + i].emplace_back(own.begin(), own.end());
       }
       ++done;
-      if (done == 1 && settings.say) {
+      if (done == 1 && settings.notify) {
         const double seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        settings.say(format(
+        settings.notify(format(
             "boundary elements: %zu triangles, %zu unknowns, %.0f MB; about %.0f s ahead",
             out.triangles, n, bytes / 1e6,
             std::max(1.0, seconds * (static_cast<double>(groups * settings.ratios.size()) - 1))));
@@ -213,7 +215,7 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
 
   out.offset.push_back(0);
   for (std::size_t k = 0; k < count; ++k) {
-    out.highest_degree.push_back(static_cast<std::int32_t>(degree[k]));
+    out.max_degree.push_back(static_cast<std::int32_t>(degree[k]));
     out.offset.push_back(out.offset.back() +
                          static_cast<std::int64_t>((degree[k] + 1) * (degree[k] + 1)));
   }

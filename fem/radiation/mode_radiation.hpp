@@ -7,7 +7,7 @@ namespace tactus::fem {
 
 /// How modes sound into all directions; the arrays mp_* and alpha_rad of a table.
 struct ModeRadiation {
-  std::vector<std::int32_t> highest_degree;      ///< [K]
+  std::vector<std::int32_t> max_degree;          ///< [K]
   std::vector<std::int64_t> offset;              ///< [K+1], into one ratio's coefficients
   std::vector<double> ratios;                    ///< of frequency, ascending; {1} alone is usual
   std::vector<std::complex<float>> coefficients; ///< [ratios][offset[K]], Pa s/(m sqrt(kg))
@@ -21,7 +21,7 @@ struct ModeRadiation {
   /// them at; arrays mp_band_*. Empty: not asked for.
   struct Band {
     std::vector<double> frequency_hz;              ///< [F], ascending
-    std::vector<std::int32_t> highest_degree;      ///< [K]
+    std::vector<std::int32_t> max_degree;          ///< [K]
     std::vector<std::int64_t> offset;              ///< [K+1], into one frequency's coefficients
     std::vector<std::complex<float>> coefficients; ///< [F][offset[K]], Pa s/(m sqrt(kg))
   } band;
@@ -36,7 +36,7 @@ struct RadiationSettings {
   double band_limit_hz = 0;      ///< above 0: the band up to there as well
   Report report{};
   /// One sentence: mesh, memory and time ahead, after the first solution was timed.
-  std::function<void(const std::string&)> say{};
+  std::function<void(const std::string&)> notify{};
 };
 
 /// Frequencies at which the waves of a body of radius `a` are taken, so that between them they can

@@ -76,28 +76,28 @@ std::vector<double> divided(const std::vector<double>& line, std::span<const dou
   const double near = 1e-9 * (line.back() - line.front());
   std::vector<double> out{line.front()};
   for (std::size_t k = 0, i = 0; k + 1 < kept.size(); ++k) {
-    std::vector<double> place{line[i]}, measure{0}; // elements up to each old line
+    std::vector<double> position{line[i]}, measure{0}; // elements up to each old line
     for (; i + 1 < line.size() && line[i + 1] <= kept[k + 1] + near; ++i) {
-      place.push_back(line[i + 1]);
+      position.push_back(line[i + 1]);
       measure.push_back(measure.back() + 1 / factor[i]);
     }
     const int count = std::max(1, static_cast<int>(std::ceil(measure.back() - .1)));
     for (int c = 1, at = 0; c < count; ++c) {
-      const double wanted = measure.back() * c / count;
-      while (measure[static_cast<std::size_t>(at) + 1] < wanted)
+      const double target_measure = measure.back() * c / count;
+      while (measure[static_cast<std::size_t>(at) + 1] < target_measure)
         ++at;
       const auto j = static_cast<std::size_t>(at);
-      out.push_back(place[j] + (place[j + 1] - place[j]) * (wanted - measure[j]) /
-                                   (measure[j + 1] - measure[j]));
+      out.push_back(position[j] + (position[j + 1] - position[j]) * (target_measure - measure[j]) /
+                                      (measure[j + 1] - measure[j]));
     }
-    out.push_back(place.back());
+    out.push_back(position.back());
   }
   return out;
 }
 
 } // namespace
 
-std::vector<double> divided_anew(std::vector<double> line, std::span<const double> kept,
+std::vector<double> redistribute(std::vector<double> line, std::span<const double> kept,
                                  std::vector<double> factor, std::span<const double> order) {
   grade_singular(line, factor, order);
   smooth(line, factor);
@@ -118,16 +118,16 @@ SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target,
     const std::vector<double>& line = grid.line[d];
     if (grid.uniform[d] > 0) {
       const int step = grid.uniform[d];
-      const double wanted = static_cast<double>(line.size() - 1) / own[0];
+      const double target_measure = static_cast<double>(line.size() - 1) / own[0];
       const int count = step * std::max(step > 1 ? 16 / step : 1,
-                                        static_cast<int>(std::ceil(wanted / step - .1)));
+                                        static_cast<int>(std::ceil(target_measure / step - .1)));
       finer.line[d].clear();
       for (int i = 0; i <= count; ++i)
         finer.line[d].push_back(line.front() + (line.back() - line.front()) * i / count);
       continue;
     }
     finer.line[d] =
-        divided_anew(line, grid.kept[d], {own.begin(), own.end()},
+        redistribute(line, grid.kept[d], {own.begin(), own.end()},
                      std::span(cells.order).subspan(grid.first_interval(d), own.size()));
   }
   return finer;

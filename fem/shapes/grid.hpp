@@ -34,7 +34,7 @@ struct SweepGrid {
 /// A direction's lines with the intervals' sizes times `factor`: singular ones (`order`) split
 /// geometrically towards the singular line, neighbours within a factor of three, `kept` lines where
 /// they are.
-[[nodiscard]] std::vector<double> divided_anew(std::vector<double> line,
+[[nodiscard]] std::vector<double> redistribute(std::vector<double> line,
                                                std::span<const double> kept,
                                                std::vector<double> factor,
                                                std::span<const double> order);

@@ -1,6 +1,6 @@
 #include "fem/shapes/lift_arm.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/cad.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 
@@ -93,9 +93,10 @@ struct Plan {
   std::vector<Outline> slots;
 };
 
-void need(bool good, const std::string& what, double value, const std::string& expected) {
+void require(bool good, const std::string& what, double value, const std::string& expected) {
   if (!good)
-    throw Refusal("lift_arm: " + what + format(" is %.4g mm, expected ", 1e3 * value) + expected);
+    throw InputError("lift_arm: " + what + format(" is %.4g mm, expected ", 1e3 * value) +
+                     expected);
 }
 
 /// The part of the centreline's band between two angles (first > second), rounded at its ends.
@@ -118,20 +119,21 @@ void add_slots(Plan& plan, const LiftArm& arm) {
   };
   for (std::size_t k = 0; k < 2; ++k) {
     const double first = at[k] - beside(k), second = at[k + 1] + beside(k + 1);
-    need(first - second > 1e-6, "slot_width", arm.slot_width,
-         std::string("a lightening hole that fits between the bosses (smaller, or 0: none), with "
-                     "lift_position") +
-             format(" %.3g", arm.lift_position));
+    require(
+        first - second > 1e-6, "slot_width", arm.slot_width,
+        std::string("a lightening hole that fits between the bosses (smaller, or 0: none), with "
+                    "lift_position") +
+            format(" %.3g", arm.lift_position));
     plan.slots.push_back(slot_between(plan.centreline, arm.slot_width, first, second));
     const double wall = arm.web / 2;
     for (int i = 0; i <= 32; ++i) {
       const double angle = first + (second - first) * i / 32;
       const Vector3 high = on(plan.slots.back()[0].circle, angle),
                     low = on(plan.slots.back()[2].circle, angle);
-      need(plan.upper.radius - length(high - plan.upper.centre) >= wall + arm.edge_radius &&
-               length(low - plan.lower.centre) - plan.lower.radius >= wall + arm.edge_radius,
-           "slot_width", arm.slot_width,
-           "half a web between the lightening holes and the plate's outline");
+      require(plan.upper.radius - length(high - plan.upper.centre) >= wall + arm.edge_radius &&
+                  length(low - plan.lower.centre) - plan.lower.radius >= wall + arm.edge_radius,
+              "slot_width", arm.slot_width,
+              "half a web between the lightening holes and the plate's outline");
     }
   }
 }
@@ -147,13 +149,13 @@ Plan plan_of(const LiftArm& arm) {
                                                                {"web", arm.web},
                                                                {"hub bore", arm.hub.bore}}};
   for (const auto& [name, value] : lengths)
-    need(value > 1e-6 && value < 100, name, value, "0.001 to 100 000 mm");
-  need(arm.rise <= arm.length / 2, "rise", arm.rise, "at most half the length");
-  need(arm.slot_width >= 0, "slot_width", arm.slot_width, "0 or more");
-  need(arm.edge_radius >= 0 && 2 * arm.edge_radius < .9 * arm.thickness, "edge_radius",
-       arm.edge_radius, "0 to 0.45 of the thickness");
+    require(value > 1e-6 && value < 100, name, value, "0.001 to 100 000 mm");
+  require(arm.rise <= arm.length / 2, "rise", arm.rise, "at most half the length");
+  require(arm.slot_width >= 0, "slot_width", arm.slot_width, "0 or more");
+  require(arm.edge_radius >= 0 && 2 * arm.edge_radius < .9 * arm.thickness, "edge_radius",
+          arm.edge_radius, "0 to 0.45 of the thickness");
   if (!(arm.lift_position > 0 && arm.lift_position < 1))
-    throw Refusal(
+    throw InputError(
         format("lift_arm: lift_position is %.4g, expected between 0 and 1", arm.lift_position));
   Plan plan;
   const double half = arm.length / 2;
@@ -170,35 +172,36 @@ Plan plan_of(const LiftArm& arm) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::string name = kNames[k];
     const LiftArm::Boss& b = bosses[k];
-    need(b.bore > 1e-6, name + " bore", b.bore, "above 0");
-    need(b.diameter > b.bore && b.diameter < 100, name + " diameter", b.diameter,
-         "more than its bore");
-    need(b.width >= arm.thickness + 2.1 * arm.fillet && b.width < 100, name + " width", b.width,
-         format("the plate's thickness and two fillets, %.4g mm or more",
-                1e3 * (arm.thickness + 2.1 * arm.fillet)));
+    require(b.bore > 1e-6, name + " bore", b.bore, "above 0");
+    require(b.diameter > b.bore && b.diameter < 100, name + " diameter", b.diameter,
+            "more than its bore");
+    require(b.width >= arm.thickness + 2.1 * arm.fillet && b.width < 100, name + " width", b.width,
+            format("the plate's thickness and two fillets, %.4g mm or more",
+                   1e3 * (arm.thickness + 2.1 * arm.fillet)));
     plan.pins[k] = {kNames[k], centres[k], b.bore / 2, b.width};
     plan.boss_radius[k] = b.diameter / 2;
   }
-  need(arm.shoulder >= 1.05 * (arm.fillet + arm.edge_radius), "shoulder", arm.shoulder,
-       format("the fillet and the rounded edge, %.4g mm or more",
-              1.05e3 * (arm.fillet + arm.edge_radius)));
-  need(arm.slot_width <= 0 || arm.web >= 1.05 * arm.fillet, "web", arm.web, "more than the fillet");
+  require(arm.shoulder >= 1.05 * (arm.fillet + arm.edge_radius), "shoulder", arm.shoulder,
+          format("the fillet and the rounded edge, %.4g mm or more",
+                 1.05e3 * (arm.fillet + arm.edge_radius)));
+  require(arm.slot_width <= 0 || arm.web >= 1.05 * arm.fillet, "web", arm.web,
+          "more than the fillet");
   for (std::size_t k = 0; k < 2; ++k)
-    need(length(centres[k + 1] - centres[k]) >
-             plan.boss_radius[k] + plan.boss_radius[k + 1] + 2.1 * arm.fillet,
-         "length", arm.length, "bosses and their fillets apart");
+    require(length(centres[k + 1] - centres[k]) >
+                plan.boss_radius[k] + plan.boss_radius[k + 1] + 2.1 * arm.fillet,
+            "length", arm.length, "bosses and their fillets apart");
   plan.hub_end = {hub, plan.boss_radius[0] + arm.shoulder};
   plan.rod_end = {rod, plan.boss_radius[2] + arm.shoulder};
   const Vector3 middle{half, arm.rise, 0}, deep{0, arm.depth / 2, 0};
   plan.upper = touching(plan.hub_end, plan.rod_end, middle + deep, 1);
   plan.lower = touching(plan.hub_end, plan.rod_end, middle - deep, -1);
-  need(plan.upper.radius > 0 && plan.lower.radius > 0 && plan.lower.centre.y < 0 &&
-           plan.upper.centre.y < 0,
-       "depth", arm.depth, "two arcs that touch the rounded ends: another depth or more rise");
+  require(plan.upper.radius > 0 && plan.lower.radius > 0 && plan.lower.centre.y < 0 &&
+              plan.upper.centre.y < 0,
+          "depth", arm.depth, "two arcs that touch the rounded ends: another depth or more rise");
   const double clear = plan.boss_radius[1] + 1.05 * (arm.fillet + arm.edge_radius);
-  need(plan.upper.radius - length(lift - plan.upper.centre) >= clear &&
-           length(lift - plan.lower.centre) - plan.lower.radius >= clear,
-       "lift_eye diameter", arm.lift_eye.diameter, "a boss and fillet within the plate");
+  require(plan.upper.radius - length(lift - plan.upper.centre) >= clear &&
+              length(lift - plan.lower.centre) - plan.lower.radius >= clear,
+          "lift_eye diameter", arm.lift_eye.diameter, "a boss and fillet within the plate");
   // Counter-clockwise from the hub's upper point of contact.
   const auto turn = [](double from, double to) {
     const double t = std::fmod(to - from, 2 * kPi);
@@ -300,9 +303,9 @@ void build(const LiftArm& arm) {
   fuse(extruded(plan.outline, -t / 2, t / 2), bosses, out, map);
   const PlateCurves curves = curves_of_plate(plan, t);
   if (out.size() != 1 || curves.bosses.size() != 6)
-    throw Refusal("lift_arm: the CAD kernel joined plate and bosses into " +
-                  std::to_string(out.size()) + " solids with " +
-                  std::to_string(curves.bosses.size()) + " circles, expected 1 with 6");
+    throw InputError("lift_arm: the CAD kernel joined plate and bosses into " +
+                     std::to_string(out.size()) + " solids with " +
+                     std::to_string(curves.bosses.size()) + " circles, expected 1 with 6");
   round_curves(curves.bosses, arm.fillet);
   if (arm.edge_radius > 0)
     round_curves(curves_of_plate(plan, t).outline, arm.edge_radius);
@@ -321,8 +324,8 @@ void build(const LiftArm& arm) {
   gmsh::vectorpair left;
   gmsh::model::getEntities(left, 3);
   if (left.size() != 1)
-    throw Refusal("lift_arm: the CAD kernel made " + std::to_string(left.size()) +
-                  " solids, expected 1");
+    throw InputError("lift_arm: the CAD kernel made " + std::to_string(left.size()) +
+                     " solids, expected 1");
 }
 
 /// While it lives, what the CAD kernel prints of its transfers goes nowhere.
@@ -354,7 +357,7 @@ public:
       : path_((std::filesystem::temp_directory_path() / ("tactusXXXXXX" + ending)).string()) {
     const int file = ::mkstemps(path_.data(), static_cast<int>(ending.size()));
     if (file < 0)
-      throw Refusal("cannot write " + path_);
+      throw InputError("cannot write " + path_);
     ::close(file);
   }
   ~TemporaryFile() { ::unlink(path_.c_str()); }
@@ -398,7 +401,7 @@ void write_step(const std::string& path, const LiftArm& arm) {
   });
   std::error_code error;
   if (std::filesystem::file_size(path, error) == 0 || error)
-    throw Refusal("cannot write " + path);
+    throw InputError("cannot write " + path);
 }
 
 Mesh mesh_lift_arm(const LiftArm& arm, const LoadChoice& choice) {

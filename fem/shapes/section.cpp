@@ -102,10 +102,10 @@ struct Cuts {
                smallest / shape.grading, 3);
   }
   template <class Divide> auto along_r(std::size_t i, Divide&& cut) const {
-    return along(shape.r, concave_r, i, shape.least_r, cut);
+    return along(shape.r, concave_r, i, shape.min_divisions_r, cut);
   }
   template <class Divide> auto along_z(std::size_t j, Divide&& cut) const {
-    return along(shape.z, concave_z, j, shape.least_z, cut);
+    return along(shape.z, concave_z, j, shape.min_divisions_z, cut);
   }
 
   const Rectangles& shape;
@@ -272,7 +272,7 @@ Mesh revolve(const Section& section, int sectors) {
     for (std::size_t c = 0; c < 4; ++c)
       touching += on_axis(quad[c]);
     if (touching == 1 || touching > 2)
-      throw Refusal("the section touches the axis with a corner alone, expected with a side");
+      throw InputError("the section touches the axis with a corner alone, expected with a side");
     if (touching == 2)
       while (!(on_axis(quad[3]) && on_axis(quad[0]))) {
         std::rotate(quad.begin(), quad.begin() + 1, quad.begin() + 4);

@@ -55,7 +55,7 @@ struct Rectangles {
   std::vector<std::size_t> singular_r{},
       singular_z{}; ///< further breaks to grade into: edges of supports
   double h = 0;
-  int least_r = 2, least_z = 2;
+  int min_divisions_r = 2, min_divisions_z = 2;
   bool grade = true;
   double grading = 27; ///< the smallest interval is this part of the others
 };

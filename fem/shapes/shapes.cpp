@@ -1,7 +1,7 @@
 #include "fem/shapes/shapes.hpp"
 
 #include "fem/io/file_bytes.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/shapes/ball.hpp"
 #include "fem/shapes/block.hpp"
 #include "fem/shapes/section.hpp"
@@ -16,7 +16,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kAsk = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPi = std::numbers::pi;
 
 using Dimensions = std::map<std::string, double>;
@@ -25,8 +25,8 @@ double element_size(const MeshChoice& choice, double largest) {
   return choice.h > 0 ? choice.h : largest / 16;
 }
 
-double layers_of(const MeshChoice& choice, double standard) {
-  return choice.layers > 0 ? choice.layers : choice.sparse ? 1 : standard;
+double layers_of(const MeshChoice& choice, double default_value) {
+  return choice.layers > 0 ? choice.layers : choice.sparse ? 1 : default_value;
 }
 
 /// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
@@ -55,16 +55,17 @@ MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> sect
 ShapePlan planned(const MeshSize& size, std::function<SweptBody()> make) {
   return {size, [nodes = size.nodes, make = std::move(make)] {
             if (!(nodes < 1e8)) // twenty an element are made before they are merged
-              throw Refusal(format("the mesh would have %.3g nodes, expected at most 1e8: take a "
-                                   "larger --h",
-                                   nodes));
+              throw InputError(
+                  format("the mesh would have %.3g nodes, expected at most 1e8: take a "
+                         "larger --h",
+                         nodes));
             return make();
           }};
 }
 
-void need(bool good, const std::string& shape, const std::string& expected) {
+void require(bool good, const std::string& shape, const std::string& expected) {
   if (!good)
-    throw Refusal(shape + ": expected " + expected);
+    throw InputError(shape + ": expected " + expected);
 }
 
 using GivenGrid = std::optional<SweepGrid>;
@@ -97,9 +98,9 @@ SweptBody turn(Section section, double number) {
 ShapePlan solid_of_revolution(Rectangles shape, const MeshChoice& choice, double largest) {
   shape.h = element_size(choice, largest);
   shape.grade = choice.grade_concave;
-  shape.least_r = choice.sparse ? 1 : 2;
+  shape.min_divisions_r = choice.sparse ? 1 : 2;
   shape.grading = choice.sparse ? 9 : 27;
-  shape.least_z = static_cast<int>(layers_of(choice, 3));
+  shape.min_divisions_z = static_cast<int>(layers_of(choice, 3));
   const double sectors = sectors_of(choice, shape.r.back(), shape.h);
   const SectionSize section = size_of(shape, choice.grid);
   const double up = std::max(1.0, section.quads * (shape.z.back() - shape.z.front()));
@@ -135,9 +136,10 @@ ShapePlan shell_of_revolution(Shell s, const MeshChoice& choice, double largest)
     thickest = std::max(thickest, s.thickness(double(i) / kSamples));
     solid += kPi * (a.r + b.r) * step * s.thickness((i + .5) / kSamples);
   }
-  const double standard = std::max(thickest < .05 * largest ? 1.0 : 2.0, std::ceil(thickest / h));
+  const double default_value =
+      std::max(thickest < .05 * largest ? 1.0 : 2.0, std::ceil(thickest / h));
   const double along = choice.grid ? cells_of(*choice.grid, 0) : std::max(8.0, std::ceil(arc / h));
-  const double layers = choice.grid ? cells_of(*choice.grid, 1) : layers_of(choice, standard);
+  const double layers = choice.grid ? cells_of(*choice.grid, 1) : layers_of(choice, default_value);
   const double sectors = sectors_of(choice, radius, h);
   MeshSize size = turned(size_of_shell(along, layers, {s.middle(0).r == 0, s.middle(1).r == 0}),
                          sectors, {along, layers});
@@ -156,7 +158,7 @@ ShapePlan disk(const Dimensions& d, const MeshChoice& choice) {
   const double patch = d.at("patch_diameter") / 2;
   Rectangles shape{.r = {0, r}, .z = {-t / 2, t / 2}, .solid = {{true}}};
   if (patch > 0) {
-    need(patch < r, "disk", "a patch smaller than the disk");
+    require(patch < r, "disk", "a patch smaller than the disk");
     shape.r = {0, patch, r};
     shape.solid = {{true}, {true}};
     shape.singular_r = {1};
@@ -168,7 +170,7 @@ ShapePlan disk(const Dimensions& d, const MeshChoice& choice) {
 ShapePlan hollow_disk(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness");
   const double c = d.at("cavity_diameter") / 2, g = d.at("cavity_thickness");
-  need(c < r && g < t, "hollow_disk", "a cavity smaller than the disk");
+  require(c < r && g < t, "hollow_disk", "a cavity smaller than the disk");
   Rectangles shape{.r = {0, c, r},
                    .z = {-t / 2, -g / 2, g / 2, t / 2},
                    .solid = {{true, false, true}, {true, true, true}}};
@@ -178,23 +180,23 @@ ShapePlan hollow_disk(const Dimensions& d, const MeshChoice& choice) {
   return solid_of_revolution(shape, graded, std::max(2 * r, t));
 }
 
-ShapePlan tube_like(const char* who, double outer, double inner, double tall,
+ShapePlan tube_like(const char* label, double outer, double inner, double tall,
                     const MeshChoice& choice) {
-  need(inner < outer, who, "an inner diameter below the outer one");
+  require(inner < outer, label, "an inner diameter below the outer one");
   return solid_of_revolution({.r = {inner, outer}, .z = {-tall / 2, tall / 2}, .solid = {{true}}},
                              choice, std::max(2 * outer, tall));
 }
 
 ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
-  const auto least = [&](double size) {
+  const auto min_divisions = [&](double size) {
     // Twisting bends a section's width: two elements would be a hundredth too stiff.
     const int across = choice.sparse ? 1 : choice.h > 0 ? 2 : 4;
     return size > thinnest ? across : static_cast<int>(layers_of(choice, 3));
   };
   const auto count = [&](std::size_t direction, double side) {
     return choice.grid ? cells_of(*choice.grid, direction)
-                       : count_divisions(-side / 2, side / 2, h, least(side));
+                       : count_divisions(-side / 2, side / 2, h, min_divisions(side));
   };
   const double nx = count(0, x), ny = count(1, y), nz = count(2, z);
   MeshSize size;
@@ -213,15 +215,16 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   size.nodes_made = 2 * size.nodes; // the lattice's numbers
   size.volume = x * y * z;
   size.box = {x, y, z};
-  return planned(size, [=, least_x = least(x), least_y = least(y), least_z = least(z),
-                        given = grid_of(choice)] {
+  return planned(size, [=, min_divisions_x = min_divisions(x), min_divisions_y = min_divisions(y),
+                        min_divisions_z = min_divisions(z), given = grid_of(choice)] {
     const auto cut = [h](double side, int at_least) {
       return divide(-side / 2, side / 2, h, at_least);
     };
     SweepGrid grid;
-    grid.line = given ? given->line
-                      : std::array<std::vector<double>, 3>{cut(x, least_x), cut(y, least_y),
-                                                           cut(z, least_z)};
+    grid.line =
+        given ? given->line
+              : std::array<std::vector<double>, 3>{cut(x, min_divisions_x), cut(y, min_divisions_y),
+                                                   cut(z, min_divisions_z)};
     grid.kept = {{{-x / 2, x / 2}, {-y / 2, y / 2}, {-z / 2, z / 2}}};
     return SweptBody{block(grid.line[0], grid.line[1], grid.line[2]), std::move(grid)};
   });
@@ -256,7 +259,7 @@ ShapePlan sphere(const Dimensions& d, const MeshChoice& choice) {
 
 ShapePlan hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness");
-  need(t < r, "hollow_sphere", "a thickness below the radius");
+  require(t < r, "hollow_sphere", "a thickness below the radius");
   const double m = r - t / 2;
   return shell_of_revolution(
       {.middle =
@@ -269,7 +272,8 @@ ShapePlan hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
 
 ShapePlan bowl(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness"), angle = d.at("angle") * kPi / 180;
-  need(t < r && angle > 0 && angle < kPi, "bowl", "a thickness below the radius, 0 < angle < 180");
+  require(t < r && angle > 0 && angle < kPi, "bowl",
+          "a thickness below the radius, 0 < angle < 180");
   const double m = r - t / 2;
   return shell_of_revolution(
       {.middle =
@@ -303,43 +307,51 @@ const std::vector<ShapeEntry>& known_shapes() {
   static const std::vector<ShapeEntry> shapes{
       {"disk",
        "a solid disk",
-       {{"diameter", kAsk, ""},
-        {"thickness", kAsk, ""},
+       {{"diameter", kRequired, ""},
+        {"thickness", kRequired, ""},
         {"patch_diameter", 0, "a circle on the lower face that elements follow, for a support"}}},
       {"hollow_disk",
        "a disk with a closed cavity in its middle",
-       {{"diameter", kAsk, ""},
-        {"thickness", kAsk, ""},
-        {"cavity_diameter", kAsk, ""},
-        {"cavity_thickness", kAsk, ""}}},
+       {{"diameter", kRequired, ""},
+        {"thickness", kRequired, ""},
+        {"cavity_diameter", kRequired, ""},
+        {"cavity_thickness", kRequired, ""}}},
       {"ring",
        "a flat ring",
-       {{"outer_diameter", kAsk, ""}, {"inner_diameter", kAsk, ""}, {"thickness", kAsk, ""}}},
+       {{"outer_diameter", kRequired, ""},
+        {"inner_diameter", kRequired, ""},
+        {"thickness", kRequired, ""}}},
       {"plate",
        "a rectangular plate",
-       {{"length", kAsk, "along x"}, {"width", kAsk, "along y"}, {"thickness", kAsk, ""}}},
+       {{"length", kRequired, "along x"},
+        {"width", kRequired, "along y"},
+        {"thickness", kRequired, ""}}},
       {"bar",
        "a bar, rectangular or (with a diameter) round",
-       {{"length", kAsk, "along x"},
+       {{"length", kRequired, "along x"},
         {"width", 0, "along y"},
         {"thickness", 0, "along z"},
         {"diameter", 0, "of a round bar"}}},
       {"tube",
        "an open tube",
-       {{"outer_diameter", kAsk, ""}, {"inner_diameter", kAsk, ""}, {"length", kAsk, ""}}},
-      {"sphere", "a solid ball", {{"diameter", kAsk, ""}}},
+       {{"outer_diameter", kRequired, ""},
+        {"inner_diameter", kRequired, ""},
+        {"length", kRequired, ""}}},
+      {"sphere", "a solid ball", {{"diameter", kRequired, ""}}},
       {"hollow_sphere",
        "a closed spherical shell",
-       {{"diameter", kAsk, "outside"}, {"thickness", kAsk, ""}}},
+       {{"diameter", kRequired, "outside"}, {"thickness", kRequired, ""}}},
       {"bowl",
        "an open spherical shell",
-       {{"diameter", kAsk, "of the sphere, outside"},
-        {"thickness", kAsk, ""},
+       {{"diameter", kRequired, "of the sphere, outside"},
+        {"thickness", kRequired, ""},
         {"angle", 90, "from the bottom to the rim; 90 is a hemisphere", false}}},
       {"bell", "a shell of revolution from a file (--profile): radius height thickness a line", {}},
       {"board",
        "a thin plate, of wood unless told otherwise, its grain along x",
-       {{"length", kAsk, "along x"}, {"width", kAsk, "along y"}, {"thickness", kAsk, ""}}},
+       {{"length", kRequired, "along x"},
+        {"width", kRequired, "along y"},
+        {"thickness", kRequired, ""}}},
   };
   return shapes;
 }
@@ -350,22 +362,23 @@ ShapePlan plan_shape(const std::string& name, const Dimensions& given,
   const auto entry = std::find_if(shapes.begin(), shapes.end(),
                                   [&](const ShapeEntry& s) { return s.name == name; });
   if (entry == shapes.end())
-    throw Refusal("no shape is called " + name);
+    throw InputError("no shape is called " + name);
   Dimensions d;
   for (const Dimension& dimension : entry->dimensions) {
     const auto at = given.find(dimension.name);
-    const double value = at != given.end() ? at->second : dimension.standard;
+    const double value = at != given.end() ? at->second : dimension.default_value;
     std::string option = dimension.name;
     std::replace(option.begin(), option.end(), '_', '-');
     if (std::isnan(value))
-      throw Refusal(name + " needs --" + option);
+      throw InputError(name + " needs --" + option);
     if (!(value > 0) && at != given.end())
-      throw Refusal(name + ": " + option + " is " + std::to_string(value) + ", expected above 0");
+      throw InputError(name + ": " + option + " is " + std::to_string(value) +
+                       ", expected above 0");
     d[dimension.name] = value;
   }
   for (const auto& [key, value] : given)
     if (!d.contains(key))
-      throw Refusal(name + " has no dimension " + key);
+      throw InputError(name + " has no dimension " + key);
   if (name == "disk")
     return disk(d, choice);
   if (name == "hollow_disk")
@@ -383,12 +396,12 @@ ShapePlan plan_shape(const std::string& name, const Dimensions& given,
     return bowl(d, choice);
   if (name == "bell") {
     if (profile.empty())
-      throw Refusal("bell needs --profile FILE");
+      throw InputError("bell needs --profile FILE");
     return bell(profile, choice);
   }
   if (name == "bar") {
     if (!(d["diameter"] > 0 || (d["width"] > 0 && d["thickness"] > 0)))
-      throw Refusal("bar needs --diameter, or --width and --thickness");
+      throw InputError("bar needs --diameter, or --width and --thickness");
     return bar(d, choice);
   }
   return box(d["length"], d["width"], d["thickness"], choice);
@@ -412,12 +425,13 @@ std::vector<ProfilePoint> read_profile(const std::string& path, double unit) {
     words >> b >> c;
     const auto r = to_number(a), z = to_number(b), t = to_number(c);
     if (!r || !z || !t || words >> more || *r < 0 || !(*t > 0))
-      throw Refusal(path + " line " + std::to_string(number) + ": " + printable(line, 60) +
-                    ", expected radius >= 0, height and thickness > 0");
+      throw InputError(path + " line " + std::to_string(number) + ": " + printable(line, 60) +
+                       ", expected radius >= 0, height and thickness > 0");
     points.push_back({unit * *r, unit * *z, unit * *t});
   }
   if (points.size() < 2)
-    throw Refusal(path + " has " + std::to_string(points.size()) + " points, expected two or more");
+    throw InputError(path + " has " + std::to_string(points.size()) +
+                     " points, expected two or more");
   return points;
 }
 

@@ -12,14 +12,14 @@ namespace tactus::fem {
 /// A dimension of a shape, as its user names it. Millimetres unless `unit` says otherwise.
 struct Dimension {
   const char* name;
-  double standard; ///< NaN: must be given
-  const char* meaning;
+  double default_value; ///< NaN: must be given
+  const char* description;
   bool is_length = true;
 };
 
 struct ShapeEntry {
   const char* name;
-  const char* meaning;
+  const char* description;
   std::vector<Dimension> dimensions;
 };
 

@@ -10,7 +10,7 @@ Spline::Spline(const std::vector<ProfilePoint>& points) {
   for (std::size_t i = 1; i < n; ++i) {
     const double step = std::hypot(points[i].r - points[i - 1].r, points[i].z - points[i - 1].z);
     if (!(step > 0))
-      throw Refusal("profile point " + std::to_string(i + 1) + " repeats the one before it");
+      throw InputError("profile point " + std::to_string(i + 1) + " repeats the one before it");
     knots_[i] = knots_[i - 1] + step;
   }
   const double whole = knots_.back();

@@ -104,16 +104,16 @@ std::span<const FacePoint> face_points(const Mesh& mesh, const MeshFace& f) {
   return points;
 }
 
-void check_faces(const Mesh& mesh, std::span<const MeshFace> given, const std::string& whose) {
+void check_faces(const Mesh& mesh, std::span<const MeshFace> given, const std::string& label) {
   if (given.empty())
-    throw Refusal(whose + " has no face, expected at least one face of the skin");
+    throw InputError(label + " has no face, expected at least one face of the skin");
   for (const MeshFace& f : given)
     if (f.element < 0 || static_cast<std::size_t>(f.element) >= mesh.elements.size() ||
         f.face < 0 ||
         static_cast<std::size_t>(f.face) >=
             faces(mesh.elements[static_cast<std::size_t>(f.element)].shape).size())
-      throw Refusal(whose + " names face " + std::to_string(f.face) + " of element " +
-                    std::to_string(f.element + 1) + ", which the mesh has not");
+      throw InputError(label + " names face " + std::to_string(f.face) + " of element " +
+                       std::to_string(f.element + 1) + ", which the mesh has not");
 }
 
 } // namespace tactus::fem

@@ -22,6 +22,6 @@ struct FaceNodes {
 [[nodiscard]] FaceNodes face_nodes(const Mesh&, const MeshFace&);
 
 /// Refuses faces that the mesh has not, naming whose they are.
-void check_faces(const Mesh&, std::span<const MeshFace>, const std::string& whose);
+void check_faces(const Mesh&, std::span<const MeshFace>, const std::string& label);
 
 } // namespace tactus::fem

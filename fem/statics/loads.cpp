@@ -11,9 +11,9 @@
 namespace tactus::fem {
 namespace {
 
-void check_finite(const Vector3& v, const std::string& whose) {
+void check_finite(const Vector3& v, const std::string& label) {
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
-    throw Refusal(whose + " has a component that is no number, expected three finite ones");
+    throw InputError(label + " has a component that is no number, expected three finite ones");
 }
 
 void add(std::vector<double>& f, std::size_t node, const Vector3& force) {
@@ -38,16 +38,16 @@ void add_over(const Mesh& mesh, std::span<const MeshFace> faces, std::vector<dou
 /// e of a bolt's pressure p = max(0, -n . e): Newton on the integral of p (-n) dA = force. The
 /// integral is M(e) e with M = integral of n n' over the loaded half, and M is its derivative, so a
 /// step is e = M(e)^-1 force.
-Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& whose) {
+Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& label) {
   const double size = length(bolt.axis), total = length(bolt.force_n);
   if (!(size > 0) || !std::isfinite(size))
-    throw Refusal(whose + " has no axis, expected the direction of the hole");
+    throw InputError(label + " has no axis, expected the direction of the hole");
   const Vector3 axis = (1 / size) * bolt.axis;
   if (total == 0)
     return {};
   if (std::abs(dot(axis, bolt.force_n)) > 1e-6 * total)
-    throw Refusal(whose + " has a force along the hole's axis, which a wall without friction "
-                          "cannot take: put that part on a face as a total force");
+    throw InputError(label + " has a force along the hole's axis, which a wall without friction "
+                             "cannot take: put that part on a face as a total force");
   const Vector3 u = (1 / total) * (bolt.force_n - dot(axis, bolt.force_n) * axis),
                 v = cross(axis, u);
   const double whole = area(mesh, bolt.faces);
@@ -72,31 +72,32 @@ Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string&
     if (change <= 1e-13 * length(e))
       return e;
   }
-  throw Refusal(whose + " pushes where its faces give no hold, expected the wall of a round hole");
+  throw InputError(label +
+                   " pushes where its faces give no hold, expected the wall of a round hole");
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const Traction& t,
               std::vector<double>& f) {
-  const std::string whose = "traction " + t.name;
-  check_faces(mesh, t.faces, whose);
-  check_finite(t.traction_pa, whose);
+  const std::string label = "traction " + t.name;
+  check_faces(mesh, t.faces, label);
+  check_finite(t.traction_pa, label);
   add_over(mesh, t.faces, f, [&](const Vector3& da) { return length(da) * t.traction_pa; });
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const TotalForce& t,
               std::vector<double>& f) {
-  const std::string whose = "force " + t.name;
-  check_faces(mesh, t.faces, whose);
-  check_finite(t.force_n, whose);
+  const std::string label = "force " + t.name;
+  check_faces(mesh, t.faces, label);
+  check_finite(t.force_n, label);
   const double whole = area(mesh, t.faces);
   add_over(mesh, t.faces, f, [&](const Vector3& da) { return length(da) / whole * t.force_n; });
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const Pressure& p,
               std::vector<double>& f) {
-  const std::string whose = "pressure " + p.name;
-  check_faces(mesh, p.faces, whose);
-  check_finite({p.pressure_pa, 0, 0}, whose);
+  const std::string label = "pressure " + p.name;
+  check_faces(mesh, p.faces, label);
+  check_finite({p.pressure_pa, 0, 0}, label);
   add_over(mesh, p.faces, f, [&](const Vector3& da) { return -p.pressure_pa * da; });
 }
 
@@ -121,18 +122,18 @@ void add_load(const Mesh& mesh, std::span<const Material> materials, const Gravi
 void add_load(const Mesh& mesh, std::span<const Material>, const PointForce& p,
               std::vector<double>& f) {
   if (p.node < 0 || static_cast<std::size_t>(p.node) >= mesh.nodes.size())
-    throw Refusal("a point force acts on node " + std::to_string(p.node + 1) + ", the mesh has " +
-                  std::to_string(mesh.nodes.size()));
+    throw InputError("a point force acts on node " + std::to_string(p.node + 1) +
+                     ", the mesh has " + std::to_string(mesh.nodes.size()));
   check_finite(p.force_n, "the point force on node " + std::to_string(p.node + 1));
   add(f, static_cast<std::size_t>(p.node), p.force_n);
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const BoltLoad& b,
               std::vector<double>& f) {
-  const std::string whose = "bolt " + b.name;
-  check_faces(mesh, b.faces, whose);
-  check_finite(b.force_n, whose);
-  const Vector3 e = bolt_pressure(mesh, b, whose);
+  const std::string label = "bolt " + b.name;
+  check_faces(mesh, b.faces, label);
+  check_finite(b.force_n, label);
+  const Vector3 e = bolt_pressure(mesh, b, label);
   add_over(mesh, b.faces, f,
            [&](const Vector3& da) { return -1 / length(da) * std::max(0.0, -dot(da, e)) * da; });
 }

@@ -16,8 +16,8 @@ using Inside = std::function<bool(std::size_t node)>;
 
 void check_radius(double radius, const char* what) {
   if (!(radius > 0) || !std::isfinite(radius))
-    throw Refusal(std::string("a selection's ") + what + " has the radius " +
-                  std::to_string(radius) + " m, expected more than 0");
+    throw InputError(std::string("a selection's ") + what + " has the radius " +
+                     std::to_string(radius) + " m, expected more than 0");
 }
 
 std::string named_sets(const Mesh& mesh) {
@@ -32,60 +32,59 @@ Inside test_of(const Mesh& mesh, const Selection& selection) {
       selection.tolerance_m > 0 ? selection.tolerance_m : 1e-6 * bounding_box(mesh.nodes).largest();
   const auto at = [&mesh](std::size_t n) -> const Vector3& { return mesh.nodes[n]; };
   return std::visit(
-      Overloaded{[&](const InBox& in) -> Inside {
-                   for (int k = 0; k < 3; ++k)
-                     if (!(in.box.low[k] <= in.box.high[k]))
-                       throw Refusal("a selection's box ends before it begins along " +
-                                     std::string(1, "xyz"[k]) + ": expected low <= high");
-                   return [=](std::size_t n) {
-                     for (int k = 0; k < 3; ++k)
-                       if (!(at(n)[k] >= in.box.low[k] - tolerance &&
-                             at(n)[k] <= in.box.high[k] + tolerance))
-                         return false;
-                     return true;
-                   };
-                 },
-                 [&](const OnPlane& on) -> Inside {
-                   const double size = length(on.normal);
-                   if (!(size > 0) || !std::isfinite(size))
-                     throw Refusal(
-                         "a selection's plane has no normal, expected a vector that is not zero");
-                   const Vector3 normal = (1 / size) * on.normal;
-                   return [=](std::size_t n) {
-                     return std::abs(dot(at(n) - on.point, normal)) <= tolerance;
-                   };
-                 },
-                 [&](const OnSphere& on) -> Inside {
-                   check_radius(on.radius, "sphere");
-                   return [=](std::size_t n) {
-                     const double beyond = length(at(n) - on.centre) - on.radius;
-                     return beyond <= tolerance && (on.solid || beyond >= -tolerance);
-                   };
-                 },
-                 [&](const OnCylinder& on) -> Inside {
-                   check_radius(on.radius, "cylinder");
-                   const double size = length(on.end - on.start);
-                   if (!(size > 0) || !std::isfinite(size))
-                     throw Refusal(
-                         "a selection's cylinder has no length, expected two different ends");
-                   const Vector3 axis = (1 / size) * (on.end - on.start);
-                   return [=](std::size_t n) {
-                     const Vector3 arm = at(n) - on.start;
-                     const double along = dot(arm, axis);
-                     const double beyond = length(arm - along * axis) - on.radius;
-                     return along >= -tolerance && along <= size + tolerance &&
-                            beyond <= tolerance && (on.solid || beyond >= -tolerance);
-                   };
-                 },
-                 [&](const InNodeSet& in) -> Inside {
-                   const auto set = mesh.node_sets.find(in.name);
-                   if (set == mesh.node_sets.end())
-                     throw Refusal("the mesh has no node set " + in.name + ": " + named_sets(mesh));
-                   std::vector<std::uint8_t> marked(mesh.nodes.size(), 0);
-                   for (const int n : set->second)
-                     marked[static_cast<std::size_t>(n)] = 1;
-                   return [marked = std::move(marked)](std::size_t n) { return marked[n] != 0; };
-                 }},
+      Overloaded{
+          [&](const InBox& in) -> Inside {
+            for (int k = 0; k < 3; ++k)
+              if (!(in.box.low[k] <= in.box.high[k]))
+                throw InputError("a selection's box ends before it begins along " +
+                                 std::string(1, "xyz"[k]) + ": expected low <= high");
+            return [=](std::size_t n) {
+              for (int k = 0; k < 3; ++k)
+                if (!(at(n)[k] >= in.box.low[k] - tolerance &&
+                      at(n)[k] <= in.box.high[k] + tolerance))
+                  return false;
+              return true;
+            };
+          },
+          [&](const OnPlane& on) -> Inside {
+            const double size = length(on.normal);
+            if (!(size > 0) || !std::isfinite(size))
+              throw InputError(
+                  "a selection's plane has no normal, expected a vector that is not zero");
+            const Vector3 normal = (1 / size) * on.normal;
+            return
+                [=](std::size_t n) { return std::abs(dot(at(n) - on.point, normal)) <= tolerance; };
+          },
+          [&](const OnSphere& on) -> Inside {
+            check_radius(on.radius, "sphere");
+            return [=](std::size_t n) {
+              const double outside_by = length(at(n) - on.centre) - on.radius;
+              return outside_by <= tolerance && (on.solid || outside_by >= -tolerance);
+            };
+          },
+          [&](const OnCylinder& on) -> Inside {
+            check_radius(on.radius, "cylinder");
+            const double size = length(on.end - on.start);
+            if (!(size > 0) || !std::isfinite(size))
+              throw InputError("a selection's cylinder has no length, expected two different ends");
+            const Vector3 axis = (1 / size) * (on.end - on.start);
+            return [=](std::size_t n) {
+              const Vector3 arm = at(n) - on.start;
+              const double along = dot(arm, axis);
+              const double outside_by = length(arm - along * axis) - on.radius;
+              return along >= -tolerance && along <= size + tolerance && outside_by <= tolerance &&
+                     (on.solid || outside_by >= -tolerance);
+            };
+          },
+          [&](const InNodeSet& in) -> Inside {
+            const auto set = mesh.node_sets.find(in.name);
+            if (set == mesh.node_sets.end())
+              throw InputError("the mesh has no node set " + in.name + ": " + named_sets(mesh));
+            std::vector<std::uint8_t> marked(mesh.nodes.size(), 0);
+            for (const int n : set->second)
+              marked[static_cast<std::size_t>(n)] = 1;
+            return [marked = std::move(marked)](std::size_t n) { return marked[n] != 0; };
+          }},
       selection.region);
 }
 
@@ -103,8 +102,8 @@ std::vector<int> select_nodes(const Mesh& mesh, const Selection& selection) {
     if (inside(n))
       found.push_back(static_cast<int>(n));
   if (found.empty())
-    throw Refusal(std::string("no node of the mesh lies in the selected ") +
-                  region_name(selection));
+    throw InputError(std::string("no node of the mesh lies in the selected ") +
+                     region_name(selection));
   return found;
 }
 
@@ -118,8 +117,8 @@ std::vector<MeshFace> select_faces(const Mesh& mesh, const Selection& selection)
       found.push_back(f);
   }
   if (found.empty())
-    throw Refusal(std::string("no face of the skin lies in the selected ") +
-                  region_name(selection));
+    throw InputError(std::string("no face of the skin lies in the selected ") +
+                     region_name(selection));
   return found;
 }
 

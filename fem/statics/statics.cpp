@@ -7,7 +7,7 @@ namespace tactus::fem {
 StaticSystem::StaticSystem(const Mesh& mesh, const StaticModel& model)
     : matrices(mesh), prescribed(mesh.dofs(), 0.0) {
   if (mesh.elements.empty())
-    throw Refusal("the mesh holds no volume element, expected at least one");
+    throw InputError("the mesh holds no volume element, expected at least one");
   check_supported(mesh, model.fixed, model.springs);
   load = load_vector(mesh, model.materials, model.loads);
   assemble_stiffness(mesh, model.materials, -1, matrices);
@@ -18,10 +18,10 @@ StaticSystem::StaticSystem(const Mesh& mesh, const StaticModel& model)
         if (patch.directions[i]) {
           const std::size_t dof = 3 * static_cast<std::size_t>(node) + i;
           const double given = patch.displacement_m[static_cast<int>(i)];
-          if (matrices.held[dof] && prescribed[dof] != given)
-            throw Refusal("support " + patch.name + " moves node " + std::to_string(node + 1) +
-                          " along " + "xyz"[i] + " to another place than an earlier support");
-          matrices.held[dof] = 1;
+          if (matrices.constrained[dof] && prescribed[dof] != given)
+            throw InputError("support " + patch.name + " moves node " + std::to_string(node + 1) +
+                             " along " + "xyz"[i] + " to another place than an earlier support");
+          matrices.constrained[dof] = 1;
           prescribed[dof] = given;
         }
 }
@@ -31,7 +31,7 @@ std::vector<double> StaticSystem::right_side() const {
   if (std::any_of(prescribed.begin(), prescribed.end(), [](double x) { return x != 0; }))
     matrices.multiply_whole_stiffness(prescribed, right);
   for (std::size_t i = 0; i < right.size(); ++i)
-    right[i] = matrices.held[i] ? 0 : load[i] - right[i];
+    right[i] = matrices.constrained[i] ? 0 : load[i] - right[i];
   return right;
 }
 
@@ -41,13 +41,14 @@ StaticSolution completed(const StaticSystem& system, std::vector<double> free_di
   auto& u = solution.displacement;
   const std::size_t n = u.size();
   for (std::size_t i = 0; i < n; ++i)
-    if (system.matrices.held[i])
+    if (system.matrices.constrained[i])
       u[i] = system.prescribed[i];
   solution.reaction.resize(n);
   system.matrices.multiply_whole_stiffness(u, solution.reaction);
   for (std::size_t i = 0; i < n; ++i) {
     solution.strain_energy += .5 * u[i] * solution.reaction[i];
-    solution.reaction[i] = system.matrices.held[i] ? solution.reaction[i] - system.load[i] : 0;
+    solution.reaction[i] =
+        system.matrices.constrained[i] ? solution.reaction[i] - system.load[i] : 0;
   }
   return solution;
 }

@@ -1,6 +1,6 @@
 #include "fem/statics/supports.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/modes/dense.hpp"
 #include "fem/statics/face_points.hpp"
 #include "fem/statics/loads.hpp"
@@ -14,19 +14,19 @@ namespace tactus::fem {
 namespace {
 
 void check_springs(const Mesh& mesh, const SpringPatch& spring) {
-  const std::string whose = "spring " + spring.name;
-  check_faces(mesh, spring.faces, whose);
+  const std::string label = "spring " + spring.name;
+  check_faces(mesh, spring.faces, label);
   for (int i = 0; i < 3; ++i)
     if (!(spring.stiffness_n_per_m[i] >= 0) || !std::isfinite(spring.stiffness_n_per_m[i]))
-      throw Refusal(whose + " has the stiffness " + std::to_string(spring.stiffness_n_per_m[i]) +
-                    " N/m along " + "xyz"[i] + ", expected 0 or more");
+      throw InputError(label + " has the stiffness " + std::to_string(spring.stiffness_n_per_m[i]) +
+                       " N/m along " + "xyz"[i] + ", expected 0 or more");
 }
 
 /// The constraints on one piece's six rigid motions: translation by t and rotation by w / radius
 /// about `centre`.
 struct Piece {
-  Vector3 centre, held_centre;
-  double nodes = 0, radius = 0, held = 0;
+  Vector3 centre, constrained_centre;
+  double nodes = 0, radius = 0, constrained = 0;
   std::array<double, 36> constraint{};
   int region = 0;
 
@@ -40,8 +40,8 @@ struct Piece {
     for (std::size_t a = 0; a < 6; ++a)
       for (std::size_t b = 0; b < 6; ++b)
         constraint[6 * b + a] += weight * row[a] * row[b];
-    held_centre += weight * point;
-    held += weight;
+    constrained_centre += weight * point;
+    constrained += weight;
   }
 };
 
@@ -70,7 +70,8 @@ std::string direction(const Vector3& v) {
 /// "a rotation about y through (1, 0, 2) mm": the motion itself where one is free; of several the
 /// plainest, a translation or a rotation about an axis parallel to x, y or z.
 std::string describe(const Piece& piece, std::span<const double> null_space, std::size_t count) {
-  const Vector3 centre = piece.held > 0 ? (1 / piece.held) * piece.held_centre : piece.centre;
+  const Vector3 centre =
+      piece.constrained > 0 ? (1 / piece.constrained) * piece.constrained_centre : piece.centre;
   std::array<double, 6> motion{};
   std::copy_n(null_space.begin(), 6, motion.begin());
   for (int k = 0; k < 6 && count > 1; ++k) {
@@ -107,18 +108,18 @@ std::string describe(const Piece& piece, std::span<const double> null_space, std
 }
 
 void check_fixed(const Mesh& mesh, const FixedPatch& patch) {
-  const std::string whose = "support " + patch.name;
+  const std::string label = "support " + patch.name;
   if (patch.nodes.empty())
-    throw Refusal(whose + " holds no node, expected a place on the body");
+    throw InputError(label + " holds no node, expected a place on the body");
   for (const int n : patch.nodes)
     if (n < 0 || static_cast<std::size_t>(n) >= mesh.nodes.size())
-      throw Refusal(whose + " holds node " + std::to_string(n + 1) + ", the mesh has " +
-                    std::to_string(mesh.nodes.size()));
+      throw InputError(label + " holds node " + std::to_string(n + 1) + ", the mesh has " +
+                       std::to_string(mesh.nodes.size()));
   if (!patch.directions[0] && !patch.directions[1] && !patch.directions[2])
-    throw Refusal(whose + " holds no direction, expected x, y or z");
+    throw InputError(label + " holds no direction, expected x, y or z");
   for (int i = 0; i < 3; ++i)
     if (!std::isfinite(patch.displacement_m[i]))
-      throw Refusal(whose + " has a displacement that is no number");
+      throw InputError(label + " has a displacement that is no number");
 }
 
 } // namespace
@@ -212,15 +213,15 @@ void check_supported(const Mesh& mesh, std::span<const FixedPatch> fixed,
       ++free;
     if (free == 0)
       continue;
-    std::string who =
+    std::string part_label =
         pieces.size() == 1
             ? "the body"
             : format("piece %zu of %zu (%s, around (%.4g, %.4g, %.4g) mm)", k + 1, pieces.size(),
                      mesh.regions[static_cast<std::size_t>(piece.region)].c_str(),
                      1e3 * piece.centre.x, 1e3 * piece.centre.y, 1e3 * piece.centre.z);
-    throw Refusal(who + " is not held: " + std::to_string(free) +
-                  " of its 6 rigid motions are free, among them " +
-                  describe(piece, motions.vectors, free) + "; add a support or a spring");
+    throw InputError(part_label + " is not held: " + std::to_string(free) +
+                     " of its 6 rigid motions are free, among them " +
+                     describe(piece, motions.vectors, free) + "; add a support or a spring");
   }
 }
 

@@ -1,6 +1,6 @@
 #include "programs/body/budget.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <algorithm>
@@ -21,8 +21,8 @@ double number_in(const std::string& path, double otherwise) {
 }
 
 /// What the control groups above this process leave of their limits.
-double control_group_room() {
-  double room = kUnlimited;
+double control_group_free_bytes() {
+  double free_bytes = kUnlimited;
   std::ifstream groups("/proc/self/cgroup");
   for (std::string line; std::getline(groups, line);) {
     const auto cells = split(line, ':');
@@ -38,17 +38,18 @@ double control_group_room() {
     for (std::string path = cells[2];; path.erase(path.rfind('/'))) {
       if (path == "/")
         path.clear();
-      const double most = number_in(root + path + limit, kUnlimited);
-      if (most < kUnlimited)
-        room = std::min(room, std::max(0.0, most - number_in(root + path + usage, 0)));
+      const double limit_bytes = number_in(root + path + limit, kUnlimited);
+      if (limit_bytes < kUnlimited)
+        free_bytes =
+            std::min(free_bytes, std::max(0.0, limit_bytes - number_in(root + path + usage, 0)));
       if (path.rfind('/') == std::string::npos)
         break;
     }
   }
-  return room;
+  return free_bytes;
 }
 
-std::string words_of_count(double count) { return format(count < 1e7 ? "%.0f" : "%.2g", count); }
+std::string format_count(double count) { return format(count < 1e7 ? "%.0f" : "%.2g", count); }
 
 /// Rounded up to two digits, so that what is suggested fits.
 double two_digits_up(double x) {
@@ -57,7 +58,7 @@ double two_digits_up(double x) {
 }
 
 /// The largest x in [1, high] that `fits`, for fits that are true below and false above; 0: none.
-template <class Fits> double largest_that(double high, Fits&& fits) {
+template <class Predicate> double largest_where(double high, Predicate&& fits) {
   if (!fits(1.0))
     return 0;
   double low = 1;
@@ -78,8 +79,10 @@ double free_memory() {
       std::istringstream(line.substr(13)) >> kilobytes;
       break;
     }
-  const double room = control_group_room();
-  return kilobytes > 0 ? std::min(1024 * kilobytes, room) : room < kUnlimited ? room : 0;
+  const double free_bytes = control_group_free_bytes();
+  return kilobytes > 0             ? std::min(1024 * kilobytes, free_bytes)
+         : free_bytes < kUnlimited ? free_bytes
+                                   : 0;
 }
 
 double read_memory(const std::string& option, const std::string& word) {
@@ -93,17 +96,17 @@ double read_memory(const std::string& option, const std::string& word) {
   const double bytes =
       value && power <= 4 ? *value * std::pow(binary ? 1024 : 1000, static_cast<double>(power)) : 0;
   if (!(rest.empty() || rest == "b") || !(bytes >= 1e6 && bytes <= 1e16))
-    throw Refusal(option + " " + word + ": expected a size from 1M, such as 800M, 4G or 1.5GiB");
+    throw InputError(option + " " + word + ": expected a size from 1M, such as 800M, 4G or 1.5GiB");
   return bytes;
 }
 
-std::string words_of_bytes(double bytes) {
+std::string format_bytes(double bytes) {
   return bytes < 9.995e8 ? format("%.0f MB", bytes / 1e6)
          : bytes < 1e13  ? format("%.3g GB", bytes / 1e9)
                          : format("%.1g GB", bytes / 1e9);
 }
 
-std::string words_of_seconds(double s) {
+std::string format_seconds(double s) {
   return s < 100     ? format("%.0f s", std::max(s, 1.0))
          : s < 6000  ? format("%.0f min", s / 60)
          : s < 3.6e5 ? format("%.0f h", s / 3600)
@@ -115,60 +118,61 @@ Budget::Budget(double bytes) : bytes_(bytes > 0 ? bytes : free_memory() / 2), gi
     bytes_ = kUnlimited; // no /proc: nobody can tell
 }
 
-void Budget::hold(const std::string& body, const Workload& work, const Resized& resized,
-                  const Fewer& fewer, double unit, const std::optional<FactorCost>& exact) const {
-  const Cost cost = foretell(work, exact);
+void Budget::check_budget(const std::string& body, const Workload& work,
+                          const WithElementSize& with_element_size, const WithModes& with_modes,
+                          double unit, const std::optional<FactorCost>& exact) const {
+  const Cost cost = predict_cost(work, exact);
   if (cost.bytes <= (exact ? 1.0 : kCostMargin) * bytes_)
     return;
   const auto fits = [&](const Workload& other, const std::optional<FactorCost>& factor = {}) {
-    return foretell(other, factor).bytes <= bytes_;
+    return predict_cost(other, factor).bytes <= bytes_;
   };
   std::string options;
-  const auto offer = [&](const std::string& option) {
+  const auto suggest = [&](const std::string& option) {
     options += (options.empty() ? "take " : " or ") + option;
   };
   Workload other = work;
-  const double modes = largest_that(work.modes, [&](double count) {
-    if (fewer)
-      return fits(fewer(count));
+  const double modes = largest_where(work.modes, [&](double count) {
+    if (with_modes)
+      return fits(with_modes(count));
     other.modes = count;
     return fits(other, exact);
   });
   other = work;
   const double triangles = work.acoustic_triangles > 20
-                               ? largest_that(work.acoustic_triangles,
-                                              [&](double count) {
-                                                other.acoustic_triangles = count;
-                                                return fits(other, exact);
-                                              })
+                               ? largest_where(work.acoustic_triangles,
+                                               [&](double count) {
+                                                 other.acoustic_triangles = count;
+                                                 return fits(other, exact);
+                                               })
                                : 0;
   const Vector3& box = work.mesh.box;
   const double largest = std::max({box.x, box.y, box.z});
   if (triangles >= 20) {
-    offer(format("--acoustic-triangles %.0f", triangles));
+    suggest(format("--acoustic-triangles %.0f", triangles));
   } else if (modes >= 1) {
-    offer(format("--modes %.0f", modes));
+    suggest(format("--modes %.0f", modes));
   }
-  const bool sized_by_modes = fewer && modes >= 1; // a coarser mesh would not resolve as many
-  if (resized && !sized_by_modes && fits(resized(largest))) {
+  const bool sized_by_modes = with_modes && modes >= 1; // a coarser mesh would not resolve as many
+  if (with_element_size && !sized_by_modes && fits(with_element_size(largest))) {
     double low = 1e-6 * largest, high = largest;
     for (int i = 0; i < 60; ++i) {
       const double middle = std::sqrt(low * high);
-      (fits(resized(middle)) ? high : low) = middle;
+      (fits(with_element_size(middle)) ? high : low) = middle;
     }
     double h = two_digits_up(high / unit);
-    while (!fits(resized(h * unit)) && h * unit < largest) // counts are whole numbers
+    while (!fits(with_element_size(h * unit)) && h * unit < largest) // counts are whole numbers
       h = two_digits_up(1.05 * h);
-    offer(format("--h %.2g", h));
+    suggest(format("--h %.2g", h));
   }
-  offer("--engine slepc over several machines");
+  suggest("--engine slepc over several machines");
   if (!given_)
-    offer("more with --memory");
-  throw TooLarge(body + ": " + cost.stage + " would take " + words_of_bytes(cost.bytes) + " (" +
-                 words_of_count(work.mesh.elements) + " elements, " +
-                 words_of_count(work.mesh.dofs()) + " unknowns, " + words_of_count(work.modes) +
-                 " modes), expected at most " + words_of_bytes(bytes_) +
-                 (given_ ? " (--memory)" : ", half of what is free") + ": " + options);
+    suggest("more with --memory");
+  throw TooLarge(body + ": " + cost.stage + " would take " + format_bytes(cost.bytes) + " (" +
+                 format_count(work.mesh.elements) + " elements, " + format_count(work.mesh.dofs()) +
+                 " unknowns, " + format_count(work.modes) + " modes), expected at most " +
+                 format_bytes(bytes_) + (given_ ? " (--memory)" : ", half of what is free") + ": " +
+                 options);
 }
 
 } // namespace tactus::fem

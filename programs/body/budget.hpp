@@ -21,15 +21,16 @@ public:
   [[nodiscard]] double bytes() const noexcept { return bytes_; }
 
   /// The same work with another element size (m) or, of gmsh's meshes, scaled from this one.
-  using Resized = std::function<Workload(double h)>;
+  using WithElementSize = std::function<Workload(double h)>;
   /// The work for fewer modes, where the mesh is sized by them.
-  using Fewer = std::function<Workload(double modes)>;
+  using WithModes = std::function<Workload(double modes)>;
 
   /// Refuses work beyond the budget in one sentence: what it would take, what is allowed, and the
   /// element size, number of modes or of acoustic triangles that fits. `unit` in metres is what the
   /// user's --h counts in. A prediction that is not `exact` is forgiven kCostMargin.
-  void hold(const std::string& body, const Workload&, const Resized&, const Fewer&, double unit,
-            const std::optional<FactorCost>& exact = {}) const;
+  void check_budget(const std::string& body, const Workload&, const WithElementSize&,
+                    const WithModes&, double unit,
+                    const std::optional<FactorCost>& exact = {}) const;
 
 private:
   double bytes_;
@@ -37,7 +38,7 @@ private:
 };
 
 /// "850 MB", "12.3 GB", "4e+15 GB"; "12 s", "25 min", "3 h", "40 days".
-[[nodiscard]] std::string words_of_bytes(double bytes);
-[[nodiscard]] std::string words_of_seconds(double seconds);
+[[nodiscard]] std::string format_bytes(double bytes);
+[[nodiscard]] std::string format_seconds(double seconds);
 
 } // namespace tactus::fem

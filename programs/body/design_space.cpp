@@ -1,7 +1,7 @@
 #include "programs/body/design_space.hpp"
 
 #include "fem/design/valid_step.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <algorithm>
 
@@ -16,8 +16,8 @@ std::array<int, 3> read_counts(BodyReader& reader, int low, int high) {
     const std::string& word = reader.value();
     const auto value = to_integer(word);
     if (!value || *value < low || *value > high)
-      throw Refusal(reader.option() + " " + printable(word, 20) +
-                    format(": expected three whole numbers from %d to %d", low, high));
+      throw InputError(reader.option() + " " + printable(word, 20) +
+                       format(": expected three whole numbers from %d to %d", low, high));
     count = *value;
   }
   return counts;
@@ -26,15 +26,15 @@ std::array<int, 3> read_counts(BodyReader& reader, int low, int high) {
 Box read_box(const std::string& words, double unit) {
   const auto cells = split(words, ',');
   if (cells.size() != 6)
-    throw Refusal("--box " + printable(words, 60) + ": expected X1,Y1,Z1,X2,Y2,Z2");
+    throw InputError("--box " + printable(words, 60) + ": expected X1,Y1,Z1,X2,Y2,Z2");
   Box box;
   for (int k = 0; k < 3; ++k) {
     const auto at = static_cast<std::size_t>(k);
     box.low[k] = unit * number("--box", cells[at], -1e9, 1e9);
     box.high[k] = unit * number("--box", cells[at + 3], -1e9, 1e9);
     if (!(box.low[k] < box.high[k]))
-      throw Refusal("--box " + printable(words, 60) +
-                    ": expected each coordinate of the second corner above the first's");
+      throw InputError("--box " + printable(words, 60) +
+                       ": expected each coordinate of the second corner above the first's");
   }
   return box;
 }
@@ -64,13 +64,13 @@ std::array<std::array<bool, 2>, 3> faces_passed(const Mesh& mesh, const Box& box
   return passed;
 }
 
-std::vector<int> free_controls(const DesignOrder& order, const Mesh& mesh,
+std::vector<int> free_controls(const DesignOptions& options, const Mesh& mesh,
                                const DesignSpace& space) {
   const Lattice& lattice = space.lattice;
   std::vector<double> influence(static_cast<std::size_t>(lattice.control_count()), 0);
   for (std::size_t i = 0; i < space.weights.control.size(); ++i) {
-    double& most = influence[static_cast<std::size_t>(space.weights.control[i])];
-    most = std::max(most, std::abs(space.weights.weight[i]));
+    double& max_weight = influence[static_cast<std::size_t>(space.weights.control[i])];
+    max_weight = std::max(max_weight, std::abs(space.weights.weight[i]));
   }
   constexpr double kMinInfluence = 1e-3; // of a node's motion in the control point's
   const auto passed = faces_passed(mesh, lattice.box);
@@ -85,26 +85,27 @@ std::vector<int> free_controls(const DesignOrder& order, const Mesh& mesh,
         if (!stays)
           found.push_back(lattice.control(i, j, k));
       }
-  if (order.controls.empty())
+  if (options.controls.empty())
     return found;
-  for (const int id : order.controls)
+  for (const int id : options.controls)
     if (std::find(found.begin(), found.end(), id) == found.end())
-      throw Refusal(format("--controls: control point %d ", id) +
-                    (id >= lattice.control_count()
-                         ? format("is not there, expected 0 to %d", lattice.control_count() - 1)
-                         : "cannot move: it moves no node, or lies on a face of the box that the "
-                           "body passes through"));
-  std::vector<int> chosen = order.controls;
+      throw InputError(
+          format("--controls: control point %d ", id) +
+          (id >= lattice.control_count()
+               ? format("is not there, expected 0 to %d", lattice.control_count() - 1)
+               : "cannot move: it moves no node, or lies on a face of the box that the "
+                 "body passes through"));
+  std::vector<int> chosen = options.controls;
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   return chosen;
 }
 
 /// The largest displacement up to `wanted` (either sign) that one parameter may take alone.
-double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double wanted) {
+double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double requested) {
   std::vector<Vector3> target =
-      moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&wanted, 1));
-  return wanted * valid_step(mesh, target).fraction;
+      moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&requested, 1));
+  return requested * valid_step(mesh, target).fraction;
 }
 
 } // namespace
@@ -113,15 +114,16 @@ std::array<bool, 3> read_directions(const std::string& option, const std::string
   std::array<bool, 3> directions{};
   for (const char c : word) {
     if (c < 'x' || c > 'z')
-      throw Refusal(option + " " + printable(word, 20) + ": expected directions out of x, y and z");
+      throw InputError(option + " " + printable(word, 20) +
+                       ": expected directions out of x, y and z");
     directions[static_cast<std::size_t>(c - 'x')] = true;
   }
   if (word.empty())
-    throw Refusal(option + ": expected directions out of x, y and z");
+    throw InputError(option + ": expected directions out of x, y and z");
   return directions;
 }
 
-bool DesignOrder::take(BodyReader& reader) {
+bool DesignOptions::take(BodyReader& reader) {
   constexpr int kMaxPoints = 32;
   const std::string& option = reader.option();
   if (option == "--box") {
@@ -134,8 +136,8 @@ bool DesignOrder::take(BodyReader& reader) {
     for (const std::string& cell : split(reader.value(), ',')) {
       const auto id = to_integer(cell);
       if (!id || *id < 0)
-        throw Refusal("--controls " + printable(cell, 20) +
-                      ": expected numbers of control points from 0 between commas");
+        throw InputError("--controls " + printable(cell, 20) +
+                         ": expected numbers of control points from 0 between commas");
       controls.push_back(*id);
     }
   } else if (option == "--directions") {
@@ -147,37 +149,39 @@ bool DesignOrder::take(BodyReader& reader) {
   } else {
     return false;
   }
-  return wanted = true;
+  return requested = true;
 }
 
-DesignSpace design_space_of(const DesignOrder& order, const Mesh& mesh) {
+DesignSpace design_space_of(const DesignOptions& options, const Mesh& mesh) {
   DesignSpace space;
-  space.lattice.box = order.box ? *order.box : bounding_box(mesh.nodes);
-  space.lattice.points = order.points;
+  space.lattice.box = options.box ? *options.box : bounding_box(mesh.nodes);
+  space.lattice.points = options.points;
   for (std::size_t a = 0; a < 3; ++a)
     space.lattice.degree[a] =
-        order.degree[a] > 0 ? order.degree[a] : std::min(3, order.points[a] - 1);
+        options.degree[a] > 0 ? options.degree[a] : std::min(3, options.points[a] - 1);
   space.weights = embed(mesh, space.lattice);
-  space.controls = free_controls(order, mesh, space);
+  space.controls = free_controls(options, mesh, space);
   if (space.controls.empty())
-    throw Refusal("--box: no control point may move, as the body passes through the faces of the "
-                  "box on which they lie: expected more points (--lattice) or another box");
+    throw InputError(
+        "--box: no control point may move, as the body passes through the faces of the "
+        "box on which they lie: expected more points (--lattice) or another box");
   const Vector3 side = space.lattice.box.size();
-  space.trust = order.trust > 0 ? order.trust : kTrustShare * std::min({side.x, side.y, side.z});
+  space.trust =
+      options.trust > 0 ? options.trust : kTrustShare * std::min({side.x, side.y, side.z});
   std::vector<ShapeParameter> parameters;
   for (const int control : space.controls)
     for (int axis = 0; axis < 3; ++axis)
-      if (order.directions[static_cast<std::size_t>(axis)]) {
+      if (options.directions[static_cast<std::size_t>(axis)]) {
         Vector3 direction;
         direction[axis] = 1;
         parameters.push_back(
             {format("%d %c", control, 'x' + axis), std::vector<int>{control}, direction});
-        const double spacing = side[axis] / (order.points[static_cast<std::size_t>(axis)] - 1);
-        const double range = order.range > 0 ? order.range : spacing / 2;
+        const double spacing = side[axis] / (options.points[static_cast<std::size_t>(axis)] - 1);
+        const double range = options.range > 0 ? options.range : spacing / 2;
         space.parameters.push_back({control, axis, -range, range});
       }
   if (parameters.empty())
-    throw Refusal("--directions: expected one of x, y and z or more");
+    throw InputError("--directions: expected one of x, y and z or more");
   space.velocities = design_velocities(space.weights, parameters);
   for (std::size_t p = 0; p < space.parameters.size(); ++p) {
     ParameterRange& range = space.parameters[p];

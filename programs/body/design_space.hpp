@@ -1,14 +1,14 @@
 #pragma once
 #include "fem/design/lattice.hpp"
-#include "programs/body/body_order.hpp"
+#include "programs/body/body_options.hpp"
 
 #include <optional>
 
 namespace tactus::fem {
 
 /// The control lattice whose points shape the body, as the command line gives it.
-struct DesignOrder {
-  bool wanted = false;    ///< an option of the lattice was given
+struct DesignOptions {
+  bool requested = false; ///< an option of the lattice was given
   std::optional<Box> box; ///< m; none: the body's
   std::array<int, 3> points{3, 3, 3};
   std::array<int, 3> degree{}; ///< 0: 3, or one less than the points where they are fewer
@@ -39,9 +39,9 @@ struct DesignSpace {
 /// The control lattice around the body or in its box. Control points of a face of the box that the
 /// body passes through stay, so that the body stays in one piece; so do those that move no node.
 /// Bounds are cut where a coordinate alone would turn an element inside out.
-[[nodiscard]] DesignSpace design_space_of(const DesignOrder&, const Mesh&);
+[[nodiscard]] DesignSpace design_space_of(const DesignOptions&, const Mesh&);
 
-/// Help text of the options that DesignOrder::take() knows.
+/// Help text of the options that DesignOptions::take() knows.
 [[nodiscard]] std::string usage_of_lattice();
 
 } // namespace tactus::fem

@@ -1,7 +1,7 @@
 #include "programs/body/mpi_run.hpp"
 
 #include "fem/io/safe_file.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "programs/body/budget.hpp"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
             const std::string& errors, int& output) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
-    throw Refusal(std::string(engine.option) + ": no pipe: " + std::strerror(errno));
+    throw InputError(std::string(engine.option) + ": no pipe: " + std::strerror(errno));
   std::vector<char*> arguments;
   for (const std::string& word : words)
     arguments.push_back(const_cast<char*>(word.c_str()));
@@ -83,14 +83,14 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
   output = pipe[0];
   if (child < 0) {
     ::close(output);
-    throw Refusal(std::string(engine.option) + ": cannot start mpirun: " + std::strerror(errno));
+    throw InputError(std::string(engine.option) + ": cannot start mpirun: " + std::strerror(errno));
   }
   g_child = child;
   return child;
 }
 
 /// The solver's own sentence, else the last line that is no ornament.
-std::string last_complaint(const MpiEngine& engine, const std::string& path) {
+std::string last_error_line(const MpiEngine& engine, const std::string& path) {
   const std::string own = std::string(engine.program) + ": ";
   std::ifstream file(path);
   std::string last = "no reason given";
@@ -108,21 +108,21 @@ std::string last_complaint(const MpiEngine& engine, const std::string& path) {
 void check_engine(const MpiEngine& engine) {
   const std::string option = engine.option;
   if (::access(solver_path(engine).c_str(), X_OK) != 0)
-    throw Refusal(option + ": this program was built without " + engine.library +
-                  "; install Debian's " + engine.packages + " and openmpi-bin and build again");
+    throw InputError(option + ": this program was built without " + engine.library +
+                     "; install Debian's " + engine.packages + " and openmpi-bin and build again");
   if (mpirun_path().empty())
-    throw Refusal(option + ": there is no mpirun; install Debian's openmpi-bin");
+    throw InputError(option + ": there is no mpirun; install Debian's openmpi-bin");
 }
 
 MpiRun::MpiRun(const MpiEngine& engine, std::span<const char* const> files) : engine_(engine) {
   const char* temporary = std::getenv("TMPDIR");
   std::string pattern =
       std::string(temporary && *temporary ? temporary : "/tmp") + "/" + engine.program + ".XXXXXX";
-  constexpr std::size_t kLongestName = 16;
-  if (files.size() + 1 > g_files.size() || pattern.size() + kLongestName > g_folder.size() ||
+  constexpr std::size_t kMaxNameLength = 16;
+  if (files.size() + 1 > g_files.size() || pattern.size() + kMaxNameLength > g_folder.size() ||
       !::mkdtemp(pattern.data()))
-    throw Refusal(std::string(engine.option) + ": cannot make a folder " + pattern + ": " +
-                  std::strerror(errno));
+    throw InputError(std::string(engine.option) + ": cannot make a folder " + pattern + ": " +
+                     std::strerror(errno));
   folder_ = pattern;
   std::copy_n(folder_.c_str(), folder_.size() + 1, g_folder.data());
   for (auto& path : g_files)
@@ -140,19 +140,20 @@ MpiRun::~MpiRun() {
   fs::remove_all(folder_, ignored);
 }
 
-void MpiRun::need_room(double bytes) const {
+void MpiRun::require_disk_space(double bytes) const {
   struct statvfs disk {};
-  const double room = ::statvfs(folder_.c_str(), &disk) == 0
-                          ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize)
-                          : bytes;
-  if (room < bytes)
-    throw Refusal(std::string(engine_.option) + ": " + folder_ + " has room for " +
-                  words_of_bytes(room) + ", expected " + words_of_bytes(bytes) +
-                  ": set TMPDIR to a larger disk");
+  const double free_bytes =
+      ::statvfs(folder_.c_str(), &disk) == 0
+          ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize)
+          : bytes;
+  if (free_bytes < bytes)
+    throw InputError(std::string(engine_.option) + ": " + folder_ + " has room for " +
+                     format_bytes(free_bytes) + ", expected " + format_bytes(bytes) +
+                     ": set TMPDIR to a larger disk");
 }
 
 void MpiRun::run(int ranks, const std::vector<std::string>& arguments,
-                 const std::function<void(const char* line)>& tell) const {
+                 const std::function<void(const char* line)>& on_line) const {
   std::vector<std::string> words{mpirun_path(), "--oversubscribe",     "--bind-to",         "none",
                                  "-n",          std::to_string(ranks), solver_path(engine_)};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -162,7 +163,7 @@ void MpiRun::run(int ranks, const std::vector<std::string>& arguments,
     std::FILE* lines = ::fdopen(output, "r");
     char line[256];
     while (std::fgets(line, sizeof line, lines))
-      tell(line);
+      on_line(line);
     std::fclose(lines);
   }
   int status = 0;
@@ -170,8 +171,8 @@ void MpiRun::run(int ranks, const std::vector<std::string>& arguments,
     ;
   g_child = 0;
   if (status != 0)
-    throw Refusal(std::string(engine_.option) +
-                  " failed: " + last_complaint(engine_, file(kErrors)));
+    throw InputError(std::string(engine_.option) +
+                     " failed: " + last_error_line(engine_, file(kErrors)));
 }
 
 } // namespace tactus::fem

@@ -31,12 +31,12 @@ public:
   /// The path of a file in the folder.
   [[nodiscard]] std::string file(const char* name) const { return folder_ + "/" + name; }
   /// Refuses when the folder's disk has less room.
-  void need_room(double bytes) const;
+  void require_disk_space(double bytes) const;
   /// Runs the program on `ranks` processes with these arguments; `tell` gets each line of its
   /// standard output. Refuses when it fails or a process dies, with the program's own sentence
   /// ("PROGRAM: ..." on its standard error) or mpirun's.
   void run(int ranks, const std::vector<std::string>& arguments,
-           const std::function<void(const char* line)>& tell) const;
+           const std::function<void(const char* line)>& on_line) const;
 
 private:
   MpiEngine engine_;

@@ -46,28 +46,28 @@ bool python(std::vector<std::string> words) {
 } // namespace
 
 void check_output(const std::string& option, const std::string& path) {
-  const std::string who = option + " " + path;
+  const std::string label = option + " " + path;
   const fs::path folder = folder_of(path);
   std::error_code error;
   if (!fs::is_directory(folder, error))
-    throw Refusal(who + ": there is no folder " + folder.string());
+    throw InputError(label + ": there is no folder " + folder.string());
   if (fs::path(path).filename().empty() || fs::is_directory(path, error))
-    throw Refusal(who + " is a folder, expected the name of a file in it");
+    throw InputError(label + " is a folder, expected the name of a file in it");
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
-    throw Refusal(who +
-                  " is a device or pipe, expected a file: outputs appear complete or not at all");
+    throw InputError(
+        label + " is a device or pipe, expected a file: outputs appear complete or not at all");
   if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0)
-    throw Refusal(who + ": cannot write: " + std::strerror(errno));
+    throw InputError(label + ": cannot write: " + std::strerror(errno));
   // The file is written beside its place and renamed: that must be possible, and is tried.
   std::string trial = path + ".pXXXXXX"; // as long as .partial
   const int file = ::mkstemp(trial.data());
   if (file < 0)
-    throw Refusal(who + ": cannot write: " + std::strerror(errno));
+    throw InputError(label + ": cannot write: " + std::strerror(errno));
   ::close(file);
   ::unlink(trial.c_str());
 }
 
-void check_outputs(std::span<const Output> all, const BodyOrder& order) {
+void check_outputs(std::span<const Output> all, const BodyOptions& options) {
   const auto same = [](const std::string& a, const std::string& b) {
     return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
   };
@@ -75,24 +75,26 @@ void check_outputs(std::span<const Output> all, const BodyOrder& order) {
     if (all[i].path.empty())
       continue;
     check_output(all[i].option, all[i].path);
-    if (order.is_file && same(all[i].path, order.body))
-      throw Refusal(std::string(all[i].option) + " " + all[i].path + " is the body's own file");
+    if (options.is_file && same(all[i].path, options.body))
+      throw InputError(std::string(all[i].option) + " " + all[i].path + " is the body's own file");
     for (std::size_t j = 0; j < i; ++j)
       if (!all[j].path.empty() && same(all[i].path, all[j].path))
-        throw Refusal(std::string(all[j].option) + " and " + all[i].option +
-                      " name the same file " + all[i].path);
+        throw InputError(std::string(all[j].option) + " and " + all[i].option +
+                         " name the same file " + all[i].path);
   }
 }
 
-void check_room(std::span<const Output> all) {
+void check_disk_space(std::span<const Output> all) {
   for (const Output& out : all) {
     struct statvfs disk {};
     if (out.path.empty() || ::statvfs(folder_of(out.path).c_str(), &disk) != 0)
       continue; // the write itself will tell
-    const double room = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
-    if (out.bytes > room)
+    const double free_bytes =
+        static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
+    if (out.bytes > free_bytes)
       throw TooLarge(std::string(out.option) + " " + out.path + " would take " +
-                     words_of_bytes(out.bytes) + ", the disk has room for " + words_of_bytes(room));
+                     format_bytes(out.bytes) + ", the disk has room for " +
+                     format_bytes(free_bytes));
   }
 }
 
@@ -100,7 +102,7 @@ void check_sheet(const std::string& script) {
   if (!fs::exists(beside_program(script)) ||
       !python({"-c", "import importlib.util, sys; "
                      "sys.exit(importlib.util.find_spec('matplotlib') is None)"}))
-    throw Refusal("--sheet needs python3-matplotlib and " + beside_program(script));
+    throw InputError("--sheet needs python3-matplotlib and " + beside_program(script));
 }
 
 void draw_sheet(const std::string& script, const std::string& table, const std::string& picture,
@@ -109,7 +111,8 @@ void draw_sheet(const std::string& script, const std::string& table, const std::
                                  fs::absolute(picture).string()};
   words.insert(words.end(), more.begin(), more.end());
   if (!python(words))
-    throw Refusal("the picture sheet " + picture + " was not drawn by " + beside_program(script));
+    throw InputError("the picture sheet " + picture + " was not drawn by " +
+                     beside_program(script));
 }
 
 } // namespace tactus::fem

@@ -1,5 +1,5 @@
 #pragma once
-#include "programs/body/body_order.hpp"
+#include "programs/body/body_options.hpp"
 
 namespace tactus::fem {
 
@@ -13,13 +13,13 @@ struct Output {
 /// Refuses, before any work, output files that could not be written: a missing or closed folder, a
 /// folder or device in the file's place, one name for two files, the body's own file. Touches no
 /// existing file.
-void check_outputs(std::span<const Output>, const BodyOrder&);
+void check_outputs(std::span<const Output>, const BodyOptions&);
 
 /// The same for one file.
 void check_output(const std::string& option, const std::string& path);
 
 /// Refuses outputs that the disk has no room for.
-void check_room(std::span<const Output>);
+void check_disk_space(std::span<const Output>);
 
 /// Refuses at once what draw_sheet() would miss at the end: Debian's Python with matplotlib and the
 /// script, which lies beside this program.

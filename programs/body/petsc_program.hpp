@@ -10,18 +10,19 @@
 namespace tactus::petsc {
 
 inline const char* g_program = ""; ///< named in sentences
-inline std::string g_complaint;    ///< what PETSc first complained of
+inline std::string g_petsc_error;  ///< what PETSc first complained of
 
 /// "stage SHARE NAME", share 0..1 of the stage that is done.
-inline void tell(double share, const char* stage) {
+inline void report_progress(double share, const char* stage) {
   PetscPrintf(PETSC_COMM_WORLD, "stage %.3f %s\n", share, stage);
   std::fflush(stdout);
 }
 
-inline PetscErrorCode keep_complaint(MPI_Comm, int, const char*, const char*, PetscErrorCode status,
-                                     PetscErrorType type, const char* text, void*) {
+inline PetscErrorCode keep_petsc_error(MPI_Comm, int, const char*, const char*,
+                                       PetscErrorCode status, PetscErrorType type, const char* text,
+                                       void*) {
   if (type == PETSC_ERROR_INITIAL && text)
-    g_complaint = text;
+    g_petsc_error = text;
   return status;
 }
 
@@ -34,13 +35,13 @@ inline PetscErrorCode fail(const std::string& sentence) {
 /// Between initialisation and finalisation: runs, and ends all processes when that fails. Whether
 /// it went well.
 inline bool runs(PetscErrorCode (*run)(char** words), char** words, const std::string& library) {
-  PetscPushErrorHandler(keep_complaint, nullptr);
+  PetscPushErrorHandler(keep_petsc_error, nullptr);
   const PetscErrorCode status = run(words);
   if (status == 0)
     return true;
   if (status != PETSC_ERR_USER) {
-    std::replace(g_complaint.begin(), g_complaint.end(), '\n', ' ');
-    fail(library + " failed: " + (g_complaint.empty() ? "no reason given" : g_complaint));
+    std::replace(g_petsc_error.begin(), g_petsc_error.end(), '\n', ' ');
+    fail(library + " failed: " + (g_petsc_error.empty() ? "no reason given" : g_petsc_error));
   }
   MPI_Abort(PETSC_COMM_WORLD, 1);
   return false;

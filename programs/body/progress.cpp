@@ -1,6 +1,6 @@
 #include "programs/body/progress.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "programs/body/budget.hpp"
 
 #include <algorithm>
@@ -40,13 +40,13 @@ void ProgressLine::watch() {
   std::unique_lock lock(mutex_);
   while (!stop_) {
     change_.wait_for(lock, kRewrite);
-    if (!stop_ && !name_.empty() && Clock::now() - printed_ >= (terminal_ ? kRewrite : kLog))
+    if (!stop_ && !name_.empty() && Clock::now() - last_print_ >= (terminal_ ? kRewrite : kLog))
       print(false);
   }
 }
 
 std::string ProgressLine::line() const {
-  const double spent = seconds_since(begun_);
+  const double spent = seconds_since(stage_start_);
   std::string text = format("%7.1f s  ", seconds_since(start_)) + name_;
   if (share_ > 0)
     text += format(" %.0f %%", 100 * share_);
@@ -54,19 +54,19 @@ std::string ProgressLine::line() const {
     return text;
   // The rate so far, once a fiftieth is done; before that what was foretold.
   const bool measured = share_ > .02;
-  const double left = measured ? spent * (1 - share_) / share_ : foretold_s_ - spent;
+  const double left = measured ? spent * (1 - share_) / share_ : predicted_s_ - spent;
   if (left > 0)
-    text += ", about " + words_of_seconds(left) + " left";
-  else if (foretold_s_ > 0)
-    text += ", for " + words_of_seconds(spent) + " so far, " + words_of_seconds(foretold_s_) +
+    text += ", about " + format_seconds(left) + " left";
+  else if (predicted_s_ > 0)
+    text += ", for " + format_seconds(spent) + " so far, " + format_seconds(predicted_s_) +
             " were expected";
   else
-    text += ", for " + words_of_seconds(spent) + " so far";
+    text += ", for " + format_seconds(spent) + " so far";
   return text;
 }
 
 void ProgressLine::print(bool ended) {
-  printed_ = Clock::now();
+  last_print_ = Clock::now();
   std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", line().c_str(), terminal_ ? "\033[K" : "");
   rewriting_ = terminal_ && !ended;
   if (!rewriting_)
@@ -74,27 +74,27 @@ void ProgressLine::print(bool ended) {
   std::fflush(stderr);
 }
 
-void ProgressLine::stage(const std::string& name, double share, double foretold_s) {
+void ProgressLine::stage(const std::string& name, double share, double predicted_s) {
   if (quiet_)
     return;
   const std::lock_guard lock(mutex_);
-  const bool fresh = name != name_;
-  const bool ended = share >= 1 && (share_ < 1 || fresh);
-  if (fresh) {
+  const bool new_stage = name != name_;
+  const bool ended = share >= 1 && (share_ < 1 || new_stage);
+  if (new_stage) {
     if (rewriting_)
       std::fputc('\n', stderr);
     rewriting_ = false;
     name_ = name;
-    begun_ = Clock::now();
-    share_ = foretold_s_ = 0;
+    stage_start_ = Clock::now();
+    share_ = predicted_s_ = 0;
   }
   share_ = std::clamp(std::max(share, share_), 0.0, 1.0);
-  foretold_s_ = std::max(foretold_s, foretold_s_);
-  if (fresh || ended)
+  predicted_s_ = std::max(predicted_s, predicted_s_);
+  if (new_stage || ended)
     print(ended);
 }
 
-void ProgressLine::say(const std::string& sentence) {
+void ProgressLine::notify(const std::string& sentence) {
   if (quiet_)
     return;
   const std::lock_guard lock(mutex_);

@@ -19,10 +19,10 @@ public:
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// A stage begins (another name) or goes on; share 0 to 1, 1 ends it. `foretold_s`: how long the
+  /// A stage begins (another name) or goes on; share 0 to 1, 1 ends it. `predicted_s`: how long the
   /// whole stage should take, 0: unknown.
-  void stage(const std::string& name, double share, double foretold_s = 0);
-  void say(const std::string& sentence);
+  void stage(const std::string& name, double share, double predicted_s = 0);
+  void notify(const std::string& sentence);
 
 private:
   using Clock = std::chrono::steady_clock;
@@ -36,10 +36,10 @@ private:
   std::condition_variable change_;
   bool stop_ = false;
   std::string name_;
-  double share_ = 0, foretold_s_ = 0;
+  double share_ = 0, predicted_s_ = 0;
   bool rewriting_ = false; ///< a terminal's line that the next one replaces
   const Clock::time_point start_ = Clock::now();
-  Clock::time_point begun_ = start_, printed_ = start_;
+  Clock::time_point stage_start_ = start_, last_print_ = start_;
   std::thread watcher_;
 };
 

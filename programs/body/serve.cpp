@@ -4,7 +4,7 @@
 #include "core/table/npz.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -52,32 +52,33 @@ ServedPart read_served_part(const std::string& path, const std::string& format_n
   table::NpzFile archive;
   if (const std::string refusal = archive.open(std::as_bytes(std::span(part.bytes)));
       !refusal.empty())
-    throw Refusal(path + ": " + refusal);
+    throw InputError(path + ": " + refusal);
   const auto text = [&](const char* name) {
     const table::NpzArray* array = archive.find(name);
     if (!array || array->item_bytes != 1)
-      throw Refusal(path + " has no array of bytes '" + name + "', expected a table of " + program);
+      throw InputError(path + " has no array of bytes '" + name + "', expected a table of " +
+                       program);
     return std::string_view(reinterpret_cast<const char*>(array->bytes.data()),
                             array->bytes.size());
   };
   table::Json meta;
   if (!table::read_json(text("meta"), meta))
-    throw Refusal(path + ": array 'meta' is not JSON");
+    throw InputError(path + ": array 'meta' is not JSON");
   if (meta.text_or("format", "") != format_name) {
     std::string words = format_name;
     std::replace(words.begin(), words.end(), '-', ' ');
-    throw Refusal(path + " is no " + words + ": expected one of " + program);
+    throw InputError(path + " is no " + words + ": expected one of " + program);
   }
   if (const table::Json* command = meta.find("command"))
     for (const table::Json& word : command->list)
       part.command.push_back(word.text);
   if (part.command.empty())
-    throw Refusal(path + " does not say how it was made: expected 'command' in its meta");
+    throw InputError(path + " does not say how it was made: expected 'command' in its meta");
   try {
     part.mesh = mesh_from_bytes(text("mesh"));
     check(part.mesh);
-  } catch (const Refusal& refusal) {
-    throw Refusal(path + ": " + refusal.what());
+  } catch (const InputError& refusal) {
+    throw InputError(path + ": " + refusal.what());
   }
   return part;
 }
@@ -87,7 +88,7 @@ void ServeMessage::send() {
   std::fwrite(&header_, sizeof header_, 1, stdout);
   std::fwrite(bytes_.data(), 1, bytes_.size(), stdout);
   if (std::fflush(stdout) != 0)
-    throw Refusal("the answer cannot be written to stdout: its reader is gone");
+    throw InputError("the answer cannot be written to stdout: its reader is gone");
 }
 
 int serve_requests(const char* program, const std::function<void(std::span<const char>)>& answer) {
@@ -112,16 +113,18 @@ int serve_requests(const char* program, const std::function<void(std::span<const
                            static_cast<unsigned long long>(header.size),
                            static_cast<unsigned long long>(kMaxRequestBytes)));
     std::vector<char> request(header.size);
-    if (const std::size_t came = read_fully(request.data(), request.size()); came < header.size)
+    if (const std::size_t received = read_fully(request.data(), request.size());
+        received < header.size)
       return broken(
-          format("the stream ends after %zu of a message's %zu bytes", came, request.size()));
+          format("the stream ends after %zu of a message's %zu bytes", received, request.size()));
     if (header.kind == static_cast<std::uint32_t>(ServeKind::quit))
       return 0;
     try {
       if (header.kind != static_cast<std::uint32_t>(ServeKind::solve))
-        throw Refusal(format("a message of kind %u, expected 1 (solve) or 2 (quit)", header.kind));
+        throw InputError(
+            format("a message of kind %u, expected 1 (solve) or 2 (quit)", header.kind));
       answer(request);
-    } catch (const Refusal& refusal) {
+    } catch (const InputError& refusal) {
       refuse(refusal.what());
     }
   }

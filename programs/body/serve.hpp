@@ -25,12 +25,12 @@ struct ServedPart {
 
 /// The order that a table's command is; `read` refuses by exception, and the file is named.
 template <class Read>
-[[nodiscard]] auto read_served_order(const std::string& path,
-                                     const std::vector<std::string>& command, Read&& read) {
+[[nodiscard]] auto read_served_options(const std::string& path,
+                                       const std::vector<std::string>& command, Read&& read) {
   try {
     return read(command);
-  } catch (const Refusal& refusal) {
-    throw Refusal(path + ": " + refusal.what());
+  } catch (const InputError& refusal) {
+    throw InputError(path + ": " + refusal.what());
   }
 }
 

@@ -57,11 +57,12 @@ std::string parameter(const Parameter& p) {
 
 std::string message(const Message& m) {
   return "{" + field("name", quoted(m.name)) + ", " + field("arguments", quoted(m.arguments)) +
-         ", " + field("fewest", std::to_string(m.fewest)) + ", " +
-         field("most", std::to_string(m.most)) + ", " + field("text", quoted(m.text)) + "}";
+         ", " + field("fewest", std::to_string(m.min_arguments)) + ", " +
+         field("most", std::to_string(m.max_arguments)) + ", " + field("text", quoted(m.text)) +
+         "}";
 }
 
-std::string object(const Described& described) {
+std::string object(const ObjectDescription& described) {
   const Declaration& d = *described.declaration;
   const auto flag = [](bool value) { return std::string(value ? "true" : "false"); };
   return "{" + field("name", quoted(d.name)) + ",\n  " + field("title", quoted(d.title)) + ",\n  " +

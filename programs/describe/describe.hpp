@@ -6,12 +6,12 @@
 
 namespace tactus {
 
-struct Described {
+struct ObjectDescription {
   const Declaration* declaration;
   Traits traits;
 };
 
 /// Every object that pd_external() registered, in the order of the folders.
-[[nodiscard]] std::vector<Described> described_objects();
+[[nodiscard]] std::vector<ObjectDescription> described_objects();
 
 } // namespace tactus

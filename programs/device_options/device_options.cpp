@@ -6,7 +6,7 @@
 namespace tactus::programs {
 namespace {
 
-std::vector<std::string> words_of(const std::string& text) {
+std::vector<std::string> split_words(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> words;
   for (std::string word; stream >> word;)
@@ -19,7 +19,7 @@ std::vector<std::string> words_of(const std::string& text) {
 std::optional<bool> set_device_option(std::string_view name, const std::string& value,
                                       DeviceOptions& options) {
   if (name == "--set") {
-    options.settings.push_back(words_of(value));
+    options.settings.push_back(split_words(value));
     return true;
   }
   if (name != "--device")

@@ -28,13 +28,13 @@ Motion motion_of(std::span<const Record> records) noexcept {
     }
     if (before && !(record.position == before->position))
       ++fresh;
-    motion.fastest_m_per_s = std::max(motion.fastest_m_per_s, norm(record.velocity));
+    motion.max_speed_m_per_s = std::max(motion.max_speed_m_per_s, norm(record.velocity));
     motion.buttons |= record.buttons;
     before = &record;
   }
   if (records.size() > 1)
-    motion.fresh_share = static_cast<double>(fresh) / static_cast<double>(records.size() - 1);
-  motion.smallest_step_m = std::isfinite(smallest) ? smallest : 0;
+    motion.changed_fraction = static_cast<double>(fresh) / static_cast<double>(records.size() - 1);
+  motion.min_step_m = std::isfinite(smallest) ? smallest : 0;
   return motion;
 }
 
@@ -49,7 +49,7 @@ Intervals intervals_of(std::span<const Record> records, double period_s) noexcep
     ++all.counts[static_cast<std::size_t>(edge - Intervals::kEdges_s.begin())];
     sum += off;
     squares += off * off;
-    all.longest_s = std::max(all.longest_s, interval);
+    all.max_s = std::max(all.max_s, interval);
     ++all.number;
   }
   if (all.number > 0) {
@@ -63,7 +63,7 @@ Intervals intervals_of(std::span<const Record> records, double period_s) noexcep
 WallResult wall_result(std::span<const Record> records, const Wall& wall, double from_s,
                        double limit_n, double period_s) {
   WallResult result;
-  double force_depth = 0, depth_depth = 0, hum = 0;
+  double force_depth = 0, depth_depth = 0, vibration_rms = 0;
   std::size_t hum_ticks = 0;
   // What a parabola through 40 ms of the motion leaves over (Savitzky & Golay 1964).
   const auto half = static_cast<std::size_t>(std::max(2.0, 0.02 / period_s));
@@ -77,8 +77,8 @@ WallResult wall_result(std::span<const Record> records, const Wall& wall, double
       continue;
     const double force = dot(records[i].force_n, wall.normal);
     ++result.ticks;
-    result.deepest_m = std::max(result.deepest_m, depth);
-    result.largest_n = std::max(result.largest_n, force);
+    result.max_depth_m = std::max(result.max_depth_m, depth);
+    result.max_force_n = std::max(result.max_force_n, force);
     if (force < 0.98 * limit_n) {
       force_depth += force * depth;
       depth_depth += depth * depth;
@@ -93,14 +93,14 @@ WallResult wall_result(std::span<const Record> records, const Wall& wall, double
       smooth += one * weight(static_cast<double>(k) - static_cast<double>(i));
     }
     if (inside) {
-      hum += (depth - smooth) * (depth - smooth);
+      vibration_rms += (depth - smooth) * (depth - smooth);
       ++hum_ticks;
     }
   }
   if (depth_depth > 0)
     result.stiffness_n_per_m = force_depth / depth_depth;
   if (hum_ticks > 0)
-    result.hum_m = std::sqrt(hum / static_cast<double>(hum_ticks));
+    result.vibration_rms_m = std::sqrt(vibration_rms / static_cast<double>(hum_ticks));
   return result;
 }
 

@@ -24,10 +24,10 @@ struct Record {
 /// Where the handle has been, and how the readings come.
 struct Motion {
   haptic::Vec3 lowest{}, highest{};
-  double fastest_m_per_s = 0;
-  double fresh_share = 0;     ///< of the ticks whose reading differs from the one before
-  double smallest_step_m = 0; ///< between two readings that differ
-  std::uint32_t buttons = 0;  ///< all that were pressed
+  double max_speed_m_per_s = 0;
+  double changed_fraction = 0; ///< of the ticks whose reading differs from the one before
+  double min_step_m = 0;       ///< between two readings that differ
+  std::uint32_t buttons = 0;   ///< all that were pressed
 };
 [[nodiscard]] Motion motion_of(std::span<const Record> records) noexcept;
 
@@ -36,7 +36,7 @@ struct Intervals {
   static constexpr std::array<double, 8> kEdges_s{20e-6,  50e-6, 100e-6, 200e-6,
                                                   500e-6, 1e-3,  2e-3,   1e9};
   std::array<std::size_t, 8> counts{}; ///< by how far an interval was from the period
-  double mean_s = 0, deviation_s = 0, longest_s = 0;
+  double mean_s = 0, deviation_s = 0, max_s = 0;
   std::size_t number = 0;
 };
 [[nodiscard]] Intervals intervals_of(std::span<const Record> records, double period_s) noexcept;
@@ -46,9 +46,10 @@ struct Wall {
   haptic::Vec3 point{}, normal{};
 };
 struct WallResult {
-  double deepest_m = 0, largest_n = 0;
+  double max_depth_m = 0, max_force_n = 0;
   double stiffness_n_per_m = 0; ///< of the force sent against the depth; 0 without contact
-  double hum_m = 0;      ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
+  double vibration_rms_m =
+      0;                 ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
   std::size_t ticks = 0; ///< in contact
 };
 /// From the time on when the motors are fully on; a force within 2 % of limit_n is no measure.

@@ -37,7 +37,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
     device = driver->make(); // what stands in the way may be a setting: open() tells
     if (!device)
       return std::fprintf(stderr, "haptic_check: %s: %s\n", options.device.driver.c_str(),
-                          driver->obstacle().c_str()),
+                          driver->problem().c_str()),
              1;
   }
   if (!device)

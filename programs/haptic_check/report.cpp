@@ -41,12 +41,12 @@ void add_loop(std::string& text, const Finding& finding) {
   const auto& work = finding.statistics.work;
   add(text,
       "  loop: %s, %.1f Hz, interval +- %.0f us, longest %.2f ms, overruns %llu, skipped %llu\n",
-      finding.scheduling.c_str(), 1 / all.mean_s, 1e6 * all.deviation_s, 1e3 * all.longest_s,
+      finding.scheduling.c_str(), 1 / all.mean_s, 1e6 * all.deviation_s, 1e3 * all.max_s,
       static_cast<unsigned long long>(finding.statistics.overruns),
       static_cast<unsigned long long>(finding.statistics.skipped));
   add(text, "  late p50 %.0f p99 %.0f max %.0f us; work p50 %.0f p99 %.0f max %.0f us\n",
-      1e6 * late.quantile_s(0.5), 1e6 * late.quantile_s(0.99), 1e6 * late.longest_s(),
-      1e6 * work.quantile_s(0.5), 1e6 * work.quantile_s(0.99), 1e6 * work.longest_s());
+      1e6 * late.quantile_s(0.5), 1e6 * late.quantile_s(0.99), 1e6 * late.max_s(),
+      1e6 * work.quantile_s(0.5), 1e6 * work.quantile_s(0.99), 1e6 * work.max_s());
 }
 
 void add_histogram(std::string& text, const std::vector<Finding>& findings) {
@@ -76,10 +76,10 @@ std::vector<std::string> inventory() {
   for (const devices::Driver* driver : devices::drivers()) {
     const std::string name(driver->name);
     lines.push_back(name + ": " + std::string(driver->summary));
-    const std::string obstacle = driver->obstacle();
-    const auto found = obstacle.empty() ? driver->list() : std::vector<devices::Found>();
-    if (!obstacle.empty())
-      lines.push_back("  not now: " + obstacle);
+    const std::string problem = driver->problem();
+    const auto found = problem.empty() ? driver->list() : std::vector<devices::Found>();
+    if (!problem.empty())
+      lines.push_back("  not now: " + problem);
     else if (found.empty())
       lines.emplace_back("  none found");
     for (const devices::Found& one : found)
@@ -92,7 +92,7 @@ std::vector<std::string> inventory() {
 
 Choice first_ready() {
   for (const devices::Driver* driver : devices::drivers())
-    if (driver->obstacle().empty())
+    if (driver->problem().empty())
       for (const devices::Found& one : driver->list())
         if (one.state == "ready")
           return {std::string(driver->name), std::to_string(one.index)};

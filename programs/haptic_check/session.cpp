@@ -18,7 +18,7 @@ constexpr double kGraceful_s = 0.3;
 constexpr double kMotorsRise_s = 1;
 // Looks, 5 ms apart, that must find a trouble: a device which nobody asked between two stations
 // takes a moment to answer.
-constexpr int kLastingTrouble = 10;
+constexpr int kTroubleDebounce = 10;
 
 } // namespace
 
@@ -55,7 +55,7 @@ std::string Session::open() {
 }
 
 /// Shows the servo that somebody looks after it; without, its force ends within 150 ms.
-void Session::beat() noexcept {
+void Session::send_heartbeat() noexcept {
   haptic::Command command;
   command.heartbeat_s = devices::ServoThread::now_s();
   servo_.exchange().commands.write(command);
@@ -68,7 +68,7 @@ void Session::fade_out() noexcept {
   const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
   while (devices::ServoThread::now_s() < give_up_s) {
     std::this_thread::sleep_for(Milliseconds(1));
-    if (servo_.exchange().motors.at_rest())
+    if (servo_.exchange().motors.zero_force_confirmed())
       break;
   }
   static_cast<void>(thread_.stop()); // waits: the servo is this session's
@@ -110,7 +110,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
   if (plan.motors)
     exchange.motors.enable(); // from none: they rise
   exchange.tracing = true;
-  beat();
+  send_heartbeat();
   error = thread_.start(servo_, *device_, plan.period_s);
   if (!error.empty()) {
     exchange.tracing = false;
@@ -123,18 +123,18 @@ Recording Session::run(const Plan& plan, std::string& error) {
     const double now_s = devices::ServoThread::now_s();
     if (now_s - start_s >= plan.seconds)
       break;
-    beat();
+    send_heartbeat();
     drain(recording);
     exchange.reports.read();
     const haptic::Report& report = exchange.reports.latest();
     std::string trouble = device_->trouble();
     troubled = trouble.empty() ? 0 : troubled + 1;
-    if (troubled >= kLastingTrouble)
+    if (troubled >= kTroubleDebounce)
       recording.trouble = std::move(trouble);
     recording.latched = recording.latched || report.latched;
     if (plan.line)
       line.show(plan.line(report), now_s);
-    if (plan.enough && plan.enough(report))
+    if (plan.done && plan.done(report))
       break;
     std::this_thread::sleep_for(Milliseconds(5));
   }

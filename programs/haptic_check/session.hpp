@@ -64,14 +64,14 @@ public:
     haptic::Scene scene{};
     std::vector<Sines::Part> sines{};
     std::function<std::string(const haptic::Report&)> line{}; ///< for the eyes, while it runs
-    std::function<bool(const haptic::Report&)> enough{};      ///< ends it early
+    std::function<bool(const haptic::Report&)> done{};        ///< ends it early
   };
   /// Runs the servo for that time. error is empty unless the device's own thread did not start.
   [[nodiscard]] Recording run(const Plan& plan, std::string& error);
 
 private:
   void fade_out() noexcept;
-  void beat() noexcept;
+  void send_heartbeat() noexcept;
   void drain(Recording& recording);
 
   std::unique_ptr<haptic::Backend> device_;

@@ -16,7 +16,7 @@ using haptic::Vec3;
 
 constexpr double kRise_s = 1.2; // the motors' rise and a little more
 constexpr double kHome_s = 60;
-constexpr int kHomed_looks = 40; // about 5 ms apart
+constexpr int kHomedPolls = 40; // about 5 ms apart
 
 [[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
   char line[256];
@@ -65,12 +65,12 @@ void Stations::skip(const std::string& name, const std::string& reason) {
 }
 
 /// Where the simulated hand goes; a real one goes where it likes.
-void Stations::hand_goes(const Vec3& from, const Vec3& to, double period_s) {
+void Stations::move_simulated_hand(const Vec3& from, const Vec3& to, double period_s) {
   if (haptic::SimulatedDevice* device = session_.simulated())
-    device->follow(haptic::LinePath{from, to, period_s});
+    device->set_path(haptic::LinePath{from, to, period_s});
 }
 
-Vec3 Stations::where_now(std::string& error) {
+Vec3 Stations::current_position(std::string& error) {
   Session::Plan plan;
   plan.seconds = 0.2;
   plan.period_s = period_s_;
@@ -114,7 +114,7 @@ std::string Stations::look() {
   std::printf("\n1. Position. The motors stay off. Move the handle to all corners and press each "
               "button.\n");
   static_cast<void>(ask("  Enter to begin:", !options_.yes));
-  hand_goes({-0.02, -0.01, -0.02}, {0.02, 0.01, 0.02}, 1);
+  move_simulated_hand({-0.02, -0.01, -0.02}, {0.02, 0.01, 0.02}, 1);
   std::string error;
   Session::Plan plan;
   plan.period_s = period_s_;
@@ -125,17 +125,17 @@ std::string Stations::look() {
       return "  " + (trouble.empty() ? std::string("waiting for the device") : trouble);
     };
     int homed_for = 0;
-    plan.enough = [&homed_for](const haptic::Report& report) {
+    plan.done = [&homed_for](const haptic::Report& report) {
       homed_for = report.tick.index > 0 && (report.state.flags & State::kHomed) ? homed_for + 1 : 0;
-      return homed_for > kHomed_looks;
+      return homed_for > kHomedPolls;
     };
     const Recording recording = session_.run(plan, error);
     if (!error.empty())
       return error;
-    if (homed_for <= kHomed_looks && !interrupted())
+    if (homed_for <= kHomedPolls && !interrupted())
       return "the device was not calibrated in time: " + recording.trouble;
   }
-  plan.enough = {};
+  plan.done = {};
   plan.seconds = options_.seconds;
   plan.line = live;
   const Recording recording = session_.run(plan, error);
@@ -151,7 +151,7 @@ std::string Stations::look() {
       text("x %.1f..%.1f  y %.1f..%.1f  z %.1f..%.1f mm", low.x, high.x, low.y, high.y, low.z,
            high.z),
       text("fastest %.2f m/s, smallest step %.4f mm, new readings in %.0f %% of the ticks",
-           motion.fastest_m_per_s, 1e3 * motion.smallest_step_m, 100 * motion.fresh_share),
+           motion.max_speed_m_per_s, 1e3 * motion.min_step_m, 100 * motion.changed_fraction),
       text("buttons seen 0x%x, readings that failed %llu of %llu", motion.buttons,
            static_cast<unsigned long long>(recording.statistics.device_errors),
            static_cast<unsigned long long>(recording.statistics.ticks))};
@@ -185,15 +185,15 @@ std::string Stations::wall() {
       force_limit_n_, below ? "down" : "to the right", stiffness_n_per_m_);
   static_cast<void>(ask("  Hold the handle in the middle, then Enter:", !options_.yes));
   std::string error;
-  hand_goes({}, {}, 1);
-  const Vec3 start = where_now(error);
+  move_simulated_hand({}, {}, 1);
+  const Vec3 start = current_position(error);
   if (!error.empty() || interrupted())
     return error;
   const Vec3 extent = caps_.workspace_max - caps_.workspace_min;
   const double gap = std::min(0.015, 0.15 * (below ? extent.y : extent.x));
   const Vec3 normal = below ? Vec3{0, 1, 0} : Vec3{-1, 0, 0};
   const Wall face{start - normal * gap, normal};
-  hand_goes(start, start - normal * (gap + 0.008), std::max(0.5, options_.seconds / 4));
+  move_simulated_hand(start, start - normal * (gap + 0.008), std::max(0.5, options_.seconds / 4));
   Session::Plan plan = with_motors();
   plan.scene.bodies = {body(haptic::Plane{}, {face.point, haptic::Rotation::from_z_to(normal)})};
   const Recording recording = session_.run(plan, error);
@@ -206,11 +206,11 @@ std::string Stations::wall() {
   if (result.ticks == 0)
     finding.lines = {"the wall was not touched"};
   else
-    finding.lines = {text("%zu hits, %zu ticks in contact, deepest %.2f mm, largest force %.2f N",
-                          recording.hits.size(), result.ticks, 1e3 * result.deepest_m,
-                          result.largest_n),
-                     text("force over depth %.0f N/m of %.0f asked, hum %.1f um RMS",
-                          result.stiffness_n_per_m, stiffness_n_per_m_, 1e6 * result.hum_m)};
+    finding.lines = {
+        text("%zu hits, %zu ticks in contact, deepest %.2f mm, largest force %.2f N",
+             recording.hits.size(), result.ticks, 1e3 * result.max_depth_m, result.max_force_n),
+        text("force over depth %.0f N/m of %.0f asked, hum %.1f um RMS", result.stiffness_n_per_m,
+             stiffness_n_per_m_, 1e6 * result.vibration_rms_m)};
   return finish(std::move(finding), recording, true);
 }
 
@@ -227,27 +227,27 @@ std::string Stations::sphere() {
       force_limit_n_, 1e3 * radius);
   static_cast<void>(ask("  Hold the handle in the middle, then Enter:", !options_.yes));
   std::string error;
-  hand_goes({}, {}, 1);
-  const Vec3 start = where_now(error);
+  move_simulated_hand({}, {}, 1);
+  const Vec3 start = current_position(error);
   if (!error.empty() || interrupted())
     return error;
   const double gap = std::min(0.008, 0.1 * extent.y);
   const Vec3 centre = start - Vec3{0, radius + gap, 0};
-  hand_goes(start, start - Vec3{-0.2 * radius, gap + 0.005, 0},
-            std::max(0.5, options_.seconds / 4));
+  move_simulated_hand(start, start - Vec3{-0.2 * radius, gap + 0.005, 0},
+                      std::max(0.5, options_.seconds / 4));
   Session::Plan plan = with_motors();
   plan.scene.bodies = {body(haptic::Sphere{radius}, {centre, {}})};
   const Recording recording = session_.run(plan, error);
   if (!error.empty())
     return error;
-  double deepest = 0;
+  double max_depth = 0;
   std::vector<double> angles;
   for (const Record& record : recording.records) {
     const Vec3 out = record.position - centre;
     const double force = norm(record.force_n), away = norm(out);
     if (force < 0.05 || away >= radius || away < 0.5 * radius)
       continue;
-    deepest = std::max(deepest, radius - away);
+    max_depth = std::max(max_depth, radius - away);
     const double cosine = dot(record.force_n, out) / (force * away);
     angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi);
   }
@@ -259,7 +259,7 @@ std::string Stations::sphere() {
   else
     finding.lines = {
         text("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits.size(),
-             angles.size(), 1e3 * deepest),
+             angles.size(), 1e3 * max_depth),
         text("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%,",
              angles[angles.size() / 2], angles[angles.size() * 19 / 20]),
         "where the brake of the passivity control is part of it"};
@@ -272,7 +272,7 @@ std::string Stations::sines() {
               "slowly, then as a hum, then as a tone. Hold it loosely.\n",
               amplitude);
   static_cast<void>(ask("  Hold the handle in the middle, then Enter:", !options_.yes));
-  hand_goes({}, {}, 1);
+  move_simulated_hand({}, {}, 1);
   std::vector<double> frequencies;
   const double rate_hz = std::min(options_.rate_hz, caps_.rate_hz);
   for (const double hz : {5.0, 40.0, 150.0})

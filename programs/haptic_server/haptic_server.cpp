@@ -18,8 +18,8 @@ std::atomic<haptic::MotorControl*> motors{nullptr};
 static_assert(std::atomic<haptic::MotorControl*>::is_always_lock_free); // for the handlers
 
 constexpr unsigned kEnd_s = 3;
-constexpr auto kLook = std::chrono::milliseconds(5);
-constexpr int kLooksBetweenTroubles = 100;
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
+constexpr int kPollsPerTroubleCheck = 100;
 
 /// A driver's call may never return, and nothing can end it but the process.
 void leave(int) noexcept {
@@ -66,23 +66,23 @@ int serve(Station& station, const Options& options, phantom::Trace& trace) {
       trace.write(report);
   };
   std::string trouble;
-  for (int looks = 0; !stop && !(options.once && station.deserted()); ++looks) {
+  for (int looks = 0; !stop && !(options.once && station.all_clients_left()); ++looks) {
     drain();
-    for (const std::string& line : station.take_news())
+    for (const std::string& line : station.take_notices())
       say(line);
-    if (looks % kLooksBetweenTroubles == 0)
+    if (looks % kPollsPerTroubleCheck == 0)
       if (std::string now = station.trouble(); now != trouble) {
         trouble = std::move(now);
         if (!trouble.empty())
           std::fprintf(stderr, "haptic_server: %s\n", trouble.c_str());
       }
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kPollInterval);
   }
   motors = nullptr;
   alarm(kEnd_s);
   station.close();
   drain();
-  for (const std::string& line : station.take_news())
+  for (const std::string& line : station.take_notices())
     say(line);
   if (station.exchange().trace.dropped() > 0)
     std::fprintf(stderr, "haptic_server: %llu ticks are missing in the trace\n",

@@ -2,7 +2,7 @@
 
 #include "core/haptic/device/path.hpp"
 #include "devices/driver.hpp"
-#include "devices/signals_held_back.hpp"
+#include "devices/scoped_signal_mask.hpp"
 #include "net/token_file.hpp"
 
 #include <cstdio>
@@ -59,7 +59,7 @@ std::string Station::hold_simulated(const Options& options) {
   haptic::ParsedPath parsed = haptic::parse_path(text);
   if (!parsed.error.empty())
     return options.path + ": " + parsed.error;
-  simulated_->follow(haptic::RowPath(std::move(parsed.rows)));
+  simulated_->set_path(haptic::RowPath(std::move(parsed.rows)));
   return {};
 }
 
@@ -76,7 +76,7 @@ std::string Station::make_device(const Options& options) {
       return "there is no driver " + options.device.driver + "; --help names them";
     device_ = driver->make();
     if (!device_)
-      return options.device.driver + ": " + driver->obstacle();
+      return options.device.driver + ": " + driver->problem();
   }
   if (std::string refusal = programs::configure(*device_, options.device); !refusal.empty())
     return refusal;
@@ -114,7 +114,7 @@ std::string Station::serve(const Options& options, const std::string& token) {
   link_ = std::make_unique<net::ServoLink>(servo_, model_, chain);
   sockets_ = std::make_unique<net::TcpServer>(
       *server_, net::TcpServer::Hooks{[this](double now_s) { tick(now_s); },
-                                      [this] { link_->give(server_->orders()); }});
+                                      [this] { link_->send(server_->servo_command()); }});
   if (std::string error = sockets_->open({options.port, options.listen, options.udp});
       !error.empty())
     return error;
@@ -126,24 +126,24 @@ std::string Station::serve(const Options& options, const std::string& token) {
   description_ =
       settings.device + ", " + limit + " N at most, on " + sockets_->addresses() +
       (options.udp ? " with datagrams on port " + std::to_string(sockets_->udp_port()) : "");
-  const devices::SignalsHeldBack held;
+  const devices::ScopedSignalMask held;
   network_ = std::thread([this] { sockets_->run(); });
   return {};
 }
 
 void Station::tick(double now_s) {
   link_->exchange(*server_, now_s);
-  deserted_ = server_->visits() > 0 && server_->clients() == 0;
-  std::vector<std::string> fresh = server_->take_news();
+  all_clients_left_ = server_->connections_made() > 0 && server_->clients() == 0;
+  std::vector<std::string> fresh = server_->take_notices();
   if (fresh.empty())
     return;
-  const std::lock_guard lock(guard_);
-  news_.insert(news_.end(), fresh.begin(), fresh.end());
+  const std::lock_guard lock(mutex_);
+  notices_.insert(notices_.end(), fresh.begin(), fresh.end());
 }
 
-std::vector<std::string> Station::take_news() {
-  const std::lock_guard lock(guard_);
-  return std::exchange(news_, {});
+std::vector<std::string> Station::take_notices() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(notices_, {});
 }
 
 void Station::close() {
@@ -154,7 +154,8 @@ void Station::close() {
   if (servo_thread_.running()) {
     servo_.exchange().motors.pause(true);
     const double give_up_s = devices::ServoThread::now_s() + kFade_s;
-    while (!servo_.exchange().motors.at_rest() && devices::ServoThread::now_s() < give_up_s)
+    while (!servo_.exchange().motors.zero_force_confirmed() &&
+           devices::ServoThread::now_s() < give_up_s)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     static_cast<void>(servo_thread_.stop());
   }

@@ -27,9 +27,9 @@ public:
 
   /// One line: which device, with which force, where.
   [[nodiscard]] const std::string& description() const noexcept { return description_; }
-  [[nodiscard]] std::vector<std::string> take_news();
+  [[nodiscard]] std::vector<std::string> take_notices();
   /// Clients were there and all have left.
-  [[nodiscard]] bool deserted() const noexcept { return deserted_; }
+  [[nodiscard]] bool all_clients_left() const noexcept { return all_clients_left_; }
   [[nodiscard]] haptic::Exchange& exchange() noexcept { return servo_.exchange(); }
   [[nodiscard]] std::string trouble() const { return device_ ? device_->trouble() : std::string(); }
 
@@ -50,9 +50,9 @@ private:
   std::thread network_;
   std::string description_;
 
-  std::mutex guard_;
-  std::vector<std::string> news_;
-  std::atomic<bool> deserted_{false};
+  std::mutex mutex_;
+  std::vector<std::string> notices_;
+  std::atomic<bool> all_clients_left_{false};
 };
 
 } // namespace tactus::haptic_server

@@ -1,6 +1,6 @@
 #include "programs/modal_fem/forecast.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/modes/dense.hpp"
 #include "programs/modal_fem/outputs.hpp"
 
@@ -12,29 +12,28 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kLowestAudible = 20, kHighestAudible = 20000;
+constexpr double kMinAudible_hz = 20, kMaxAudible_hz = 20000;
 
-std::string words_of_length(double metres) {
+std::string format_length(double metres) {
   return metres < 1e-3 ? format("%.3g um", 1e6 * metres)
          : metres < 1  ? format("%.3g mm", 1e3 * metres)
                        : format("%.4g m", metres);
 }
 
-std::string words_of_frequency(double hz) {
+std::string format_frequency(double hz) {
   return hz < 1e3 ? format("%.3g Hz", hz) : format("%.3g kHz", hz / 1e3);
 }
 
 } // namespace
 
-std::string words_of_inaudible(double lowest_hz, double highest_hz, double largest,
-                               bool estimated) {
-  const bool high = lowest_hz > kHighestAudible;
-  if (!high && !(highest_hz < kLowestAudible))
+std::string inaudible_text(double lowest_hz, double highest_hz, double largest, bool estimated) {
+  const bool high = lowest_hz > kMaxAudible_hz;
+  if (!high && !(highest_hz < kMinAudible_hz))
     return {};
   std::string text = "no mode is audible: the ";
   text += (high ? "first is " : "last is ") + std::string(estimated ? "expected near " : "at ") +
-          words_of_frequency(high ? lowest_hz : highest_hz) + ", as the body is " +
-          words_of_length(largest) + " long";
+          format_frequency(high ? lowest_hz : highest_hz) + ", as the body is " +
+          format_length(largest) + " long";
   // Frequencies go as 1 / size. Which other unit of length would make the first mode audible?
   struct Unit {
     const char* name;
@@ -46,90 +45,89 @@ std::string words_of_inaudible(double lowest_hz, double highest_hz, double large
   for (const Unit& from : kUnits)
     for (const Unit& to : kUnits) {
       const double scale = to.metres / from.metres, first = lowest_hz / scale;
-      if (from.metres != 1e-3 || scale == 1 || first < kLowestAudible ||
-          first > kHighestAudible / 4)
+      if (from.metres != 1e-3 || scale == 1 || first < kMinAudible_hz || first > kMaxAudible_hz / 4)
         continue;
       better += (better.empty() ? "" : ", ") + std::string("--unit ") + to.name +
-                " would make it " + words_of_length(largest * scale) + " and " +
-                words_of_frequency(first);
+                " would make it " + format_length(largest * scale) + " and " +
+                format_frequency(first);
     }
   if (!better.empty())
     text += "; if its lengths are not in mm: " + better;
   return text;
 }
 
-Forecast::Forecast(const Order& order, ProgressLine& progress)
-    : order_(order), progress_(progress), budget_(order.memory_bytes),
+Forecast::Forecast(const ModalOptions& options, ProgressLine& progress)
+    : options_(options), progress_(progress), budget_(options.memory_bytes),
       flops_(dense_flops_per_second()) {}
 
 Workload Forecast::workload(const MeshSize& mesh) const {
   Workload work{.mesh = mesh,
-                .modes = static_cast<double>(order_.modes),
-                .residual = order_.residual,
-                .estimated = !order_.slepc,
-                .factor_elsewhere = order_.slepc,
+                .modes = static_cast<double>(options_.modes),
+                .residual = options_.residual,
+                .estimated = !options_.slepc,
+                .factor_elsewhere = options_.slepc,
                 .flops_per_second = flops_,
-                .kept_bytes = kept_bytes_};
-  if (order_.radiation) {
-    work.acoustic_triangles = static_cast<double>(order_.acoustic_triangles);
+                .retained_bytes = retained_bytes_};
+  if (options_.radiation) {
+    work.acoustic_triangles = static_cast<double>(options_.acoustic_triangles);
     constexpr double kBandSolutions = 42; // of a body of 10 cm; some 65 at most
-    work.solutions = work.modes * static_cast<double>(order_.ratios.size()) + kBandSolutions;
+    work.solutions = work.modes * static_cast<double>(options_.ratios.size()) + kBandSolutions;
   }
   return work;
 }
 
-void Forecast::hold(const std::optional<FactorCost>& exact) {
-  Budget::Resized resized;
-  if (resized_)
-    resized = [this](double h) { return workload(resized_(h)); };
-  Budget::Fewer fewer;
-  if (fewer_)
-    fewer = [this](double modes) {
-      Workload work = workload(fewer_(modes));
+void Forecast::check_budget(const std::optional<FactorCost>& exact) {
+  Budget::WithElementSize with_element_size;
+  if (with_element_size_)
+    with_element_size = [this](double h) { return workload(with_element_size_(h)); };
+  Budget::WithModes with_modes;
+  if (with_modes_)
+    with_modes = [this](double modes) {
+      Workload work = workload(with_modes_(modes));
       work.modes = modes;
       return work;
     };
   const std::string body =
-      order_.is_file ? std::filesystem::path(order_.body).filename().string() : order_.body;
-  budget_.hold(body, workload(size_), resized, fewer, order_.unit, exact);
+      options_.is_file ? std::filesystem::path(options_.body).filename().string() : options_.body;
+  budget_.check_budget(body, workload(size_), with_element_size, with_modes, options_.unit, exact);
 }
 
-void Forecast::say_odd_size(const Say& say) {
-  if (said_ || !(size_.volume > 0))
+void Forecast::warn_of_unusual_size(const Notify& notify) {
+  if (size_warned_ || !(size_.volume > 0))
     return;
-  said_ = true;
+  size_warned_ = true;
   const auto tell = [&](const std::string& sentence) {
-    if (say)
-      say(sentence);
+    if (notify)
+      notify(sentence);
     else
-      progress_.say(sentence);
+      progress_.notify(sentence);
   };
   double speed = 0;
-  for (const auto& [region, name] : order_.materials)
+  for (const auto& [region, name] : options_.materials)
     speed = std::max(speed, find_material(name).bar_speed());
   if (!(speed > 0))
-    speed = find_material(order_.standard_material).bar_speed();
+    speed = find_material(options_.default_material).bar_speed();
   const double first = estimated_frequency(size_.box, size_.volume, speed);
   // An estimate is right within a factor of three; modes lie closer than they are numbered.
-  const double last = 3 * first * static_cast<double>(order_.modes);
+  const double last = 3 * first * static_cast<double>(options_.modes);
   const double largest = std::max({size_.box.x, size_.box.y, size_.box.z});
-  const std::string odd = words_of_inaudible(first / 3 > kHighestAudible ? first : 1e3,
-                                             last < kLowestAudible ? last : 1e3, largest, true);
+  const std::string odd = inaudible_text(first / 3 > kMaxAudible_hz ? first : 1e3,
+                                         last < kMinAudible_hz ? last : 1e3, largest, true);
   if (!odd.empty())
     tell("warning: " + odd);
   else if (largest > 20 || largest < 1e-4)
-    tell("warning: the body is " + words_of_length(largest) +
+    tell("warning: the body is " + format_length(largest) +
          " long; are its lengths in the unit you meant? (--unit um|mm|cm|m|in)");
 }
 
-void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>& resized,
-                    const std::function<MeshSize(double)>& fewer, const Say& say) {
+void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>& with_element_size,
+                    const std::function<MeshSize(double)>& with_modes, const Notify& notify) {
   size_ = size;
-  resized_ = resized;
-  fewer_ = fewer;
-  say_odd_size(say);
-  hold({});
-  check_room(order_, size_);
+  with_element_size_ = with_element_size;
+  with_modes_ = with_modes;
+  warn_of_unusual_size(notify);
+  check_budget({});
+  check_disk_space(options_, size_);
   // Swept: a microsecond a node made. gmsh: 40 us a tetrahedron, Delaunay, optimised, quadratic.
   meshing_s_ = size.nodes_on_planes < 1 ? 4e-5 * size.elements : 1e-6 * size.nodes_made;
 }
@@ -137,42 +135,42 @@ void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>&
 void Forecast::made(const Mesh& mesh, double) {
   const MeshSize planned = size_;
   size_ = size_of(mesh);
-  if (!order_.is_file)
+  if (!options_.is_file)
     size_.cells = planned.cells; // of the section: nearer than the equivalent block
   size_.skin_area = planned.skin_area;
   size_.h = planned.h;
-  say_odd_size({});
-  hold({});
-  check_room(order_, size_);
+  warn_of_unusual_size({});
+  check_budget({});
+  check_disk_space(options_, size_);
 }
 
-std::string Forecast::beyond(const MeshSize& size) const {
-  const Cost cost = foretell(workload(size));
+std::string Forecast::over_budget(const MeshSize& size) const {
+  const Cost cost = predict_cost(workload(size));
   if (cost.bytes <= budget_.bytes())
     return {};
   return "a finer mesh of " + format("%.0f", size.dofs()) + " unknowns would take " +
-         words_of_bytes(cost.bytes) + ", expected at most " + words_of_bytes(budget_.bytes()) +
-         (order_.memory_bytes > 0 ? " (--memory)"
-                                  : ", half of what is free: give more with --memory");
+         format_bytes(cost.bytes) + ", expected at most " + format_bytes(budget_.bytes()) +
+         (options_.memory_bytes > 0 ? " (--memory)"
+                                    : ", half of what is free: give more with --memory");
 }
 
-std::string Forecast::beyond_here(const FactorCost& cost) const {
+std::string Forecast::over_budget_in_process(const FactorCost& cost) const {
   Workload work = workload(size_);
   work.estimated = true;
   work.factor_elsewhere = false;
-  const double bytes = foretell(work, cost).bytes;
+  const double bytes = predict_cost(work, cost).bytes;
   return bytes <= budget_.bytes()
              ? std::string()
-             : "they need the factor here, which would take " + words_of_bytes(bytes) +
-                   ", expected at most " + words_of_bytes(budget_.bytes()) + " (--memory)";
+             : "they need the factor here, which would take " + format_bytes(bytes) +
+                   ", expected at most " + format_bytes(budget_.bytes()) + " (--memory)";
 }
 
 void Forecast::factor(const FactorCost& cost) {
-  hold(cost);
-  const Cost all = foretell(workload(size_), cost);
+  check_budget(cost);
+  const Cost all = predict_cost(workload(size_), cost);
   factor_s_ = all.factor_seconds;
-  progress_.say("about " + words_of_bytes(all.bytes) + " and " + words_of_seconds(all.seconds) +
-                format(" ahead (factor: %.3g entries)", cost.entries));
+  progress_.notify("about " + format_bytes(all.bytes) + " and " + format_seconds(all.seconds) +
+                   format(" ahead (factor: %.3g entries)", cost.entries));
 }
 
 } // namespace tactus::fem

@@ -2,36 +2,36 @@
 #include "fem/modes/modes.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/body/progress.hpp"
-#include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/options.hpp"
 
 namespace tactus::fem {
 
 /// What is said or refused before work is done: memory, time, room on the disk, odd sizes.
 class Forecast {
 public:
-  using Say = std::function<void(const std::string& sentence)>;
+  using Notify = std::function<void(const std::string& sentence)>;
 
-  Forecast(const Order&, ProgressLine&);
+  Forecast(const ModalOptions&, ProgressLine&);
 
   /// Before gmsh meshes or a shape is built. Refuses what is beyond the budget; says once when the
   /// body's size makes its modes inaudible. `resized`: the mesh's size for another h, if it has
   /// one; `fewer`: for fewer modes, if they size it. `say` in place of the progress line, for a
   /// child process.
-  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& resized,
-            const std::function<MeshSize(double modes)>& fewer, const Say& say = {});
+  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& with_element_size,
+            const std::function<MeshSize(double modes)>& with_modes, const Notify& notify = {});
   /// Of a mesh that is there, before it is assembled.
   void made(const Mesh&, double seconds_spent = 0);
   /// After the symbolic factorisation: the same with its exact count, and the time ahead.
   void factor(const FactorCost&);
 
   /// From now on so many bytes of another mesh's results stay in memory.
-  void keep(double bytes) noexcept { kept_bytes_ = bytes; }
+  void keep(double bytes) noexcept { retained_bytes_ = bytes; }
   /// Why a mesh is beyond the budget; empty: it is not.
-  [[nodiscard]] std::string beyond(const MeshSize&) const;
+  [[nodiscard]] std::string over_budget(const MeshSize&) const;
 
   /// Why a factor of modes that were found elsewhere, and the estimate of their errors with it, are
   /// beyond the budget; empty: they are not.
-  [[nodiscard]] std::string beyond_here(const FactorCost&) const;
+  [[nodiscard]] std::string over_budget_in_process(const FactorCost&) const;
 
   [[nodiscard]] double meshing_seconds() const noexcept { return meshing_s_; }
   [[nodiscard]] double factor_seconds() const noexcept { return factor_s_; }
@@ -39,21 +39,21 @@ public:
 
 private:
   [[nodiscard]] Workload workload(const MeshSize&) const;
-  void hold(const std::optional<FactorCost>&);
-  void say_odd_size(const Say& say);
+  void check_budget(const std::optional<FactorCost>&);
+  void warn_of_unusual_size(const Notify& notify);
 
-  const Order& order_;
+  const ModalOptions& options_;
   ProgressLine& progress_;
   Budget budget_;
   MeshSize size_;
-  std::function<MeshSize(double)> resized_, fewer_;
-  bool said_ = false;
-  double flops_, meshing_s_ = 0, factor_s_ = 0, kept_bytes_ = 0;
+  std::function<MeshSize(double)> with_element_size_, with_modes_;
+  bool size_warned_ = false;
+  double flops_, meshing_s_ = 0, factor_s_ = 0, retained_bytes_ = 0;
 };
 
 /// One sentence when none of the modes can be heard, with the unit that would make the body sound;
 /// else empty. `largest` in m, frequencies in Hz.
-[[nodiscard]] std::string words_of_inaudible(double lowest_hz, double highest_hz, double largest,
-                                             bool estimated);
+[[nodiscard]] std::string inaudible_text(double lowest_hz, double highest_hz, double largest,
+                                         bool estimated);
 
 } // namespace tactus::fem

@@ -12,9 +12,9 @@
 #include "fem/io/load.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/io/safe_file.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "programs/body/output_files.hpp"
-#include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/options.hpp"
 #include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/raw.hpp"
 #include "programs/modal_fem/run.hpp"
@@ -34,7 +34,7 @@ void print(const ModalTable& table) {
   const ModeRadiation& sound = table.radiation;
   std::printf("mode  frequency Hz  mult   T60 s   %s%s\n",
               sound.empty() ? "" : "with sound  efficiency  degree  ",
-              table.notes.relative_error.empty() ? "" : "estimated error %");
+              table.metadata.relative_error.empty() ? "" : "estimated error %");
   for (std::size_t k = 0; k < modes.frequency_hz.size(); ++k) {
     std::printf("%4zu  %12.3f  %4d  %6.3g", k + 1, modes.frequency_hz[k], modes.multiplicity[k],
                 decay_time(modes.frequency_hz[k], table.loss[k]));
@@ -42,10 +42,10 @@ void print(const ModalTable& table) {
       const double loss =
           table.loss[k] + sound.decay_rate[k] / (std::numbers::pi * modes.frequency_hz[k]);
       std::printf("   %10.3g  %10.3g  %6d  ", decay_time(modes.frequency_hz[k], loss),
-                  sound.efficiency[k], sound.highest_degree[k]);
+                  sound.efficiency[k], sound.max_degree[k]);
     }
-    if (k < table.notes.relative_error.size())
-      std::printf("   %.2g", 100 * table.notes.relative_error[k]);
+    if (k < table.metadata.relative_error.size())
+      std::printf("   %.2g", 100 * table.metadata.relative_error[k]);
     std::puts("");
   }
 }
@@ -58,39 +58,39 @@ std::string now() {
 }
 
 int run(const std::vector<std::string>& words) {
-  const Order order = read_order(words);
-  if (!order.sheet.empty() && order.output.empty())
-    throw Refusal("--sheet draws the table: it needs -o NAME.modal.npz too");
-  check_outputs(order);
-  if (!order.sheet.empty())
+  const ModalOptions options = read_options(words);
+  if (!options.sheet.empty() && options.output.empty())
+    throw InputError("--sheet draws the table: it needs -o NAME.modal.npz too");
+  check_outputs(options);
+  if (!options.sheet.empty())
     check_sheet("modal_sheet.py");
-  ProgressLine progress(order.quiet);
-  Solved body = solve(order, progress);
+  ProgressLine progress(options.quiet);
+  Solved body = solve(options, progress);
   if (!body.solved)
     return 0; // only exported
   progress.stage("damping and the table", 0);
   // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
-  ModalTable table = table_of(order, body, std::getenv("SOURCE_DATE_EPOCH") ? "" : now());
+  ModalTable table = table_of(options, body, std::getenv("SOURCE_DATE_EPOCH") ? "" : now());
   if (!table.shape.parameters.empty())
-    table.notes.command = words; // for `serve`
+    table.metadata.command = words; // for `serve`
   print(table);
   std::fflush(stdout);
   const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };
-  if (!order.output.empty()) {
-    begin(order.output);
-    write_table(order.output, table);
+  if (!options.output.empty()) {
+    begin(options.output);
+    write_table(options.output, table);
   }
-  if (!order.csv.empty()) {
-    begin(order.csv);
-    write_csv(order.csv, table);
+  if (!options.csv.empty()) {
+    begin(options.csv);
+    write_csv(options.csv, table);
   }
-  if (!order.vtu.empty()) {
-    begin(order.vtu);
-    write_vtu(order.vtu, body.mesh, body.modes, 20);
+  if (!options.vtu.empty()) {
+    begin(options.vtu);
+    write_vtu(options.vtu, body.mesh, body.modes, 20);
   }
-  if (!order.sheet.empty()) {
-    begin(order.sheet);
-    draw_sheet("modal_sheet.py", order.output, order.sheet);
+  if (!options.sheet.empty()) {
+    begin(options.sheet);
+    draw_sheet("modal_sheet.py", options.output, options.sheet);
   }
   return 0;
 }

@@ -8,29 +8,31 @@ namespace tactus::fem {
 namespace {
 
 /// What each output takes. Text: 45 bytes a node, 7 a number of a shape's component or node.
-std::vector<Output> outputs(const Order& order, const MeshSize& mesh) {
+std::vector<Output> outputs(const ModalOptions& options, const MeshSize& mesh) {
   const double vertices = mesh.skin_triangles / 2;
-  const double modes = std::min(static_cast<double>(order.modes), mesh.dofs());
+  const double modes = std::min(static_cast<double>(options.modes), mesh.dofs());
   const double corners = mesh.nodes_on_planes < 1 ? 10 : 20;
   std::vector<Output> all{
-      {"-o", order.output,
+      {"-o", options.output,
        12 * vertices * (modes + 1) + 12 * mesh.skin_triangles +
-           (order.residual ? 4 * vertices : 0) +
-           (order.design.wanted ? 24 * mesh.nodes + (12 + 4 * corners) * mesh.elements : 0)},
-      {"--csv", order.csv, 80 * modes},
-      {"--vtu", order.vtu,
+           (options.residual ? 4 * vertices : 0) +
+           (options.design.requested ? 24 * mesh.nodes + (12 + 4 * corners) * mesh.elements : 0)},
+      {"--csv", options.csv, 80 * modes},
+      {"--vtu", options.vtu,
        mesh.nodes * (40 + 33 * std::min(modes, 20.0)) + mesh.elements * (10 + 7 * corners)},
-      {"--sheet", order.sheet, 1e6},
-      {"--export-inp", order.inp, 70 * mesh.nodes + mesh.elements * (10 + 8 * corners)},
-      {"--export-petsc", order.petsc, 12 * (18 + 6) * mesh.node_pairs},
+      {"--sheet", options.sheet, 1e6},
+      {"--export-inp", options.inp, 70 * mesh.nodes + mesh.elements * (10 + 8 * corners)},
+      {"--export-petsc", options.petsc, 12 * (18 + 6) * mesh.node_pairs},
   };
   return all;
 }
 
 } // namespace
 
-void check_outputs(const Order& order) { check_outputs(outputs(order, {}), order); }
+void check_outputs(const ModalOptions& options) { check_outputs(outputs(options, {}), options); }
 
-void check_room(const Order& order, const MeshSize& mesh) { check_room(outputs(order, mesh)); }
+void check_disk_space(const ModalOptions& options, const MeshSize& mesh) {
+  check_disk_space(outputs(options, mesh));
+}
 
 } // namespace tactus::fem

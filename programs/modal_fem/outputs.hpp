@@ -1,13 +1,13 @@
 #pragma once
 #include "fem/mesh/mesh_size.hpp"
-#include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/options.hpp"
 
 namespace tactus::fem {
 
 /// Refuses, before any work, output files that could not be written.
-void check_outputs(const Order&);
+void check_outputs(const ModalOptions&);
 
 /// Refuses outputs that the disk has no room for, foretold from the mesh.
-void check_room(const Order&, const MeshSize&);
+void check_disk_space(const ModalOptions&, const MeshSize&);
 
 } // namespace tactus::fem

@@ -1,6 +1,6 @@
 #include "programs/modal_fem/raw.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/radiation/acoustic_skin.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Vec3 area_of(const std::array<Vec3, 3>& c) {
   return 0.5 * Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 /// A plate's rim looks sideways; a ball's half looks to any side.
-bool looks_to(const Vec3& area, const Vec3& side, bool flat) {
+bool faces_toward(const Vec3& area, const Vec3& side, bool flat) {
   return dot(area, side) > (flat ? .5 : 0) * norm(area);
 }
 
@@ -35,7 +35,7 @@ Grid every_triangle(const modal::Surface& surface, const Vec3& side, bool flat) 
   Grid grid;
   for (std::size_t t = 0; t < surface.triangles(); ++t) {
     const Vec3 area = area_of(surface.corners(t));
-    if (!looks_to(area, side, flat))
+    if (!faces_toward(area, side, flat))
       continue;
     grid.point.push_back(surface.on(t, 1. / 3, 1. / 3));
     grid.area_m2.push_back(norm(area));
@@ -64,7 +64,7 @@ Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, 
       corner[j] = {v.x, v.y, v.z};
     }
     const Vec3 area = area_of(corner);
-    if (!looks_to(area, side, flat))
+    if (!faces_toward(area, side, flat))
       continue;
     grid.point.push_back(surface.nearest((corner[0] + corner[1] + corner[2]) * (1. / 3)));
     grid.area_m2.push_back(norm(area));
@@ -103,25 +103,25 @@ Grid rings(const modal::Surface& surface, const RawSettings& settings, const Gri
 
 /// Force of a striker at 1 m/s, mean of each short step, N.
 std::vector<double> blow(const std::shared_ptr<const LoadedTable>& loaded,
-                         const RawSettings& settings, const Vec3& place, double rate) {
+                         const RawSettings& settings, const Vec3& strike_position, double rate) {
   modal::BodySettings body;
   body.sample_rate = rate;
   body.radiation = modal::Radiation::kNone;
-  auto struck = std::make_unique<modal::StruckBody>();
-  struck->prepare(rate);
-  struck->publish(std::make_unique<BodyModel>(loaded, body), false);
-  struck->adopt();
-  struck->set_striker(settings.striker);
-  const SurfacePoint at = struck->model()->nearest(place);
-  if (!struck->hit({at, at.normal, 1}))
-    throw Refusal("the blow could not start");
+  auto struck_body = std::make_unique<modal::StruckBody>();
+  struck_body->prepare(rate);
+  struck_body->publish(std::make_unique<BodyModel>(loaded, body), false);
+  struck_body->adopt();
+  struck_body->set_striker(settings.striker);
+  const SurfacePoint at = struck_body->model()->nearest(strike_position);
+  if (!struck_body->hit({at, at.normal, 1}))
+    throw InputError("the blow could not start");
   constexpr std::size_t kBlock = 64;
   std::array<float, kBlock> silence{}, left{}, right{}, contact{};
   std::vector<double> force;
   const auto longest = static_cast<std::size_t>(std::min(settings.seconds, .1) * rate);
-  while (struck->contacts() > 0 && force.size() < longest) {
+  while (struck_body->contacts() > 0 && force.size() < longest) {
     const std::array<std::span<float>, 2> out{left, right};
-    struck->process<float>(silence, silence, out, contact);
+    struck_body->process<float>(silence, silence, out, contact);
     force.insert(force.end(), contact.begin(), contact.end());
   }
   return force;
@@ -131,9 +131,9 @@ std::vector<double> blow(const std::shared_ptr<const LoadedTable>& loaded,
 
 modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& settings) {
   if (table.shape.empty())
-    throw Refusal("the table has no mode shapes: nothing moves");
+    throw InputError("the table has no mode shapes: nothing moves");
   if (settings.hit_m.empty())
-    throw Refusal("no place to strike: give --hit X,Y,Z");
+    throw InputError("no place to strike: give --hit X,Y,Z");
   const auto loaded = std::make_shared<const LoadedTable>(table);
   const modal::Surface& surface = loaded->surface;
   const Vec3 side = unit(settings.side);
@@ -147,7 +147,7 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
   const bool flat = seen > .6 * all && flat_area > .6 * all;
   const Grid whole = every_triangle(surface, side, flat);
   if (whole.point.empty())
-    throw Refusal("no face of the body looks to --side");
+    throw InputError("no face of the body looks to --side");
   RawSettings own = settings;
   own.side = side;
   const Grid grid = settings.ring ? rings(surface, own, whole)
@@ -166,16 +166,17 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
   const double bytes = 4.0 * static_cast<double>(out.hits) * static_cast<double>(out.points) *
                        static_cast<double>(out.samples);
   if (bytes > 3e9)
-    throw Refusal(format("the velocities would take %.1f GB: take fewer --points, --hit places or "
-                         "--seconds",
-                         bytes / 1e9));
+    throw InputError(
+        format("the velocities would take %.1f GB: take fewer --points, --hit places or "
+               "--seconds",
+               bytes / 1e9));
   out.sample_rate_hz = settings.sample_rate;
   out.area_m2 = grid.area_m2;
   for (const SurfacePoint& p : grid.point)
     out.position_m.push_back(p.position);
   out.velocity_m_per_s.resize(out.hits * out.points * out.samples);
 
-  const std::size_t modes = model.heard;
+  const std::size_t modes = model.audible_modes;
   std::vector<float> normal(out.points * modes); // phi . n
   std::vector<double> gain(model.mode.size());
   for (std::size_t p = 0; p < out.points; ++p) {
@@ -190,7 +191,7 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
   for (std::size_t h = 0; h < out.hits; ++h) {
     const SurfacePoint at = model.nearest(settings.hit_m[h]);
     if (at.distance > .1 * surface.diagonal())
-      throw Refusal(format("--hit %zu lies %.3g mm off the body", h + 1, 1e3 * at.distance));
+      throw InputError(format("--hit %zu lies %.3g mm off the body", h + 1, 1e3 * at.distance));
     out.hit_m.push_back(at.position);
     const std::vector<double> force = settings.impulse_n_s > 0
                                           ? std::vector<double>{}

@@ -1,7 +1,7 @@
 #include "programs/modal_fem/refine.hpp"
 
 #include "fem/io/load.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
 
 #include <algorithm>
@@ -42,58 +42,58 @@ double outer_area(const Mesh& mesh) {
 
 } // namespace
 
-Refinement::Refinement(const Order& order, ProgressLine& progress, Forecast& forecast)
-    : order_(order), progress_(progress), forecast_(forecast) {
-  const bool only_exports = order.output.empty() && order.csv.empty() && order.vtu.empty() &&
-                            !(order.inp.empty() && order.petsc.empty());
-  refines_ = order.tolerance > 0 && order.choice.h <= 0 && order.choice.layers <= 0 &&
-             order.import_values.empty() && !order.slepc && !only_exports &&
-             !(order.is_file && is_volume_mesh(order.body));
+Refinement::Refinement(const ModalOptions& options, ProgressLine& progress, Forecast& forecast)
+    : options_(options), progress_(progress), forecast_(forecast) {
+  const bool only_exports = options.output.empty() && options.csv.empty() && options.vtu.empty() &&
+                            !(options.inp.empty() && options.petsc.empty());
+  refines_ = options.tolerance > 0 && options.choice.h <= 0 && options.choice.layers <= 0 &&
+             options.import_values.empty() && !options.slepc && !only_exports &&
+             !(options.is_file && is_volume_mesh(options.body));
 }
 
 double Refinement::first_size(double volume, double skin, double largest, double modes) const {
   return (refines_ ? kFirstPhase : kOnlyPhase) /
-         highest_wave_number(volume, skin, largest, first_material(order_),
+         highest_wave_number(volume, skin, largest, first_material(options_),
                              static_cast<std::size_t>(modes));
 }
 
-Mesh Refinement::mesh() { return order_.is_file ? mesh_of_file() : mesh_of_shape(); }
+Mesh Refinement::mesh() { return options_.is_file ? mesh_of_file() : mesh_of_shape(); }
 
 Mesh Refinement::mesh_of_file() {
-  LoadChoice load = load_choice(order_, progress_);
+  LoadChoice load = load_choice(options_, progress_);
   load.size_for = [this](double volume, double skin, double largest) {
-    return first_size(volume, skin, largest, static_cast<double>(order_.modes));
+    return first_size(volume, skin, largest, static_cast<double>(options_.modes));
   };
   load.sizes = sizes_ ? &*sizes_ : nullptr;
   load.limits.memory_bytes = static_cast<std::uint64_t>(forecast_.budget().bytes());
-  load.foretold = [this](const MeshSize& size, const auto& say) { // in the child
-    std::function<MeshSize(double)> fewer;
-    if (order_.choice.h <= 0 && !sizes_)
-      fewer = [this, size](double modes) {
+  load.on_prediction = [this](const MeshSize& size, const auto& notify) { // in the child
+    std::function<MeshSize(double)> with_modes;
+    if (options_.choice.h <= 0 && !sizes_)
+      with_modes = [this, size](double modes) {
         const double largest = std::max({size.box.x, size.box.y, size.box.z});
         const double h = first_size(size.volume, size.skin_area, largest, modes);
-        return size.height > 0 ? foretell_sweep(size.volume, size.skin_area, size.box, size.height,
-                                                h, std::ceil(size.height / h))
+        return size.height > 0 ? predict_swept_size(size.volume, size.skin_area, size.box,
+                                                    size.height, h, std::ceil(size.height / h))
                                : resized_tetrahedra(size, h);
       };
     forecast_.mesh(
-        size, [size](double h) { return resized_tetrahedra(size, h); }, fewer, say);
+        size, [size](double h) { return resized_tetrahedra(size, h); }, with_modes, notify);
   };
-  return load_body(order_.body, load);
+  return load_body(options_.body, load);
 }
 
 std::vector<ProfilePoint> Refinement::profile() const {
-  return order_.profile.empty() ? std::vector<ProfilePoint>{}
-                                : read_profile(order_.profile, order_.unit);
+  return options_.profile.empty() ? std::vector<ProfilePoint>{}
+                                  : read_profile(options_.profile, options_.unit);
 }
 
 Mesh Refinement::mesh_of_shape() {
   const auto points = profile();
   const auto plan_for = [&](const MeshChoice& choice) {
-    return plan_shape(order_.body, order_.dimensions, points, choice);
+    return plan_shape(options_.body, options_.dimensions, points, choice);
   };
-  MeshChoice choice = order_.choice;
-  std::function<MeshSize(double)> fewer;
+  MeshChoice choice = options_.choice;
+  std::function<MeshSize(double)> with_modes;
   if (round_ > 0) {
     choice.grid = &next_grid_;
   } else if (choice.h <= 0 && choice.layers <= 0) {
@@ -107,66 +107,66 @@ Mesh Refinement::mesh_of_shape() {
                            largest = bounding_box(body.nodes).largest()](double modes) {
       return first_size(solid, skin, largest, modes);
     };
-    choice.h = size_for(static_cast<double>(order_.modes));
-    fewer = [plan_for, choice, size_for](double modes) {
+    choice.h = size_for(static_cast<double>(options_.modes));
+    with_modes = [plan_for, choice, size_for](double modes) {
       MeshChoice other = choice;
       other.h = size_for(modes);
       return plan_for(other).size;
     };
   }
   const ShapePlan plan = plan_for(choice);
-  const auto resized = [&](double h) {
-    MeshChoice other = order_.choice;
+  const auto with_element_size = [&](double h) {
+    MeshChoice other = options_.choice;
     other.h = h;
     return plan_for(other).size;
   };
-  forecast_.mesh(plan.size, resized, fewer);
+  forecast_.mesh(plan.size, with_element_size, with_modes);
   progress_.stage("meshing", 0, forecast_.meshing_seconds());
   SweptBody body = plan.make();
   grid_ = std::move(body.grid);
   return std::move(body.mesh);
 }
 
-void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> held,
+void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> constrained,
                       const ErrorEstimate& estimate, double target) {
-  if (const auto swept = order_.is_file ? swept_layers(mesh) : std::nullopt)
-    sizes_ = refined_swept_sizes(mesh, *swept,
-                                 interval_errors(mesh, held, estimate, swept->intervals()), target);
-  else if (order_.is_file)
-    sizes_ = refined_sizes(mesh, element_errors(mesh, held, estimate), target);
+  if (const auto swept = options_.is_file ? swept_layers(mesh) : std::nullopt)
+    sizes_ = refined_swept_sizes(
+        mesh, *swept, interval_errors(mesh, constrained, estimate, swept->intervals()), target);
+  else if (options_.is_file)
+    sizes_ = refined_sizes(mesh, element_errors(mesh, constrained, estimate), target);
   else
-    next_grid_ =
-        refined(grid_, interval_errors(mesh, held, estimate, grid_.first_interval(3)), target,
-                round_ > 0 ? 1 : 2); // once; later it would undo what the last round did
+    next_grid_ = refined(
+        grid_, interval_errors(mesh, constrained, estimate, grid_.first_interval(3)), target,
+        round_ > 0 ? 1 : 2); // once; later it would undo what the last round did
 }
 
 MeshSize Refinement::planned_size(const Mesh& mesh) const {
-  if (order_.is_file)
+  if (options_.is_file)
     return scaled(size_of(mesh), sizes_->elements);
-  MeshChoice choice = order_.choice;
+  MeshChoice choice = options_.choice;
   choice.grid = &next_grid_;
-  return plan_shape(order_.body, order_.dimensions, profile(), choice).size;
+  return plan_shape(options_.body, options_.dimensions, profile(), choice).size;
 }
 
 void Refinement::give_up(const std::string& reason) {
   const auto worst = std::max_element(errors_.begin(), errors_.end());
-  const auto above =
-      std::count_if(errors_.begin(), errors_.end(), [&](double e) { return e > order_.tolerance; });
-  progress_.say(format("warning: %td of %zu modes have estimated errors above %.2g %%, up to "
-                       "%.2g %% (mode %td): ",
-                       above, errors_.size(), 100 * order_.tolerance, 100 * *worst,
-                       worst - errors_.begin() + 1) +
-                reason);
+  const auto above = std::count_if(errors_.begin(), errors_.end(),
+                                   [&](double e) { return e > options_.tolerance; });
+  progress_.notify(format("warning: %td of %zu modes have estimated errors above %.2g %%, up to "
+                          "%.2g %% (mode %td): ",
+                          above, errors_.size(), 100 * options_.tolerance, 100 * *worst,
+                          worst - errors_.begin() + 1) +
+                   reason);
 }
 
-bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> held,
+bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> constrained,
                           const ErrorEstimate& estimate) {
   errors_ = estimate.relative;
   if (errors_.empty())
     return true;
   const auto at = std::max_element(errors_.begin(), errors_.end());
-  const double worst = *at, tolerance = order_.tolerance;
-  progress_.say(
+  const double worst = *at, tolerance = options_.tolerance;
+  progress_.notify(
       format("largest estimated error %.2g %% (mode %td)", 100 * worst, at - errors_.begin() + 1));
   const auto leave = [&](const std::string& reason) {
     give_up(reason);
@@ -175,30 +175,30 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> held,
   if (worst <= tolerance || tolerance <= 0)
     return true;
   if (!refines_)
-    return leave(order_.is_file && is_volume_mesh(order_.body) ? "a volume mesh is not refined"
-                 : order_.slepc || !order_.import_values.empty()
+    return leave(options_.is_file && is_volume_mesh(options_.body) ? "a volume mesh is not refined"
+                 : options_.slepc || !options_.import_values.empty()
                      ? "modes from elsewhere keep their mesh; give a smaller --h"
                      : "the mesh was given (--h, --layers); without them it is refined");
   if (round_ + 1 >= kMaxRounds)
     return leave("the mesh was refined " + std::to_string(round_) + " times");
   // Where the last aim was missed the next is lower by as much.
   if (round_ > 0)
-    overdrive_ = std::clamp(overdrive_ * last_target_ / worst, .5, 1.0);
+    target_scale_ = std::clamp(target_scale_ * last_target_ / worst, .5, 1.0);
   last_target_ = (worst > 2 * tolerance ? .8 : .9) * tolerance;
-  double target = overdrive_ * last_target_;
+  double target = target_scale_ * last_target_;
   const double last = static_cast<double>(mesh.elements.size());
-  const double most = order_.tolerance_given ? 1e9 : kMaxUnknowns;
+  const double max_unknowns = options_.tolerance_given ? 1e9 : kMaxUnknowns;
   // The last mesh, its matrices and modes stay until the next one's are found.
-  forecast_.keep(bytes_of_results(size_of(mesh), static_cast<double>(order_.modes)));
-  for (plan(mesh, held, estimate, target);; plan(mesh, held, estimate, target)) {
+  forecast_.keep(bytes_of_results(size_of(mesh), static_cast<double>(options_.modes)));
+  for (plan(mesh, constrained, estimate, target);; plan(mesh, constrained, estimate, target)) {
     const MeshSize size = planned_size(mesh);
-    const std::string beyond = forecast_.beyond(size);
-    if (beyond.empty() && size.dofs() <= most && size.elements <= kMaxGrowth * last)
+    const std::string over_budget = forecast_.over_budget(size);
+    if (over_budget.empty() && size.dofs() <= max_unknowns && size.elements <= kMaxGrowth * last)
       break;
     target *= 1.25;
     if (target > .8 * worst)
-      return leave(!beyond.empty()
-                       ? beyond
+      return leave(!over_budget.empty()
+                       ? over_budget
                        : format("a finer mesh would have some %.0f unknowns (--tolerance given "
                                 "allows them)",
                                 size.dofs()));

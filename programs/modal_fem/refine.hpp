@@ -19,13 +19,13 @@ namespace tactus::fem {
 /// elsewhere (--engine slepc, --import-modes) and orders that do not solve keep their first mesh.
 class Refinement {
 public:
-  Refinement(const Order&, ProgressLine&, Forecast&);
+  Refinement(const ModalOptions&, ProgressLine&, Forecast&);
 
   /// The mesh that stands next. Refuses what is beyond the budget.
   [[nodiscard]] Mesh mesh();
   /// Whether the mesh is the last: the tolerance is met, or cannot be within the budget. Says what
   /// is left of it. Else the next mesh is ready to be made. `held`: of Matrices.
-  [[nodiscard]] bool finished(const Mesh&, std::span<const std::uint8_t> held,
+  [[nodiscard]] bool finished(const Mesh&, std::span<const std::uint8_t> constrained,
                               const ErrorEstimate&);
   /// Says which errors stay, because the next mesh could not be made or solved.
   void give_up(const std::string& reason);
@@ -37,14 +37,15 @@ private:
   [[nodiscard]] MeshSize planned_size(const Mesh&) const;
   /// Of elements for so many modes, from the body's volume, skin and extent.
   [[nodiscard]] double first_size(double volume, double skin, double largest, double modes) const;
-  void plan(const Mesh&, std::span<const std::uint8_t> held, const ErrorEstimate&, double target);
+  void plan(const Mesh&, std::span<const std::uint8_t> constrained, const ErrorEstimate&,
+            double target);
 
-  const Order& order_;
+  const ModalOptions& options_;
   ProgressLine& progress_;
   Forecast& forecast_;
   bool refines_;
   int round_ = 0;
-  double last_target_ = 0, overdrive_ = 1;
+  double last_target_ = 0, target_scale_ = 1;
   std::vector<double> errors_; ///< of the last mesh's modes
   SweepGrid grid_, next_grid_;
   std::optional<SizeField> sizes_;

@@ -1,7 +1,7 @@
 #include "programs/modal_fem/run.hpp"
 
 #include "fem/io/exchange.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/residual_compliance.hpp"
 #include "programs/modal_fem/refine.hpp"
@@ -17,12 +17,13 @@ namespace {
 /// Conjugate gradients of the estimate stop when a step adds less of it.
 constexpr double kSettle = .1;
 
-void check_residual(const Order& order, const Material& material) {
-  if (order.residual && !material.isotropic())
-    throw Refusal("--residual needs an isotropic material, " + material.name + " is orthotropic");
+void check_residual(const ModalOptions& options, const Material& material) {
+  if (options.residual && !material.isotropic())
+    throw InputError("--residual needs an isotropic material, " + material.name +
+                     " is orthotropic");
 }
 
-std::string words_of(std::span<const Support> supports) {
+std::string supports_text(std::span<const Support> supports) {
   std::string words;
   for (const Support& support : supports)
     words += (words.empty() ? "" : "; ") + support.name;
@@ -31,12 +32,13 @@ std::string words_of(std::span<const Support> supports) {
 
 /// The errors of modes that were found elsewhere: their factor has to be made here again, where
 /// there is room for it.
-void estimate_here(const Solved& body, ErrorEstimate& error, ProgressLine& progress,
-                   const Forecast& forecast) {
+void estimate_in_process(const Solved& body, ErrorEstimate& error, ProgressLine& progress,
+                         const Forecast& forecast) {
   progress.stage("ordering the equations", 0);
-  ShiftedFactor factor(*body.matrices, usual_shift(body.mesh, body.materials));
-  if (const std::string beyond = forecast.beyond_here(factor.cost()); !beyond.empty()) {
-    progress.say("warning: the errors are not estimated: " + beyond);
+  ShiftedFactor factor(*body.matrices, default_shift(body.mesh, body.materials));
+  if (const std::string over_budget = forecast.over_budget_in_process(factor.cost());
+      !over_budget.empty()) {
+    progress.notify("warning: the errors are not estimated: " + over_budget);
     return;
   }
   progress.stage("factorising", 0);
@@ -47,18 +49,19 @@ void estimate_here(const Solved& body, ErrorEstimate& error, ProgressLine& progr
 }
 
 /// The modes and their errors, with progress.
-void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, ProgressLine& progress,
-                   Forecast& forecast) {
-  const std::size_t count = order.modes + (order.design.wanted ? kModesBeyond : 0);
-  if (order.slepc) {
+void find_modes_of(Solved& body, const ModalOptions& options, ErrorEstimate& error,
+                   ProgressLine& progress, Forecast& forecast) {
+  const std::size_t count = options.modes + (options.design.requested ? kModesBeyond : 0);
+  if (options.slepc) {
     body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, count,
-                             order.ranks > 0 ? order.ranks : 2, progress);
-    estimate_here(body, error, progress, forecast);
+                             options.ranks > 0 ? options.ranks : 2, progress);
+    estimate_in_process(body, error, progress, forecast);
     return;
   }
-  if (!order.import_values.empty()) {
-    body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
-    estimate_here(body, error, progress, forecast);
+  if (!options.import_values.empty()) {
+    body.modes =
+        import_modes(options.import_values, options.import_vectors, body.mesh, *body.matrices);
+    estimate_in_process(body, error, progress, forecast);
     return;
   }
   ModeSettings settings{.count = count};
@@ -85,51 +88,52 @@ void keep_first(Solved& body, std::size_t count) {
 }
 
 /// What can be refused without a mesh: names of files and materials.
-void check_early(const Order& order) {
-  for (const std::string& path : {order.is_file ? order.body : std::string(), order.profile,
-                                  order.import_values, order.import_vectors})
+void check_early(const ModalOptions& options) {
+  for (const std::string& path : {options.is_file ? options.body : std::string(), options.profile,
+                                  options.import_values, options.import_vectors})
     if (!path.empty())
       check_readable(path);
-  for (const auto& [region, name] : order.materials)
+  for (const auto& [region, name] : options.materials)
     (void)find_material(name);
-  if (order.is_file)
+  if (options.is_file)
     return;
-  const auto materials = materials_of(order, Mesh{}); // one region, as shapes have
+  const auto materials = materials_of(options, Mesh{}); // one region, as shapes have
   (void)elastic_matrix(materials[0]);
-  check_residual(order, materials[0]);
+  check_residual(options, materials[0]);
 }
 
-void say_inaudible(const Solved& body, ProgressLine& progress) {
+void warn_of_inaudible_modes(const Solved& body, ProgressLine& progress) {
   const auto& f = body.modes.frequency_hz;
   if (f.empty())
     return;
   const std::string odd =
-      words_of_inaudible(f.front(), f.back(), bounding_box(body.mesh.nodes).largest(), false);
+      inaudible_text(f.front(), f.back(), bounding_box(body.mesh.nodes).largest(), false);
   if (!odd.empty())
-    progress.say("warning: " + odd);
+    progress.notify("warning: " + odd);
 }
 
 constexpr double kBandLimit = 21000; // Hz: what a listener hears of forces between the modes
 
-void radiate_into(Solved& body, const Order& order, ProgressLine& progress,
+void radiate_into(Solved& body, const ModalOptions& options, ProgressLine& progress,
                   const Forecast& forecast) {
-  RadiationSettings sound{.triangles = order.acoustic_triangles,
-                          .ratios = order.ratios,
-                          .air_density = order.air_density,
-                          .sound_speed = order.sound_speed,
+  RadiationSettings sound{.triangles = options.acoustic_triangles,
+                          .ratios = options.ratios,
+                          .air_density = options.air_density,
+                          .sound_speed = options.sound_speed,
                           .memory_limit_bytes = forecast.budget().bytes(),
                           .band_limit_hz = kBandLimit};
   sound.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
-  sound.say = [&](const std::string& sentence) { progress.say(sentence); };
+  sound.notify = [&](const std::string& sentence) { progress.notify(sentence); };
   body.radiation = radiate(body.mesh, body.modes, sound);
-  if (body.modes.frequency_hz.back() * order.ratios.back() > body.radiation.resolved_hz)
-    progress.say(format("above %.0f Hz a wave in air has fewer than four acoustic elements: expect "
-                        "more than 0.3 dB there, or take more --acoustic-triangles",
-                        body.radiation.resolved_hz));
+  if (body.modes.frequency_hz.back() * options.ratios.back() > body.radiation.resolved_hz)
+    progress.notify(
+        format("above %.0f Hz a wave in air has fewer than four acoustic elements: expect "
+               "more than 0.3 dB there, or take more --acoustic-triangles",
+               body.radiation.resolved_hz));
 }
 
 /// The mesh that stands next, checked and assembled.
-Solved assembled(const Order& order, Refinement& refinement, ProgressLine& progress,
+Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLine& progress,
                  Forecast& forecast) {
   Solved body;
   progress.stage("meshing", 0);
@@ -139,13 +143,13 @@ Solved assembled(const Order& order, Refinement& refinement, ProgressLine& progr
   describe(body.mesh, progress, "frequencies 5 to 30 % too high");
   forecast.made(body.mesh);
   const Parts parts = connected_parts(body.mesh);
-  if (parts.count > 1 && !order.several_parts)
-    throw Refusal("the mesh falls into " + std::to_string(parts.count) +
-                  " parts that share no node, expected one (allow it with --multi)");
-  body.materials = materials_of(order, body.mesh);
-  check_residual(order, body.materials[0]);
-  const std::vector<Support> supports = supports_of(order, body.mesh);
-  body.support_words = words_of(supports);
+  if (parts.count > 1 && !options.several_parts)
+    throw InputError("the mesh falls into " + std::to_string(parts.count) +
+                     " parts that share no node, expected one (allow it with --multi)");
+  body.materials = materials_of(options, body.mesh);
+  check_residual(options, body.materials[0]);
+  const std::vector<Support> supports = supports_of(options, body.mesh);
+  body.support_text = supports_text(supports);
   progress.stage("assembling", 0);
   body.matrices =
       std::make_unique<Matrices>(assemble(body.mesh, body.materials, supports, [&](double share) {
@@ -154,31 +158,32 @@ Solved assembled(const Order& order, Refinement& refinement, ProgressLine& progr
   return body;
 }
 
-void export_files(const Order& order, const Solved& body, ProgressLine& progress) {
-  if (!order.inp.empty()) {
-    progress.stage("writing " + order.inp, 0);
-    write_inp(order.inp, body.mesh, body.materials, supports_of(order, body.mesh), order.modes);
+void export_files(const ModalOptions& options, const Solved& body, ProgressLine& progress) {
+  if (!options.inp.empty()) {
+    progress.stage("writing " + options.inp, 0);
+    write_inp(options.inp, body.mesh, body.materials, supports_of(options, body.mesh),
+              options.modes);
   }
-  if (!order.petsc.empty()) {
-    progress.stage("writing " + order.petsc, 0);
-    write_petsc(order.petsc, *body.matrices);
+  if (!options.petsc.empty()) {
+    progress.stage("writing " + options.petsc, 0);
+    write_petsc(options.petsc, *body.matrices);
   }
 }
 
 /// Refines until the tolerance is met or the next mesh cannot be had; then the last one stays.
-void refine(Solved& body, const Order& order, Refinement& refinement, ErrorEstimate error,
+void refine(Solved& body, const ModalOptions& options, Refinement& refinement, ErrorEstimate error,
             ProgressLine& progress, Forecast& forecast) {
-  while (!refinement.finished(body.mesh, body.matrices->held, error)) {
+  while (!refinement.finished(body.mesh, body.matrices->constrained, error)) {
     try {
-      Solved next = assembled(order, refinement, progress, forecast);
+      Solved next = assembled(options, refinement, progress, forecast);
       ErrorEstimate remaining;
-      find_modes_of(next, order, remaining, progress, forecast);
+      find_modes_of(next, options, remaining, progress, forecast);
       body = std::move(next);
       error = std::move(remaining);
     } catch (const std::bad_alloc&) {
       refinement.give_up("a finer mesh takes more memory than there is");
       break;
-    } catch (const Refusal& refusal) {
+    } catch (const InputError& refusal) {
       refinement.give_up(refusal.what());
       break;
     }
@@ -188,68 +193,68 @@ void refine(Solved& body, const Order& order, Refinement& refinement, ErrorEstim
 
 } // namespace
 
-std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
+std::vector<Support> supports_of(const ModalOptions& options, const Mesh& mesh) {
   std::vector<Support> supports;
-  if (order.places.empty())
+  if (options.fixed_regions.empty())
     return supports;
   const Surface skin = surface_of(mesh);
   const double near = 1e-6 * bounding_box(mesh.nodes).largest();
-  for (const Place& place : order.places) {
-    Support support{place.words, {}, place.directions, place.stiffness};
-    if (!place.set.empty()) {
-      const auto at = mesh.node_sets.find(place.set);
+  for (const FixedRegion& fixed_region : options.fixed_regions) {
+    Support support{fixed_region.words, {}, fixed_region.directions, fixed_region.stiffness};
+    if (!fixed_region.set.empty()) {
+      const auto at = mesh.node_sets.find(fixed_region.set);
       if (at == mesh.node_sets.end())
-        throw Refusal("--" + place.words + ": the mesh has no node set of that name");
+        throw InputError("--" + fixed_region.words + ": the mesh has no node set of that name");
       support.nodes = at->second;
     } else {
       for (const int node : skin.node) {
         const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
-        if (place.plane >= 0 ? std::abs(p[place.plane] - place.level) <= near
-                             : length(p - place.centre) <= place.radius + near)
+        if (fixed_region.plane >= 0 ? std::abs(p[fixed_region.plane] - fixed_region.level) <= near
+                                    : length(p - fixed_region.centre) <= fixed_region.radius + near)
           support.nodes.push_back(node);
       }
     }
     if (support.nodes.empty())
-      throw Refusal("--" + place.words +
-                    " meets no node of the body's skin: expected a place on it");
+      throw InputError("--" + fixed_region.words +
+                       " meets no node of the body's skin: expected a place on it");
     supports.push_back(std::move(support));
   }
   return supports;
 }
 
-ModalTable table_of(const Order& order, const Solved& body, const std::string& created) {
-  TableNotes notes;
-  notes.body_name = std::filesystem::path(order.body).stem().string();
-  notes.support = body.support_words;
-  notes.relative_error = body.relative_error;
-  notes.air_density = order.air_density;
-  notes.air_speed = order.sound_speed;
-  notes.created = created;
+ModalTable table_of(const ModalOptions& options, const Solved& body, const std::string& created) {
+  TableMetadata metadata;
+  metadata.body_name = std::filesystem::path(options.body).stem().string();
+  metadata.support = body.support_text;
+  metadata.relative_error = body.relative_error;
+  metadata.air_density = options.air_density;
+  metadata.air_speed = options.sound_speed;
+  metadata.created = created;
   return {body.mesh,
           body.materials,
           body.modes,
           mass_properties(body.mesh, body.materials),
           loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
-          order.output.empty()
+          options.output.empty()
               ? std::vector<double>{}
               : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
-          notes,
+          metadata,
           body.radiation,
           body.residual,
           body.shape};
 }
 
-Solved solve_moved(const Order& order, Mesh moved, std::span<const Material> materials,
+Solved solve_moved(const ModalOptions& options, Mesh moved, std::span<const Material> materials,
                    std::span<const Support> supports, const DesignSpace& space,
                    std::vector<double> displacement) {
   Solved body;
   body.mesh = std::move(moved);
   body.materials.assign(materials.begin(), materials.end());
-  body.support_words = words_of(supports);
+  body.support_text = supports_text(supports);
   body.matrices = std::make_unique<Matrices>(assemble(body.mesh, materials, supports));
   body.modes =
-      find_modes(body.mesh, materials, *body.matrices, {.count = order.modes + kModesBeyond});
-  const std::size_t count = std::min(order.modes, body.modes.frequency_hz.size());
+      find_modes(body.mesh, materials, *body.matrices, {.count = options.modes + kModesBeyond});
+  const std::size_t count = std::min(options.modes, body.modes.frequency_hz.size());
   body.shape =
       shape_derivatives(space, body.mesh, materials, body.modes, count, std::move(displacement));
   keep_first(body, count);
@@ -257,39 +262,39 @@ Solved solve_moved(const Order& order, Mesh moved, std::span<const Material> mat
   return body;
 }
 
-Solved solve(const Order& order, ProgressLine& progress) {
-  check_early(order);
-  if (order.slepc)
+Solved solve(const ModalOptions& options, ProgressLine& progress) {
+  check_early(options);
+  if (options.slepc)
     check_slepc();
-  set_solver_threads(order.threads);
-  Forecast forecast(order, progress);
-  Refinement refinement(order, progress, forecast);
-  Solved body = assembled(order, refinement, progress, forecast);
-  const bool only_exports = order.output.empty() && order.csv.empty() && order.vtu.empty() &&
-                            !(order.inp.empty() && order.petsc.empty());
+  set_solver_threads(options.threads);
+  Forecast forecast(options, progress);
+  Refinement refinement(options, progress, forecast);
+  Solved body = assembled(options, refinement, progress, forecast);
+  const bool only_exports = options.output.empty() && options.csv.empty() && options.vtu.empty() &&
+                            !(options.inp.empty() && options.petsc.empty());
   if (!only_exports) {
     ErrorEstimate error;
-    find_modes_of(body, order, error, progress, forecast);
-    refine(body, order, refinement, std::move(error), progress, forecast);
+    find_modes_of(body, options, error, progress, forecast);
+    refine(body, options, refinement, std::move(error), progress, forecast);
   }
-  export_files(order, body, progress);
+  export_files(options, body, progress);
   if (only_exports)
     return body;
   body.solved = true;
-  if (order.design.wanted) {
-    const std::size_t count = std::min(order.modes, body.modes.frequency_hz.size());
+  if (options.design.requested) {
+    const std::size_t count = std::min(options.modes, body.modes.frequency_hz.size());
     body.shape =
-        shape_derivatives(order.design, body.mesh, body.materials, body.modes, count, progress);
+        shape_derivatives(options.design, body.mesh, body.materials, body.modes, count, progress);
     keep_first(body, count);
   }
-  say_inaudible(body, progress);
-  if (order.residual)
+  warn_of_inaudible_modes(body, progress);
+  if (options.residual)
     body.residual = residual_compliance(
-        body.mesh, body.materials, *body.matrices, body.modes, kCompliancePlaces,
+        body.mesh, body.materials, *body.matrices, body.modes, kCompliancePoints,
         [&](double share) { progress.stage("compliance beyond the modes", share); });
-  if (order.radiation)
-    radiate_into(body, order, progress, forecast);
-  progress.say(format("%zu right-hand sides solved", body.modes.solves));
+  if (options.radiation)
+    radiate_into(body, options, progress, forecast);
+  progress.notify(format("%zu right-hand sides solved", body.modes.solves));
   return body;
 }
 

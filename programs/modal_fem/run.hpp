@@ -2,7 +2,7 @@
 #include "fem/modes/body.hpp"
 #include "fem/radiation/mode_radiation.hpp"
 #include "programs/body/progress.hpp"
-#include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/options.hpp"
 #include "programs/modal_fem/shape.hpp"
 
 #include <memory>
@@ -15,7 +15,7 @@ struct Solved {
   std::vector<Material> materials;
   std::unique_ptr<Matrices> matrices;
   Modes modes;
-  std::string support_words = "free";
+  std::string support_text = "free";
   std::vector<double> relative_error;
   ModeRadiation radiation;
   ShapeDerivatives shape;
@@ -24,19 +24,19 @@ struct Solved {
 };
 
 /// The supports that are ordered, on the mesh's nodes. Refuses a place that meets no node.
-[[nodiscard]] std::vector<Support> supports_of(const Order&, const Mesh&);
+[[nodiscard]] std::vector<Support> supports_of(const ModalOptions&, const Mesh&);
 
 /// What a table says of a body that is solved. `created`: ISO 8601, or empty.
-[[nodiscard]] ModalTable table_of(const Order&, const Solved&, const std::string& created);
+[[nodiscard]] ModalTable table_of(const ModalOptions&, const Solved&, const std::string& created);
 
 /// The modes of a body that is reshaped and their derivatives: the ordered number, or all that
 /// there are. `displacement` of the space's parameters (m) has moved the mesh; supports are those
 /// of the mesh as it was.
-[[nodiscard]] Solved solve_moved(const Order&, Mesh moved, std::span<const Material>,
+[[nodiscard]] Solved solve_moved(const ModalOptions&, Mesh moved, std::span<const Material>,
                                  std::span<const Support>, const DesignSpace&,
                                  std::vector<double> displacement);
 
 /// Checks names, foretells, meshes, assembles and solves as ordered.
-[[nodiscard]] Solved solve(const Order&, ProgressLine&);
+[[nodiscard]] Solved solve(const ModalOptions&, ProgressLine&);
 
 } // namespace tactus::fem

@@ -3,7 +3,7 @@
 #include "core/modal/table/modal_table.hpp"
 #include "core/modal/table/serve_protocol.hpp"
 #include "fem/design/valid_step.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/mode_match.hpp"
 #include "programs/body/serve.hpp"
@@ -26,46 +26,49 @@ class ServedBody {
 public:
   explicit ServedBody(const std::string& path)
       : path_(path), part_(read_served_part(path, "modal-table", "modal_fem --lattice")),
-        order_(read_served_order(path, part_.command, read_order)),
-        materials_(materials_of(order_, part_.mesh)), supports_(supports_of(order_, part_.mesh)),
-        space_(design_space_of(order_.design, part_.mesh)) {
+        options_(read_served_options(path, part_.command, read_options)),
+        materials_(materials_of(options_, part_.mesh)),
+        supports_(supports_of(options_, part_.mesh)),
+        space_(design_space_of(options_.design, part_.mesh)) {
     if (const std::string refusal =
             modal::read_modal_table(std::as_bytes(std::span(part_.bytes)), table_);
         !refusal.empty())
-      throw Refusal(path_ + ": " + refusal);
+      throw InputError(path_ + ": " + refusal);
     if (table_.sensitivity.parameters() != parameters())
-      throw Refusal(path_ + format(" has %zu shape parameters, expected the %zu of its command",
-                                   table_.sensitivity.parameters(), parameters()));
-    set_solver_threads(order_.threads);
+      throw InputError(path_ + format(" has %zu shape parameters, expected the %zu of its command",
+                                      table_.sensitivity.parameters(), parameters()));
+    set_solver_threads(options_.threads);
   }
 
   [[nodiscard]] std::size_t parameters() const { return space_.parameters.size(); }
   [[nodiscard]] const modal::ModalTable& table() const { return table_; }
 
   void answer(std::span<const char> request) {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto start_time = std::chrono::steady_clock::now();
     const std::size_t bytes = parameters() * sizeof(double);
     if (request.size() != 2 * bytes)
-      throw Refusal(format("a request to solve has %zu bytes, expected %zu: twice %zu parameters",
-                           request.size(), 2 * bytes, parameters()));
-    std::vector<double> wanted(parameters()), matched(parameters());
-    std::memcpy(wanted.data(), request.data(), bytes);
+      throw InputError(
+          format("a request to solve has %zu bytes, expected %zu: twice %zu parameters",
+                 request.size(), 2 * bytes, parameters()));
+    std::vector<double> requested(parameters()), matched(parameters());
+    std::memcpy(requested.data(), request.data(), bytes);
     std::memcpy(matched.data(), request.data() + bytes, bytes);
-    for (const auto* shape : {&wanted, &matched})
+    for (const auto* shape : {&requested, &matched})
       for (const double p : *shape)
         if (!std::isfinite(p))
-          throw Refusal("a parameter is no finite number");
+          throw InputError("a parameter is no finite number");
     if (!latest_ || latest_->displacement != matched)
       latest_ = solve_at(matched);
-    Shape now = solve_at(wanted);
+    Shape now = solve_at(requested);
     const auto shares =
         match_modes(*now.body.matrices, latest_->body.modes.shapes, now.body.modes.shapes);
     latest_ = std::move(now);
     modal::ModesAnswer fixed;
     fixed.fraction = latest_->fraction;
     fixed.shares = shares.size();
-    const std::string bytes_of_table = table_bytes(table_of(order_, latest_->body, ""));
-    fixed.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    const std::string bytes_of_table = table_bytes(table_of(options_, latest_->body, ""));
+    fixed.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
     ServeMessage message(modal::ServeKind::modes);
     message.add(fixed);
     for (const ModeMatch& match : shares)
@@ -82,22 +85,22 @@ private:
     Solved body;
   };
 
-  [[nodiscard]] Shape solve_at(std::vector<double> wanted) const {
+  [[nodiscard]] Shape solve_at(std::vector<double> requested) const {
     Shape shape;
     Mesh mesh = part_.mesh;
-    auto nodes = moved_nodes(mesh.nodes, space_.velocities, wanted);
+    auto nodes = moved_nodes(mesh.nodes, space_.velocities, requested);
     shape.fraction = valid_step(mesh, nodes).fraction;
     if (shape.fraction < 1) {
-      for (double& p : wanted)
+      for (double& p : requested)
         p *= shape.fraction;
-      nodes = moved_nodes(mesh.nodes, space_.velocities, wanted);
+      nodes = moved_nodes(mesh.nodes, space_.velocities, requested);
     }
     mesh.nodes = std::move(nodes);
-    shape.body = solve_moved(order_, std::move(mesh), materials_, supports_, space_, wanted);
-    const bool is_tables_own =
-        std::all_of(wanted.begin(), wanted.end(), [](double p) { return p == 0; });
-    shape.displacement = std::move(wanted);
-    if (is_tables_own)
+    shape.body = solve_moved(options_, std::move(mesh), materials_, supports_, space_, requested);
+    const bool is_table_shape =
+        std::all_of(requested.begin(), requested.end(), [](double p) { return p == 0; });
+    shape.displacement = std::move(requested);
+    if (is_table_shape)
       compare_with_table(shape.body);
     return shape;
   }
@@ -106,18 +109,19 @@ private:
   void compare_with_table(const Solved& body) const {
     const auto& found = body.modes.frequency_hz;
     if (found.size() != table_.modes())
-      throw Refusal(path_ + format(" has %zu modes, %zu are found at its own shape", table_.modes(),
-                                   found.size()));
+      throw InputError(path_ + format(" has %zu modes, %zu are found at its own shape",
+                                      table_.modes(), found.size()));
     const Surface skin = surface_of(body.mesh);
     if (skin.node.size() != table_.vertices())
-      throw Refusal(path_ + format(" has %zu vertices, its mesh has %zu", table_.vertices(),
-                                   skin.node.size()));
+      throw InputError(path_ + format(" has %zu vertices, its mesh has %zu", table_.vertices(),
+                                      skin.node.size()));
     const std::size_t n = body.mesh.dofs();
     for (std::size_t k = 0; k < found.size(); ++k) {
       if (!(std::abs(found[k] / table_.frequency_hz[k] - 1) <= kSameFrequency))
-        throw Refusal(path_ + format(": mode %zu has %.9g Hz, %.9g Hz are found at the table's own "
-                                     "shape: expected the file that modal_fem wrote, unchanged",
-                                     k + 1, table_.frequency_hz[k], found[k]));
+        throw InputError(path_ +
+                         format(": mode %zu has %.9g Hz, %.9g Hz are found at the table's own "
+                                "shape: expected the file that modal_fem wrote, unchanged",
+                                k + 1, table_.frequency_hz[k], found[k]));
       double both = 0, own = 0, here = 0;
       for (std::size_t v = 0; v < skin.node.size(); ++v) {
         const modal::Vec3 written = table_.shape_at(k, v);
@@ -131,16 +135,17 @@ private:
         }
       }
       if (!(both >= kSameShape * std::sqrt(own * here)))
-        throw Refusal(path_ + format(": mode %zu of the table has another shape than is found at "
-                                     "the table's own shape: expected the file that modal_fem "
-                                     "wrote, unchanged",
-                                     k + 1));
+        throw InputError(path_ +
+                         format(": mode %zu of the table has another shape than is found at "
+                                "the table's own shape: expected the file that modal_fem "
+                                "wrote, unchanged",
+                                k + 1));
     }
   }
 
   std::string path_;
   ServedPart part_;
-  Order order_;
+  ModalOptions options_;
   std::vector<Material> materials_;
   std::vector<Support> supports_;
   DesignSpace space_;
@@ -152,7 +157,7 @@ private:
 
 int serve(const std::vector<std::string>& words) {
   if (words.size() != 1)
-    throw Refusal("serve: expected one file, NAME.modal.npz");
+    throw InputError("serve: expected one file, NAME.modal.npz");
   ServedBody body(words[0]);
   {
     ServeMessage ready(modal::ServeKind::ready);

@@ -6,11 +6,11 @@
 
 namespace tactus::fem {
 
-ShapeDerivatives shape_derivatives(const DesignOrder& order, const Mesh& mesh,
+ShapeDerivatives shape_derivatives(const DesignOptions& options, const Mesh& mesh,
                                    std::span<const Material> materials, const Modes& modes,
                                    std::size_t count, ProgressLine& progress) {
   progress.stage("how the modes follow the shape", 0);
-  return shape_derivatives(design_space_of(order, mesh), mesh, materials, modes, count, {});
+  return shape_derivatives(design_space_of(options, mesh), mesh, materials, modes, count, {});
 }
 
 ShapeDerivatives shape_derivatives(const DesignSpace& space, const Mesh& moved,

@@ -1,7 +1,7 @@
 #include "programs/modal_fem/slepc_engine.hpp"
 
 #include "fem/io/exchange.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/modes/rigid.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/body/mpi_run.hpp"
@@ -23,14 +23,14 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
                   std::size_t count, int ranks, ProgressLine& progress) {
   const std::size_t n = matrices.dofs();
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
-  const std::size_t held =
-      static_cast<std::size_t>(std::count(matrices.held.begin(), matrices.held.end(), 1));
+  const std::size_t constrained = static_cast<std::size_t>(
+      std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));
   // A few more than asked for, as in find_modes; SLEPc finds no more than there are.
-  const std::size_t wanted = std::min(count + 4, n - held - rigid.size() / n);
+  const std::size_t requested = std::min(count + 4, n - constrained - rigid.size() / n);
   const MpiRun slepc(kSlepc, kFiles);
   // Both matrices, both triangles: 9 + 3 entries of 12 bytes a pair of nodes, and the vectors.
-  slepc.need_room(2 * 12 * 12. * static_cast<double>(matrices.graph.row.size()) +
-                  8. * static_cast<double>(n * (wanted + 16)));
+  slepc.require_disk_space(2 * 12 * 12. * static_cast<double>(matrices.graph.row.size()) +
+                           8. * static_cast<double>(n * (requested + 16)));
   progress.stage("exporting the matrices", 0);
   write_petsc(slepc.file("matrices"), matrices);
   write_petsc_vectors(slepc.file("rigid"), rigid, n);
@@ -39,8 +39,8 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
   double peak = 0;
   slepc.run(ranks,
             {slepc.file("matrices"), slepc.file("rigid"), slepc.file("values"),
-             slepc.file("vectors"), std::to_string(wanted), std::to_string(rigid.size() / n),
-             format("%.17g", usual_shift(mesh, materials))},
+             slepc.file("vectors"), std::to_string(requested), std::to_string(rigid.size() / n),
+             format("%.17g", default_shift(mesh, materials))},
             [&](const char* line) {
               char stage[128];
               double share = 0;
@@ -49,7 +49,7 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
               else
                 std::sscanf(line, "peak %lf", &peak);
             });
-  progress.say(format("%d processes, at most ", ranks) + words_of_bytes(peak) + " each");
+  progress.notify(format("%d processes, at most ", ranks) + format_bytes(peak) + " each");
 
   progress.stage("importing the modes", 0);
   Modes modes = import_modes(slepc.file("values"), slepc.file("vectors"), mesh, matrices, false);

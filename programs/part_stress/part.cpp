@@ -1,6 +1,6 @@
 #include "programs/part_stress/part.hpp"
 
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "fem/modes/cost.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
 
@@ -11,7 +11,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kUsualElements =
+constexpr double kDefaultElements =
     2200; ///< asked of a file; curved faces take two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
 constexpr int kElementsPerTurn = 6;        ///< around curved faces; their sides are curved too
@@ -21,81 +21,83 @@ constexpr int kElementsPerTurn = 6;        ///< around curved faces; their sides
 constexpr double kPetscPairBytes = 900, kPetscProcessBytes = 7e7;
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
-double bytes_of(const MeshSize& size, const PartOrder& order) {
-  if (order.petsc) { // more processes than have work are refused when the mesh is known
-    const double most = size.nodes / static_cast<double>(kMinNodesPerProcess);
+double bytes_of(const MeshSize& size, const PartOptions& options) {
+  if (options.petsc) { // more processes than have work are refused when the mesh is known
+    const double max_processes = size.nodes / static_cast<double>(kMinNodesPerProcess);
     return size.node_pairs * kPetscPairBytes +
-           std::min<double>(order.ranks, most) * kPetscProcessBytes + 5e7;
+           std::min<double>(options.ranks, max_processes) * kPetscProcessBytes + 5e7;
   }
-  const double controls = order.design.points[0] * order.design.points[1] * order.design.points[2];
-  const double parameters = order.output.empty() && order.moves.empty() ? 0 : 3 * controls;
-  return foretell_factor(size).memory_bytes + size.node_pairs * (9 + 1 + 1) * 8 +
+  const double controls =
+      options.design.points[0] * options.design.points[1] * options.design.points[2];
+  const double parameters = options.output.empty() && options.moves.empty() ? 0 : 3 * controls;
+  return predict_factor(size).memory_bytes + size.node_pairs * (9 + 1 + 1) * 8 +
          size.dofs() * 8 * 20 + size.elements * (parameters * 8 + 200) + 5e7;
 }
 
-void hold(const PartOrder& order, const Budget& budget, const MeshSize& size,
-          const std::function<MeshSize(double)>& resized) {
-  const double bytes = bytes_of(size, order);
+void check_budget(const PartOptions& options, const Budget& budget, const MeshSize& size,
+                  const std::function<MeshSize(double)>& resized) {
+  const double bytes = bytes_of(size, options);
   if (bytes <= kCostMargin * budget.bytes())
     return;
   const double largest = std::max({size.box.x, size.box.y, size.box.z});
   double h = 1e-4 * largest;
-  while (h < largest && bytes_of(resized(h), order) > budget.bytes())
+  while (h < largest && bytes_of(resized(h), options) > budget.bytes())
     h *= 1.1;
   throw TooLarge(
-      order.name() + format(": %.0f elements with %.0f unknowns", size.elements, size.dofs()) +
-      " would take " + words_of_bytes(bytes) + ", expected at most " +
-      words_of_bytes(budget.bytes()) +
-      (order.memory_bytes > 0 ? " (--memory)" : ", half of what is free (--memory)") +
-      (h < largest ? format(": take --h %.2g", h / order.unit) : "") +
-      (order.petsc || !order.output.empty() ? "" : ", or --engine petsc over several processes"));
+      options.name() + format(": %.0f elements with %.0f unknowns", size.elements, size.dofs()) +
+      " would take " + format_bytes(bytes) + ", expected at most " + format_bytes(budget.bytes()) +
+      (options.memory_bytes > 0 ? " (--memory)" : ", half of what is free (--memory)") +
+      (h < largest ? format(": take --h %.2g", h / options.unit) : "") +
+      (options.petsc || !options.output.empty() ? ""
+                                                : ", or --engine petsc over several processes"));
 }
 
-Mesh mesh_of_shape(const PartOrder& order, const Budget& budget, ProgressLine& progress) {
-  const auto profile =
-      order.profile.empty() ? std::vector<ProfilePoint>{} : read_profile(order.profile, order.unit);
+Mesh mesh_of_shape(const PartOptions& options, const Budget& budget, ProgressLine& progress) {
+  const auto profile = options.profile.empty() ? std::vector<ProfilePoint>{}
+                                               : read_profile(options.profile, options.unit);
   const auto plan_for = [&](double h) {
-    MeshChoice choice = order.choice;
+    MeshChoice choice = options.choice;
     choice.h = h;
-    return plan_shape(order.body, order.dimensions, profile, choice);
+    return plan_shape(options.body, options.dimensions, profile, choice);
   };
-  const ShapePlan plan = plan_for(order.choice.h);
-  hold(order, budget, plan.size, [&](double h) { return plan_for(h).size; });
+  const ShapePlan plan = plan_for(options.choice.h);
+  check_budget(options, budget, plan.size, [&](double h) { return plan_for(h).size; });
   progress.stage("meshing", 0);
   return plan.make().mesh;
 }
 
-Mesh mesh_of_file(const PartOrder& order, const Budget& budget, ProgressLine& progress) {
-  LoadChoice load = load_choice(order, progress);
-  load.face_sets = order.needs_faces();
+Mesh mesh_of_file(const PartOptions& options, const Budget& budget, ProgressLine& progress) {
+  LoadChoice load = load_choice(options, progress);
+  load.face_sets = options.needs_faces();
   if (load.face_sets)
-    load.say = [&](const std::string& sentence) {
+    load.notify = [&](const std::string& sentence) {
       if (!sentence.starts_with("face "))
-        progress.say(sentence);
-      else if (order.list_faces)
+        progress.notify(sentence);
+      else if (options.list_faces)
         std::puts(sentence.c_str());
     };
   load.elements_per_turn = kElementsPerTurn;
   load.size_for = [](double volume, double, double) {
-    return std::cbrt(volume / (kTetrahedronShare * kUsualElements));
+    return std::cbrt(volume / (kTetrahedronShare * kDefaultElements));
   };
   load.limits.memory_bytes = static_cast<std::uint64_t>(budget.bytes());
-  load.foretold = [&](const MeshSize& size, const auto&) { // in the child
-    hold(order, budget, size, [&](double h) { return resized_tetrahedra(size, h); });
+  load.on_prediction = [&](const MeshSize& size, const auto&) { // in the child
+    check_budget(options, budget, size, [&](double h) { return resized_tetrahedra(size, h); });
   };
-  return order.is_lift_arm() ? mesh_lift_arm(order.lift_arm(), load) : load_body(order.body, load);
+  return options.is_lift_arm() ? mesh_lift_arm(options.lift_arm(), load)
+                               : load_body(options.body, load);
 }
 
 /// Straightens the curved sides of tet10 whose scaled Jacobian is small, as long as that betters
 /// them: such elements would stop the first move of a control point.
 void straighten_flat(Mesh& mesh) {
-  constexpr double kGoodEnough = .15;
+  constexpr double kMinGoodJacobian = .15;
   constexpr std::array<std::array<std::size_t, 2>, 6> kSides{
       {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
   for (int round = 0; round < 4; ++round) { // a node that moves may spoil a neighbour
     bool changed = false;
     for (const Element& e : mesh.elements) {
-      if (e.shape != Shape::tet10 || scaled_jacobian(mesh, e) >= kGoodEnough)
+      if (e.shape != Shape::tet10 || scaled_jacobian(mesh, e) >= kMinGoodJacobian)
         continue;
       const auto nodes = mesh.nodes_of(e);
       for (std::size_t side = 0; side < kSides.size(); ++side) {
@@ -116,8 +118,8 @@ void straighten_flat(Mesh& mesh) {
 template <class Select> auto selected(const std::string& words, Select&& select) {
   try {
     return select();
-  } catch (const Refusal& refusal) {
-    throw Refusal("--" + words + ": " + refusal.what());
+  } catch (const InputError& refusal) {
+    throw InputError("--" + words + ": " + refusal.what());
   }
 }
 
@@ -126,9 +128,9 @@ template <class Select> auto selected(const std::string& words, Select&& select)
 Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::string& words) {
   std::array<Vector3, 3> m{};
   double whole = 0;
-  for (const MeshFace& where : wall) {
-    const Element& e = mesh.elements[static_cast<std::size_t>(where.element)];
-    const Face& face = faces(e.shape)[static_cast<std::size_t>(where.face)];
+  for (const MeshFace& at_region : wall) {
+    const Element& e = mesh.elements[static_cast<std::size_t>(at_region.element)];
+    const Face& face = faces(e.shape)[static_cast<std::size_t>(at_region.face)];
     const auto at_node = [&](std::size_t c) {
       const auto local = static_cast<std::size_t>(face.node[c]);
       return mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[local])];
@@ -157,9 +159,9 @@ Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std
   // Of squares of the eigenvalues' shares: 1/2 of a wall all around, 1 of a plane.
   const double flatness = (dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2])) / (whole * whole);
   if (!(along < .02 && flatness < .9))
-    throw Refusal("--" + words +
-                  ": expected the wall of a round hole or pin, whose faces turn "
-                  "around one axis");
+    throw InputError("--" + words +
+                     ": expected the wall of a round hole or pin, whose faces turn "
+                     "around one axis");
   return axis;
 }
 
@@ -171,73 +173,73 @@ int nearest_skin_node(const Mesh& mesh, const Vector3& point) {
   });
 }
 
-Load load_of(const LoadOrder& order, const Mesh& mesh) {
-  using Kind = LoadOrder::Kind;
-  if (order.kind == Kind::point)
-    return PointForce{nearest_skin_node(mesh, order.point), order.value};
+Load load_of(const LoadOptions& options, const Mesh& mesh) {
+  using Kind = LoadOptions::Kind;
+  if (options.kind == Kind::point)
+    return PointForce{nearest_skin_node(mesh, options.point), options.value};
   const auto faces =
-      selected(order.words, [&] { return select_faces(mesh, order.where.selection); });
-  switch (order.kind) {
+      selected(options.words, [&] { return select_faces(mesh, options.at_region.selection); });
+  switch (options.kind) {
   case Kind::traction:
-    return Traction{order.where.words, faces, order.value};
+    return Traction{options.at_region.words, faces, options.value};
   case Kind::pressure:
-    return Pressure{order.where.words, faces, order.value.x};
+    return Pressure{options.at_region.words, faces, options.value.x};
   case Kind::bolt: {
-    Vector3 axis = axis_of_wall(mesh, faces, order.words);
+    Vector3 axis = axis_of_wall(mesh, faces, options.words);
     // Facets find the axis within a percent; a force that is no further from perpendicular is meant
     // to be perpendicular.
-    const double size = length(order.value);
-    const double along = size > 0 ? dot(axis, order.value) / size : 0;
+    const double size = length(options.value);
+    const double along = size > 0 ? dot(axis, options.value) / size : 0;
     if (std::abs(along) < .02 && size > 0)
-      axis = axis - (along / size) * order.value;
-    return BoltLoad{order.where.words, faces, axis, order.value};
+      axis = axis - (along / size) * options.value;
+    return BoltLoad{options.at_region.words, faces, axis, options.value};
   }
   default:
-    return TotalForce{order.where.words, faces, order.value};
+    return TotalForce{options.at_region.words, faces, options.value};
   }
 }
 
 } // namespace
 
-Mesh mesh_of(const PartOrder& order, ProgressLine& progress) {
-  for (const std::string& path : {order.is_file ? order.body : std::string(), order.profile})
+Mesh mesh_of(const PartOptions& options, ProgressLine& progress) {
+  for (const std::string& path : {options.is_file ? options.body : std::string(), options.profile})
     if (!path.empty())
       check_readable(path);
-  for (const auto& [region, name] : order.materials)
+  for (const auto& [region, name] : options.materials)
     (void)find_material(name);
-  const Budget budget(order.memory_bytes);
+  const Budget budget(options.memory_bytes);
   progress.stage("meshing", 0);
-  Mesh mesh = order.is_file || order.is_lift_arm() ? mesh_of_file(order, budget, progress)
-                                                   : mesh_of_shape(order, budget, progress);
-  if (order.is_lift_arm() || order.is_file)
+  Mesh mesh = options.is_file || options.is_lift_arm() ? mesh_of_file(options, budget, progress)
+                                                       : mesh_of_shape(options, budget, progress);
+  if (options.is_lift_arm() || options.is_file)
     straighten_flat(mesh);
   check(mesh);
   describe(mesh, progress, "stresses far too low");
-  hold(order, budget, size_of(mesh),
-       [&](double h) { return resized_tetrahedra(size_of(mesh), h); });
-  if (const Parts parts = connected_parts(mesh); parts.count > 1 && !order.several_parts)
-    throw Refusal("the mesh falls into " + std::to_string(parts.count) +
-                  " parts that share no node, expected one (allow it with --multi)");
+  check_budget(options, budget, size_of(mesh),
+               [&](double h) { return resized_tetrahedra(size_of(mesh), h); });
+  if (const Parts parts = connected_parts(mesh); parts.count > 1 && !options.several_parts)
+    throw InputError("the mesh falls into " + std::to_string(parts.count) +
+                     " parts that share no node, expected one (allow it with --multi)");
   return mesh;
 }
 
-StaticModel model_of(const PartOrder& order, const Mesh& mesh) {
+StaticModel model_of(const PartOptions& options, const Mesh& mesh) {
   StaticModel model;
-  model.materials = materials_of(order, mesh);
-  for (const SupportOrder& s : order.supports) {
+  model.materials = materials_of(options, mesh);
+  for (const SupportOptions& s : options.supports) {
     if (s.stiffness_n_per_m == Vector3{})
       model.fixed.push_back(
-          {s.words, selected(s.words, [&] { return select_nodes(mesh, s.where.selection); }),
+          {s.words, selected(s.words, [&] { return select_nodes(mesh, s.at_region.selection); }),
            s.directions});
     else
       model.springs.push_back(
-          {s.words, selected(s.words, [&] { return select_faces(mesh, s.where.selection); }),
+          {s.words, selected(s.words, [&] { return select_faces(mesh, s.at_region.selection); }),
            s.stiffness_n_per_m});
   }
-  for (const LoadOrder& load : order.loads)
+  for (const LoadOptions& load : options.loads)
     model.loads.push_back(load_of(load, mesh));
-  if (!(order.gravity == Vector3{}))
-    model.loads.push_back(Gravity{order.gravity});
+  if (!(options.gravity == Vector3{}))
+    model.loads.push_back(Gravity{options.gravity});
   return model;
 }
 
@@ -251,9 +253,9 @@ std::vector<double> parameters_of(std::span<const Move> moves, const DesignSpace
       if (at != space.parameters.end())
         values[static_cast<std::size_t>(at - space.parameters.begin())] += move.displacement[axis];
       else if (move.displacement[axis] != 0)
-        throw Refusal(format("--move %d: control point %d may not move along %c (--controls, "
-                             "--directions, or a face of the box that the body passes through)",
-                             move.control, move.control, 'x' + axis));
+        throw InputError(format("--move %d: control point %d may not move along %c (--controls, "
+                                "--directions, or a face of the box that the body passes through)",
+                                move.control, move.control, 'x' + axis));
     }
   return values;
 }

@@ -2,16 +2,16 @@
 #include "fem/design/reanalysis.hpp"
 #include "fem/io/stress_table.hpp"
 #include "programs/body/budget.hpp"
-#include "programs/part_stress/order.hpp"
+#include "programs/part_stress/options.hpp"
 
 namespace tactus::fem {
 
 /// The mesh that is ordered, checked. Refuses what is beyond the memory, separate parts and bad
 /// elements.
-[[nodiscard]] Mesh mesh_of(const PartOrder&, ProgressLine&);
+[[nodiscard]] Mesh mesh_of(const PartOptions&, ProgressLine&);
 
 /// Supports and loads on the mesh. Refuses a place that meets nothing, naming the option.
-[[nodiscard]] StaticModel model_of(const PartOrder&, const Mesh&);
+[[nodiscard]] StaticModel model_of(const PartOptions&, const Mesh&);
 
 /// The parameters of the ordered moves. Refuses a control point that may not move.
 [[nodiscard]] std::vector<double> parameters_of(std::span<const Move>, const DesignSpace&);

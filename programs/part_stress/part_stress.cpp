@@ -10,8 +10,8 @@
 //   5. write     NAME.stress.npz, VTU, CalculiX, a picture sheet
 #include "fem/io/exchange.hpp"
 #include "fem/io/safe_file.hpp"
+#include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
-#include "fem/io/words.hpp"
 #include "fem/modes/body.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
@@ -70,14 +70,14 @@ void print_state(const char* when, const PictureState& s, std::span<const double
 
 /// Relative to the largest value: root mean square and largest difference.
 std::array<double, 2> difference(std::span<const double> a, std::span<const double> b) {
-  double sum = 0, most = 0, scale = 0, squares = 0;
+  double sum = 0, max_difference = 0, scale = 0, squares = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     sum += (a[i] - b[i]) * (a[i] - b[i]);
     squares += b[i] * b[i];
-    most = std::max(most, std::abs(a[i] - b[i]));
+    max_difference = std::max(max_difference, std::abs(a[i] - b[i]));
     scale = std::max(scale, std::abs(b[i]));
   }
-  return {std::sqrt(sum / squares), most / scale};
+  return {std::sqrt(sum / squares), max_difference / scale};
 }
 
 void write_fields(const std::string& path, const Mesh& mesh, const StaticModel& model,
@@ -105,37 +105,37 @@ void write_fields(const std::string& path, const Mesh& mesh, const StaticModel& 
   write_vtu(path, mesh, node_fields, element_fields);
 }
 
-StressNotes notes_of(const PartOrder& order, const std::vector<std::string>& words,
-                     const Reanalysis& part, const PictureState& state) {
-  StressNotes notes{.body_name = order.name(),
-                    .created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now(),
-                    .supports = {},
-                    .loads = {},
-                    .mass = mass_properties(part.mesh(), part.model().materials).mass,
-                    .volume = state.volume,
-                    .max_displacement = state.max_displacement,
-                    .product_s = part.cost().product,
-                    .solve_s = part.cost().solve,
-                    .factor_s = part.cost().assembly + part.cost().factor,
-                    .command = words};
-  for (const SupportOrder& s : order.supports)
-    notes.supports.push_back(s.words);
-  for (const LoadOrder& l : order.loads)
-    notes.loads.push_back(l.words);
-  if (!(order.gravity == Vector3{}))
-    notes.loads.push_back(
-        format("gravity %g,%g,%g", order.gravity.x, order.gravity.y, order.gravity.z));
-  return notes;
+StressMetadata metadata_of(const PartOptions& options, const std::vector<std::string>& words,
+                           const Reanalysis& part, const PictureState& state) {
+  StressMetadata metadata{.body_name = options.name(),
+                          .created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now(),
+                          .supports = {},
+                          .loads = {},
+                          .mass = mass_properties(part.mesh(), part.model().materials).mass,
+                          .volume = state.volume,
+                          .max_displacement = state.max_displacement,
+                          .product_s = part.cost().product,
+                          .solve_s = part.cost().solve,
+                          .factor_s = part.cost().assembly + part.cost().factor,
+                          .command = words};
+  for (const SupportOptions& s : options.supports)
+    metadata.supports.push_back(s.words);
+  for (const LoadOptions& l : options.loads)
+    metadata.loads.push_back(l.words);
+  if (!(options.gravity == Vector3{}))
+    metadata.loads.push_back(
+        format("gravity %g,%g,%g", options.gravity.x, options.gravity.y, options.gravity.z));
+  return metadata;
 }
 
 /// What is solved: a part, its model, and how its shape moves.
 struct Problem {
-  const PartOrder& order;
+  const PartOptions& options;
   const std::vector<std::string>& words;
   const Mesh& mesh;
   const StaticModel& model;
   const DesignSpace& space;
-  std::vector<double> wanted; ///< parameters of the moved shape
+  std::vector<double> requested; ///< parameters of the moved shape
 };
 
 /// What was found, of the last shape.
@@ -165,9 +165,9 @@ void print_cut(const ValidStep& step) {
 }
 
 /// By a factor in this process, which serves the derivatives too.
-Outcome solve_here(const Problem& problem, ProgressLine& progress) {
-  const auto& [order, words, mesh, model, space, wanted] = problem;
-  const bool derivatives = !order.output.empty() || !order.moves.empty();
+Outcome solve_in_process(const Problem& problem, ProgressLine& progress) {
+  const auto& [options, words, mesh, model, space, requested] = problem;
+  const bool derivatives = !options.output.empty() || !options.moves.empty();
   progress.stage("solving", 0);
   Reanalysis part(mesh, model, space.velocities, {.tolerance = 1e-8, .sensitivities = derivatives},
                   [&](double share) { progress.stage("solving", share); });
@@ -177,17 +177,17 @@ Outcome solve_here(const Problem& problem, ProgressLine& progress) {
                                   {part.base_von_mises().begin(), part.base_von_mises().end()}));
   print_part(problem, part.solution());
   print_state("before", out.states[0], volumes);
-  if (!order.output.empty()) {
-    progress.stage("writing " + order.output, 0);
-    write_stress_table(order.output,
+  if (!options.output.empty()) {
+    progress.stage("writing " + options.output, 0);
+    write_stress_table(options.output,
                        {mesh, model.materials, part.base_von_mises(), part.base_max_shear(),
                         part.sensitivity(), volumes, space.parameters, space.weights,
-                        space.lattice.points, space.trust, order.skin_edge,
-                        notes_of(order, words, part, out.states[0])});
+                        space.lattice.points, space.trust, options.skin_edge,
+                        metadata_of(options, words, part, out.states[0])});
   }
-  if (!order.moves.empty()) {
+  if (!options.moves.empty()) {
     progress.stage("moving control points", 0);
-    print_cut(part.move_to(wanted));
+    print_cut(part.move_to(requested));
     out.taylor = part.taylor().von_mises;
     const StressUpdate solved = part.solve();
     out.states.push_back(picture_of(part.mesh(), model, part.solution(), solved.von_mises));
@@ -201,36 +201,36 @@ Outcome solve_here(const Problem& problem, ProgressLine& progress) {
   out.mesh = part.mesh();
   out.solution = part.solution();
   out.parameters.assign(part.parameters().begin(), part.parameters().end());
-  out.memory = words_of_bytes(part.memory().total());
+  out.memory = format_bytes(part.memory().total());
   return out;
 }
 
 /// By several processes; each shape is solved from the displacement of the one before.
 Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
-  const PartOrder& order = problem.order;
+  const PartOptions& options = problem.options;
   const Mesh& mesh = problem.mesh;
   const StaticModel& model = problem.model;
   Outcome out{.states = {},
               .mesh = mesh,
               .solution = {},
-              .parameters = problem.wanted,
+              .parameters = problem.requested,
               .taylor = {},
               .memory = {}};
   const auto solve = [&](const char* when) {
     const StaticSystem system(out.mesh, model);
     out.solution =
-        petsc_solution(out.mesh, system, out.solution.displacement, order.ranks, progress);
+        petsc_solution(out.mesh, system, out.solution.displacement, options.ranks, progress);
     if (out.states.empty())
       print_part(problem, out.solution);
-    out.states.push_back(
-        picture_of(out.mesh, model, out.solution,
-                   measured(element_stress(out.mesh, model.materials, out.solution.displacement),
-                            StressMeasure::von_mises)));
+    out.states.push_back(picture_of(
+        out.mesh, model, out.solution,
+        equivalent_stress(element_stress(out.mesh, model.materials, out.solution.displacement),
+                          StressMeasure::von_mises)));
     print_state(when, out.states.back(), element_volumes(out.mesh));
-    out.memory = format("mpirun -n %d", order.ranks);
+    out.memory = format("mpirun -n %d", options.ranks);
   };
   solve("before");
-  if (!order.moves.empty()) {
+  if (!options.moves.empty()) {
     const ValidStep step =
         valid_step(mesh, moved_nodes(mesh.nodes, problem.space.velocities, out.parameters));
     print_cut(step);
@@ -243,50 +243,50 @@ Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
 }
 
 int run(const std::vector<std::string>& words) {
-  const PartOrder order = read_order(words);
-  if (order.petsc)
+  const PartOptions options = read_options(words);
+  if (options.petsc)
     check_petsc();
-  check_outputs(order.outputs(), order);
-  if (!order.sheet.empty())
+  check_outputs(options.outputs(), options);
+  if (!options.sheet.empty())
     check_sheet("stress_sheet.py");
-  const Clock::time_point begun = Clock::now();
-  ProgressLine progress(order.quiet);
-  if (!order.step.empty()) {
-    write_step(order.step, order.lift_arm());
-    if (order.outputs().size() == 1)
+  const Clock::time_point start_time = Clock::now();
+  ProgressLine progress(options.quiet);
+  if (!options.step.empty()) {
+    write_step(options.step, options.lift_arm());
+    if (options.outputs().size() == 1)
       return 0;
   }
-  set_solver_threads(order.threads);
-  const Mesh mesh = mesh_of(order, progress);
-  if (order.list_faces)
+  set_solver_threads(options.threads);
+  const Mesh mesh = mesh_of(options, progress);
+  if (options.list_faces)
     return 0;
-  const StaticModel model = model_of(order, mesh);
-  if (!order.inp.empty()) {
-    progress.stage("writing " + order.inp, 0);
-    write_static_inp(order.inp, mesh, model);
+  const StaticModel model = model_of(options, mesh);
+  if (!options.inp.empty()) {
+    progress.stage("writing " + options.inp, 0);
+    write_static_inp(options.inp, mesh, model);
   }
   progress.stage("embedding the control lattice", 0);
-  const DesignSpace space = design_space_of(order.design, mesh);
-  const Problem problem{order, words, mesh, model, space, parameters_of(order.moves, space)};
+  const DesignSpace space = design_space_of(options.design, mesh);
+  const Problem problem{options, words, mesh, model, space, parameters_of(options.moves, space)};
   const Outcome out =
-      order.petsc ? solve_on_processes(problem, progress) : solve_here(problem, progress);
-  const double seconds = seconds_since(begun);
+      options.petsc ? solve_on_processes(problem, progress) : solve_in_process(problem, progress);
+  const double seconds = seconds_since(start_time);
   std::printf("        %zu elements (%s), %zu unknowns, %s, %.3g s\n", mesh.elements.size(),
               mesh.element_names().c_str(), mesh.dofs(), out.memory.c_str(), seconds);
   std::fflush(stdout);
-  if (!order.vtu.empty()) {
-    progress.stage("writing " + order.vtu, 0);
-    write_fields(order.vtu, out.mesh, model, out.solution);
+  if (!options.vtu.empty()) {
+    progress.stage("writing " + options.vtu, 0);
+    write_fields(options.vtu, out.mesh, model, out.solution);
   }
-  if (!order.sheet.empty()) {
-    progress.stage("writing " + order.sheet, 0);
-    PictureNotes beside{.title = order.name(), .subtitle = {}, .taylor = out.taylor};
+  if (!options.sheet.empty()) {
+    progress.stage("writing " + options.sheet, 0);
+    PictureLabels beside{.title = options.name(), .subtitle = {}, .taylor = out.taylor};
     const double mass = mass_properties(mesh, model.materials).mass;
     beside.subtitle =
         model.materials[0].name + format(", %.4g kg; %zu %s, %zu unknowns; %s, %.2g s", mass,
                                          mesh.elements.size(), mesh.element_names().c_str(),
                                          mesh.dofs(), out.memory.c_str(), seconds);
-    draw_part(order.sheet, model, space, mesh, out.states, out.parameters, beside);
+    draw_part(options.sheet, model, space, mesh, out.states, out.parameters, beside);
   }
   return 0;
 }

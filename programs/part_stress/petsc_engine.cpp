@@ -1,7 +1,7 @@
 #include "programs/part_stress/petsc_engine.hpp"
 
 #include "fem/io/exchange.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/body/mpi_run.hpp"
 
@@ -14,24 +14,24 @@ namespace {
 
 constexpr MpiEngine kPetsc{"--engine petsc", "petsc_solve", "PETSc", "libpetsc-real-dev"};
 constexpr std::array kFiles{"matrix", "vectors", "solution"};
-constexpr std::size_t kMaxProcessesSaid = 8;
+constexpr std::size_t kMaxProcessesListed = 8;
 
 struct Process {
   double bytes = 0, seconds = 0;
 };
 
 /// "2 processes: 142 MB and 1.9 s, 139 MB and 1.8 s"
-std::string words_of(std::span<const Process> processes) {
+std::string process_list_text(std::span<const Process> processes) {
   std::string text =
       format(processes.size() == 1 ? "%zu process: " : "%zu processes: ", processes.size());
-  for (std::size_t k = 0; k < std::min(processes.size(), kMaxProcessesSaid); ++k)
-    text += (k > 0 ? ", " : "") + words_of_bytes(processes[k].bytes) +
+  for (std::size_t k = 0; k < std::min(processes.size(), kMaxProcessesListed); ++k)
+    text += (k > 0 ? ", " : "") + format_bytes(processes[k].bytes) +
             format(" and %.2g s", processes[k].seconds);
-  if (processes.size() > kMaxProcessesSaid) {
-    const auto most =
+  if (processes.size() > kMaxProcessesListed) {
+    const auto max_ranks =
         std::max_element(processes.begin(), processes.end(),
                          [](const Process& a, const Process& b) { return a.bytes < b.bytes; });
-    text += " ..., at most " + words_of_bytes(most->bytes);
+    text += " ..., at most " + format_bytes(max_ranks->bytes);
   }
   return text;
 }
@@ -51,21 +51,21 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
                               std::span<const double> start, int ranks, ProgressLine& progress) {
   const Matrices& m = system.matrices;
   const std::size_t n = m.dofs(), nodes = m.graph.node_count();
-  const std::size_t most = std::max<std::size_t>(1, nodes / kMinNodesPerProcess);
-  if (static_cast<std::size_t>(ranks) > most)
-    throw Refusal(format("--ranks %d: expected at most %zu processes for %zu nodes, %zu each",
-                         ranks, most, nodes, kMinNodesPerProcess));
+  const std::size_t max_ranks = std::max<std::size_t>(1, nodes / kMinNodesPerProcess);
+  if (static_cast<std::size_t>(ranks) > max_ranks)
+    throw InputError(format("--ranks %d: expected at most %zu processes for %zu nodes, %zu each",
+                            ranks, max_ranks, nodes, kMinNodesPerProcess));
   const MpiRun petsc(kPetsc, kFiles);
   // Both triangles, 9 entries of 12 bytes a pair of nodes, and the vectors.
-  petsc.need_room(2 * 9 * 12. * static_cast<double>(m.graph.row.size()) +
-                  8. * 4 * static_cast<double>(n));
+  petsc.require_disk_space(2 * 9 * 12. * static_cast<double>(m.graph.row.size()) +
+                           8. * 4 * static_cast<double>(n));
   progress.stage("exporting the equations", 0);
   write_petsc(petsc.file("matrix"), m);
   const std::vector<double> right = system.right_side();
   std::vector<double> vectors(3 * n, 0.0); // f, the start, the nodes
   std::copy(right.begin(), right.end(), vectors.begin());
   for (std::size_t i = 0; i < start.size(); ++i)
-    vectors[n + i] = m.held[i] ? 0 : start[i];
+    vectors[n + i] = m.constrained[i] ? 0 : start[i];
   for (std::size_t k = 0; k < nodes; ++k)
     for (int i = 0; i < 3; ++i)
       vectors[2 * n + 3 * k + static_cast<std::size_t>(i)] = mesh.nodes[k][i];
@@ -93,7 +93,7 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
             });
   std::vector<double> u = read_petsc_vector(petsc.file("solution"), n);
   for (std::size_t i = 0; i < n; ++i)
-    if (m.held[i])
+    if (m.constrained[i])
       u[i] = 0;
   // What comes back is checked, not believed.
   std::vector<double> left(n);
@@ -102,11 +102,11 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
     left[i] = right[i] - left[i];
   const double size = norm(right), residual = size > 0 ? norm(left) / size : norm(left);
   if (!(residual <= 10 * kPetscTolerance))
-    throw Refusal(format("--engine petsc failed: its solution leaves a residual of %.1e of the "
-                         "load, expected %.0e",
-                         residual, kPetscTolerance));
-  progress.say(format("PETSc: %d iterations to %.1e; ", iterations, residual) +
-               words_of(processes));
+    throw InputError(format("--engine petsc failed: its solution leaves a residual of %.1e of the "
+                            "load, expected %.0e",
+                            residual, kPetscTolerance));
+  progress.notify(format("PETSc: %d iterations to %.1e; ", iterations, residual) +
+                  process_list_text(processes));
   return completed(system, std::move(u));
 }
 

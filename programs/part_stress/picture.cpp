@@ -2,7 +2,7 @@
 
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -87,7 +87,7 @@ PictureState picture_of(const Mesh& mesh, const StaticModel& model, const Static
 
 void draw_part(const std::string& picture, const StaticModel& model, const DesignSpace& space,
                const Mesh& start, std::span<const PictureState> states,
-               std::span<const double> parameters, const PictureNotes& notes) {
+               std::span<const double> parameters, const PictureLabels& labels) {
   const Surface skin = surface_of(start);
   std::vector<std::int32_t> triangles, is_free(space.weights.control_points.size(), 0);
   for (const auto& t : skin.triangles)
@@ -119,18 +119,18 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
     arrows += (arrows.empty() ? "" : ", ") + quoted(a.words);
     arrow_rows.insert(arrow_rows.end(), {a.at.x, a.at.y, a.at.z, a.force.x, a.force.y, a.force.z});
   }
-  std::vector<double> held;
+  std::vector<double> constrained;
   for (const FixedPatch& patch : model.fixed)
     for (const int n : patch.nodes)
       if (std::binary_search(skin.node.begin(), skin.node.end(), n)) {
         const Vector3& p = start.nodes[static_cast<std::size_t>(n)];
-        held.insert(held.end(), {p.x, p.y, p.z});
+        constrained.insert(constrained.end(), {p.x, p.y, p.z});
       }
   for (const SpringPatch& patch : model.springs)
     for (const Vector3& p : positions(start, nodes_of_faces(start, patch.faces)))
-      held.insert(held.end(), {p.x, p.y, p.z});
-  const std::string meta = "{\"title\": " + quoted(notes.title) +
-                           ", \"subtitle\": " + quoted(notes.subtitle) + ", \"arrows\": [" +
+      constrained.insert(constrained.end(), {p.x, p.y, p.z});
+  const std::string meta = "{\"title\": " + quoted(labels.title) +
+                           ", \"subtitle\": " + quoted(labels.subtitle) + ", \"arrows\": [" +
                            arrows + "]" +
                            format(", \"lattice\": [%d, %d, %d]}", space.lattice.points[0],
                                   space.lattice.points[1], space.lattice.points[2]);
@@ -145,11 +145,11 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
   npz.add("triangles", triangles, {skin.triangles.size(), 3});
   npz.add("numbers", numbers, {states.size(), 8});
   npz.add("arrows", arrow_rows, {arrow_rows.size() / 6, 6});
-  npz.add("held", held, {held.size() / 3, 3});
+  npz.add("held", constrained, {constrained.size() / 3, 3});
   npz.add("controls", controls, {c, 3});
   npz.add("moved_controls", moved_controls, {c, 3});
   npz.add("is_free", is_free, {c});
-  npz.add("taylor", notes.taylor, {notes.taylor.size()});
+  npz.add("taylor", labels.taylor, {labels.taylor.size()});
   npz.add("solved", states.back().at_elements, {states.back().at_elements.size()});
   const std::string between = picture + ".npz.partial";
   struct Remover {

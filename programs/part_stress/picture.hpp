@@ -18,7 +18,7 @@ struct PictureState {
                                       std::vector<double> von_mises_at_elements);
 
 /// What stands beside the pictures.
-struct PictureNotes {
+struct PictureLabels {
   std::string title, subtitle;
   std::vector<double> taylor; ///< at the centroids of the moved shape, or empty
 };
@@ -26,6 +26,6 @@ struct PictureNotes {
 /// Draws the sheet: the part before and, with a second state, after its control points moved.
 void draw_part(const std::string& picture, const StaticModel&, const DesignSpace&,
                const Mesh& start, std::span<const PictureState> states,
-               std::span<const double> parameters, const PictureNotes&);
+               std::span<const double> parameters, const PictureLabels&);
 
 } // namespace tactus::fem

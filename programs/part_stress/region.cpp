@@ -1,12 +1,12 @@
 #include "programs/part_stress/region.hpp"
 
 #include "fem/io/load.hpp"
-#include "fem/io/words.hpp"
+#include "fem/io/text.hpp"
 
 namespace tactus::fem {
 
 namespace {
-constexpr double kLargestNumber = 1e15;
+constexpr double kMaxNumber = 1e15;
 } // namespace
 
 std::vector<double> read_numbers(const std::string& option, const std::string& cells,
@@ -15,15 +15,16 @@ std::vector<double> read_numbers(const std::string& option, const std::string& c
   for (const std::string& cell : split(cells, ',')) {
     const auto value = to_number(cell);
     if (!value)
-      throw Refusal(option + ": " + printable(cell, 40) + " is no number, expected " +
-                    std::to_string(count) + " of them between commas");
-    if (std::abs(*value) > kLargestNumber)
-      throw Refusal(option + ": " + printable(cell, 40) + ": expected a number within -1e15..1e15");
+      throw InputError(option + ": " + printable(cell, 40) + " is no number, expected " +
+                       std::to_string(count) + " of them between commas");
+    if (std::abs(*value) > kMaxNumber)
+      throw InputError(option + ": " + printable(cell, 40) +
+                       ": expected a number within -1e15..1e15");
     out.push_back(scale * *value);
   }
   if (out.size() != count)
-    throw Refusal(option + ": " + printable(cells, 60) + " has " + std::to_string(out.size()) +
-                  " numbers, expected " + std::to_string(count));
+    throw InputError(option + ": " + printable(cells, 60) + " has " + std::to_string(out.size()) +
+                     " numbers, expected " + std::to_string(count));
   return out;
 }
 
@@ -37,7 +38,7 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
   const std::string kind = parts.empty() ? "" : parts[0];
   const auto take = [&](std::size_t count) {
     if (parts.size() < count)
-      throw Refusal(option + " " + kind + ": expected more after the colon, as --help says");
+      throw InputError(option + " " + kind + ": expected more after the colon, as --help says");
     for (std::size_t i = 0; i < count; ++i)
       region.words += (i ? ":" : "") + parts[i];
     const std::string last = parts[count - 1];
@@ -66,9 +67,9 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
     const std::string word = take(2);
     const auto face = to_integer(word);
     if (!face || *face < 1)
-      throw Refusal(option + " face:" + printable(word, 40) +
-                    ": expected a number from 1, as "
-                    "--list-faces gives them");
+      throw InputError(option + " face:" + printable(word, 40) +
+                       ": expected a number from 1, as "
+                       "--list-faces gives them");
     chosen = InNodeSet{face_set(*face)};
   } else if (kind.size() > 2 && kind[1] == '=' && kind[0] >= 'x' && kind[0] <= 'z') {
     OnPlane plane;
@@ -80,8 +81,9 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
     const auto v = read_numbers(option, take(1), 4, unit);
     chosen = OnSphere{{v[0], v[1], v[2]}, v[3], true};
   } else {
-    throw Refusal(option + " " + printable(kind, 60) +
-                  ": expected x=LEVEL, box:, plane:, cylinder:, sphere:, set:, face: or X,Y,Z,R");
+    throw InputError(
+        option + " " + printable(kind, 60) +
+        ": expected x=LEVEL, box:, plane:, cylinder:, sphere:, set:, face: or X,Y,Z,R");
   }
   return region;
 }

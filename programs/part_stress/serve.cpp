@@ -1,8 +1,8 @@
 #include "programs/part_stress/serve.hpp"
 
 #include "core/stress/serve_protocol.hpp"
-#include "fem/io/words.hpp"
-#include "programs/body/body_order.hpp"
+#include "fem/io/text.hpp"
+#include "programs/body/body_options.hpp"
 #include "programs/body/serve.hpp"
 #include "programs/part_stress/part.hpp"
 
@@ -30,23 +30,23 @@ std::vector<float> singles(std::span<const double> values) {
 bool answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
   const std::size_t expected = 2 * sizeof(std::uint32_t) + parameters * sizeof(double);
   if (request.size() != expected)
-    throw Refusal(format("a request to solve has %zu bytes, expected %zu: method, flag and %zu "
-                         "parameters",
-                         request.size(), expected, parameters));
+    throw InputError(format("a request to solve has %zu bytes, expected %zu: method, flag and %zu "
+                            "parameters",
+                            request.size(), expected, parameters));
   std::uint32_t method = 0, flags = 0;
   std::memcpy(&method, request.data(), sizeof method);
   std::memcpy(&flags, request.data() + sizeof method, sizeof flags);
   if (method > 2 || flags > (stress::kWithDerivatives | stress::kKeepFactor))
-    throw Refusal(
+    throw InputError(
         format("a request to solve has method %u and flags %u, expected 0 to 2 and 0 to 3", method,
                flags));
   const bool derivatives = (flags & stress::kWithDerivatives) != 0;
-  std::vector<double> wanted(parameters);
+  std::vector<double> requested(parameters);
   if (parameters > 0)
-    std::memcpy(wanted.data(), request.data() + 2 * sizeof(std::uint32_t),
+    std::memcpy(requested.data(), request.data() + 2 * sizeof(std::uint32_t),
                 parameters * sizeof(double));
-  const auto begun = std::chrono::steady_clock::now();
-  const ValidStep step = part.move_to(wanted);
+  const auto start_time = std::chrono::steady_clock::now();
+  const ValidStep step = part.move_to(requested);
   StressUpdate update;
   if (derivatives) {
     part.rebase();
@@ -63,7 +63,8 @@ bool answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
   fixed.method = update.method == Method::pcg ? static_cast<std::uint32_t>(ServeMethod::pcg)
                                               : static_cast<std::uint32_t>(ServeMethod::refactor);
   fixed.iterations = static_cast<std::uint32_t>(update.iterations);
-  fixed.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  fixed.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
   fixed.fraction = step.fraction;
   fixed.residual = std::isfinite(update.residual) ? update.residual : 0;
   ServeMessage message(ServeKind::stress);
@@ -76,7 +77,7 @@ bool answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
     message.add(std::span<const float>(part.sensitivity().max_shear));
   }
   message.send();
-  return update.wants_factor && (flags & stress::kKeepFactor) == 0;
+  return update.refactor_recommended && (flags & stress::kKeepFactor) == 0;
 }
 
 /// Whether the next request has begun to arrive, or stdin has ended.
@@ -91,7 +92,7 @@ void refactor(Reanalysis& part) {
     Refactorisation job = part.refactorisation();
     job.run();
     part.adopt(std::move(job));
-  } catch (const Refusal&) { // the old factor serves on; the request has its answer
+  } catch (const InputError&) { // the old factor serves on; the request has its answer
   }
 }
 
@@ -99,14 +100,14 @@ void refactor(Reanalysis& part) {
 
 int serve(const std::vector<std::string>& words) {
   if (words.size() != 1 && (words.size() != 3 || words[1] != "--tolerance"))
-    throw Refusal("serve: expected one file, NAME.stress.npz, and perhaps --tolerance T");
+    throw InputError("serve: expected one file, NAME.stress.npz, and perhaps --tolerance T");
   const double tolerance =
       words.size() == 3 ? number("serve --tolerance", words[2], 1e-14, 0.1) : 1e-6;
   set_solver_threads(1); // its dense blocks are small: threads would wait for each other
   const ServedPart source = read_served_part(words[0], "stress-table", "part_stress");
-  const PartOrder order = read_served_order(words[0], source.command, read_order);
-  const StaticModel model = model_of(order, source.mesh);
-  const DesignSpace space = design_space_of(order.design, source.mesh);
+  const PartOptions options = read_served_options(words[0], source.command, read_options);
+  const StaticModel model = model_of(options, source.mesh);
+  const DesignSpace space = design_space_of(options.design, source.mesh);
   const std::size_t parameters = space.parameters.size();
   Reanalysis part(source.mesh, model, space.velocities, {.tolerance = tolerance});
   {

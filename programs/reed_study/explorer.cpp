@@ -17,19 +17,19 @@ haptic::RowPath move(const Vec3& from, const Vec3& to, double duration_s) {
   path.reserve(rows + 1);
   for (std::size_t i = 0; i <= rows; ++i) {
     const double t = static_cast<double>(i) / static_cast<double>(rows);
-    const double way = t * t * t * (10 - t * (15 - 6 * t));
-    path.push_back({t * duration_s, from + (to - from) * way, 0});
+    const double progress = t * t * t * (10 - t * (15 - 6 * t));
+    path.push_back({t * duration_s, from + (to - from) * progress, 0});
   }
   return haptic::RowPath(std::move(path));
 }
 
 } // namespace
 
-haptic::HandSettings Explorer::adapted(haptic::HandSettings hand) const {
-  const bool wanders = habits_.manner == Manner::kWanders;
+haptic::HandSettings Explorer::hand_settings(haptic::HandSettings hand) const {
+  const bool wanders = settings_.strategy == Strategy::kWanders;
   hand.hold = haptic::HandSettings::Hold::kPerson;
-  hand.wander_m = wanders ? habits_.wander_m : 0; // the searcher's wander is its search
-  hand.wander_hz = wanders ? habits_.wander_hz : hand.wander_hz;
+  hand.wander_m = wanders ? settings_.wander_m : 0; // the searcher's wander is its search
+  hand.wander_hz = wanders ? settings_.wander_hz : hand.wander_hz;
   return hand;
 }
 
@@ -38,16 +38,16 @@ void Explorer::begin(haptic::SimulatedDevice& device, const Vec3& start, double 
   device.follow(haptic::RowPath({{0, start, 0}}));
   haptic::State state;
   (void)device.read({0, 0, period_s}, state);
-  if (habits_.manner != Manner::kWanders)
+  if (settings_.strategy != Strategy::kWanders)
     return;
   const haptic::Workspace& box = device.settings().workspace;
-  const Vec3 strays = device.hand_point().position - start;
-  device.follow(
-      haptic::RowPath({{0, start - strays, 0}, {habits_.arrival_s, (box.min + box.max) * 0.5, 0}}));
+  const Vec3 drift = device.hand_point().position - start;
+  device.follow(haptic::RowPath(
+      {{0, start - drift, 0}, {settings_.arrival_s, (box.min + box.max) * 0.5, 0}}));
 }
 
 void Explorer::advance(haptic::SimulatedDevice& device, double time_s) {
-  if (habits_.manner == Manner::kWanders || time_s < until_s_)
+  if (settings_.strategy == Strategy::kWanders || time_s < next_move_s_)
     return;
   // Planned from where the intention has come to, not from where the last move was to end.
   const Vec3 from = device.hand_point().position;
@@ -55,11 +55,12 @@ void Explorer::advance(haptic::SimulatedDevice& device, double time_s) {
   Vec3 to = (box.min + box.max) * 0.5;
   to.y = box.min.y + random_.uniform() * (box.max.y - box.min.y);
   to.z = box.min.z + random_.uniform() * (box.max.z - box.min.z);
-  const double move_s = std::max(norm(to - from) / habits_.speed_m_per_s, habits_.shortest_move_s);
-  const double stay_s = habits_.shortest_stay_s +
-                        random_.uniform() * (habits_.longest_stay_s - habits_.shortest_stay_s);
+  const double move_s =
+      std::max(norm(to - from) / settings_.speed_m_per_s, settings_.shortest_move_s);
+  const double stay_s = settings_.shortest_stay_s +
+                        random_.uniform() * (settings_.longest_stay_s - settings_.shortest_stay_s);
   device.follow(move(from, to, move_s));
-  until_s_ = time_s + move_s + stay_s;
+  next_move_s_ = time_s + move_s + stay_s;
 }
 
 } // namespace tactus::study

@@ -10,13 +10,13 @@ namespace tactus::study {
 /// Which hand explores. Both hold the handle through core/haptic's person: spring, damper, tremor,
 /// and an intention that yields to a lasting force. Neither hears anything nor aims at a note, and
 /// each is the same hand, move by move, whatever force it feels.
-enum class Manner {
+enum class Strategy {
   kSearches, ///< goes to a place drawn evenly from the plane, stays a while, goes to the next
   kWanders,  ///< drifts about the plane's middle as a slow noise
 };
 
-struct Habits {
-  Manner manner = Manner::kSearches;
+struct ExplorationSettings {
+  Strategy strategy = Strategy::kSearches;
   // kSearches
   double speed_m_per_s = 0.03; ///< mean over a move; its peak is 15/8 of it
   double shortest_move_s = 0.5;
@@ -30,19 +30,20 @@ struct Habits {
 /// Leads a simulated hand from a given start.
 class Explorer {
 public:
-  Explorer(const Habits& habits, std::uint64_t seed) : habits_(habits), random_(seed) {}
+  Explorer(const ExplorationSettings& exploration, std::uint64_t seed)
+      : settings_(exploration), random_(seed) {}
 
   /// The same person with this way of exploring.
-  [[nodiscard]] haptic::HandSettings adapted(haptic::HandSettings hand) const;
+  [[nodiscard]] haptic::HandSettings hand_settings(haptic::HandSettings hand) const;
   /// Puts handle and intention at the start; before the device's first tick.
   void begin(haptic::SimulatedDevice& device, const haptic::Vec3& start, double period_s) const;
   /// At every tick, before the device is read.
   void advance(haptic::SimulatedDevice& device, double time_s);
 
 private:
-  Habits habits_;
+  ExplorationSettings settings_;
   Random random_;
-  double until_s_ = 0;
+  double next_move_s_ = 0;
 };
 
 } // namespace tactus::study

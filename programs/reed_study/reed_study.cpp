@@ -33,7 +33,7 @@ namespace {
 
 using namespace tactus;
 
-struct Order {
+struct Options {
   std::string preset;
   std::vector<study::Feel> feels;
   std::vector<double> ceilings{1, 2}, stiffnesses{200};
@@ -58,19 +58,20 @@ std::optional<study::Feel> feel_named(std::string_view name) {
 }
 
 /// The words after an option, up to the next one.
-std::span<char*> values_of(std::span<char*> words, std::size_t option) {
+std::span<char*> values_of(std::span<char*> arguments, std::size_t option) {
   std::size_t end = option + 1;
-  while (end < words.size() && std::string_view(words[end]).substr(0, 2) != "--")
+  while (end < arguments.size() && std::string_view(arguments[end]).substr(0, 2) != "--")
     ++end;
-  return words.subspan(option + 1, end - option - 1);
+  return arguments.subspan(option + 1, end - option - 1);
 }
 
 /// All of the words as numbers; none when one is wrong or there are too few or too many.
-std::vector<double> numbers(std::span<char*> words, std::size_t most, double low, double high) {
+std::vector<double> numbers(std::span<char*> arguments, std::size_t max_count, double low,
+                            double high) {
   std::vector<double> found;
-  for (const char* word : words) {
+  for (const char* word : arguments) {
     const auto value = number(word, low, high);
-    if (!value || found.size() == most)
+    if (!value || found.size() == max_count)
       return {};
     found.push_back(*value);
   }
@@ -78,7 +79,7 @@ std::vector<double> numbers(std::span<char*> words, std::size_t most, double low
 }
 
 /// A sentence when the option is not understood, else empty.
-std::string take(std::string_view option, std::span<char*> values, Order& order) {
+std::string parse_option(std::string_view option, std::span<char*> values, Options& options) {
   constexpr std::size_t kMany = 20;
   std::vector<double> v;
   if (option == "--feel") {
@@ -86,72 +87,72 @@ std::string take(std::string_view option, std::span<char*> values, Order& order)
       const auto feel = feel_named(name);
       if (!feel)
         return "--feel: off, reeds, growth, height or guidance, not " + std::string(name);
-      order.feels.push_back(*feel);
+      options.feels.push_back(*feel);
     }
   } else if (option == "--hand") {
     const std::string_view name = values.size() == 1 ? values[0] : "";
     if (name != "searches" && name != "wanders")
       return "--hand: searches or wanders";
-    order.trial.habits.manner =
-        name == "wanders" ? study::Manner::kWanders : study::Manner::kSearches;
+    options.trial.exploration.strategy =
+        name == "wanders" ? study::Strategy::kWanders : study::Strategy::kSearches;
   } else if (option == "--ceiling") {
-    order.ceilings = numbers(values, kMany, 0.01, 20);
-    if (order.ceilings.empty())
+    options.ceilings = numbers(values, kMany, 0.01, 20);
+    if (options.ceilings.empty())
       return "--ceiling: 0.01 to 20 N";
   } else if (option == "--gain") {
     if ((v = numbers(values, 1, 0, 1000)).empty())
       return "--gain: 0 to 1000 N";
-    order.trial.gain_n = v[0];
+    options.trial.gain_n = v[0];
   } else if (option == "--stiffness") {
-    order.stiffnesses = numbers(values, kMany, 1, 5000);
-    if (order.stiffnesses.empty())
+    options.stiffnesses = numbers(values, kMany, 1, 5000);
+    if (options.stiffnesses.empty())
       return "--stiffness: 1 to 5000 N/m";
   } else if (option == "--damping") {
     if ((v = numbers(values, 1, 0, 100)).empty())
       return "--damping: 0 to 100 N s/m";
-    order.trial.hand.damping_n_s_per_m = v[0];
+    options.trial.hand.damping_n_s_per_m = v[0];
   } else if (option == "--yield") {
     if ((v = numbers(values, 1, 0, 100)).empty())
       return "--yield: 0 to 100 s";
-    order.trial.hand.yield_s = v[0];
+    options.trial.hand.yield_s = v[0];
   } else if (option == "--seeds") {
     if ((v = numbers(values, 2, 1, 1e6)).size() != 2 || v[0] > v[1])
       return "--seeds: first and last, 1 to 1000000";
-    order.first = static_cast<std::size_t>(v[0]);
-    order.last = static_cast<std::size_t>(v[1]);
+    options.first = static_cast<std::size_t>(v[0]);
+    options.last = static_cast<std::size_t>(v[1]);
   } else if (option == "--seconds") {
     if ((v = numbers(values, 1, 1, 3600)).empty())
       return "--seconds: 1 to 3600";
-    order.trial.duration_s = v[0];
+    options.trial.duration_s = v[0];
   } else if (option == "--part") {
     unsigned part = 0, parts = 0;
     if (values.size() != 1 || std::sscanf(values[0], "%u/%u", &part, &parts) != 2 || part < 1 ||
         part > parts)
       return "--part: expected i/n with 1 <= i <= n";
-    order.part = part;
-    order.parts = parts;
+    options.part = part;
+    options.parts = parts;
   } else if (option == "--trace" && values.empty()) {
-    order.trace = true;
+    options.trace = true;
   } else {
     return "what is " + std::string(option) + "?";
   }
   return "";
 }
 
-std::string read(std::span<char*> words, Order& order) {
-  if (words.empty() || !reed::find_preset(words[0]))
+std::string parse(std::span<char*> arguments, Options& options) {
+  if (arguments.empty() || !reed::find_preset(arguments[0]))
     return "which preset? clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
-  order.preset = words[0];
-  for (std::size_t i = 1; i < words.size();) {
-    const auto values = values_of(words, i);
-    const std::string refusal = take(words[i], values, order);
+  options.preset = arguments[0];
+  for (std::size_t i = 1; i < arguments.size();) {
+    const auto values = values_of(arguments, i);
+    const std::string refusal = parse_option(arguments[i], values, options);
     if (!refusal.empty())
       return refusal;
     i += 1 + values.size();
   }
-  if (order.feels.empty())
+  if (options.feels.empty())
     for (std::size_t i = 0; i < study::kFeels.size(); ++i)
-      order.feels.push_back(static_cast<study::Feel>(i));
+      options.feels.push_back(static_cast<study::Feel>(i));
   return "";
 }
 
@@ -164,10 +165,10 @@ reed::ControlRange plane_of(const std::string& preset, const reed::Parameters& p
   return reed::range_for(parameters);
 }
 
-void print(const Order& order, const study::TrialSettings& trial, const study::World& world) {
+void print(const Options& options, const study::TrialSettings& trial, const study::World& world) {
   const std::string_view feel = study::kFeels[static_cast<std::size_t>(trial.feel)];
   const auto seed = static_cast<unsigned long long>(trial.seed);
-  if (order.trace) {
+  if (options.trace) {
     std::vector<study::Sample> samples;
     (void)run(world, trial, &samples);
     for (const auto& s : samples)
@@ -176,42 +177,44 @@ void print(const Order& order, const study::TrialSettings& trial, const study::W
     return;
   }
   const study::TrialResult r = run(world, trial);
-  const char* hand = trial.habits.manner == study::Manner::kWanders ? "wanders" : "searches";
+  const char* hand =
+      trial.exploration.strategy == study::Strategy::kWanders ? "wanders" : "searches";
   std::printf("%s,%s,%g,%g,%g,%g,%s,%llu,%.6f,%d,%.4f,%.4f,%.4f,%.4f,%.3f,%d\n",
-              order.preset.c_str(), hand, trial.hand.stiffness_n_per_m, trial.hand.yield_s,
+              options.preset.c_str(), hand, trial.hand.stiffness_n_per_m, trial.hand.yield_s,
               trial.gain_n, trial.ceiling_n, feel.data(), seed, r.playing, r.losses, r.first_s,
-              r.silence_s, r.force_n, r.playing_force_n, 1e3 * r.speed_m_per_s, r.places);
+              r.silence_s, r.force_n, r.playing_force_n, 1e3 * r.speed_m_per_s, r.played_cells);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  Order order;
-  const std::string refusal = read(std::span(argv + 1, static_cast<std::size_t>(argc - 1)), order);
+  Options options;
+  const std::string refusal =
+      parse(std::span(argv + 1, static_cast<std::size_t>(argc - 1)), options);
   if (!refusal.empty()) {
     std::fprintf(stderr, "tactus_reed_study: %s\n", refusal.c_str());
     return 1;
   }
-  const reed::Parameters parameters = *reed::find_preset(order.preset);
-  const study::World world(parameters, plane_of(order.preset, parameters));
-  if (order.part == 1)
-    std::puts(order.trace ? "feel,seed,t,y,z,f_p,force_y,force_z"
-                          : "preset,hand,stiffness,yield,gain,ceiling,feel,seed,playing,losses,"
-                            "first_s,silence_s,force_n,playing_force_n,speed_mm_s,places");
+  const reed::Parameters parameters = *reed::find_preset(options.preset);
+  const study::World world(parameters, plane_of(options.preset, parameters));
+  if (options.part == 1)
+    std::puts(options.trace ? "feel,seed,t,y,z,f_p,force_y,force_z"
+                            : "preset,hand,stiffness,yield,gain,ceiling,feel,seed,playing,losses,"
+                              "first_s,silence_s,force_n,playing_force_n,speed_mm_s,places");
   std::size_t number = 0;
-  study::TrialSettings trial = order.trial;
-  for (const double stiffness : order.stiffnesses)
-    for (const study::Feel feel : order.feels)
-      for (const double ceiling : order.ceilings) {
-        if (feel == study::Feel::kOff && ceiling != order.ceilings.front())
+  study::TrialSettings trial = options.trial;
+  for (const double stiffness : options.stiffnesses)
+    for (const study::Feel feel : options.feels)
+      for (const double ceiling : options.ceilings) {
+        if (feel == study::Feel::kOff && ceiling != options.ceilings.front())
           continue; // no force has no ceiling
-        for (trial.seed = order.first; trial.seed <= order.last; ++trial.seed) {
-          if (number++ % order.parts != order.part - 1)
+        for (trial.seed = options.first; trial.seed <= options.last; ++trial.seed) {
+          if (number++ % options.parts != options.part - 1)
             continue;
           trial.hand.stiffness_n_per_m = stiffness;
           trial.feel = feel;
           trial.ceiling_n = feel == study::Feel::kOff ? 0 : ceiling;
-          print(order, trial, world);
+          print(options, trial, world);
           std::fflush(stdout);
         }
       }

@@ -15,7 +15,7 @@ constexpr double kBlock_s = static_cast<double>(kBlock) / kRate;
 constexpr std::size_t kGrid = 10;
 
 /// Drawn evenly from the places where nothing sounds.
-reed::Gradient silent_place(const World& world, std::uint64_t seed) {
+reed::Gradient random_silent_position(const World& world, std::uint64_t seed) {
   Random random(seed);
   for (;;) {
     const double y = random.uniform(), z = random.uniform();
@@ -25,9 +25,9 @@ reed::Gradient silent_place(const World& world, std::uint64_t seed) {
 }
 
 /// The patch between reeds and device: from what is known at the hand to the force.
-class Law {
+class ForceLaw {
 public:
-  Law(const World& world, const TrialSettings& settings) : world_(world), settings_(settings) {
+  ForceLaw(const World& world, const TrialSettings& settings) : world_(world), settings_(settings) {
     reed::Guidance::Settings guidance;
     guidance.ceiling_n = settings.ceiling_n;
     guidance_.set(guidance);
@@ -39,13 +39,13 @@ public:
     case Feel::kOff:
       break;
     case Feel::kReeds:
-      force = climb(reeds.gradient());
+      force = slope_force(reeds.gradient());
       break;
     case Feel::kGrowth:
-      force = climb(world_.growth.gradient(y, z));
+      force = slope_force(world_.growth.gradient(y, z));
       break;
     case Feel::kHeight:
-      force = climb(world_.theory.height().gradient(y, z));
+      force = slope_force(world_.theory.height().gradient(y, z));
       break;
     case Feel::kGuidance:
       force = guidance_.advance(world_.guidance, y, z, reeds.playability(), kBlock_s);
@@ -55,7 +55,7 @@ public:
   }
 
 private:
-  reed::PlaneForce climb(const reed::Gradient& slope) noexcept {
+  reed::PlaneForce slope_force(const reed::Gradient& slope) noexcept {
     return smoother_.advance(gradient_force(slope, settings_.gain_n, settings_.ceiling_n),
                              kBlock_s);
   }
@@ -67,29 +67,29 @@ private:
 };
 
 /// What is counted while a trial runs.
-class Tally {
+class TrialStatistics {
 public:
-  void hear(double y, double z, double playability, double force_n) {
-    const bool plays = playability > kPlays;
+  void add_block(double y, double z, double playability, double force_n) {
+    const bool sounding = playability > kPlays;
     ++blocks_;
-    if (plays) {
-      ++playing_;
+    if (sounding) {
+      ++playing_blocks_;
       playing_force_ += force_n;
       const auto square = [](double x) {
         return std::min(static_cast<std::size_t>(x * kGrid), kGrid - 1);
       };
-      places_.set(square(y) * kGrid + square(z));
+      played_cells_.set(square(y) * kGrid + square(z));
     }
-    silent_ += sounds_ ? 0 : 1;
-    changed_ = plays == sounds_ ? 0 : changed_ + 1;
-    if (static_cast<double>(changed_) * kBlock_s < kHeard_s)
+    silent_ += note_sounds_ ? 0 : 1;
+    changed_ = sounding == note_sounds_ ? 0 : changed_ + 1;
+    if (static_cast<double>(changed_) * kBlock_s < kMinDuration_s)
       return;
-    sounds_ = plays;
+    note_sounds_ = sounding;
     changed_ = 0;
-    if (!plays)
+    if (!sounding)
       ++losses_;
     else if (++found_ == 1)
-      first_s_ = static_cast<double>(blocks_) * kBlock_s - kHeard_s;
+      first_s_ = static_cast<double>(blocks_) * kBlock_s - kMinDuration_s;
   }
   void feel(double force_n, double speed_m_per_s) {
     ++ticks_;
@@ -99,23 +99,23 @@ public:
   [[nodiscard]] TrialResult result(double duration_s) const {
     const auto count = [](std::size_t n) { return static_cast<double>(n); };
     TrialResult r;
-    r.playing = count(playing_) / count(blocks_);
+    r.playing = count(playing_blocks_) / count(blocks_);
     r.losses = losses_;
     r.first_s = found_ > 0 ? first_s_ : duration_s;
-    r.silence_s = count(silent_) * kBlock_s / count(sounds_ ? found_ : found_ + 1);
+    r.silence_s = count(silent_) * kBlock_s / count(note_sounds_ ? found_ : found_ + 1);
     r.force_n = force_ / count(ticks_);
-    r.playing_force_n = playing_ > 0 ? playing_force_ / count(playing_) : 0;
+    r.playing_force_n = playing_blocks_ > 0 ? playing_force_ / count(playing_blocks_) : 0;
     r.speed_m_per_s = speed_ / count(ticks_);
-    r.places = static_cast<int>(places_.count());
+    r.played_cells = static_cast<int>(played_cells_.count());
     return r;
   }
 
 private:
-  std::size_t blocks_ = 0, playing_ = 0, silent_ = 0, changed_ = 0, found_ = 0, ticks_ = 0;
+  std::size_t blocks_ = 0, playing_blocks_ = 0, silent_ = 0, changed_ = 0, found_ = 0, ticks_ = 0;
   int losses_ = 0;
-  bool sounds_ = false;
+  bool note_sounds_ = false;
   double first_s_ = 0, force_ = 0, playing_force_ = 0, speed_ = 0;
-  std::bitset<kGrid * kGrid> places_;
+  std::bitset<kGrid * kGrid> played_cells_;
 };
 
 } // namespace
@@ -142,14 +142,14 @@ World::World(const reed::Parameters& given, const reed::ControlRange& plane)
 
 TrialResult run(const World& world, const TrialSettings& settings, std::vector<Sample>* trace) {
   // Unrelated streams for the person, the start and the search.
-  Explorer explorer(settings.habits, 3 * settings.seed + 1);
+  Explorer explorer(settings.exploration, 3 * settings.seed + 1);
   haptic::SimulatedDevice::Settings handle;
-  handle.hand = explorer.adapted(settings.hand);
+  handle.hand = explorer.hand_settings(settings.hand);
   handle.hand.seed = 3 * settings.seed;
   haptic::SimulatedDevice device;
   device.set(handle);
   const haptic::Workspace& box = handle.workspace;
-  const reed::Gradient start = silent_place(world, 3 * settings.seed + 2);
+  const reed::Gradient start = random_silent_position(world, 3 * settings.seed + 2);
   explorer.begin(device,
                  {0, box.min.y + start.y * (box.max.y - box.min.y),
                   box.min.z + start.z * (box.max.z - box.min.z)},
@@ -163,10 +163,10 @@ TrialResult run(const World& world, const TrialSettings& settings, std::vector<S
   reeds.prepare(kRate);
   reeds.set(world.parameters);
   reeds.set_range(world.range);
-  Law law(world, settings);
+  ForceLaw law(world, settings);
 
-  Tally tally;
-  haptic::Vec3 place{0, start.y, start.z}, force;
+  TrialStatistics statistics;
+  haptic::Vec3 hand_position{0, start.y, start.z}, force;
   std::array<double, kStep> sound{};
   const auto samples = static_cast<std::size_t>(settings.duration_s * kRate);
   for (std::size_t n = 0; n < samples; n += kStep) {
@@ -177,21 +177,22 @@ TrialResult run(const World& world, const TrialSettings& settings, std::vector<S
       (void)device.read({n / kTick, time_s, kTick_s}, state);
       force = step(chain, limits, {time_s, time_s, state.position, state.velocity, {}});
       (void)device.write(force);
-      place = box.normalised(state.position);
-      tally.feel(norm(force), norm(state.velocity));
+      hand_position = box.normalised(state.position);
+      statistics.feel(norm(force), norm(state.velocity));
     }
-    if (reeds.until_hand() == 0)
-      reeds.move(place.y, place.z, 0);
+    if (reeds.samples_until_hand() == 0)
+      reeds.move(hand_position.y, hand_position.z, 0);
     reeds.process(sound);
     if ((n + kStep) % kBlock != 0)
       continue;
     if (settings.feel != Feel::kOff)
-      (void)command(chain, limits, law.force(reeds, place.y, place.z), time_s);
-    tally.hear(place.y, place.z, reeds.playability(), norm(force));
+      (void)command(chain, limits, law.force(reeds, hand_position.y, hand_position.z), time_s);
+    statistics.add_block(hand_position.y, hand_position.z, reeds.playability(), norm(force));
     if (trace != nullptr && (n + kStep) % (kRate / 100) < kBlock)
-      trace->push_back({time_s, place.y, place.z, reeds.playability(), force.y, force.z});
+      trace->push_back(
+          {time_s, hand_position.y, hand_position.z, reeds.playability(), force.y, force.z});
   }
-  return tally.result(settings.duration_s);
+  return statistics.result(settings.duration_s);
 }
 
 } // namespace tactus::study

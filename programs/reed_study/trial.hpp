@@ -43,11 +43,11 @@ struct TrialSettings {
   double ceiling_n = 1; ///< F_max, of each axis for slopes, of the vector for Guidance
   double gain_n = 0.3;  ///< of slopes
   haptic::HandSettings hand{};
-  Habits habits{};
+  ExplorationSettings exploration{};
 };
 
 /// A note plays while f_p > 0.3; it is found, or lost, once that has changed for 0.1 s.
-inline constexpr double kPlays = 0.3, kHeard_s = 0.1;
+inline constexpr double kPlays = 0.3, kMinDuration_s = 0.1;
 
 struct TrialResult {
   double playing = 0;         ///< share of the time
@@ -57,7 +57,7 @@ struct TrialResult {
   double force_n = 0;         ///< mean size of the force on the handle
   double playing_force_n = 0; ///< the same while a note plays
   double speed_m_per_s = 0;   ///< mean; well above that with no force, the force shakes the hand
-  int places = 0;             ///< squares of a tenth of the plane's side in which a note played
+  int played_cells = 0;       ///< squares of a tenth of the plane's side in which a note played
 };
 
 struct Sample {

@@ -16,7 +16,7 @@ namespace {
 constexpr double kRate = 48000;
 
 /// Keeps what the info outlet says.
-class Told : public Host {
+class RecordingHost : public Host {
 public:
   std::vector<std::vector<double>> ranges;
   std::vector<std::string> errors;
@@ -46,9 +46,9 @@ public:
 };
 
 /// An object that plays, block by block.
-class Playing {
+class PlayedObject {
 public:
-  Playing(const char* preset, bool tune, double pressure, double note)
+  PlayedObject(const char* preset, bool tune, double pressure, double note)
       : pressure_(pressure), note_(note) {
     const Atom name(preset);
     object.message(greed::kPreset, std::span(&name, 1), host);
@@ -91,7 +91,7 @@ public:
   }
 
   Greed object;
-  Told host;
+  RecordingHost host;
   std::vector<double> sound;
 
 private:
@@ -112,33 +112,33 @@ TEST_CASE("no parameter clicks when it changes while greed~ sounds" * doctest::s
   for (const Sounding& note : notes)
     for (std::size_t k = 0; k < greed::kParameters.size(); ++k) {
       const Parameter& parameter = greed::kParameters[k];
-      const double now = Playing(note.preset, note.tune, 0, 0).object.get(k);
+      const double now = PlayedObject(note.preset, note.tune, 0, 0).object.get(k);
       const auto words = static_cast<double>(parameter.choices.size());
-      for (const double wanted : {parameter.lowest, parameter.highest, 1.3 * now, 0.7 * now}) {
-        if (wanted == now || wanted < parameter.lowest || wanted > parameter.highest ||
-            (words > 0 && wanted != std::floor(wanted)))
+      for (const double value : {parameter.lowest, parameter.highest, 1.3 * now, 0.7 * now}) {
+        if (value == now || value < parameter.lowest || value > parameter.highest ||
+            (words > 0 && value != std::floor(value)))
           continue;
         // A reed or a channel of 10 cm, or lips for a breath of 50 kPa under 3 kPa, drive the model
         // far beyond any instrument.
         if ((parameter.name == "lambda" || parameter.name == "width" ||
              parameter.name == "lip_width" || parameter.name == "breath_ref") &&
-            wanted == parameter.highest)
+            value == parameter.highest)
           continue;
         CAPTURE(std::string(note.preset));
         CAPTURE(note.tune);
         CAPTURE(std::string(parameter.name));
-        CAPTURE(wanted);
-        Playing playing(note.preset, note.tune, note.pressure, note.note);
+        CAPTURE(value);
+        PlayedObject playing(note.preset, note.tune, note.pressure, note.note);
         playing.play(0.8);
         const double before = playing.step(0.2);
-        playing.object.set(k, wanted);
+        playing.object.set(k, value);
         playing.play(0.4);
         const double during = playing.step(0.4);
         playing.play(0.3);
         double largest = std::max(before, playing.step(0.2));
         if (during > 2 * largest) { // a note blown anew is heard from 0.15 s after its beginning
-          Playing alone(note.preset, note.tune, note.pressure, note.note);
-          alone.object.set(k, wanted);
+          PlayedObject alone(note.preset, note.tune, note.pressure, note.note);
+          alone.object.set(k, value);
           alone.play(0.75);
           largest = std::max(largest, alone.step(0.6));
         }
@@ -150,7 +150,7 @@ TEST_CASE("no parameter clicks when it changes while greed~ sounds" * doctest::s
 TEST_CASE("a preset that comes while another sounds does not click") {
   for (const char* next : {"sax", "trombone", "trumpet", "syrinx"}) {
     CAPTURE(std::string(next));
-    Playing playing("clarinet", true, 2200, 233), alone(next, true, 2200, 233);
+    PlayedObject playing("clarinet", true, 2200, 233), alone(next, true, 2200, 233);
     alone.play(1);
     playing.play(0.8);
     const Atom name(next);
@@ -158,15 +158,15 @@ TEST_CASE("a preset that comes while another sounds does not click") {
     const double before = playing.step(0.2);
     playing.play(1);
     CHECK(playing.step(1) <= 2 * std::max(before, alone.step(0.95)));
-    CHECK(playing.object.get(Playing::index("gain")) ==
+    CHECK(playing.object.get(PlayedObject::index("gain")) ==
           doctest::Approx(reed::find_preset(next)->gain));
   }
 }
 
 TEST_CASE("valves are pressed by a list, dumped, and refused with one sentence") {
-  Playing playing("trumpet", true, 1000, 233);
+  PlayedObject playing("trumpet", true, 1000, 233);
   Greed& object = playing.object;
-  Told& host = playing.host;
+  RecordingHost& host = playing.host;
   const auto press = [&](std::vector<Atom> valves) {
     host.errors.clear();
     object.message(greed::kValves, valves, host);
@@ -176,7 +176,7 @@ TEST_CASE("valves are pressed by a list, dumped, and refused with one sentence")
   CHECK(press({1.0, 3.0}) == 1); // an open end has none
   CHECK(host.errors.front() == "valves: expected end trumpet, which has valves");
   CHECK(host.valves == "auto");
-  object.set(Playing::index("end"), static_cast<double>(reed::BoreEnd::kTrumpet));
+  object.set(PlayedObject::index("end"), static_cast<double>(reed::BoreEnd::kTrumpet));
   playing.play(0.1);
   CHECK(press({1.0, 3.0}) == 0);
   CHECK(host.valves == "13");
@@ -195,7 +195,7 @@ TEST_CASE("valves are pressed by a list, dumped, and refused with one sentence")
 }
 
 TEST_CASE("a parameter that takes the value it has changes no bit") {
-  Playing one("clarinet", false, 2200, 200), other("clarinet", false, 2200, 200);
+  PlayedObject one("clarinet", false, 2200, 200), other("clarinet", false, 2200, 200);
   one.play(0.5);
   other.play(0.5);
   for (std::size_t k = 0; k < greed::kParameters.size(); ++k)
@@ -206,8 +206,8 @@ TEST_CASE("a parameter that takes the value it has changes no bit") {
 }
 
 TEST_CASE("a gliding parameter ends where an instrument made with it is") {
-  Playing made("clarinet", false, 2200, 0), changed("clarinet", false, 2200, 0);
-  const std::size_t end_radius = Playing::index("radius_end");
+  PlayedObject made("clarinet", false, 2200, 0), changed("clarinet", false, 2200, 0);
+  const std::size_t end_radius = PlayedObject::index("radius_end");
   made.object.set(end_radius, 0.009);
   changed.play(0.5);
   changed.object.set(end_radius, 0.009);
@@ -218,18 +218,18 @@ TEST_CASE("a gliding parameter ends where an instrument made with it is") {
 }
 
 TEST_CASE("a note out of range is told once, with the limits") {
-  Playing playing("clarinet", true, 2200, 233);
+  PlayedObject playing("clarinet", true, 2200, 233);
   playing.play(0.1);
   CHECK(playing.host.ranges.empty());
   playing.play_note(1397, 0.2);
   REQUIRE(playing.host.ranges.size() == 1);
-  const double low = playing.object.get(Playing::index("lowest_note"));
-  const double high = playing.object.get(Playing::index("highest_note"));
+  const double low = playing.object.get(PlayedObject::index("lowest_note"));
+  const double high = playing.object.get(PlayedObject::index("highest_note"));
   CHECK(playing.host.ranges[0] == std::vector<double>{1397, low, high});
   playing.play_note(262, 0.1);
   playing.play_note(82, 0.1);
   CHECK(playing.host.ranges.size() == 2);
-  playing.object.set(Playing::index("tune"), 0);
+  playing.object.set(PlayedObject::index("tune"), 0);
   playing.play(0.1); // until the sound has faded
   playing.play_note(60, 0.1);
   CHECK(playing.host.ranges.size() == 2);

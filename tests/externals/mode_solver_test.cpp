@@ -52,7 +52,7 @@ struct Rig {
     table = std::make_shared<const LoadedTable>(std::move(read));
     fs::create_symlink(fs::path(TACTUS_FAKE_MODAL_FEM), folder / ("fake." + mode));
     solver = std::make_unique<ModeSolver>(limits);
-    solver->forget(1);
+    solver->restart(1);
     request = {1,
                (folder / "body.modal.npz").string(),
                (folder / ("fake." + mode)).string(),
@@ -169,7 +169,7 @@ TEST_CASE("a solver is ended in the middle of whatever it does, and solves anoth
     REQUIRE(rig.solver->request(rig.request, [] {}).empty());
     if (std::string(mode) == "mute")
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    rig.solver->forget(2);
+    rig.solver->restart(2);
     CHECK(!rig.solver->take());
     if (std::string(mode) == "good") {
       rig.request.number = 2;

@@ -36,8 +36,8 @@ struct Rig {
     const fs::path program = folder.path / ("fake." + mode);
     fs::create_symlink(fs::path(TACTUS_FAKE_PART_STRESS), program);
     solver = std::make_unique<PartSolver>(
-        SolverOrder{table, (folder.path / "cantilever.stress.npz").string(), program.string(),
-                    wait},
+        SolverOptions{table, (folder.path / "cantilever.stress.npz").string(), program.string(),
+                      wait},
         limits);
   }
   ~Rig() {
@@ -100,14 +100,14 @@ TEST_CASE("a child solves the part: stress alone, then its sensitivities") {
     CHECK(result.method == Method::kPcg);
     CHECK(result.iterations == 12);
     CHECK(result.seconds == 0.01);
-    CHECK(result.old_sensitivities);
+    CHECK(result.stale_sensitivities);
     CHECK(result.base->displacement_m == std::vector<double>{0.004, 0});
     CHECK(result.base->von_mises.sensitivity == own.sensitivity);
     CHECK(result.base->von_mises.stress[3] == doctest::Approx(1.04 * own.stress[3]).epsilon(1e-6));
     CHECK(check_base(rig.table, *result.base).empty());
     result = rig.solve({0.004, 0}, Method::kPcg, true);
     CHECK(result.method == Method::kFull);
-    CHECK(!result.old_sensitivities);
+    CHECK(!result.stale_sensitivities);
     CHECK(result.base->von_mises.sensitivity[3] ==
           doctest::Approx(10 * own.stress[3]).epsilon(1e-6));
     const auto kept = result.base->von_mises.sensitivity;
@@ -123,14 +123,14 @@ TEST_CASE("a program that is not there or cannot run is one sentence") {
        {std::pair("/nowhere/part_stress", "was not found"),
         std::pair("no_such_program_of_this_name", "was not found"),
         std::pair("/etc/passwd", "was not found")}) { // may not be run
-    rig.solver = std::make_unique<PartSolver>(SolverOrder{rig.table, "x", program, false});
+    rig.solver = std::make_unique<PartSolver>(SolverOptions{rig.table, "x", program, false});
     CHECK(!rig.prepare());
     rig.is_lost(words);
   }
   const fs::path text = rig.folder.path / "text";
   std::ofstream(text) << "#!/nowhere/interpreter\n";
   fs::permissions(text, fs::perms::owner_all);
-  rig.solver = std::make_unique<PartSolver>(SolverOrder{rig.table, "x", text.string(), false});
+  rig.solver = std::make_unique<PartSolver>(SolverOptions{rig.table, "x", text.string(), false});
   CHECK(!rig.prepare());
   rig.is_lost("does not start: No such file");
 }

@@ -91,7 +91,7 @@ struct Rig {
   }
   explicit Rig(bool real_time = false, bool solves = false)
       : host(folder, real_time),
-        object(solves ? StressWorker::SolverFactory([log = solver](const SolverOrder&) {
+        object(solves ? StressWorker::SolverFactory([log = solver](const SolverOptions&) {
           return std::make_unique<BeamSolver>(log);
         })
                       : StressWorker::SolverFactory()) {
@@ -456,9 +456,9 @@ TEST_CASE(
       Folder folder;
       const fs::path program = folder.path / ("fake." + std::string(mode));
       fs::create_symlink(fs::path(TACTUS_FAKE_PART_STRESS), program);
-      Rig rig(real_time, [&](const SolverOrder& order) {
+      Rig rig(real_time, [&](const SolverOptions& order) {
         return std::make_unique<PartSolver>(
-            SolverOrder{order.table, order.path, program.string(), order.wait});
+            SolverOptions{order.table, order.path, program.string(), order.wait});
       });
       rig.say("gains", {0.0, 600.0, 0.0, 0.0});
       rig.say("range", {"fixed", 0.0, 1e6});
@@ -485,7 +485,7 @@ TEST_CASE(
 
 TEST_CASE("a solver that is named takes the place of the one before") {
   const StressWorker::SolverFactory solvers =
-      [](const SolverOrder& order) -> std::unique_ptr<Reanalysis> {
+      [](const SolverOptions& order) -> std::unique_ptr<Reanalysis> {
     return order.program.empty() ? nullptr : std::make_unique<PartSolver>(order);
   };
   Rig rig(false, solvers);

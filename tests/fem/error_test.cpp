@@ -113,7 +113,7 @@ TEST_CASE("the estimate of a bar is its error, where bending shears, twists and 
           doctest::skip(kSanitized)) {
   const Vector3 size{.4, .03, .01};
   const Material m = find_material("aluminium");
-  const auto fine = answer(box(size, {90, 10, 4}), m, 16);
+  const auto fine = solve_modes(box(size, {90, 10, 4}), m, 16);
   for (const std::array<int, 3> cells : {std::array{16, 4, 3}, {40, 2, 1}, {24, 1, 1}})
     check_effectivity(estimated(box(size, cells), m, 10), fine.modes.frequency_hz);
 }
@@ -140,7 +140,7 @@ TEST_CASE("an estimate that stops early has the rest extrapolated") {
 TEST_CASE("the estimate of a spruce board is its error" * doctest::skip(kSanitized)) {
   const Vector3 size{.5, .2, .006};
   const Material m = find_material("spruce");
-  const auto fine = answer(box(size, {34, 32, 2}), m, 12);
+  const auto fine = solve_modes(box(size, {34, 32, 2}), m, 12);
   check_effectivity(estimated(box(size, {14, 10, 1}), m, 8), fine.modes.frequency_hz);
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("the estimate sees the border of a clamped end") {
   const std::vector<double> through{0,     .00005, .0002, .0007,  .0025, .005,
                                     .0075, .0093,  .0098, .00995, .01};
   const Mesh graded = block(along, across, through);
-  const auto fine = answer(graded, m, 8, clamp(graded));
+  const auto fine = solve_modes(graded, m, 8, clamp(graded));
   const Mesh coarse = box(size, {10, 2, 1});
   check_effectivity(estimated(coarse, m, 6, clamp(coarse)), fine.modes.frequency_hz);
 }
@@ -185,8 +185,8 @@ TEST_CASE(
       {"diameter", .1}, {"thickness", .025}, {"cavity_diameter", .08}, {"cavity_thickness", .013}};
   const SweptBody body = plan_shape("hollow_disk", hollow, {}, {.h = .02, .sparse = true}).make();
   const auto a = estimated(body.mesh, find_material("aluminium"), 2);
-  const auto elements = singular_elements(body.mesh, a.matrices.held);
-  const auto axes = singular_axes(body.mesh, a.matrices.held);
+  const auto elements = singular_elements(body.mesh, a.matrices.constrained);
+  const auto axes = singular_axes(body.mesh, a.matrices.constrained);
   std::size_t count = 0;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     count += elements[e];
@@ -209,7 +209,7 @@ TEST_CASE("the estimate of tetrahedra is their error") {
   Mesh mesh = tetrahedral_block(4, true);
   for (Vector3& p : mesh.nodes)
     p = {.1 * p.x, .03 * p.y, .02 * p.z};
-  const auto fine = answer(box({.1, .03, .02}, {24, 8, 6}), m, 12);
+  const auto fine = solve_modes(box({.1, .03, .02}, {24, 8, 6}), m, 12);
   check_effectivity(estimated(mesh, m, 8), fine.modes.frequency_hz);
 }
 
@@ -217,9 +217,9 @@ TEST_CASE("what elements and intervals add to an error sums to it") {
   const SweptBody body =
       plan_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {.h = .015}).make();
   const auto a = estimated(body.mesh, find_material("steel"), 6);
-  const auto elements = element_errors(body.mesh, a.matrices.held, a.error);
+  const auto elements = element_errors(body.mesh, a.matrices.constrained, a.error);
   const auto intervals =
-      interval_errors(body.mesh, a.matrices.held, a.error, body.grid.first_interval(3));
+      interval_errors(body.mesh, a.matrices.constrained, a.error, body.grid.first_interval(3));
   for (std::size_t k = 0; k < 6; ++k)
     for (const auto& share : {elements.share[k], intervals.share[k]}) {
       double sum = 0;
@@ -238,8 +238,8 @@ TEST_CASE("one refinement of every shape comes down to its tolerance" * doctest:
     const double aim =
         .25 * *std::max_element(before.error.relative.begin(), before.error.relative.end());
     const SweepGrid finer = refined(first.grid,
-                                    interval_errors(first.mesh, before.matrices.held, before.error,
-                                                    first.grid.first_interval(3)),
+                                    interval_errors(first.mesh, before.matrices.constrained,
+                                                    before.error, first.grid.first_interval(3)),
                                     aim);
     const SweptBody second = plan_shape(name, d, {}, {.grid = &finer}).make();
     const auto after = estimated(second.mesh, m, 8);

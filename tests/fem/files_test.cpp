@@ -18,14 +18,14 @@ using namespace tactus::fem;
 namespace {
 
 using Corners = std::array<Vector3, 3>;
-using Soup = std::vector<Corners>;
+using TriangleSoup = std::vector<Corners>;
 
-Soup box(const Vector3& low, const Vector3& size) {
+TriangleSoup box(const Vector3& low, const Vector3& size) {
   std::array<Vector3, 8> p;
   for (int i = 0; i < 8; ++i)
     p[static_cast<std::size_t>(i)] =
         low + Vector3{i % 2 * size.x, i / 2 % 2 * size.y, double(i / 4) * size.z};
-  Soup out;
+  TriangleSoup out;
   for (const auto& [a, b, c] : std::vector<std::array<std::size_t, 3>>{{0, 2, 3},
                                                                        {0, 3, 1},
                                                                        {4, 5, 7},
@@ -42,13 +42,13 @@ Soup box(const Vector3& low, const Vector3& size) {
   return out;
 }
 
-Soup sphere(const Vector3& centre, double radius, int rings) {
+TriangleSoup sphere(const Vector3& centre, double radius, int rings) {
   const auto at = [&](int i, int j) {
     const double a = std::numbers::pi * i / rings, b = std::numbers::pi * j / rings;
     return centre +
            radius * Vector3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)};
   };
-  Soup out;
+  TriangleSoup out;
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j < 2 * rings; ++j) {
       if (i > 0)
@@ -59,13 +59,13 @@ Soup sphere(const Vector3& centre, double radius, int rings) {
   return out;
 }
 
-Soup operator+(Soup a, const Soup& b) {
+TriangleSoup operator+(TriangleSoup a, const TriangleSoup& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
 
 /// Every corner a point of its own, as an STL has them.
-Triangles surface(const Soup& soup) {
+Triangles surface(const TriangleSoup& soup) {
   Triangles t;
   for (const Corners& c : soup) {
     const int n = static_cast<int>(t.points.size());
@@ -82,7 +82,7 @@ double enclosed(const Triangles& t) {
   return sum;
 }
 
-Triangles closed(const Soup& soup) {
+Triangles closed(const TriangleSoup& soup) {
   Triangles t = surface(soup);
   weld(t);
   close(t);
@@ -92,7 +92,7 @@ Triangles closed(const Soup& soup) {
 } // namespace
 
 TEST_CASE("corners that differ by rounding are one, thin features stay") {
-  Soup cube = box({}, {.01, .01, .01});
+  TriangleSoup cube = box({}, {.01, .01, .01});
   for (std::size_t i = 0; i < cube.size(); ++i)
     for (Vector3& p : cube[i])
       for (int k = 0; k < 3; ++k)
@@ -106,7 +106,7 @@ TEST_CASE("corners that differ by rounding are one, thin features stay") {
 }
 
 TEST_CASE("a corner on another triangle's edge cuts it") {
-  Soup cube = box({}, {1, 1, 1});
+  TriangleSoup cube = box({}, {1, 1, 1});
   const Corners half = cube[2]; // of the top: in two at the middle of its first edge
   const Vector3 middle = .5 * (half[0] + half[1]);
   cube[2] = {half[0], middle, half[2]};
@@ -119,10 +119,10 @@ TEST_CASE("a corner on another triangle's edge cuts it") {
 }
 
 TEST_CASE("a wall between stacked boxes goes, a triangle written twice stays once") {
-  const Soup lower = box({}, {1, 1, 1}), upper = box({0, 0, 1}, {1, 1, 1});
-  Soup stacked = lower + upper; // the wall is cut along the other diagonal in one of them
+  const TriangleSoup lower = box({}, {1, 1, 1}), upper = box({0, 0, 1}, {1, 1, 1});
+  TriangleSoup stacked = lower + upper; // the wall is cut along the other diagonal in one of them
   const Triangles tower = closed(box({}, {1, 1, 1}) + [&] {
-    Soup turned = upper;
+    TriangleSoup turned = upper;
     for (Corners& c : turned)
       for (Vector3& p : c)
         p.z = 2 - (p.z - 0) + 1; // mirrored at z = 1.5: same diagonals below
@@ -131,13 +131,13 @@ TEST_CASE("a wall between stacked boxes goes, a triangle written twice stays onc
     return turned;
   }());
   CHECK(enclosed(tower) == doctest::Approx(2));
-  const Triangles doubled = closed(lower + Soup{lower[4], lower[5]});
+  const Triangles doubled = closed(lower + TriangleSoup{lower[4], lower[5]});
   CHECK(doubled.triangles.size() == 12);
 }
 
 TEST_CASE("a fin on a cube is left out") {
-  const Soup cube = box({}, {1, 1, 1});
-  Triangles t = surface(cube + Soup{{cube[0][0], cube[0][1], {.5, .5, .5}}});
+  const TriangleSoup cube = box({}, {1, 1, 1});
+  Triangles t = surface(cube + TriangleSoup{{cube[0][0], cube[0][1], {.5, .5, .5}}});
   CHECK(weld(t).fins == 1);
   close(t);
   CHECK(enclosed(t) == doctest::Approx(1));
@@ -152,7 +152,7 @@ TEST_CASE("two cubes that meet at an edge are two shells") {
 }
 
 TEST_CASE("small holes are closed and told with place and width, large ones are left") {
-  Soup ball = sphere({.1, .2, .3}, 1, 20);
+  TriangleSoup ball = sphere({.1, .2, .3}, 1, 20);
   const Vector3 at = ball[400][0];
   std::erase_if(ball, [&](const Corners& c) {
     return length(c[0] - at) < .2 && length(c[1] - at) < .2 && length(c[2] - at) < .2;
@@ -175,9 +175,9 @@ TEST_CASE("small holes are closed and told with place and width, large ones are 
 }
 
 TEST_CASE("nested shells are cavity and body by turns, whatever way they look") {
-  Soup all;
+  TriangleSoup all;
   for (const double size : {4., 3., 2., 1.}) {
-    Soup next = box({-size / 2, -size / 2, -size / 2}, {size, size, size});
+    TriangleSoup next = box({-size / 2, -size / 2, -size / 2}, {size, size, size});
     if (size == 3.)
       for (Corners& c : next)
         std::swap(c[0], c[1]);
@@ -206,7 +206,7 @@ TEST_CASE("overlapping and touching boxes become their union, sharp edges and al
   REQUIRE(joined.size() == 1);
   CHECK(enclosed(joined[0]) == doctest::Approx(1.125).epsilon(.003));
   // A cavity stays one, and a body apart stays apart.
-  Soup inner = box({.3, .3, .3}, {.2, .2, .2});
+  TriangleSoup inner = box({.3, .3, .3}, {.2, .2, .2});
   for (Corners& c : inner)
     std::swap(c[0], c[1]);
   Triangles hollow = surface(box({}, {1, 1, 1}) + inner + box({3, 0, 0}, {1, 1, 1}));
@@ -215,13 +215,14 @@ TEST_CASE("overlapping and touching boxes become their union, sharp edges and al
   for (std::size_t i = 0; i < hollow.triangles.size(); ++i)
     if (hollow.shell[i] == 1)
       std::swap(hollow.triangles[i][0], hollow.triangles[i][1]);
-  const auto apart = separate_bodies(united(hollow).surface);
-  REQUIRE(apart.size() == 2);
-  CHECK(enclosed(apart[0]) + enclosed(apart[1]) == doctest::Approx(2 - .008).epsilon(.003));
+  const auto difference = separate_bodies(united(hollow).surface);
+  REQUIRE(difference.size() == 2);
+  CHECK(enclosed(difference[0]) + enclosed(difference[1]) ==
+        doctest::Approx(2 - .008).epsilon(.003));
 }
 
 TEST_CASE("a rotated plate thinner than the grid's default step keeps its volume") {
-  Soup plates = box({0, 0, 0}, {1, 1, .02}) + box({.4, -.3, .01}, {.3, .9, .05});
+  TriangleSoup plates = box({0, 0, 0}, {1, 1, .02}) + box({.4, -.3, .01}, {.3, .9, .05});
   for (Corners& c : plates)
     for (Vector3& p : c)
       p = {.8 * p.x - .6 * p.z, p.y, .6 * p.x + .8 * p.z};
@@ -232,7 +233,7 @@ TEST_CASE("a rotated plate thinner than the grid's default step keeps its volume
 }
 
 TEST_CASE("a wrap closes holes, unites boxes and holds a soup of triangles") {
-  Soup ball = sphere({}, 1, 40);
+  TriangleSoup ball = sphere({}, 1, 40);
   for (const Vector3& at : {Vector3{1, 0, 0}, Vector3{0, 1, 0}, Vector3{-.6, -.6, .5}})
     std::erase_if(ball, [&](const Corners& c) { return length(c[0] - at) < .05; });
   const double round = 4 * std::numbers::pi / 3;
@@ -240,14 +241,14 @@ TEST_CASE("a wrap closes holes, unites boxes and holds a soup of triangles") {
   CHECK(wrapped.volume == doctest::Approx(round).epsilon(.01));
   CHECK(separate_bodies(wrapped.surface).size() == 1);
   // Too small a gap leaves the inside open: only the sheet itself could be wrapped.
-  CHECK_THROWS_AS(static_cast<void>(shrink_wrapped(surface(ball), .002)), Refusal);
+  CHECK_THROWS_AS(static_cast<void>(shrink_wrapped(surface(ball), .002)), InputError);
 
-  const Soup boxes = box({}, {1, 1, 1}) + box({.4, .3, .6}, {1, 1, 1});
+  const TriangleSoup boxes = box({}, {1, 1, 1}) + box({.4, .3, .6}, {1, 1, 1});
   CHECK(shrink_wrapped(surface(boxes), .1).volume == doctest::Approx(2 - .168).epsilon(.01));
 
   std::mt19937 random(7); // each triangle shifted, turned and enlarged: nothing fits to anything
   std::uniform_real_distribution<double> noise(-.004, .004);
-  Soup soup = sphere({}, 1, 30);
+  TriangleSoup soup = sphere({}, 1, 30);
   for (Corners& c : soup) {
     const Vector3 shift{noise(random), noise(random), noise(random)};
     for (Vector3& p : c)
@@ -265,7 +266,7 @@ TEST_CASE("ears of a concave polygon fill it once") {
   const std::vector<Vector3> comb{{0, 0, 1}, {5, 0, 1}, {5, 3, 1}, {4, 3, 1}, {4, 1, 1},
                                   {3, 1, 1}, {3, 3, 1}, {2, 3, 1}, {2, 1, 1}, {0, 1, 1}};
   double area = 0;
-  for (const auto& [a, b, c] : cut_ears(comb)) {
+  for (const auto& [a, b, c] : clip_ears(comb)) {
     const auto p = [&](int i) { return comb[static_cast<std::size_t>(i)]; };
     const Vector3 n = cross(p(b) - p(a), p(c) - p(a));
     CHECK(n.z >= 0);
@@ -306,7 +307,7 @@ TEST_CASE("OBJ indices, groups, concave faces and free form") {
   const auto refused = [&](const std::string& text) {
     try {
       static_cast<void>(read_obj("a.obj", text, 1));
-    } catch (const Refusal& refusal) {
+    } catch (const InputError& refusal) {
       return std::string(refusal.what());
     }
     return std::string();

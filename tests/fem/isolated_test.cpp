@@ -1,5 +1,5 @@
 // The child process that reads foreign files: whatever happens in it, one sentence comes back.
-#include "fem/io/isolated.hpp"
+#include "fem/io/isolated_process.hpp"
 
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/sandbox.hpp"
@@ -33,20 +33,20 @@ Mesh tetrahedron() {
 
 /// What run_isolated() says of a child that does this, or "" when it returns a mesh. No process
 /// is left behind in either case.
-std::string outcome(const std::function<void()>& deed, ChildLimits limits = {1u << 30, 20}) {
-  std::string said;
+std::string outcome(const std::function<void()>& action, ChildLimits limits = {1u << 30, 20}) {
+  std::string error_text;
   try {
     (void)run_isolated("a.step", limits, {}, [&](const ChildProgress&) {
-      deed();
+      action();
       return tetrahedron();
     });
-  } catch (const Refusal& refusal) {
-    said = refusal.what();
+  } catch (const InputError& refusal) {
+    error_text = refusal.what();
   }
   CHECK(waitpid(-1, nullptr, WNOHANG) == -1);
   CHECK(errno == ECHILD);
-  CHECK(said.find('\n') == std::string::npos);
-  return said;
+  CHECK(error_text.find('\n') == std::string::npos);
+  return error_text;
 }
 
 bool has(const std::string& text, const std::string& word) {
@@ -62,27 +62,28 @@ volatile bool g_forever = true;
 } // namespace
 
 TEST_CASE("mesh, sentences and stages come back whole") {
-  std::vector<std::string> said, stages;
-  const Mesh mesh = run_isolated("a.step", {1u << 30, 20},
-                                 {[&](const std::string& sentence) { said.push_back(sentence); },
-                                  [&](const std::string& stage, double share) {
-                                    stages.push_back(stage + " " + std::to_string(share));
-                                  }},
-                                 [](const ChildProgress& progress) {
-                                   progress.say("first\x1b[2J");
-                                   progress.report("meshing", .5);
-                                   progress.say(std::string(100000, 'x'));
-                                   return tetrahedron();
-                                 });
+  std::vector<std::string> error_text, stages;
+  const Mesh mesh =
+      run_isolated("a.step", {1u << 30, 20},
+                   {[&](const std::string& sentence) { error_text.push_back(sentence); },
+                    [&](const std::string& stage, double share) {
+                      stages.push_back(stage + " " + std::to_string(share));
+                    }},
+                   [](const ChildProgress& progress) {
+                     progress.notify("first\x1b[2J");
+                     progress.report("meshing", .5);
+                     progress.notify(std::string(100000, 'x'));
+                     return tetrahedron();
+                   });
   CHECK(to_bytes(mesh) == to_bytes(tetrahedron()));
-  REQUIRE(said.size() == 2);
-  CHECK(said[0] == "first?[2J");
-  CHECK(said[1].size() == 4096);
+  REQUIRE(error_text.size() == 2);
+  CHECK(error_text[0] == "first?[2J");
+  CHECK(error_text[1].size() == 4096);
   CHECK(stages == std::vector<std::string>{"meshing 0.500000"});
 }
 
 TEST_CASE("a refusal and any other exception come back as a refusal") {
-  CHECK(outcome([] { throw Refusal("a.step: no solid"); }) == "a.step: no solid");
+  CHECK(outcome([] { throw InputError("a.step: no solid"); }) == "a.step: no solid");
   CHECK(outcome([] { throw std::logic_error("odd"); }) == "odd");
   CHECK(has(outcome([] { throw 7; }), "failed"));
 }
@@ -148,7 +149,7 @@ TEST_CASE("no program is started, no socket opened, no file written, no other pr
   REQUIRE(close(creat(kept.c_str(), 0600)) == 0);
   const auto refused = [](bool failed, const char* what) {
     if (!failed)
-      throw Refusal(std::string("not refused: ") + what);
+      throw InputError(std::string("not refused: ") + what);
   };
   const pid_t parent = getpid();
   CHECK(outcome([&] {
@@ -193,24 +194,24 @@ TEST_CASE("the parent believes no message") {
     std::string bytes(reinterpret_cast<const char*>(head.data()), 8);
     return bytes.append(reinterpret_cast<const char*>(&size), 8) + content;
   };
-  constexpr std::uint32_t kSay = 0x74610001, kReport = kSay + 1, kMesh = kSay + 2,
-                          kRefusal = kSay + 3;
+  constexpr std::uint32_t kNotify = 0x74610001, kReport = kNotify + 1, kMesh = kNotify + 2,
+                          kRefusal = kNotify + 3;
   CHECK(has(sends("nonsense"), "without an answer"));
   CHECK(has(sends(std::string(100, 'x')), "no readable answer"));
-  CHECK(has(sends(message(kSay, 1u << 20, "")), "no readable answer"));
+  CHECK(has(sends(message(kNotify, 1u << 20, "")), "no readable answer"));
   CHECK(has(sends(message(kReport, 3, "abc")), "without an answer")); // nobody wants reports here
   CHECK(has(sends(message(kMesh, ~std::uint64_t{0}, "")), "no readable answer"));
   CHECK(has(sends(message(kMesh, 1u << 29, "few")), "without an answer"));
   CHECK(has(sends(message(kMesh, 0, "")), "damaged"));
   CHECK(has(sends(message(kRefusal, 9, "a\nb\x1b[2J c")), "a?b?[2J c"));
-  CHECK(has(sends(message(kSay, 5, "hello") + message(99, 0, "")), "no readable answer"));
+  CHECK(has(sends(message(kNotify, 5, "hello") + message(99, 0, "")), "no readable answer"));
 }
 
 TEST_CASE("no damaged bytes of a mesh are taken for one that would be used out of range") {
   const std::string whole = to_bytes(tetrahedron());
   CHECK(to_bytes(mesh_from_bytes(whole)) == whole);
   for (std::size_t size = 0; size < whole.size(); ++size)
-    CHECK_THROWS_AS((void)mesh_from_bytes(whole.substr(0, size)), Refusal);
+    CHECK_THROWS_AS((void)mesh_from_bytes(whole.substr(0, size)), InputError);
   for (std::size_t at = 0; at < whole.size(); ++at)
     for (const int flip : {1, 0x80, 0xff}) {
       std::string bytes = whole;
@@ -220,7 +221,7 @@ TEST_CASE("no damaged bytes of a mesh are taken for one that would be used out o
         for (const Element& e : mesh.elements)
           for (const int n : mesh.nodes_of(e))
             CHECK((n >= 0 && static_cast<std::size_t>(n) < mesh.nodes.size()));
-      } catch (const Refusal&) {
+      } catch (const InputError&) {
       }
     }
 }

@@ -40,7 +40,7 @@ const Mesh& mesh_of_the_arm() {
 std::string refusal(const LiftArm& arm) {
   try {
     check(arm);
-  } catch (const Refusal& refusal) {
+  } catch (const InputError& refusal) {
     return refusal.what();
   }
   return "none";
@@ -114,7 +114,7 @@ TEST_CASE("the STEP file is one solid that is read back whole") {
   const Mesh mesh = load_body(path.string(), even(.02)); // in mm, as STEP files say
   CHECK(volume(mesh) == doctest::Approx(volume(arm)).epsilon(1e-3));
   std::filesystem::remove(path);
-  CHECK_THROWS_AS(write_step("/nowhere/arm.step", arm), Refusal);
+  CHECK_THROWS_AS(write_step("/nowhere/arm.step", arm), InputError);
 }
 
 TEST_CASE("dimensions that cannot be built are refused by name and value") {
@@ -124,24 +124,24 @@ TEST_CASE("dimensions that cannot be built are refused by name and value") {
     return refusal(arm);
   };
   CHECK(refusal({}) == "none");
-  const auto says = [](const std::string& text, const char* words) {
+  const auto mentions = [](const std::string& text, const char* words) {
     CAPTURE(text);
     CHECK(text.find(words) != std::string::npos);
     CHECK(text.find("expected") != std::string::npos);
     CHECK(text.find('\n') == std::string::npos);
   };
-  says(changed([](LiftArm& a) { a.hub.bore = .2; }), "hub diameter is 96 mm");
-  says(changed([](LiftArm& a) { a.rod_eye.width = .020; }), "rod_eye width is 20 mm");
-  says(changed([](LiftArm& a) { a.depth = 0; }), "depth is 0 mm");
-  says(changed([](LiftArm& a) { a.depth = 2; }), "lift_arm: depth is 2000 mm");
-  says(changed([](LiftArm& a) { a.rise = .3; }), "rise is 300 mm");
-  says(changed([](LiftArm& a) { a.lift_position = 1.5; }), "lift_position is 1.5");
-  says(changed([](LiftArm& a) { a.lift_position = .05; }), "length is 380 mm");
-  says(changed([](LiftArm& a) { a.shoulder = .004; }), "shoulder is 4 mm");
-  says(changed([](LiftArm& a) { a.lift_eye.diameter = .095; }), "lift_eye diameter is 95 mm");
-  says(changed([](LiftArm& a) { a.slot_width = .08; }), "slot_width is 80 mm");
-  says(changed([](LiftArm& a) { a.web = .1; }), "slot_width is 28 mm");
-  says(changed([](LiftArm& a) { a.edge_radius = .012; }), "edge_radius is 12 mm");
-  says(changed([](LiftArm& a) { a.thickness = NAN; }), "thickness is nan mm");
-  says(changed([](LiftArm& a) { a.length = 1e9; }), "length is 1e+12 mm");
+  mentions(changed([](LiftArm& a) { a.hub.bore = .2; }), "hub diameter is 96 mm");
+  mentions(changed([](LiftArm& a) { a.rod_eye.width = .020; }), "rod_eye width is 20 mm");
+  mentions(changed([](LiftArm& a) { a.depth = 0; }), "depth is 0 mm");
+  mentions(changed([](LiftArm& a) { a.depth = 2; }), "lift_arm: depth is 2000 mm");
+  mentions(changed([](LiftArm& a) { a.rise = .3; }), "rise is 300 mm");
+  mentions(changed([](LiftArm& a) { a.lift_position = 1.5; }), "lift_position is 1.5");
+  mentions(changed([](LiftArm& a) { a.lift_position = .05; }), "length is 380 mm");
+  mentions(changed([](LiftArm& a) { a.shoulder = .004; }), "shoulder is 4 mm");
+  mentions(changed([](LiftArm& a) { a.lift_eye.diameter = .095; }), "lift_eye diameter is 95 mm");
+  mentions(changed([](LiftArm& a) { a.slot_width = .08; }), "slot_width is 80 mm");
+  mentions(changed([](LiftArm& a) { a.web = .1; }), "slot_width is 28 mm");
+  mentions(changed([](LiftArm& a) { a.edge_radius = .012; }), "edge_radius is 12 mm");
+  mentions(changed([](LiftArm& a) { a.thickness = NAN; }), "thickness is nan mm");
+  mentions(changed([](LiftArm& a) { a.length = 1e9; }), "length is 1e+12 mm");
 }

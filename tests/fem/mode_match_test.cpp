@@ -58,16 +58,16 @@ double isometry_error(const std::vector<ModeMatch>& matches, std::size_t before,
   std::vector<double> t(before * now, 0); // [now][before]
   for (const ModeMatch& m : matches)
     t[m.now * before + m.before] = m.share;
-  double most = 0;
+  double max_difference = 0;
   for (std::size_t j = 0; j < now; ++j)
     for (std::size_t i = 0; i < before; ++i) {
       double sum = 0;
       for (std::size_t a = 0; a < before; ++a)
         for (std::size_t b = 0; b < now; ++b)
           sum += t[j * before + a] * t[b * before + a] * t[b * before + i];
-      most = std::max(most, std::abs(sum - t[j * before + i]));
+      max_difference = std::max(max_difference, std::abs(sum - t[j * before + i]));
     }
-  return most;
+  return max_difference;
 }
 
 /// A box about the origin in hex20.

@@ -43,7 +43,7 @@ std::string refusal(const std::string& bytes) {
   const Folder folder;
   try {
     (void)read_msh(write(folder, bytes), 1);
-  } catch (const Refusal& refused) {
+  } catch (const InputError& refused) {
     return refused.what();
   }
   return "read";
@@ -270,7 +270,7 @@ struct Binary {
     (put(values), ...);
     return *this;
   }
-  Binary& say(const std::string& words) {
+  Binary& notify(const std::string& words) {
     text += words;
     return *this;
   }
@@ -280,25 +280,25 @@ struct Binary {
 template <class Word> std::string binary_4(bool big) {
   const auto n = [](int v) { return static_cast<Word>(v); };
   Binary b{big};
-  b.say("$MeshFormat\n4.1 1 " + std::to_string(sizeof(Word)) + "\n")
+  b.notify("$MeshFormat\n4.1 1 " + std::to_string(sizeof(Word)) + "\n")
       .put(1)
-      .say("\n$EndMeshFormat\n");
-  b.say("$PhysicalNames\n1\n3 5 \"horn\"\n$EndPhysicalNames\n");
-  b.say("$Entities\n").all(n(0), n(0), n(0), n(1));
-  b.put(2).all(0., 0., 0., 1., 1., 1.).put(n(1)).put(5).put(n(0)).say("\n$EndEntities\n");
-  b.say("$Nodes\n").all(n(1), n(4), n(10), n(40)).all(3, 2, 0).put(n(4));
+      .notify("\n$EndMeshFormat\n");
+  b.notify("$PhysicalNames\n1\n3 5 \"horn\"\n$EndPhysicalNames\n");
+  b.notify("$Entities\n").all(n(0), n(0), n(0), n(1));
+  b.put(2).all(0., 0., 0., 1., 1., 1.).put(n(1)).put(5).put(n(0)).notify("\n$EndEntities\n");
+  b.notify("$Nodes\n").all(n(1), n(4), n(10), n(40)).all(3, 2, 0).put(n(4));
   b.all(n(10), n(20), n(30), n(40)).all(0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1.);
-  b.say("\n$EndNodes\n$Elements\n").all(n(1), n(1), n(1), n(1)).all(3, 2, 4).put(n(1));
-  return b.all(n(1), n(10), n(20), n(30), n(40)).say("\n$EndElements\n").text;
+  b.notify("\n$EndNodes\n$Elements\n").all(n(1), n(1), n(1), n(1)).all(3, 2, 4).put(n(1));
+  return b.all(n(1), n(10), n(20), n(30), n(40)).notify("\n$EndElements\n").text;
 }
 
 std::string binary_2(bool big) {
   Binary b{big};
-  b.say("$MeshFormat\n2.2 1 8\n").put(1).say("\n$EndMeshFormat\n");
-  b.say("$PhysicalNames\n1\n3 5 \"horn\"\n$EndPhysicalNames\n$Nodes\n4\n");
+  b.notify("$MeshFormat\n2.2 1 8\n").put(1).notify("\n$EndMeshFormat\n");
+  b.notify("$PhysicalNames\n1\n3 5 \"horn\"\n$EndPhysicalNames\n$Nodes\n4\n");
   b.put(10).all(0., 0., 0.).put(20).all(1., 0., 0.).put(30).all(0., 1., 0.).put(40).all(0., 0., 1.);
-  b.say("\n$EndNodes\n$Elements\n1\n").all(4, 1, 2, 1, 5, 2, 10, 20, 30, 40);
-  return b.say("\n$EndElements\n").text;
+  b.notify("\n$EndNodes\n$Elements\n1\n").all(4, 1, 2, 1, 5, 2, 10, 20, 30, 40);
+  return b.notify("\n$EndElements\n").text;
 }
 
 const std::string kText2 =
@@ -343,61 +343,61 @@ TEST_CASE("comments, unknown sections, blank lines and Windows line ends change 
 }
 
 TEST_CASE("what is damaged is refused by place, value and expectation") {
-  const auto says = [](const std::string& bytes, const std::vector<std::string>& words) {
-    const std::string said = refusal(bytes);
-    CAPTURE(said);
-    CHECK(said.find('\n') == std::string::npos);
+  const auto mentions = [](const std::string& bytes, const std::vector<std::string>& words) {
+    const std::string error_text = refusal(bytes);
+    CAPTURE(error_text);
+    CHECK(error_text.find('\n') == std::string::npos);
     for (const std::string& word : words)
-      CHECK(said.find(word) != std::string::npos);
+      CHECK(error_text.find(word) != std::string::npos);
   };
-  says("SystemCall \"touch canary\";", {"line 1", "SystemCall", "$MeshFormat"});
-  says("// a script\nSystemCall \"touch canary\";", {"line 1", "$MeshFormat"});
-  says(kText2 + "SystemCall \"touch canary\";", {"line 15", "SystemCall"});
-  says("", {"$MeshFormat"});
-  says(changed(kText2, "2.2 0 8", "1 0 8"), {"line 2", "version 1", "4.1"});
-  says(changed(kText2, "2.2 0 8", "4 0 8"), {"version 4", "4.1"});
-  says(changed(kText2, "2.2 0 8", "2.2 0 4"), {"4", "8 bytes"});
-  says(changed(kText2, "$Nodes\n4", "$Nodes\n4000000000"),
-       {"line 5 in $Nodes", "4000000000", "bytes left"});
-  says(changed(kText2, "$Nodes\n4", "$Nodes\n-4"), {"line 5", "-4"});
-  says(changed(kText2, "$Nodes\n4\n1 0 0 0", "$Nodes\n5\n1 0 0 0"),
-       {"$EndNodes", "a node's number"});
-  says(changed(kText2, "$Nodes\n4", "$Nodes\n3"), {"line 9", "4", "$EndNodes"});
-  says(changed(kText2, "2 1 0 0", "2 nan 0 0"), {"line 7", "nan", "finite"});
-  says(changed(kText2, "2 1 0 0", "2 1e999 0 0"), {"line 7", "1e999"});
-  says(changed(kText2, "2 1 0 0", "1 1 0 0"), {"node 1", "twice"});
-  says(changed(kText2, "1 2 3 4\n$", "1 2 3 9\n$"), {"element 1", "node 9"});
-  says(changed(kText2, "1 4 2", "1 5 2"), {"$EndElements", "node's number"});
-  says(changed(kText2, "1 4 2", "1 7 2"), {"5-node pyramid", "type 7"});
-  says(changed(kText2, "1 4 2", "1 777 2"), {"777"});
-  says(changed(kText2, "1 4 2 0 1", "1 4 -2 0 1"), {"-2", "number of tags"});
-  says(changed(kText2, "1 4 2 0 1 1 2 3 4", "1 2 2 0 1 1 2 3"), {"no volume element"});
-  says(changed(kText2, "$EndNodes", "$Endnodes"), {"$EndNodes"});
-  says(kText2.substr(0, 60), {"bytes left"});
-  says(kText2.substr(0, kText2.size() - 14), {"the file ends", "$EndElements"});
-  says(changed(kText4, "4.1 0 8", "4.1 0 6"), {"6", "4 or 8"});
-  says(changed(kText4, "0 0 0 1\n", "0 0 0 18446744073709551615\n"),
-       {"18446744073709551615", "entities"});
-  says(changed(kText4, "3 1 0 4", "3 1 0 400000"), {"400000", "nodes"});
-  says(changed(kText4, "3 1 0 4", "3 1 0 5"), {"5 nodes", "4 in all"});
-  says(changed(kText4, "1 4 1 4", "1 5 1 4"), {"4 nodes", "5 as"});
-  says(changed(kText4, "3 1 4 1", "2 1 4 1"), {"4-node tetrahedron", "dimension 2"});
-  says(changed(kText4, "$Nodes", "$PartitionedEntities"), {"partitioned"});
-  says(changed(kText4, "$Elements", "$Nodes"), {"$Nodes"});
-  says(
+  mentions("SystemCall \"touch canary\";", {"line 1", "SystemCall", "$MeshFormat"});
+  mentions("// a script\nSystemCall \"touch canary\";", {"line 1", "$MeshFormat"});
+  mentions(kText2 + "SystemCall \"touch canary\";", {"line 15", "SystemCall"});
+  mentions("", {"$MeshFormat"});
+  mentions(changed(kText2, "2.2 0 8", "1 0 8"), {"line 2", "version 1", "4.1"});
+  mentions(changed(kText2, "2.2 0 8", "4 0 8"), {"version 4", "4.1"});
+  mentions(changed(kText2, "2.2 0 8", "2.2 0 4"), {"4", "8 bytes"});
+  mentions(changed(kText2, "$Nodes\n4", "$Nodes\n4000000000"),
+           {"line 5 in $Nodes", "4000000000", "bytes left"});
+  mentions(changed(kText2, "$Nodes\n4", "$Nodes\n-4"), {"line 5", "-4"});
+  mentions(changed(kText2, "$Nodes\n4\n1 0 0 0", "$Nodes\n5\n1 0 0 0"),
+           {"$EndNodes", "a node's number"});
+  mentions(changed(kText2, "$Nodes\n4", "$Nodes\n3"), {"line 9", "4", "$EndNodes"});
+  mentions(changed(kText2, "2 1 0 0", "2 nan 0 0"), {"line 7", "nan", "finite"});
+  mentions(changed(kText2, "2 1 0 0", "2 1e999 0 0"), {"line 7", "1e999"});
+  mentions(changed(kText2, "2 1 0 0", "1 1 0 0"), {"node 1", "twice"});
+  mentions(changed(kText2, "1 2 3 4\n$", "1 2 3 9\n$"), {"element 1", "node 9"});
+  mentions(changed(kText2, "1 4 2", "1 5 2"), {"$EndElements", "node's number"});
+  mentions(changed(kText2, "1 4 2", "1 7 2"), {"5-node pyramid", "type 7"});
+  mentions(changed(kText2, "1 4 2", "1 777 2"), {"777"});
+  mentions(changed(kText2, "1 4 2 0 1", "1 4 -2 0 1"), {"-2", "number of tags"});
+  mentions(changed(kText2, "1 4 2 0 1 1 2 3 4", "1 2 2 0 1 1 2 3"), {"no volume element"});
+  mentions(changed(kText2, "$EndNodes", "$Endnodes"), {"$EndNodes"});
+  mentions(kText2.substr(0, 60), {"bytes left"});
+  mentions(kText2.substr(0, kText2.size() - 14), {"the file ends", "$EndElements"});
+  mentions(changed(kText4, "4.1 0 8", "4.1 0 6"), {"6", "4 or 8"});
+  mentions(changed(kText4, "0 0 0 1\n", "0 0 0 18446744073709551615\n"),
+           {"18446744073709551615", "entities"});
+  mentions(changed(kText4, "3 1 0 4", "3 1 0 400000"), {"400000", "nodes"});
+  mentions(changed(kText4, "3 1 0 4", "3 1 0 5"), {"5 nodes", "4 in all"});
+  mentions(changed(kText4, "1 4 1 4", "1 5 1 4"), {"4 nodes", "5 as"});
+  mentions(changed(kText4, "3 1 4 1", "2 1 4 1"), {"4-node tetrahedron", "dimension 2"});
+  mentions(changed(kText4, "$Nodes", "$PartitionedEntities"), {"partitioned"});
+  mentions(changed(kText4, "$Elements", "$Nodes"), {"$Nodes"});
+  mentions(
       changed(kText4, "$Entities\n", "$PhysicalNames\n1\n3 1 horn\n$EndPhysicalNames\n$Entities\n"),
       {"horn", "quotation marks"});
-  says(changed(kText4, "$Entities\n",
-               "$PhysicalNames\n1\n3 1 \"a\x1b[2J\"\n$EndPhysicalNames\n$Entities\n"),
-       {"control"});
-  says(changed(kText4, "$Entities", "$Wonder"), {"never ends", "$EndWonder"});
+  mentions(changed(kText4, "$Entities\n",
+                   "$PhysicalNames\n1\n3 1 \"a\x1b[2J\"\n$EndPhysicalNames\n$Entities\n"),
+           {"control"});
+  mentions(changed(kText4, "$Entities", "$Wonder"), {"never ends", "$EndWonder"});
   for (const bool big : {false, true}) {
     const std::string whole = binary_4<std::uint64_t>(big), old = binary_2(big);
     for (std::size_t size = 0; size + 2 < whole.size(); ++size)
       CHECK(refusal(whole.substr(0, size)) != "read");
     for (std::size_t size = 0; size + 2 < old.size(); ++size)
       CHECK(refusal(old.substr(0, size)) != "read");
-    says(changed(whole, "4.1 1 8", "4.1 1 4"), {"byte"});
+    mentions(changed(whole, "4.1 1 8", "4.1 1 4"), {"byte"});
   }
 }
 

@@ -163,8 +163,9 @@ TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds" 
   // |p| in Pa for 1 m/s at the antinode, from direct collocation along the generating line, a
   // Fourier harmonic a mode, with rings graded to the rim (bench/fem_radiation.py). Its last
   // doubling of the rings moved no value by more than 0.06 dB.
-  const Answer a = answer(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {}),
-                          find_material("aluminium"), 5);
+  const SolvedModes a =
+      solve_modes(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {}),
+                  find_material("aluminium"), 5);
   const Surface skin = surface_of(a.mesh);
   const AcousticSkin fine = outer_skin(a.mesh);
   const ExteriorField field(with_triangles(fine, 4000));

@@ -21,14 +21,14 @@ constexpr double kAir = 1.184, kSpeed = 346.1;
 constexpr std::size_t kTriangles = kSanitized ? 700 : 1500;
 
 struct Body {
-  Answer solved;
+  SolvedModes solved;
   ModeRadiation sound;
   std::vector<float> yields;
   modal::ModalTable table;
 
   Body(const MeshChoice& choice, bool radiates)
-      : solved(answer(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, choice),
-                      find_material("aluminium"), 5)) {
+      : solved(solve_modes(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, choice),
+                           find_material("aluminium"), 5)) {
     if (radiates)
       sound = radiate(solved.mesh, solved.modes, {.triangles = kTriangles});
     for (std::size_t v = 0; v < surface_of(solved.mesh).node.size(); ++v)
@@ -160,7 +160,7 @@ TEST_CASE("modal radiation is the direct sum over retarded velocities") {
     double modal_power = 0, raw_power = 0, difference = 0;
     for (double t = 1.8e-3; t < 3.4e-3; t += 7.3e-6) {
       Complex sum = 0;
-      for (std::size_t k = 0; k < model.heard; ++k) {
+      for (std::size_t k = 0; k < model.audible_modes; ++k) {
         const Complex s = model.rate[k];
         const Complex amplitude = settings.impulse_n_s * gain[k] * Complex(1, -s.real() / s.imag());
         const Complex slope = (1.0 - std::exp(-s * kStep)) / (s * kStep); // for the derivative

@@ -74,7 +74,7 @@ Part part(const std::string& name, double volume, double at) {
 std::string refusal_of(const std::vector<Part>& parts, const LoadChoice& choice) {
   try {
     (void)chosen_parts(parts, choice);
-  } catch (const Refusal& refusal) {
+  } catch (const InputError& refusal) {
     return refusal.what();
   }
   return {};
@@ -103,10 +103,10 @@ TEST_CASE("boxes near a box are found as by looking at each") {
       if (near)
         expected.insert(i);
     }
-    tree.each_near(wanted, distance, [&](std::size_t i) { return found.insert(i).second; });
+    tree.for_each_near(wanted, distance, [&](std::size_t i) { return found.insert(i).second; });
     CHECK(found == expected);
   }
-  BoxTree({}).each_near(boxes[0], 1, [](std::size_t) {
+  BoxTree({}).for_each_near(boxes[0], 1, [](std::size_t) {
     FAIL("nothing is in an empty tree");
     return true;
   });
@@ -189,14 +189,14 @@ TEST_CASE("neighbours folded onto each other are a crossing") {
 }
 
 TEST_CASE("debris below one per cent of the body is left out and said, more is several parts") {
-  std::string said;
+  std::string error_text;
   LoadChoice choice;
-  choice.say = [&](const std::string& sentence) { said += sentence; };
+  choice.notify = [&](const std::string& sentence) { error_text += sentence; };
   const std::vector<Part> crumbs{part("chip", 4e-9, .5), part("bell", 1e-6, 0),
                                  part("dust", 5e-9, .7)};
   CHECK(chosen_parts(crumbs, choice) == std::vector<std::size_t>{1});
-  CHECK(said.find("2 small pieces") != std::string::npos);
-  CHECK(said.find("chip (10 mm) near (505, 5, 5) mm") != std::string::npos);
+  CHECK(error_text.find("2 small pieces") != std::string::npos);
+  CHECK(error_text.find("chip (10 mm) near (505, 5, 5) mm") != std::string::npos);
   const std::vector<Part> pair{part("chip", 4e-9, .5), part("bell", 1e-6, 0),
                                part("foot", 7e-9, .7)};
   const std::string words = refusal_of(pair, choice);

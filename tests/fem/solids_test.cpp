@@ -34,7 +34,7 @@ TEST_CASE("a thin rod without lateral contraction stretches at n c / 2 L") {
   const double length = .4, speed = m.bar_speed();
   const Mesh mesh =
       make_shape("bar", {{"length", length}, {"width", .02}, {"thickness", .02}}, {}, {});
-  const auto a = answer(mesh, m, 24);
+  const auto a = solve_modes(mesh, m, 24);
   for (const int n : {1, 2}) // quadratic elements, a sixteenth of the length: (k h)^4 / 1440
     CHECK(occurrences(a.modes, n * speed / (2 * length), n == 1 ? 2e-6 : 2e-5) >= 1);
 }
@@ -47,7 +47,7 @@ TEST_CASE("a solid ball twists with the multiplicity of its spherical harmonics"
   const double shear_speed = std::sqrt(m.young_pa[0] / (2 * (1 + nu)) / m.density);
   MeshChoice choice;
   choice.h = radius / 4;
-  const auto a = answer(make_shape("sphere", {{"diameter", 2 * radius}}, {}, choice), m, 24);
+  const auto a = solve_modes(make_shape("sphere", {{"diameter", 2 * radius}}, {}, choice), m, 24);
   CHECK(a.modes.rigid == 6);
   for (const unsigned l : {2u, 3u}) {
     const double x = root(
@@ -65,8 +65,8 @@ TEST_CASE("a hollow sphere keeps the degeneracy of the ball and converges") {
   const auto solve = [&](double h) {
     MeshChoice choice;
     choice.h = h;
-    return answer(make_shape("hollow_sphere", {{"diameter", .1}, {"thickness", .01}}, {}, choice),
-                  m, 5);
+    return solve_modes(
+        make_shape("hollow_sphere", {{"diameter", .1}, {"thickness", .01}}, {}, choice), m, 5);
   };
   const auto coarse = solve(.016), fine = solve(.010);
   for (std::size_t k = 0; k < 5; ++k) { // l = 2: five equal ones
@@ -90,7 +90,7 @@ TEST_CASE("the thick plate of NAFEMS FV52 has its known frequencies") {
     if (p.z == 0 && (p.x == 0 || p.x == 10 || p.y == 0 || p.y == 10))
       edges.nodes.push_back(static_cast<int>(i));
   }
-  const auto a = answer(mesh, m, 7, std::span(&edges, 1));
+  const auto a = solve_modes(mesh, m, 7, std::span(&edges, 1));
   CHECK(a.modes.rigid == 3);
   const std::array known{44.80, 110.54, 110.54, 169.10, 193.93, 206.64, 206.64};
   for (std::size_t k = 0; k < known.size(); ++k)
@@ -101,7 +101,7 @@ TEST_CASE("rigid motions are counted, not assumed") {
   const Material m = find_material("steel");
   const Mesh box = make_shape("bar", {{"length", .1}, {"width", .02}, {"thickness", .01}}, {}, {});
   const auto count = [&](const Mesh& mesh, std::vector<Support> supports) {
-    return answer(mesh, m, 2, supports).modes.rigid;
+    return solve_modes(mesh, m, 2, supports).modes.rigid;
   };
   CHECK(count(box, {}) == 6);
   CHECK(count(box, {{"end", nodes_on(box, 0, .05), {true, true, true}, 0}}) == 0);
@@ -137,7 +137,7 @@ TEST_CASE("a stiff block on soft springs rings at sqrt(k / m)") {
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
     all.push_back(static_cast<int>(i));
   const Support springs{"springs", all, {false, false, true}, stiffness};
-  const auto a = answer(mesh, m, 3, std::span(&springs, 1));
+  const auto a = solve_modes(mesh, m, 3, std::span(&springs, 1));
   CHECK(a.modes.rigid == 3);
   CHECK(occurrences(a.modes, std::sqrt(stiffness / mass) / (2 * kPi), 1e-5) >= 1);
 }
@@ -155,10 +155,10 @@ TEST_CASE("frequencies of a wooden board turn with its grain and body") {
   };
   for (Vector3& p : turned.nodes)
     p = turn(p);
-  const auto a = answer(straight, m, 6);
+  const auto a = solve_modes(straight, m, 6);
   m.axis_1 = turn(m.axis_1);
   m.axis_2 = turn(m.axis_2);
-  const auto b = answer(turned, m, 6);
+  const auto b = solve_modes(turned, m, 6);
   for (std::size_t k = 0; k < 6; ++k)
     check_close(b.modes.frequency_hz[k], a.modes.frequency_hz[k], 1e-7);
 }
@@ -168,8 +168,8 @@ TEST_CASE("a spruce bar along the grain bends as a Timoshenko beam of its moduli
   // cross-sections.
   const Material m = find_material("spruce");
   const double l = .5, t = .01;
-  const auto a =
-      answer(make_shape("bar", {{"length", l}, {"width", .004}, {"thickness", t}}, {}, {}), m, 8);
+  const auto a = solve_modes(
+      make_shape("bar", {{"length", l}, {"width", .004}, {"thickness", t}}, {}, {}), m, 8);
   // Free-free Euler-Bernoulli, then the first-order shear and rotary correction (Goens 1931).
   const double bernoulli = 22.3733 / (2 * kPi * l * l) * m.bar_speed() * t / std::sqrt(12.0);
   const double shear = m.young_pa[0] / (5.0 / 6 * m.shear_pa[1]);
@@ -187,10 +187,10 @@ TEST_CASE("rescaling a body rescales its modes exactly") {
   Mesh large = small;
   for (Vector3& p : large.nodes)
     p = 2.5 * p;
-  const auto a = answer(small, m, 6);
+  const auto a = solve_modes(small, m, 6);
   m.young_pa[0] *= 1.7;
   m.density *= .6;
-  const auto b = answer(large, m, 6);
+  const auto b = solve_modes(large, m, 6);
   const double pitch = std::sqrt(1.7 / .6) / 2.5, scale = 1 / std::sqrt(.6 * 2.5 * 2.5 * 2.5);
   for (std::size_t k = 0; k < 6; ++k)
     check_close(b.modes.frequency_hz[k], pitch * a.modes.frequency_hz[k], 1e-6);
@@ -208,10 +208,10 @@ TEST_CASE("the slope over Poisson's ratio predicts a body solved anew") {
   MeshChoice choice;
   choice.h = .02;
   const Mesh mesh = make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, choice);
-  const auto a = answer(mesh, m, 6);
+  const auto a = solve_modes(mesh, m, 6);
   const auto slopes = poisson_slopes(mesh, std::span(&m, 1), a.matrices, a.modes);
   m.poisson[0] += .01;
-  const auto b = answer(mesh, m, 6);
+  const auto b = solve_modes(mesh, m, 6);
   for (std::size_t k = 0; k < 6; ++k) // second order in the step
     CHECK(std::abs(std::log(b.modes.frequency_hz[k] / a.modes.frequency_hz[k]) - .01 * slopes[k]) <
           2e-4);
@@ -252,7 +252,9 @@ TEST_CASE("two materials share the loss by their strain energy") {
 
 TEST_CASE("the error of tet10 shrinks faster than the third power of the size") {
   Material m = find_material("steel");
-  const auto first = [&](Mesh mesh) { return answer(std::move(mesh), m, 1).modes.frequency_hz[0]; };
+  const auto first = [&](Mesh mesh) {
+    return solve_modes(std::move(mesh), m, 1).modes.frequency_hz[0];
+  };
   MeshChoice fine;
   fine.h = 1.0 / 12;
   const double exact =
@@ -268,7 +270,7 @@ TEST_CASE("what a push yields beyond six modes is what the next ten add, and the
   const auto mesh =
       make_shape("plate", {{"length", .2}, {"width", .16}, {"thickness", .004}}, {}, {});
   const Material steel = find_material("steel");
-  const Answer few = answer(mesh, steel, 6), many = answer(mesh, steel, 60);
+  const SolvedModes few = solve_modes(mesh, steel, 6), many = solve_modes(mesh, steel, 60);
   const std::vector<Material> materials{steel};
   const Surface skin = surface_of(mesh);
   const auto beyond_few = residual_compliance(mesh, materials, few.matrices, few.modes, 1)[0];

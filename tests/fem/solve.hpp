@@ -6,14 +6,14 @@
 
 namespace tactus::fem {
 
-struct Answer {
+struct SolvedModes {
   Mesh mesh;
   Matrices matrices;
   Modes modes;
 };
 
-inline Answer answer(Mesh mesh, const Material& material, std::size_t count,
-                     std::span<const Support> supports = {}) {
+inline SolvedModes solve_modes(Mesh mesh, const Material& material, std::size_t count,
+                               std::span<const Support> supports = {}) {
   set_solver_threads(1);
   check(mesh);
   const std::vector<Material> materials(mesh.regions.size(), material);

@@ -85,13 +85,13 @@ inline Mesh quarter_plate(double a, double b, double thickness, bool square, int
 inline std::string refusal(const std::function<void()>& work) {
   try {
     work();
-  } catch (const Refusal& r) {
+  } catch (const InputError& r) {
     return r.what();
   }
   return "";
 }
 
-inline bool says(const std::string& text, const std::string& part) {
+inline bool mentions(const std::string& text, const std::string& part) {
   const bool found = text.find(part) != std::string::npos;
   if (!found)
     MESSAGE(text);

@@ -115,7 +115,7 @@ TEST_CASE("fields of another size or without finite numbers are refused and leav
     try {
       write_vtu(file.path.string(), mesh, nodal, {});
       FAIL("nothing was refused");
-    } catch (const Refusal& refusal) {
+    } catch (const InputError& refusal) {
       CHECK(std::string(refusal.what()).find(words) != std::string::npos);
     }
     CHECK(!std::filesystem::exists(file.path));

@@ -40,9 +40,10 @@ private:
     return std::uniform_int_distribution<std::size_t>(0, size - 1)(random_);
   }
   std::uint8_t byte() {
-    constexpr std::uint8_t kTelling[] = {0,   1,   4,   0x7F, 0x80, 0xC0, 0xDB, 0xDC, 0xDD,
-                                         255, ';', ',', '\\', ' ',  '\n', '/',  '$',  '-'};
-    return index(2) ? static_cast<std::uint8_t>(index(256)) : kTelling[index(std::size(kTelling))];
+    constexpr std::uint8_t kBoundaryBytes[] = {0,   1,   4,   0x7F, 0x80, 0xC0, 0xDB, 0xDC, 0xDD,
+                                               255, ';', ',', '\\', ' ',  '\n', '/',  '$',  '-'};
+    return index(2) ? static_cast<std::uint8_t>(index(256))
+                    : kBoundaryBytes[index(std::size(kBoundaryBytes))];
   }
   void change(Input& input) {
     const auto at = static_cast<std::ptrdiff_t>(input.empty() ? 0 : index(input.size() + 1));

@@ -55,14 +55,14 @@ void feed(End& end, std::span<const std::uint8_t> input) {
   check(end.node.out(*id).size() <= OutQueue::kCapacity, "the queue is longer than it may be");
   end.node.disconnect(*id);
   check(end.exchange.ready == 0, "a peer is ready that has gone");
-  std::vector<BusExchange::News> news;
-  check(end.exchange.try_take(news) && news.size() <= 64, "news without end");
+  std::vector<BusExchange::Notice> notices;
+  check(end.exchange.try_take(notices) && notices.size() <= 64, "news without end");
 }
 
 } // namespace
 
 void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
-  static End listener(BusSession::Side::kListens), caller(BusSession::Side::kCalls);
+  static End listener(BusSession::Side::kListener), caller(BusSession::Side::kCaller);
   feed(listener, input);
   feed(caller, input);
 }

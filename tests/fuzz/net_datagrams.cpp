@@ -17,14 +17,14 @@ constexpr std::string_view kPeer = "127.0.0.1";
 
 /// A server and a client that know each other, and use datagrams.
 struct Pair {
-  Pair() : client(wishing()) {
+  Pair() : client(client_settings()) {
     id = *server.connect(kPeer, now_s, kPort);
     client.connect(now_s);
     for (int i = 0; i < 4; ++i)
       exchange();
     check(client.datagrams().port() == kPort, "no datagrams were agreed upon");
   }
-  static ClientSettings wishing() {
+  static ClientSettings client_settings() {
     ClientSettings settings;
     settings.udp = true;
     return settings;
@@ -77,7 +77,7 @@ void to_server(std::span<const std::uint8_t> input, std::string_view peer) {
   check(!taken || (probe && probe->key == server.datagrams(pair->id)->key()),
         "a datagram was taken that is no probe with the key");
   check(server.out(pair->id).size() == 0, "a datagram was answered over TCP");
-  check(!server.orders().running && server.orders().force_n == haptic::Vec3{},
+  check(!server.servo_command().running && server.servo_command().force_n == haptic::Vec3{},
         "a datagram has moved a motor");
 }
 

@@ -16,18 +16,19 @@ namespace {
 constexpr double kLimit_n = 2, kStiffness = 400, kDamping = 4;
 
 void check_orders(const Server& server) {
-  const ServoOrders& orders = server.orders();
-  check(is_finite(orders.force_n), "a force that is not finite");
-  check(orders.force_limit_n >= 0 && orders.force_limit_n <= kLimit_n,
+  const ServoCommand& servo_command = server.servo_command();
+  check(is_finite(servo_command.force_n), "a force that is not finite");
+  check(servo_command.force_limit_n >= 0 && servo_command.force_limit_n <= kLimit_n,
         "the force limit was raised");
-  const stress::RenderGains& gains = orders.render.gains;
+  const stress::RenderGains& gains = servo_command.render.gains;
   check(gains.stiffness_max_n_per_m <= kStiffness && gains.damping_max_n_s_per_m <= kDamping,
         "a gain was raised");
   check(gains.stiffness_min_n_per_m >= 0 && gains.damping_min_n_s_per_m >= 0, "a negative gain");
   for (int axis = 0; axis < 3; ++axis)
-    check(orders.render.gamma[axis] >= 0 && orders.render.gamma[axis] <= 1, "gamma is beyond 0..1");
-  check(is_finite(orders.render.anchor), "an anchor that is not finite");
-  check(!orders.running || !server.controller_name().empty(), "motors without a controller");
+    check(servo_command.render.gamma[axis] >= 0 && servo_command.render.gamma[axis] <= 1,
+          "gamma is beyond 0..1");
+  check(is_finite(servo_command.render.anchor), "an anchor that is not finite");
+  check(!servo_command.running || !server.controller_name().empty(), "motors without a controller");
 }
 
 } // namespace
@@ -47,16 +48,16 @@ void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
   const auto first = input.first(input.size() / 2);
   server->receive(*id, first, now_s);
   check_orders(*server);
-  server->press(0, true);
+  server->set_button(0, true);
   server->advance(report, now_s += 0.3);
   server->receive(*id, input.subspan(first.size()), now_s);
   check_orders(*server);
-  server->press(0, false);
+  server->set_button(0, false);
   server->advance(report, now_s += 0.3);
   check(server->out(*id).size() <= OutQueue::kCapacity, "the queue is longer than it may be");
   server->disconnect(*id);
-  check(!server->orders().running, "the motors outlive their client");
-  check(server->orders().force_n == haptic::Vec3{}, "a force outlives its client");
+  check(!server->servo_command().running, "the motors outlive their client");
+  check(server->servo_command().force_n == haptic::Vec3{}, "a force outlives its client");
   server->advance(report, now_s += 0.3);
 
   static std::unique_ptr<Client> client = std::make_unique<Client>();

@@ -12,13 +12,13 @@ TEST_CASE("20 bad packets within a second end a connection") {
   fast.hello();
   slow.hello();
   for (int i = 0; i < 19; ++i)
-    fast.say("hap force x 0 0");
+    fast.send_text("hap force x 0 0");
   CHECK(!fast.closing());
-  fast.say("hap force x 0 0");
+  fast.send_text("hap force x 0 0");
   CHECK(fast.closing());
-  CHECK(fast.hears("bye 'bad'"));
+  CHECK(fast.has_received("bye 'bad'"));
   for (int i = 0; i < 40; ++i) {
-    slow.say("hap force x 0 0");
+    slow.send_text("hap force x 0 0");
     rig.run(0.06);
   }
   CHECK(!slow.closing());
@@ -28,31 +28,31 @@ TEST_CASE("a broken frame ends a connection and its force") {
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
-  client.say("hap start force");
+  client.send_text("hap start force");
   client.send_bytes({0xFF, 0xFF, 0xFF, 0xFF});
-  CHECK(client.hears("bye 'frame'"));
+  CHECK(client.has_received("bye 'frame'"));
   CHECK(client.closing());
-  CHECK(!rig.server.orders().running);
-  client.say("hap start force");
-  CHECK(!rig.server.orders().running);
+  CHECK(!rig.server.servo_command().running);
+  client.send_text("hap start force");
+  CHECK(!rig.server.servo_command().running);
 }
 
 TEST_CASE("a flood is cut to 5000 packets a second, and the rest is no sign of life") {
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
-  client.say("hap start force");
-  client.heard();
+  client.send_text("hap start force");
+  client.received();
   for (int i = 0; i < 20000; ++i)
-    client.say("hap force 1 0 0");
-  CHECK(rig.server.orders().forces < 5010);
-  const auto lines = client.heard();
+    client.send_text("hap force 1 0 0");
+  CHECK(rig.server.servo_command().forces < 5010);
+  const auto lines = client.received();
   CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
           return line.starts_with("error 'flood'");
         }) == 1);
   rig.run(0.1);
-  client.say("hap force 2 0 0");
-  CHECK(rig.server.orders().force_n.x == 2);
+  client.send_text("hap force 2 0 0");
+  CHECK(rig.server.servo_command().force_n.x == 2);
 }
 
 TEST_CASE("a half-sent frame is given 2 s, a byte a second too") {
@@ -66,13 +66,13 @@ TEST_CASE("a half-sent frame is given 2 s, a byte a second too") {
   for (std::size_t second = 0; second < 3; ++second) {
     dribble.send_bytes({bytes[second]});
     for (int i = 0; i < 10; ++i) {
-      good.say("hap ping 1");
+      good.send_text("hap ping 1");
       half.send_bytes({}); // nothing
       CHECK(half.closing() == (second >= 2));
       rig.run(0.1);
     }
   }
-  CHECK(half.hears("bye 'frame'"));
+  CHECK(half.has_received("bye 'frame'"));
   CHECK(dribble.closing());
   CHECK(!good.closing());
 }
@@ -86,7 +86,7 @@ TEST_CASE("frames that come in pieces in time are no half-sent frame") {
     client.send_bytes({bytes.begin() + (i ? 5 : 0), bytes.end()});
     client.send_bytes({bytes.begin(), bytes.begin() + 5});
     rig.run(0.1);
-    client.heard();
+    client.received();
   }
   CHECK(!client.closing());
 }
@@ -95,15 +95,15 @@ TEST_CASE("a client that does not read loses positions, never events, and is let
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
-  client.say("hap subscribe pos 1000");
-  client.heard();
+  client.send_text("hap subscribe pos 1000");
+  client.received();
   int asked = 0;
   for (int i = 0; i < 3000; ++i) {
-    client.say("hap ping " + std::to_string(asked++));
+    client.send_text("hap ping " + std::to_string(asked++));
     rig.run(0.001);
   }
-  CHECK(client.out().left_out() > 1000);
-  const auto lines = client.heard();
+  CHECK(client.out().dropped() > 1000);
+  const auto lines = client.received();
   int pongs = 0;
   for (const std::string& line : lines)
     if (line.starts_with("pong "))
@@ -111,7 +111,7 @@ TEST_CASE("a client that does not read loses positions, never events, and is let
   CHECK(pongs == asked);
   while (!client.closing()) {
     for (int i = 0; i < 4; ++i)
-      client.say("hap ping 1");
+      client.send_text("hap ping 1");
     rig.run(0.001);
     REQUIRE(client.out().size() <= OutQueue::kCapacity);
   }
@@ -147,7 +147,7 @@ TEST_CASE("tokens: wrong ones are refused, three lock out for ten seconds") {
   const auto attempt = [&](const std::string& token, std::string_view peer = "10.0.0.1") {
     TestClient client(rig, Framing::kLength, peer);
     client.hello("control", token);
-    std::string answer = client.heard().front();
+    std::string answer = client.received().front();
     answer = answer.substr(0, answer.find(' ', answer.find(' ') + 1));
     client.disconnect();
     return answer;
@@ -204,8 +204,8 @@ TEST_CASE("random bytes never stop the server from answering") {
       rig.tick();
     }
     client.disconnect();
-    good.say("hap ping 5");
-    CHECK(good.hears("pong 5.000000"));
+    good.send_text("hap ping 5");
+    CHECK(good.has_received("pong 5.000000"));
   }
   CHECK(rig.max_force_n == 0);
 }

@@ -20,10 +20,10 @@ constexpr std::string_view kToken = "sixteen bytes ok";
 /// One end with the patch's side of its exchange.
 struct End {
   explicit End(BusSession::Side side, std::string_view token = {})
-      : node(side, {side == BusSession::Side::kCalls ? "caller" : "listener", std::string(token)},
+      : node(side, {side == BusSession::Side::kCaller ? "caller" : "listener", std::string(token)},
              *exchange) {}
 
-  struct Heard {
+  struct Received {
     std::string text;
     double sent_s;
     bool late;
@@ -33,7 +33,7 @@ struct End {
       while (const auto packet = incoming.ring.front()) {
         Message message;
         REQUIRE(decode_osc(packet->bytes, message).empty());
-        heard.push_back({shown(message), packet->time_s, packet->late});
+        received.push_back({to_text(message), packet->time_s, packet->late});
         incoming.ring.pop();
       }
   }
@@ -43,8 +43,8 @@ struct End {
     REQUIRE(size > 0);
     REQUIRE(exchange->outgoing.push(sent_s, {packet.data(), size}));
   }
-  [[nodiscard]] std::vector<BusExchange::News> news() const {
-    std::vector<BusExchange::News> taken;
+  [[nodiscard]] std::vector<BusExchange::Notice> notices() const {
+    std::vector<BusExchange::Notice> taken;
     static_cast<void>(exchange->try_take(taken));
     return taken;
   }
@@ -53,14 +53,14 @@ struct End {
   std::unique_ptr<BusExchange> exchange = std::make_unique<BusExchange>();
   BusNode node;
   std::optional<BusNode::ClientId> id{};
-  std::vector<Heard> heard{};
+  std::vector<Received> received{};
 };
 
 /// Two ends and what is on its way between them.
 struct Link {
   explicit Link(std::string_view listener_token = {}, std::string_view caller_token = {})
-      : listener(BusSession::Side::kListens, listener_token),
-        caller(BusSession::Side::kCalls, caller_token) {
+      : listener(BusSession::Side::kListener, listener_token),
+        caller(BusSession::Side::kCaller, caller_token) {
     connect();
   }
   void connect() {
@@ -122,8 +122,8 @@ Message hit(int number) {
 Message hand(int number) { return Message(Address::kTopic, "hand").real(0).real(number); }
 
 /// A stranger who speaks the protocol by hand to a listener.
-struct Stranger {
-  explicit Stranger(std::string_view token = {}) : end(BusSession::Side::kListens, token) {
+struct RawPeer {
+  explicit RawPeer(std::string_view token = {}) : end(BusSession::Side::kListener, token) {
     connect();
   }
   void connect() {
@@ -178,13 +178,13 @@ TEST_CASE("messages pass both ways with their fields, and times in the receiver'
   link.caller.send(hit(7), sent_s);
   link.listener.send(Message(Address::kTopic, "publish"), link.listener_time());
   link.run(0.1);
-  REQUIRE(link.listener.heard.size() == 2);
-  CHECK(link.listener.heard[0].text == "model 'add' 'disk' 0.500000");
-  CHECK(link.listener.heard[1].text == "hit 0.000000 'disk' 7.000000");
-  for (const auto& heard : link.listener.heard)
-    CHECK(heard.sent_s == doctest::Approx(sent_s + link.ahead_s).epsilon(1e-7));
-  REQUIRE(link.caller.heard.size() == 1);
-  CHECK(link.caller.heard[0].sent_s == doctest::Approx(sent_s).epsilon(1e-5));
+  REQUIRE(link.listener.received.size() == 2);
+  CHECK(link.listener.received[0].text == "model 'add' 'disk' 0.500000");
+  CHECK(link.listener.received[1].text == "hit 0.000000 'disk' 7.000000");
+  for (const auto& received : link.listener.received)
+    CHECK(received.sent_s == doctest::Approx(sent_s + link.ahead_s).epsilon(1e-7));
+  REQUIRE(link.caller.received.size() == 1);
+  CHECK(link.caller.received[0].sent_s == doctest::Approx(sent_s).epsilon(1e-5));
   CHECK(link.listener.exchange->incoming[0].transit_s == doctest::Approx(0.02).epsilon(0.1));
 }
 
@@ -194,11 +194,11 @@ TEST_CASE("nothing is sent before clocks are known, and news tells when") {
   link.run(0.095); // the first pong came at 80 ms, two clocks come each 10 ms
   CHECK(link.caller.exchange->ready == 0);
   link.run(1);
-  CHECK(link.listener.heard.empty());
-  const auto news = link.listener.news();
-  REQUIRE(news.size() == 1);
-  CHECK(news[0].what == BusExchange::News::What::kConnected);
-  CHECK(news[0].text == "caller");
+  CHECK(link.listener.received.empty());
+  const auto notices = link.listener.notices();
+  REQUIRE(notices.size() == 1);
+  CHECK(notices[0].what == BusExchange::Notice::What::kConnected);
+  CHECK(notices[0].text == "caller");
 }
 
 TEST_CASE("a line that stalls loses no event, whatever it loses of streams") {
@@ -225,63 +225,64 @@ TEST_CASE("a line that stalls loses no event, whatever it loses of streams") {
   link.run(1);
   std::vector<std::string> events;
   std::size_t hands = 0;
-  for (const auto& heard : link.listener.heard)
-    if (heard.text.starts_with("hit"))
-      events.push_back(heard.text);
+  for (const auto& received : link.listener.received)
+    if (received.text.starts_with("hit"))
+      events.push_back(received.text);
     else
       ++hands;
   REQUIRE(events.size() == static_cast<std::size_t>(number));
   for (int i = 0; i < number; ++i)
-    CHECK(events[static_cast<std::size_t>(i)] == shown(hit(i + 1)));
+    CHECK(events[static_cast<std::size_t>(i)] == to_text(hit(i + 1)));
   CHECK(hands < 3 * events.size());
-  CHECK(link.caller.node.session(0).left_out() > 0);
+  CHECK(link.caller.node.session(0).dropped() > 0);
   CHECK(link.listener.node.session(0).lost_events() == 0);
 }
 
 TEST_CASE("a burst above the rate, as after a stall, costs streams alone") {
-  Stranger stranger;
-  stranger.hello();
+  RawPeer raw_peer;
+  raw_peer.hello();
   for (int i = 1; i <= 20000; ++i) {
-    stranger.say(topic("hit", i, 0));
-    stranger.say(topic("hand", i, 0));
+    raw_peer.say(topic("hit", i, 0));
+    raw_peer.say(topic("hand", i, 0));
     if (i % 1000 == 0)
-      stranger.end.take();
+      raw_peer.end.take();
   }
-  stranger.end.take();
+  raw_peer.end.take();
   std::size_t hits = 0, hands = 0;
-  for (const auto& heard : stranger.end.heard)
-    (heard.text.starts_with("hit") ? hits : hands) += 1;
+  for (const auto& received : raw_peer.end.received)
+    (received.text.starts_with("hit") ? hits : hands) += 1;
   CHECK(hits == 20000);
   CHECK(hands <= 5000);
   CHECK(hands > 1000);
-  CHECK(stranger.answer().find("5000 packets a second") != std::string::npos);
-  CHECK_FALSE(stranger.closing());
+  CHECK(raw_peer.answer().find("5000 packets a second") != std::string::npos);
+  CHECK_FALSE(raw_peer.closing());
 }
 
 TEST_CASE("a patch that takes nothing ends the connection before an event is lost") {
-  Stranger stranger;
-  stranger.hello();
+  RawPeer raw_peer;
+  raw_peer.hello();
   int sent = 0;
-  for (; sent < 100000 && !stranger.closing(); ++sent)
-    stranger.say(topic("hit", sent + 1, 0));
-  CHECK(stranger.closing());
-  CHECK(stranger.answer().find("bye 'busy'") != std::string::npos);
-  stranger.end.take();
-  CHECK(stranger.end.heard.size() == static_cast<std::size_t>(sent - 1)); // all but the refused one
+  for (; sent < 100000 && !raw_peer.closing(); ++sent)
+    raw_peer.say(topic("hit", sent + 1, 0));
+  CHECK(raw_peer.closing());
+  CHECK(raw_peer.answer().find("bye 'busy'") != std::string::npos);
+  raw_peer.end.take();
+  CHECK(raw_peer.end.received.size() ==
+        static_cast<std::size_t>(sent - 1)); // all but the refused one
 }
 
 TEST_CASE("streams that the patch does not take leave half of the room to events") {
-  Stranger stranger;
-  stranger.hello();
+  RawPeer raw_peer;
+  raw_peer.hello();
   for (int i = 0; i < 20000; ++i) {
-    stranger.say(topic("hand", 0, 0));
-    stranger.now_s += 1e-3;
+    raw_peer.say(topic("hand", 0, 0));
+    raw_peer.now_s += 1e-3;
   }
-  CHECK_FALSE(stranger.closing());
-  CHECK(stranger.end.node.session(0).left_out() > 0);
+  CHECK_FALSE(raw_peer.closing());
+  CHECK(raw_peer.end.node.session(0).dropped() > 0);
   for (int i = 1; i <= 5000; ++i)
-    stranger.say(topic("hit", i, 0));
-  CHECK_FALSE(stranger.closing());
+    raw_peer.say(topic("hit", i, 0));
+  CHECK_FALSE(raw_peer.closing());
 }
 
 TEST_CASE("events that the patch could not hand over end the connection, too") {
@@ -303,21 +304,21 @@ TEST_CASE("what the other side would drop is not sent: no flood is complained of
       link.tick();
   }
   link.run(0.1);
-  CHECK(link.caller.node.session(0).left_out() > 1000);
-  CHECK(link.listener.heard.size() > 4000);
-  for (const auto& news : link.caller.news())
-    CHECK(news.what != BusExchange::News::What::kComplaint);
+  CHECK(link.caller.node.session(0).dropped() > 1000);
+  CHECK(link.listener.received.size() > 4000);
+  for (const auto& notices : link.caller.notices())
+    CHECK(notices.what != BusExchange::Notice::What::kWarning);
 }
 
 TEST_CASE("bad packets are no sign of life") {
-  Stranger stranger;
-  stranger.hello();
-  for (int i = 0; i < 11 && !stranger.closing(); ++i) {
-    stranger.say(Message(Address::kTopic, "hit"));
-    stranger.pass(0.5);
+  RawPeer raw_peer;
+  raw_peer.hello();
+  for (int i = 0; i < 11 && !raw_peer.closing(); ++i) {
+    raw_peer.say(Message(Address::kTopic, "hit"));
+    raw_peer.pass(0.5);
   }
-  CHECK(stranger.closing());
-  CHECK(stranger.answer().find("bye 'timeout'") != std::string::npos);
+  CHECK(raw_peer.closing());
+  CHECK(raw_peer.answer().find("bye 'timeout'") != std::string::npos);
 }
 
 TEST_CASE("a peer that does not read is given up when a megabyte of events waits") {
@@ -338,19 +339,19 @@ TEST_CASE("a peer that does not read is given up when a megabyte of events waits
 TEST_CASE("half a second of silence is late, five end the connection, and it can be taken up") {
   Link link;
   link.run(1);
-  static_cast<void>(link.caller.news());
+  static_cast<void>(link.caller.notices());
   link.stalled = true;
   link.run(0.22); // a ping may have come a quarter of a second before
-  CHECK(link.caller.news().empty());
+  CHECK(link.caller.notices().empty());
   link.run(0.4);
-  auto news = link.caller.news();
-  REQUIRE(news.size() == 1);
-  CHECK(news[0].what == BusExchange::News::What::kLate);
+  auto notices = link.caller.notices();
+  REQUIRE(notices.size() == 1);
+  CHECK(notices[0].what == BusExchange::Notice::What::kLate);
   link.stalled = false;
   link.run(0.3);
-  news = link.caller.news();
-  REQUIRE(news.size() == 1);
-  CHECK(news[0].what == BusExchange::News::What::kBack);
+  notices = link.caller.notices();
+  REQUIRE(notices.size() == 1);
+  CHECK(notices[0].what == BusExchange::Notice::What::kBack);
   link.stalled = true;
   link.run(4.6);
   CHECK(link.caller.alive());
@@ -371,30 +372,30 @@ TEST_CASE("tokens: the right one enters, three wrong ones lock out") {
     link.run(0.5);
     return link.caller.exchange->ready == 1;
   }());
-  Stranger stranger(kToken);
+  RawPeer raw_peer(kToken);
   for (int i = 0; i < 3; ++i) {
-    stranger.connect();
-    stranger.hello(i == 0 ? "" : "sixteen bytes no");
-    CHECK(stranger.closing());
-    CHECK(stranger.answer().find("error 'token'") != std::string::npos);
+    raw_peer.connect();
+    raw_peer.hello(i == 0 ? "" : "sixteen bytes no");
+    CHECK(raw_peer.closing());
+    CHECK(raw_peer.answer().find("error 'token'") != std::string::npos);
   }
-  stranger.connect();
-  stranger.hello(kToken);
-  CHECK(stranger.answer().find("error 'locked'") != std::string::npos);
-  stranger.now_s += 10.1;
-  stranger.connect();
-  stranger.hello(kToken);
-  CHECK(stranger.answer().find("welcome") != std::string::npos);
+  raw_peer.connect();
+  raw_peer.hello(kToken);
+  CHECK(raw_peer.answer().find("error 'locked'") != std::string::npos);
+  raw_peer.now_s += 10.1;
+  raw_peer.connect();
+  raw_peer.hello(kToken);
+  CHECK(raw_peer.answer().find("welcome") != std::string::npos);
 }
 
 TEST_CASE("before hello nothing is taken") {
-  Stranger stranger;
-  stranger.say(topic("hit", 1, 0));
-  CHECK(stranger.answer().find("say hello first") != std::string::npos);
-  stranger.say(Message(Address::kPing).integer(1).integer(2));
-  CHECK(stranger.answer().find("say hello first") != std::string::npos);
-  stranger.end.take();
-  CHECK(stranger.end.heard.empty());
+  RawPeer raw_peer;
+  raw_peer.say(topic("hit", 1, 0));
+  CHECK(raw_peer.answer().find("say hello first") != std::string::npos);
+  raw_peer.say(Message(Address::kPing).integer(1).integer(2));
+  CHECK(raw_peer.answer().find("say hello first") != std::string::npos);
+  raw_peer.end.take();
+  CHECK(raw_peer.end.received.empty());
 }
 
 TEST_CASE("messages that are wrong are answered with what was expected, and twenty end it") {
@@ -414,80 +415,80 @@ TEST_CASE("messages that are wrong are answered with what was expected, and twen
         {Message(Address::kWelcome).integer(1).string("a"), "hello"},
         {Message(Address::kForce).real(1).real(2).real(3), "a bus takes"},
         {Message(Address::kUnknown, "x"), ""}}) {
-    Stranger stranger;
-    stranger.hello();
-    static_cast<void>(stranger.answer());
+    RawPeer raw_peer;
+    raw_peer.hello();
+    static_cast<void>(raw_peer.answer());
     if (one.expected.empty())
       continue;
     for (int i = 0; i < 19; ++i)
-      stranger.say(one.message);
-    CHECK_FALSE(stranger.closing());
-    CHECK(stranger.answer().find(one.expected) != std::string::npos);
-    stranger.say(one.message);
-    CHECK(stranger.closing());
-    stranger.end.take();
-    CHECK(stranger.end.heard.empty());
+      raw_peer.say(one.message);
+    CHECK_FALSE(raw_peer.closing());
+    CHECK(raw_peer.answer().find(one.expected) != std::string::npos);
+    raw_peer.say(one.message);
+    CHECK(raw_peer.closing());
+    raw_peer.end.take();
+    CHECK(raw_peer.end.received.empty());
   }
 }
 
 TEST_CASE("who says hello in another role or an older protocol is told") {
-  Stranger control;
+  RawPeer control;
   control.say(Message(Address::kHello).integer(1).string("a").string("control"));
   CHECK(control.answer().find("the role is bus") != std::string::npos);
-  Stranger old;
+  RawPeer old;
   old.say(Message(Address::kHello).integer(0).string("a").string("bus"));
   CHECK(old.answer().find("protocol 1") != std::string::npos);
   CHECK(old.closing());
-  Stranger newer;
+  RawPeer newer;
   newer.say(Message(Address::kHello).integer(9).string("a").string("bus"));
   CHECK(newer.answer().find("welcome 1.000000 'listener'") != std::string::npos);
 }
 
 TEST_CASE("half a frame for two seconds, no hello for five, a framing that is none") {
-  Stranger half;
+  RawPeer half;
   half.hello();
   half.say(Bytes{0xC0, '/', 'b'});
   half.pass(1.9);
   CHECK_FALSE(half.closing());
   half.pass(0.2);
   CHECK(half.answer().find("bye 'frame'") != std::string::npos);
-  Stranger mute;
+  RawPeer mute;
   mute.pass(4.9);
   CHECK_FALSE(mute.closing());
   mute.pass(0.2);
   CHECK(mute.closing());
-  Stranger odd;
+  RawPeer odd;
   odd.say(Bytes{0x07});
   CHECK(odd.closing());
 }
 
 TEST_CASE("a gap in the numbers of events is counted and said") {
-  Stranger stranger;
-  stranger.hello();
-  stranger.say(topic("hit", 1, 0));
-  stranger.say(topic("hand", 1, 0));
-  stranger.say(topic("hit", 2, 0));
-  CHECK(stranger.end.node.session(0).lost_events() == 0);
-  stranger.say(topic("hit", 0, 0)); // does not count
-  stranger.say(topic("hit", 5, 0));
-  CHECK(stranger.end.node.session(0).lost_events() == 2);
-  CHECK(stranger.answer().find("error 'sequence'") != std::string::npos);
+  RawPeer raw_peer;
+  raw_peer.hello();
+  raw_peer.say(topic("hit", 1, 0));
+  raw_peer.say(topic("hand", 1, 0));
+  raw_peer.say(topic("hit", 2, 0));
+  CHECK(raw_peer.end.node.session(0).lost_events() == 0);
+  raw_peer.say(topic("hit", 0, 0)); // does not count
+  raw_peer.say(topic("hit", 5, 0));
+  CHECK(raw_peer.end.node.session(0).lost_events() == 2);
+  CHECK(raw_peer.answer().find("error 'sequence'") != std::string::npos);
 }
 
 TEST_CASE("whatever time a message claims, it was sent before it came") {
-  Stranger stranger;
-  stranger.hello();
+  RawPeer raw_peer;
+  raw_peer.hello();
   for (const std::uint32_t stamp : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu, 12345678u}) {
-    stranger.now_s += 0.7; // beyond the offset's warm-up
-    stranger.say(Message(Address::kPing)
+    raw_peer.now_s += 0.7; // beyond the offset's warm-up
+    raw_peer.say(Message(Address::kPing)
                      .integer(1)
                      .integer(static_cast<std::int32_t>(stamp))
                      .integer(static_cast<std::int32_t>(~stamp)));
-    stranger.say(topic("hit", 0, stamp));
-    stranger.end.take();
-    CHECK(stranger.end.heard.back().sent_s <= stranger.now_s);
-    CHECK(std::isfinite(stranger.end.heard.back().sent_s));
-    CHECK(stranger.end.exchange->incoming[0].delay_s <= PlayoutDelay::kMax_s);
+    raw_peer.say(topic("hit", 0, stamp));
+    raw_peer.end.take();
+    CHECK(raw_peer.end.received.back().sent_s <= raw_peer.now_s);
+    CHECK(std::isfinite(raw_peer.end.received.back().sent_s));
+    CHECK(raw_peer.end.exchange->incoming[0].delay_s <= PlayoutDelay::kMax_s);
   }
 }
 
@@ -501,23 +502,23 @@ TEST_CASE("late is what came after its playout time, and a fixed delay is kept")
   link.delay_s = 0.08;
   link.caller.send(hand(2), link.now_s);
   link.run(0.3);
-  REQUIRE(link.listener.heard.size() == 2);
-  CHECK_FALSE(link.listener.heard[0].late);
-  CHECK(link.listener.heard[1].late);
+  REQUIRE(link.listener.received.size() == 2);
+  CHECK_FALSE(link.listener.received[0].late);
+  CHECK(link.listener.received[1].late);
   CHECK(link.listener.exchange->incoming[0].delay_s == 0.05);
 }
 
 TEST_CASE("text and length framing are answered in kind") {
-  Stranger text;
+  RawPeer text;
   text.say(bytes_of("hap hello 1 script bus;\n"));
   CHECK(text.answer().find("welcome 1.000000 'listener'") == 0);
   text.say(bytes_of("bus hit 1 0 0 disk 25;\n"));
   text.say(bytes_of("bus 7 2 0 0;\n"));
   text.end.take();
-  REQUIRE(text.end.heard.size() == 2);
-  CHECK(text.end.heard[0].text == "hit 0.000000 'disk' 25.000000");
-  CHECK(text.end.heard[1].text == "7 0.000000");
-  Stranger length;
+  REQUIRE(text.end.received.size() == 2);
+  CHECK(text.end.received[0].text == "hit 0.000000 'disk' 25.000000");
+  CHECK(text.end.received[1].text == "7 0.000000");
+  RawPeer length;
   length.say(
       frame(Framing::kLength, Message(Address::kHello).integer(1).string("script").string("bus")));
   CHECK(length.answer().find("welcome") == 0);

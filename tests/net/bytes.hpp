@@ -41,7 +41,7 @@ inline Bytes with_length(const Bytes& packet) {
 }
 
 /// What a message looks like, kept after its bytes are gone.
-inline std::string shown(const Message& message) {
+inline std::string to_text(const Message& message) {
   std::string text(message.name());
   for (std::size_t i = 0; i < message.size(); ++i)
     text += message[i].type == Argument::Type::kString ? " '" + std::string(message[i].text) + "'"
@@ -61,7 +61,7 @@ inline std::vector<std::string> read_all(const Bytes& bytes, std::size_t piece =
       if (outcome == FrameReader::Outcome::kNeedMore)
         break;
       if (outcome == FrameReader::Outcome::kMessage)
-        found.push_back(shown(message));
+        found.push_back(to_text(message));
       else
         found.push_back((outcome == FrameReader::Outcome::kBad ? "bad: " : "broken: ") +
                         std::string(reader->reason()));

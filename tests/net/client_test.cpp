@@ -65,7 +65,7 @@ TEST_CASE("a client learns what the device is and where its handle is") {
   CHECK(welcome.workspace.max.x == doctest::Approx(0.05));
   CHECK(welcome.stiffness_limit_n_per_m == 500);
   CHECK(norm(line.client.position() - Vec3{0.01, 0.02, -0.03}) < 1e-8);
-  line.rig.device.press(2, true);
+  line.rig.device.set_button(2, true);
   line.run(0.3);
   CHECK(line.client.buttons() == 4);
   REQUIRE(line.client.round_trip_s().has_value());
@@ -74,7 +74,7 @@ TEST_CASE("a client learns what the device is and where its handle is") {
 
 TEST_CASE("a client has the velocity of the server's servo, however its positions come") {
   Line line;
-  line.rig.device.follow(haptic::LinePath{{-0.02, 0, 0}, {0.02, 0, 0}, 0.2}); // there and back
+  line.rig.device.set_path(haptic::LinePath{{-0.02, 0, 0}, {0.02, 0, 0}, 0.2}); // there and back
   line.connect();
   line.run(0.15);
   const double served = line.rig.servo.exchange().reports.latest().state.velocity.x;
@@ -147,9 +147,9 @@ TEST_CASE("after a new connection all is set up again but the motors are off unt
     CHECK(!line.client.in_control());
     CHECK(line.rig.force_n == Vec3{});
   }
-  line.rig.device.press(0, true); // the points are there again, for who is in control
+  line.rig.device.set_button(0, true); // the points are there again, for who is in control
   line.run(0.01);
-  line.rig.device.press(0, false);
+  line.rig.device.set_button(0, false);
   line.client.start(RenderMode::kSpring);
   line.run(0.01);
   CHECK(line.client.trouble() == "");
@@ -213,7 +213,7 @@ TEST_CASE("who is second is told that another client is in control") {
   line.run(0.01);
   TestClient other(line.rig);
   other.hello();
-  other.say("hap start force");
+  other.send_text("hap start force");
   line.client.start(RenderMode::kForce);
   line.run(0.01);
   CHECK(!line.client.in_control());

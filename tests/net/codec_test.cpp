@@ -28,7 +28,7 @@ std::string fudi(std::string text) {
   Message message;
   bool found = false;
   REQUIRE(decode_fudi(text, message, found) == "");
-  return found ? shown(message) : "nothing";
+  return found ? to_text(message) : "nothing";
 }
 
 /// A packet of any address, tags and argument bytes.

@@ -92,7 +92,7 @@ TEST_CASE("a datagram holds a sample and the client's key, and is read back as i
   receiver.open(0x7abcdef1, 7770);
   Message message;
   REQUIRE(receiver.take(datagram->span(), message));
-  CHECK(shown(message) == shown(sample(7, -12.25)));
+  CHECK(to_text(message) == to_text(sample(7, -12.25)));
   CHECK(receiver.received() == 1);
 }
 
@@ -295,7 +295,7 @@ TEST_CASE("a server answers nobody else's datagrams, and obeys none") {
   CHECK_FALSE(takes("10.0.0.5", Message(Address::kForce).real(1).real(0).real(0)));
   CHECK_FALSE(takes("10.0.0.5", Message(Address::kPing).integer(1)));
   CHECK(rig.server.ignored_datagrams() == 5);
-  CHECK_FALSE(rig.server.orders().running);
+  CHECK_FALSE(rig.server.servo_command().running);
   rig.run(0.1);
   CHECK_FALSE(rig.server.datagrams(*id)->take().has_value());
   CHECK(takes("10.0.0.5", probe));
@@ -324,16 +324,16 @@ TEST_CASE("every request brings another key, and udp 0 ends it") {
   Rig rig(usual());
   const auto id = rig.server.connect("::1", rig.now_s, 7771);
   REQUIRE(id.has_value());
-  const auto say = [&](const Message& message) {
+  const auto send_text = [&](const Message& message) {
     rig.server.receive(*id, frame(Framing::kLength, message), rig.now_s);
     return rig.server.datagrams(*id)->key();
   };
-  say(Message(Address::kHello).integer(1).string("me").string("observe").string(""));
-  const std::int32_t first = say(Message(Address::kUdp).integer(1));
-  const std::int32_t second = say(Message(Address::kUdp).integer(1));
+  send_text(Message(Address::kHello).integer(1).string("me").string("observe").string(""));
+  const std::int32_t first = send_text(Message(Address::kUdp).integer(1));
+  const std::int32_t second = send_text(Message(Address::kUdp).integer(1));
   CHECK(first > 0);
   CHECK(second > 0);
   CHECK(first != second);
-  CHECK(say(Message(Address::kUdp).integer(0)) == 0);
-  CHECK(say(Message(Address::kUdp).integer(2)) == 0);
+  CHECK(send_text(Message(Address::kUdp).integer(0)) == 0);
+  CHECK(send_text(Message(Address::kUdp).integer(2)) == 0);
 }

@@ -42,10 +42,10 @@ struct Line {
     const auto of_far = far_clock.minimum_us(far_time(now_s));
     const double arrived = arrive(now_s, to_far);
     if (of_near)
-      far_clock.hear_minimum(*of_near, arrived);
+      far_clock.set_remote_minimum(*of_near, arrived);
     near_clock.add(stamp_of(far_time(now_s)), now_s + to_near);
     if (of_far)
-      near_clock.hear_minimum(*of_far, now_s + to_near);
+      near_clock.set_remote_minimum(*of_far, now_s + to_near);
   }
   /// How wrong the far side is about when a message was sent, s, by the far clock.
   [[nodiscard]] double error_s(double sent_s, double delay_s) const {
@@ -58,14 +58,14 @@ std::function<double(double)> constant(double delay_s) {
   return [delay_s](double) { return delay_s; };
 }
 /// Uniform between both.
-std::function<double(double)> jittery(double least_s, double most_s, std::uint64_t seed) {
-  return [least_s, most_s, random = Random(seed)](double) mutable {
-    return least_s + (most_s - least_s) * random.uniform();
+std::function<double(double)> jittery(double min_s, double max_s, std::uint64_t seed) {
+  return [min_s, max_s, random = Random(seed)](double) mutable {
+    return min_s + (max_s - min_s) * random.uniform();
   };
 }
-std::function<double(double)> exponential(double least_s, double mean_s, std::uint64_t seed) {
-  return [least_s, mean_s, random = Random(seed)](double) mutable {
-    return least_s - mean_s * std::log(1 - random.uniform());
+std::function<double(double)> exponential(double min_s, double mean_s, std::uint64_t seed) {
+  return [min_s, mean_s, random = Random(seed)](double) mutable {
+    return min_s - mean_s * std::log(1 - random.uniform());
   };
 }
 double begin(Line& line, double now_s = 0) {
@@ -157,9 +157,9 @@ TEST_CASE("clocks that drift by 200 ppm are followed within the filter's window"
 TEST_CASE("translated time never goes back, though the offset falls") {
   SlewedOffset offset(1);
   double now_s = 0, last = -1e9;
-  offset.follow(0, now_s);
+  offset.update(0, now_s);
   for (; now_s < 20; now_s += 1e-3) {
-    offset.follow(now_s < 2 ? 0 : now_s < 10 ? -3 : 3, now_s);
+    offset.update(now_s < 2 ? 0 : now_s < 10 ? -3 : 3, now_s);
     CHECK(now_s + offset.value() > last); // sender's time to ours
     CHECK(std::abs(offset.value()) <= 3);
     last = now_s + offset.value();
@@ -170,11 +170,11 @@ TEST_CASE("translated time never goes back, though the offset falls") {
 TEST_CASE("a small error is slewed at 2 ms a second, none before two sides have measured") {
   SlewedOffset offset(1);
   CHECK_FALSE(offset.known());
-  offset.follow(0.5, 0);
+  offset.update(0.5, 0);
   CHECK(offset.value() == 0.5);
-  offset.follow(0.6, 0.9); // warming up
+  offset.update(0.6, 0.9); // warming up
   CHECK(offset.value() == 0.6);
-  offset.follow(0.605, 1.9);
+  offset.update(0.605, 1.9);
   CHECK(offset.value() == doctest::Approx(0.602));
   PlayoutClock clock;
   CHECK(clock.delay_s(77, 5) == 0);
@@ -287,28 +287,29 @@ TEST_CASE("a line whose delay jumps is followed at once upwards, and held") {
 TEST_CASE("a line whose delay has fallen is followed within the window") {
   PlayoutDelay playout;
   static_cast<void>(play(playout, 0, 10, constant(0.1)));
-  // Until less than 1 - kShare of the window's slots are from before.
-  const double held_s = PlayoutDelay::kShare * PlayoutDelay::kWindow_s - 2 * PlayoutDelay::kSlot_s;
+  // Until less than 1 - kPercentile of the window's slots are from before.
+  const double held_s =
+      PlayoutDelay::kPercentile * PlayoutDelay::kWindow_s - 2 * PlayoutDelay::kSlot_s;
   CHECK(play(playout, 10, 10 + held_s, constant(0.03)).delay_s >= 0.1);
   CHECK(play(playout, 10 + held_s, 15.3, constant(0.03)).delay_s ==
         doctest::Approx(0.03 + PlayoutDelay::kMargin_s));
 }
 
 TEST_CASE("lone stalls leave no trace when the delay has fallen back from them") {
-  static constexpr double kEvery_s = 2.7, kWay_s = 0.03;
+  static constexpr double kEvery_s = 2.7, kTransit_s = 0.03;
   for (const double period_s : {1e-3, 0.125}) // a stream; eight pings a second
     for (const double stall_s : {0.08, 0.3}) {
       // What is sent in the last stall_s of each kEvery_s arrives at its end.
       const auto line = [stall_s](double sent) {
         const double left_s = kEvery_s - std::fmod(sent - 1e-6, kEvery_s);
-        return left_s < stall_s ? std::max(kWay_s, left_s) : kWay_s;
+        return left_s < stall_s ? std::max(kTransit_s, left_s) : kTransit_s;
       };
       PlayoutDelay playout;
       for (int i = 0; i < 15; ++i) {
         const double begin_s = i * kEvery_s + 1e-6;
         const double back_s = begin_s + 4 * stall_s + 2 * period_s;
         const Played after = play(playout, begin_s, back_s, line, period_s);
-        CHECK(after.delay_s == doctest::Approx(kWay_s + PlayoutDelay::kMargin_s));
+        CHECK(after.delay_s == doctest::Approx(kTransit_s + PlayoutDelay::kMargin_s));
         const Played stalled = play(playout, back_s, begin_s + kEvery_s - 1e-3, line, period_s);
         CHECK(stalled.largest_s > stall_s - period_s);
       }
@@ -343,14 +344,14 @@ TEST_CASE("while the delay falls, what was sent later is let out later") {
 
 TEST_CASE("a fixed delay stays, within the cap, and automatic goes on from what was measured") {
   PlayoutDelay playout;
-  playout.fix(0.05);
+  playout.set_fixed(0.05);
   playout.add(0.2, 1);
   CHECK(playout.value(1) == 0.05);
-  playout.fix(0);
+  playout.set_fixed(0);
   CHECK(playout.value(1) == 0);
-  playout.fix(7);
+  playout.set_fixed(7);
   CHECK(playout.value(1) == PlayoutDelay::kMax_s);
-  playout.fix({});
+  playout.set_fixed({});
   CHECK(playout.value(1.001) == doctest::Approx(0.202).epsilon(0.01));
   static_cast<void>(playout.value(1.06));              // its slot is over
   CHECK(playout.value(100) == doctest::Approx(0.202)); // one message is all that is known

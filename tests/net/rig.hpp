@@ -20,7 +20,7 @@ struct Rig {
 
   /// The hand holds the handle there. m
   void hold(const haptic::Vec3& position) {
-    device.follow(haptic::LinePath{position, position, 1});
+    device.set_path(haptic::LinePath{position, position, 1});
   }
 
   /// One millisecond of everything.
@@ -63,7 +63,7 @@ public:
   void send(const Message& message) { send_bytes(frame(framing_, message)); }
   void send_bytes(const Bytes& bytes) { rig_.server.receive(id_, bytes, rig_.now_s); }
   /// A line of FUDI, whatever the framing.
-  void say(const std::string& line) {
+  void send_text(const std::string& line) {
     FrameReader reader;
     const Bytes bytes = bytes_of(line + ";");
     std::span<const std::uint8_t> rest(bytes);
@@ -75,7 +75,7 @@ public:
     send(Message(Address::kHello).integer(1).string("test").string(role).string(token));
   }
   /// What the server has said since the last call, a line a message.
-  std::vector<std::string> heard() {
+  std::vector<std::string> received() {
     std::vector<std::string> lines;
     OutQueue& queue = rig_.server.out(id_);
     while (queue.size() > 0) {
@@ -83,13 +83,13 @@ public:
       const std::size_t size = bytes.size();
       Message message;
       while (reader_->next(bytes, message) == FrameReader::Outcome::kMessage)
-        lines.push_back(shown(message));
+        lines.push_back(to_text(message));
       queue.consume(size);
     }
     return lines;
   }
-  bool hears(const std::string& beginning) {
-    for (const std::string& line : heard())
+  bool has_received(const std::string& beginning) {
+    for (const std::string& line : received())
       if (line.starts_with(beginning))
         return true;
     return false;

@@ -8,26 +8,26 @@ using haptic::Vec3;
 namespace {
 
 /// A client in control whose force of 2 N has come up.
-struct Pushing {
+struct ActiveServer {
   Rig rig{usual()};
   TestClient client{rig};
-  Pushing() {
+  ActiveServer() {
     client.hello();
-    client.say("hap start force");
+    client.send_text("hap start force");
     for (int i = 0; i < 8; ++i) {
-      client.say("hap force 2 0 0");
+      client.send_text("hap force 2 0 0");
       rig.run(0.1);
     }
     REQUIRE(rig.force_n.x == doctest::Approx(2));
-    client.say("hap force 2 0 0");
-    client.heard();
+    client.send_text("hap force 2 0 0");
+    client.received();
   }
 };
 
 } // namespace
 
 TEST_CASE("500 ms of silence end the force") {
-  Pushing p;
+  ActiveServer p;
   p.rig.run(0.44);
   CHECK(p.rig.force_n.x == doctest::Approx(2));
   p.rig.run(0.06);
@@ -35,18 +35,18 @@ TEST_CASE("500 ms of silence end the force") {
 }
 
 TEST_CASE("pings alone keep it") {
-  Pushing p;
+  ActiveServer p;
   for (int i = 0; i < 20; ++i) {
     p.rig.run(kPingInterval_s);
-    p.client.say("hap ping 1");
+    p.client.send_text("hap ping 1");
     CHECK(p.rig.force_n.x == doctest::Approx(2));
   }
 }
 
 TEST_CASE("bad packets are no sign of life") {
-  Pushing p;
+  ActiveServer p;
   for (int i = 0; i < 50; ++i) {
-    p.client.say("hap force x 0 0");
+    p.client.send_text("hap force x 0 0");
     p.rig.run(0.06);
   }
   CHECK(!p.client.closing());
@@ -54,36 +54,36 @@ TEST_CASE("bad packets are no sign of life") {
 }
 
 TEST_CASE("a burst after a silence brings nothing back; messages that keep coming do") {
-  Pushing p;
+  ActiveServer p;
   p.rig.run(0.7);
   for (int i = 0; i < 200; ++i)
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap force 2 0 0");
   p.rig.max_force_n = 0;
   p.rig.run(0.4);
   CHECK(p.rig.max_force_n == 0);
   for (int i = 0; i < 30; ++i) {
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.02);
   }
   CHECK(p.rig.force_n.x == doctest::Approx(2));
 }
 
 TEST_CASE("pings after a silence bring no old force back") {
-  Pushing p;
+  ActiveServer p;
   p.rig.run(0.7);
   for (int i = 0; i < 8; ++i) {
-    p.client.say("hap ping 1");
+    p.client.send_text("hap ping 1");
     p.rig.run(0.1);
     CHECK(p.rig.force_n == Vec3{});
   }
 }
 
 TEST_CASE("messages that a slow line delivers late keep no force up") {
-  Pushing p;
+  ActiveServer p;
   const auto server_ms = [&] { // as pong says it
-    p.client.heard();
-    p.client.say("hap ping 1");
-    for (const std::string& line : p.client.heard())
+    p.client.received();
+    p.client.send_text("hap ping 1");
+    for (const std::string& line : p.client.received())
       if (line.starts_with("pong "))
         return std::stoi(line.substr(line.rfind(' ')));
     return -1;
@@ -91,25 +91,25 @@ TEST_CASE("messages that a slow line delivers late keep no force up") {
   int seen_ms = server_ms();
   REQUIRE(seen_ms >= 0);
   for (int i = 0; i < 30; ++i) { // a way of 0.6 s there and back
-    p.client.say("hap ping 2 " + std::to_string(std::max(0, seen_ms - 600)));
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap ping 2 " + std::to_string(std::max(0, seen_ms - 600)));
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.1);
     seen_ms = server_ms();
   }
   CHECK(p.rig.force_n.x == doctest::Approx(2));
   for (int i = 0; i < 16; ++i) { // no newer time is seen: all that comes is from before
-    p.client.say("hap ping 3 " + std::to_string(seen_ms - 600));
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap ping 3 " + std::to_string(seen_ms - 600));
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.1);
   }
   CHECK(p.rig.force_n == Vec3{});
-  p.client.heard();
-  p.client.say("hap ping 4 " + std::to_string(seen_ms + 100000));
-  CHECK(p.client.hears("error 'range'"));
+  p.client.received();
+  p.client.send_text("hap ping 4 " + std::to_string(seen_ms + 100000));
+  CHECK(p.client.has_received("error 'range'"));
   for (int i = 0; i < 10; ++i) {
     seen_ms = server_ms();
-    p.client.say("hap ping 5 " + std::to_string(seen_ms));
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap ping 5 " + std::to_string(seen_ms));
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.1);
   }
   CHECK(p.rig.force_n.x == doctest::Approx(2));
@@ -122,36 +122,36 @@ TEST_CASE("a client silent for 5 s is shown out, not one that pings") {
   pinging.hello("observe");
   for (int i = 0; i < 49; ++i) {
     rig.run(0.1);
-    pinging.say("hap ping 1");
-    pinging.heard();
+    pinging.send_text("hap ping 1");
+    pinging.received();
   }
   CHECK(!silent.closing());
   rig.run(0.11);
   CHECK(silent.closing());
-  CHECK(silent.hears("bye 'timeout'"));
+  CHECK(silent.has_received("bye 'timeout'"));
   CHECK(wordless.closing());
   CHECK(!pinging.closing());
 }
 
 TEST_CASE("a controlling client that is shown out controls no more") {
-  Pushing p;
+  ActiveServer p;
   p.rig.run(5.2);
   CHECK(p.client.closing());
-  CHECK(!p.rig.server.orders().running);
+  CHECK(!p.rig.server.servo_command().running);
   TestClient next(p.rig);
   next.hello();
-  next.say("hap start force");
-  CHECK(p.rig.server.orders().running);
+  next.send_text("hap start force");
+  CHECK(p.rig.server.servo_command().running);
 }
 
 TEST_CASE("forces are of force mode, feedback of the others") {
-  Pushing p;
-  p.client.say("hap feedback 1 0.5");
-  CHECK(p.client.hears("error 'stopped'"));
-  p.client.say("hap start spring");
-  p.client.say("hap force 2 0 0");
-  CHECK(p.client.hears("error 'stopped'"));
-  CHECK(p.rig.server.orders().force_n == Vec3{});
+  ActiveServer p;
+  p.client.send_text("hap feedback 1 0.5");
+  CHECK(p.client.has_received("error 'stopped'"));
+  p.client.send_text("hap start spring");
+  p.client.send_text("hap force 2 0 0");
+  CHECK(p.client.has_received("error 'stopped'"));
+  CHECK(p.rig.server.servo_command().force_n == Vec3{});
 }
 
 TEST_CASE("before anybody has said start the motors are off") {
@@ -162,83 +162,83 @@ TEST_CASE("before anybody has said start the motors are off") {
 }
 
 TEST_CASE("stop and a lost connection end the force within milliseconds") {
-  Pushing stopped;
-  stopped.client.say("hap stop");
+  ActiveServer stopped;
+  stopped.client.send_text("hap stop");
   stopped.rig.run(0.005);
   CHECK(stopped.rig.force_n == Vec3{});
-  Pushing lost;
+  ActiveServer lost;
   lost.client.disconnect();
   lost.rig.run(0.005);
   CHECK(lost.rig.force_n == Vec3{});
 }
 
 TEST_CASE("the motors stay off until start, and rise over half a second") {
-  Pushing p;
-  p.client.say("hap stop");
+  ActiveServer p;
+  p.client.send_text("hap stop");
   for (int i = 0; i < 10; ++i) {
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.1);
     CHECK(p.rig.force_n == Vec3{});
   }
-  p.client.say("hap start force");
-  p.client.say("hap force 2 0 0");
+  p.client.send_text("hap start force");
+  p.client.send_text("hap force 2 0 0");
   p.rig.run(0.25);
   CHECK(p.rig.force_n.x == doctest::Approx(1).epsilon(0.1));
 }
 
 TEST_CASE("a client can lower the force limit and never raise it") {
-  Pushing p;
+  ActiveServer p;
   p.rig.max_force_n = 0;
-  p.client.say("hap forcemax 100");
-  CHECK(p.client.hears("status 'forcemax' 3.0"));
+  p.client.send_text("hap forcemax 100");
+  CHECK(p.client.has_received("status 'forcemax' 3.0"));
   for (int i = 0; i < 10; ++i) {
-    p.client.say("hap force 1e30 -1e30 1e30");
+    p.client.send_text("hap force 1e30 -1e30 1e30");
     p.rig.run(0.02);
   }
   CHECK(norm(p.rig.force_n) == doctest::Approx(3));
   CHECK(p.rig.max_force_n <= 3 * (1 + 1e-12));
-  p.client.say("hap forcemax 0.5");
+  p.client.send_text("hap forcemax 0.5");
   p.rig.run(0.05);
   CHECK(norm(p.rig.force_n) <= 0.5 * (1 + 1e-12));
-  p.client.say("hap forcemax -1");
-  CHECK(p.client.hears("error 'range'"));
+  p.client.send_text("hap forcemax -1");
+  CHECK(p.client.has_received("error 'range'"));
 }
 
 TEST_CASE("another client's limit is its own") {
-  Pushing p;
-  p.client.say("hap forcemax 0.5");
-  p.client.say("hap stop");
+  ActiveServer p;
+  p.client.send_text("hap forcemax 0.5");
+  p.client.send_text("hap stop");
   TestClient other(p.rig);
   other.hello();
-  other.say("hap start force");
+  other.send_text("hap start force");
   for (int i = 0; i < 8; ++i) {
-    other.say("hap force 2 0 0");
+    other.send_text("hap force 2 0 0");
     p.rig.run(0.1);
   }
   CHECK(p.rig.force_n.x == doctest::Approx(2));
 }
 
 TEST_CASE("an emergency stop at the server ends control, and no client releases it") {
-  Pushing p;
+  ActiveServer p;
   p.rig.servo.exchange().motors.emergency_stop();
   p.rig.run(0.002);
   CHECK(p.rig.force_n == Vec3{});
-  CHECK(p.client.hears("status 'stopped' 'estop'"));
-  p.client.say("hap start force");
-  CHECK(p.client.hears("error 'estop'"));
+  CHECK(p.client.has_received("status 'stopped' 'estop'"));
+  p.client.send_text("hap start force");
+  CHECK(p.client.has_received("error 'estop'"));
   for (int i = 0; i < 10; ++i) {
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.1);
     CHECK(p.rig.force_n == Vec3{});
   }
   p.rig.servo.exchange().motors.enable(); // somebody at the device
   for (int i = 0; i < 10; ++i) {
-    p.client.say("hap force 2 0 0");
+    p.client.send_text("hap force 2 0 0");
     p.rig.run(0.1);
     CHECK(p.rig.force_n == Vec3{}); // start is still missing
   }
-  p.client.say("hap start force");
-  p.client.say("hap force 2 0 0");
+  p.client.send_text("hap start force");
+  p.client.send_text("hap force 2 0 0");
   p.rig.run(0.4);
   CHECK(p.rig.force_n.x > 1);
 }
@@ -269,10 +269,10 @@ TEST_CASE("a fault of the device ends control; a new start tries again") {
   rig.servo.attach(device, &rig.model);
   TestClient client(rig);
   client.hello();
-  client.say("hap start force");
+  client.send_text("hap start force");
   const auto push = [&] {
     for (int i = 0; i < 8; ++i) {
-      client.say("hap force 2 0 0");
+      client.send_text("hap force 2 0 0");
       rig.run(0.1);
     }
     return rig.force_n.x;
@@ -282,14 +282,14 @@ TEST_CASE("a fault of the device ends control; a new start tries again") {
   rig.run(0.003);
   device.fail = false;
   CHECK(rig.force_n == Vec3{});
-  CHECK(client.hears("status 'stopped' 'fault'"));
+  CHECK(client.has_received("status 'stopped' 'fault'"));
   CHECK(push() == 0);
-  client.say("hap start force");
+  client.send_text("hap start force");
   CHECK(push() > 1);
 }
 
 TEST_CASE("a servo without its server ends the force by itself") {
-  Pushing p;
+  ActiveServer p;
   for (int i = 1; i <= 600; ++i) { // the thread of the network hangs
     p.rig.servo.step({p.rig.ticks + static_cast<std::uint64_t>(i),
                       p.rig.now_s + static_cast<double>(i) * 1e-3, 1e-3});
@@ -303,18 +303,18 @@ TEST_CASE("feedback becomes a spring at the anchor") {
   rig.hold({0.013, 0, 0});
   TestClient client(rig);
   client.hello();
-  client.say("hap gains 0 400 0 4");
-  client.say("hap anchor 10 0 0");
-  client.say("hap start spring");
+  client.send_text("hap gains 0 400 0 4");
+  client.send_text("hap anchor 10 0 0");
+  client.send_text("hap start spring");
   for (int i = 0; i < 10; ++i) {
-    client.say("hap feedback " + std::to_string(i) + " 0.5");
+    client.send_text("hap feedback " + std::to_string(i) + " 0.5");
     rig.run(0.1);
   }
   CHECK(rig.force_n.x == doctest::Approx(-0.6)); // P21
-  client.say("hap feedback 10 1 0 0");
+  client.send_text("hap feedback 10 1 0 0");
   rig.run(0.2);
   CHECK(rig.force_n.x == doctest::Approx(-1.2));
-  client.say("hap stop");
+  client.send_text("hap stop");
   rig.run(0.01);
   CHECK(rig.force_n == Vec3{});
 }
@@ -325,12 +325,12 @@ TEST_CASE("without an anchor the spring begins where the handle is") {
   rig.run(0.01);
   TestClient client(rig);
   client.hello();
-  client.say("hap gains 100 100 0 0");
-  client.say("hap start spring");
+  client.send_text("hap gains 100 100 0 0");
+  client.send_text("hap start spring");
   rig.run(0.4);
   CHECK(norm(rig.force_n) == 0);
   rig.hold({0.02, 0.02, 0});
-  client.say("hap ping 1");
+  client.send_text("hap ping 1");
   rig.run(0.4);
   CHECK(rig.force_n.y == doctest::Approx(-1).epsilon(0.25)); // the motors are still rising
   CHECK(rig.force_n.x == 0);
@@ -359,56 +359,56 @@ TEST_CASE("gains are cut to what the device renders stably, and said") {
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
-  client.heard();
-  client.say("hap gains 100 100000 1 1000");
-  CHECK(client.heard().front() == "status 'gains' 100.000000 500.000000 1.000000 5.000000");
-  client.say("hap gains 100 50 0 0");
-  CHECK(client.hears("error 'range'"));
-  client.say("hap gains -1 50 0 0");
-  CHECK(client.hears("error 'range'"));
+  client.received();
+  client.send_text("hap gains 100 100000 1 1000");
+  CHECK(client.received().front() == "status 'gains' 100.000000 500.000000 1.000000 5.000000");
+  client.send_text("hap gains 100 50 0 0");
+  CHECK(client.has_received("error 'range'"));
+  client.send_text("hap gains -1 50 0 0");
+  CHECK(client.has_received("error 'range'"));
 }
 
 TEST_CASE("sequence numbers: older ones are ignored, a jump back is bad") {
-  Pushing p;
+  ActiveServer p;
   const auto force = [&](int sequence, int x) {
-    p.client.say("hap force " + std::to_string(sequence) + " " + std::to_string(x) + " 0 0");
-    return p.rig.server.orders().force_n.x;
+    p.client.send_text("hap force " + std::to_string(sequence) + " " + std::to_string(x) + " 0 0");
+    return p.rig.server.servo_command().force_n.x;
   };
   CHECK(force(5000, 1) == 1);
   CHECK(force(4999, 2) == 1);
   CHECK(force(5000, 2) == 1);
   CHECK(force(4000, 2) == 1);
-  CHECK(!p.client.hears("error"));
+  CHECK(!p.client.has_received("error"));
   CHECK(force(3999, 2) == 1);
-  CHECK(p.client.hears("error 'sequence'"));
+  CHECK(p.client.has_received("error 'sequence'"));
   CHECK(force(5001, 2) == 2);
   CHECK(force(2147483647, 1) == 1);
   CHECK(force(-2147483647, 2) == 2); // runs over
-  p.client.say("hap start force");
+  p.client.send_text("hap start force");
   CHECK(force(1, 1) == 1);
-  p.client.say("hap start spring");
+  p.client.send_text("hap start spring");
   const auto feedback = [&](int sequence, double gamma) {
-    p.client.say("hap feedback " + std::to_string(sequence) + " " + std::to_string(gamma));
-    return p.rig.server.orders().render.gamma.y;
+    p.client.send_text("hap feedback " + std::to_string(sequence) + " " + std::to_string(gamma));
+    return p.rig.server.servo_command().render.gamma.y;
   };
   CHECK(feedback(2000, 0.5) == doctest::Approx(0.5));
   CHECK(feedback(1999, 0.25) == doctest::Approx(0.5));
-  p.client.heard();
+  p.client.received();
   CHECK(feedback(999, 0.25) == doctest::Approx(0.5));
-  CHECK(p.client.hears("error 'sequence'"));
+  CHECK(p.client.has_received("error 'sequence'"));
   CHECK(feedback(2001, 1.5) == doctest::Approx(0.5));
-  CHECK(p.client.hears("error 'range'"));
+  CHECK(p.client.has_received("error 'range'"));
 }
 
 TEST_CASE("wrong arguments are bad packets") {
-  Pushing p;
+  ActiveServer p;
   for (const char* line :
        {"hap force 1 2", "hap force", "hap force a b c", "hap force 1 2 3 4 5",
         "hap force 1.5 2 3 4", "hap start", "hap start dance", "hap feedback 1", "hap ping",
         "hap gains 1 2 3", "hap workspace 1 2 3", "hap anchor 1", "hap workspace 1 1 1 0 0 0",
         "hap cp begin", "hap cp set 1", "hap forcemax", "hap subscribe pos", "hap hello 1"}) {
-    p.client.say(line);
-    CHECK_MESSAGE(p.client.hears("error"), line);
+    p.client.send_text(line);
+    CHECK_MESSAGE(p.client.has_received("error"), line);
     p.rig.run(0.1);
   }
   CHECK(!p.client.closing());

@@ -15,7 +15,7 @@ TEST_CASE("hello is answered with the device and its limits, in the client's fra
     Rig rig(usual());
     TestClient client(rig, framing);
     client.hello();
-    const auto lines = client.heard();
+    const auto lines = client.received();
     REQUIRE(lines.size() == 3);
     CHECK(lines[0] == "welcome 1.000000 'simulated' '-' 3.000000 3.000000 1000.000000");
     CHECK(lines[1].starts_with("status 'workspace' -50.000000 -50.000000 -50.000000 50.000000"));
@@ -28,10 +28,10 @@ TEST_CASE("three framings give the same command") {
     Rig rig(usual());
     TestClient client(rig, framing);
     client.hello();
-    client.say("hap start force");
-    client.say("hap force 1 -2 0.5");
-    CHECK(rig.server.orders().force_n == Vec3{1, -2, 0.5});
-    CHECK(rig.server.orders().running);
+    client.send_text("hap start force");
+    client.send_text("hap force 1 -2 0.5");
+    CHECK(rig.server.servo_command().force_n == Vec3{1, -2, 0.5});
+    CHECK(rig.server.servo_command().running);
   }
 }
 
@@ -39,7 +39,7 @@ TEST_CASE("a command in bytes from outside becomes the force at the device") {
   Rig rig(usual());
   TestClient client(rig, Framing::kSlip);
   client.hello();
-  client.say("hap start force");
+  client.send_text("hap start force");
   client.send_bytes(Bytes{0xC0} + [] {
     Bytes escaped;
     for (const std::uint8_t byte : force_packet())
@@ -52,7 +52,7 @@ TEST_CASE("a command in bytes from outside becomes the force at the device") {
     return escaped;
   }() + Bytes{0xC0});
   for (int i = 0; i < 7; ++i) {
-    client.say("hap ping 1");
+    client.send_text("hap ping 1");
     rig.run(0.1);
   }
   CHECK(norm(rig.force_n - Vec3{1, -2, 0.5}) < 1e-12);
@@ -63,24 +63,24 @@ TEST_CASE("the first start wins; others are busy until it stops or is gone") {
   TestClient first(rig), second(rig);
   first.hello();
   second.hello();
-  first.say("hap start force");
-  second.say("hap start force");
-  CHECK(second.hears("error 'busy'"));
-  second.say("hap force 1 0 0");
-  CHECK(second.hears("error 'stopped'"));
-  CHECK(rig.server.orders().force_n == Vec3{});
-  second.say("hap stop"); // not its own
-  CHECK(rig.server.orders().running);
-  first.say("hap stop");
-  CHECK(!rig.server.orders().running);
-  second.say("hap start spring");
-  CHECK(rig.server.orders().running);
-  first.say("hap start force");
-  CHECK(first.hears("error 'busy'"));
+  first.send_text("hap start force");
+  second.send_text("hap start force");
+  CHECK(second.has_received("error 'busy'"));
+  second.send_text("hap force 1 0 0");
+  CHECK(second.has_received("error 'stopped'"));
+  CHECK(rig.server.servo_command().force_n == Vec3{});
+  second.send_text("hap stop"); // not its own
+  CHECK(rig.server.servo_command().running);
+  first.send_text("hap stop");
+  CHECK(!rig.server.servo_command().running);
+  second.send_text("hap start spring");
+  CHECK(rig.server.servo_command().running);
+  first.send_text("hap start force");
+  CHECK(first.has_received("error 'busy'"));
   second.disconnect();
-  CHECK(!rig.server.orders().running);
-  first.say("hap start force");
-  CHECK(rig.server.orders().running);
+  CHECK(!rig.server.servo_command().running);
+  first.send_text("hap start force");
+  CHECK(rig.server.servo_command().running);
 }
 
 TEST_CASE("an observer hears everything and changes nothing") {
@@ -88,18 +88,18 @@ TEST_CASE("an observer hears everything and changes nothing") {
   TestClient control(rig), observer(rig);
   control.hello();
   observer.hello("observe");
-  observer.heard();
+  observer.received();
   for (const char* line :
        {"hap start force", "hap force 1 0 0", "hap cp begin 1", "hap gains 0 1 0 1",
         "hap workspace -1 -1 -1 1 1 1", "hap feedback 1 0.5", "hap anchor 0 0 0", "hap forcemax 1",
         "hap cp clear"}) {
-    observer.say(line);
-    CHECK(observer.hears("error 'role'"));
+    observer.send_text(line);
+    CHECK(observer.has_received("error 'role'"));
   }
-  observer.say("hap subscribe pos 100");
-  control.say("hap start force");
+  observer.send_text("hap subscribe pos 100");
+  control.send_text("hap start force");
   rig.run(0.1);
-  const auto lines = observer.heard();
+  const auto lines = observer.received();
   CHECK(std::count_if(lines.begin(), lines.end(),
                       [](const std::string& line) { return line.starts_with("pos "); }) == 10);
   CHECK(lines.front() == "status 'started' 'force' 'test'");
@@ -108,25 +108,25 @@ TEST_CASE("an observer hears everything and changes nothing") {
 TEST_CASE("nothing but hello is taken before hello; ping is, where no token is needed") {
   Rig rig(usual());
   TestClient client(rig);
-  client.say("hap start force");
-  CHECK(client.hears("error 'hello'"));
-  client.say("hap ping 9");
-  CHECK(client.hears("pong 9.000000"));
+  client.send_text("hap start force");
+  CHECK(client.has_received("error 'hello'"));
+  client.send_text("hap ping 9");
+  CHECK(client.has_received("pong 9.000000"));
   ServerSettings guarded = usual();
   guarded.token = "sixteen bytes long";
   Rig other(guarded);
   TestClient stranger(other);
-  stranger.say("hap ping 9");
-  CHECK(stranger.hears("error 'hello'"));
+  stranger.send_text("hap ping 9");
+  CHECK(stranger.has_received("error 'hello'"));
 }
 
 TEST_CASE("versions: a newer client is told ours, an older one is shown out") {
   Rig rig(usual());
   TestClient newer(rig), older(rig);
   newer.send(Message(Address::kHello).integer(7).string("n").string("control").string(""));
-  CHECK(newer.hears("welcome 1.000000"));
+  CHECK(newer.has_received("welcome 1.000000"));
   older.send(Message(Address::kHello).integer(0).string("n").string("control").string(""));
-  CHECK(older.hears("error 'version'"));
+  CHECK(older.has_received("error 'version'"));
   CHECK(older.closing());
 }
 
@@ -134,17 +134,17 @@ TEST_CASE("an unknown address is told and ignored, a second hello too") {
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
-  client.heard();
+  client.received();
   for (int i = 0; i < 30; ++i) // no bad packet
     client.send_bytes(with_length(bytes_of(std::string_view("/hap/dance\0\0,\0\0\0", 16))));
-  CHECK(client.hears("error 'unknown' 'dance'"));
-  client.say("hap welcome 1");
-  CHECK(client.hears("error 'unknown' 'welcome'") == false); // 20 errors a second are said
+  CHECK(client.has_received("error 'unknown' 'dance'"));
+  client.send_text("hap welcome 1");
+  CHECK(client.has_received("error 'unknown' 'welcome'") == false); // 20 errors a second are said
   rig.run(1);
-  client.say("hap welcome 1");
-  CHECK(client.hears("error 'unknown' 'welcome'"));
+  client.send_text("hap welcome 1");
+  CHECK(client.has_received("error 'unknown' 'welcome'"));
   client.hello();
-  CHECK(client.hears("error 'hello'"));
+  CHECK(client.has_received("error 'hello'"));
   CHECK(!client.closing());
 }
 
@@ -162,51 +162,51 @@ TEST_CASE("streams have their rate and skip what they missed") {
   rig.hold({0.01, -0.02, 0.03});
   TestClient client(rig);
   client.hello();
-  client.heard();
+  client.received();
   rig.run(0.01);
-  client.say("hap subscribe pos 250");
-  client.say("hap subscribe vel 50");
+  client.send_text("hap subscribe pos 250");
+  client.send_text("hap subscribe vel 50");
   rig.run(1);
   int positions = 0, velocities = 0;
-  for (const std::string& line : client.heard()) {
+  for (const std::string& line : client.received()) {
     positions += line.starts_with("pos ");
     velocities += line.starts_with("vel ");
     if (line.starts_with("pos "))
       CHECK(line.ends_with(" 10.000000 -20.000000 30.000000"));
-    client.say("hap ping 1");
-    client.heard();
+    client.send_text("hap ping 1");
+    client.received();
   }
   CHECK(positions == 250);
   CHECK(velocities == 50);
-  client.say("hap subscribe pos 0");
+  client.send_text("hap subscribe pos 0");
   rig.run(0.1);
-  CHECK(!client.hears("pos "));
-  client.say("hap subscribe pos 1001");
-  CHECK(client.hears("error 'range'"));
-  client.say("hap subscribe smell 10");
-  CHECK(client.hears("error 'range'"));
+  CHECK(!client.has_received("pos "));
+  client.send_text("hap subscribe pos 1001");
+  CHECK(client.has_received("error 'range'"));
+  client.send_text("hap subscribe smell 10");
+  CHECK(client.has_received("error 'range'"));
 }
 
 TEST_CASE("control points are replaced as a whole") {
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
-  client.say("hap start spring");
-  client.say("hap cp begin 2");
-  client.say("hap cp set 0 1 2 3");
-  client.say("hap cp end");
-  CHECK(client.hears("error 'points'"));
-  client.say("hap cp set 0 1 2 3");
-  CHECK(client.hears("error 'points'"));
-  client.say("hap cp begin 2");
-  client.say("hap cp set 2 1 2 3");
-  CHECK(client.hears("error 'range'"));
-  client.say("hap cp set -1 1 2 3");
-  CHECK(client.hears("error 'range'"));
-  client.say("hap cp begin 4097");
-  CHECK(client.hears("error 'range'"));
-  client.say("hap cp begin 4096");
-  CHECK(!client.hears("error"));
+  client.send_text("hap start spring");
+  client.send_text("hap cp begin 2");
+  client.send_text("hap cp set 0 1 2 3");
+  client.send_text("hap cp end");
+  CHECK(client.has_received("error 'points'"));
+  client.send_text("hap cp set 0 1 2 3");
+  CHECK(client.has_received("error 'points'"));
+  client.send_text("hap cp begin 2");
+  client.send_text("hap cp set 2 1 2 3");
+  CHECK(client.has_received("error 'range'"));
+  client.send_text("hap cp set -1 1 2 3");
+  CHECK(client.has_received("error 'range'"));
+  client.send_text("hap cp begin 4097");
+  CHECK(client.has_received("error 'range'"));
+  client.send_text("hap cp begin 4096");
+  CHECK(!client.has_received("error"));
 }
 
 TEST_CASE("the first button drags the nearest point, within the client's workspace") {
@@ -214,52 +214,52 @@ TEST_CASE("the first button drags the nearest point, within the client's workspa
   TestClient client(rig), observer(rig);
   client.hello();
   observer.hello("observe");
-  client.say("hap cp begin 2");
-  client.say("hap cp set 0 6 0 0");
-  client.say("hap cp set 1 -4 0 0");
-  client.say("hap cp end");
-  client.say("hap workspace -20 -20 -20 20 20 20");
-  client.say("hap start force");
+  client.send_text("hap cp begin 2");
+  client.send_text("hap cp set 0 6 0 0");
+  client.send_text("hap cp set 1 -4 0 0");
+  client.send_text("hap cp end");
+  client.send_text("hap workspace -20 -20 -20 20 20 20");
+  client.send_text("hap start force");
   rig.run(0.01);
-  client.heard();
-  rig.device.press(1, true);
+  client.received();
+  rig.device.set_button(1, true);
   rig.run(0.01);
-  auto lines = client.heard();
+  auto lines = client.received();
   CHECK(lines.front() == "button 1.000000 1.000000");
   CHECK(lines.size() == 1);
-  rig.device.press(0, true);
+  rig.device.set_button(0, true);
   rig.run(0.005);
-  lines = client.heard();
+  lines = client.received();
   CHECK(lines[0] == "button 0.000000 1.000000");
   CHECK(lines[1] == "grab 1.000000 1.000000");
   rig.hold({0.01, 0.03, 0});
   rig.run(0.1);
-  CHECK(client.hears("cp/move 1.000000 6.000000 20.000000 0.000000"));
+  CHECK(client.has_received("cp/move 1.000000 6.000000 20.000000 0.000000"));
   rig.hold({0.011, 0, 0});
   rig.run(0.001);
-  client.heard();
+  client.received();
   rig.run(0.001);
-  rig.device.press(0, false);
+  rig.device.set_button(0, false);
   rig.run(0.005);
-  lines = client.heard();
+  lines = client.received();
   REQUIRE(lines.size() >= 3);
   CHECK(lines[lines.size() - 2] == "cp/move 1.000000 7.000000 0.000000 0.000000");
   CHECK(lines.back() == "grab 1.000000 0.000000");
-  CHECK(observer.hears("cp/move"));
+  CHECK(observer.has_received("cp/move"));
   // Out of reach: nothing is grabbed. New points end a grab.
   rig.hold({0, 0.04, 0});
   rig.run(0.01);
-  rig.device.press(0, true);
+  rig.device.set_button(0, true);
   rig.run(0.01);
-  CHECK(!client.hears("grab"));
-  rig.device.press(0, false);
+  CHECK(!client.has_received("grab"));
+  rig.device.set_button(0, false);
   rig.hold({0.007, 0, 0});
   rig.run(0.01);
-  rig.device.press(0, true);
+  rig.device.set_button(0, true);
   rig.run(0.01);
-  CHECK(client.hears("grab"));
-  client.say("hap cp clear");
-  CHECK(client.hears("grab 1.000000 0.000000"));
+  CHECK(client.has_received("grab"));
+  client.send_text("hap cp clear");
+  CHECK(client.has_received("grab 1.000000 0.000000"));
   rig.run(0.1);
-  CHECK(!client.hears("cp/move"));
+  CHECK(!client.has_received("cp/move"));
 }

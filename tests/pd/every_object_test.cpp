@@ -18,9 +18,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSamples = 8192; // of every comparison
 
 /// The one answer to `get name`.
-Words value_of(Box& box, std::string_view name) {
+MessageAtoms value_of(Box& box, std::string_view name) {
   static_cast<void>(sent());
-  box.send("get", {Word(std::string(name))});
+  box.send("get", {MessageAtom(std::string(name))});
   for (const Sent& answer : sent())
     if (answer.selector == name)
       return answer.atoms;
@@ -59,9 +59,9 @@ Buffers render(const Declaration& declaration, int frames, int rebuild_every = 0
       part.emplace_back(signal.begin() + static_cast<std::ptrdiff_t>(begin),
                         signal.begin() +
                             static_cast<std::ptrdiff_t>(std::min(begin + step, kSamples)));
-    const Buffers heard = box.run(part, std::min(step, kSamples - begin));
+    const Buffers collected = box.run(part, std::min(step, kSamples - begin));
     for (std::size_t i = 0; i < whole.size(); ++i)
-      whole[i].insert(whole[i].end(), heard[i].begin(), heard[i].end());
+      whole[i].insert(whole[i].end(), collected[i].begin(), collected[i].end());
     if (rebuild_every)
       box.dsp(rate, frames, 1, alias);
   }
@@ -80,21 +80,21 @@ void check_same(const Buffers& a, const Buffers& b) {
 } // namespace
 
 TEST_CASE("every object starts with the values it declares and tells them") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     const Declaration& declaration = *described.declaration;
     CAPTURE(declaration.name);
     Box box(declaration.name);
     REQUIRE(box.made());
     CHECK(errors().empty());
     box.send("get");
-    std::map<std::string, Words> answers;
+    std::map<std::string, MessageAtoms> answers;
     for (const Sent& answer : sent())
       answers[answer.selector] = answer.atoms;
     CHECK(answers.size() == declaration.parameters.size());
     for (const Parameter& parameter : declaration.parameters) {
       CAPTURE(parameter.name);
       REQUIRE(answers[std::string(parameter.name)].size() == 1);
-      const Word answer = answers[std::string(parameter.name)][0];
+      const MessageAtom answer = answers[std::string(parameter.name)][0];
       if (parameter.choices.empty())
         CHECK(answer.number == doctest::Approx(parameter.initial).epsilon(1e-6));
       else
@@ -107,7 +107,7 @@ TEST_CASE("every object starts with the values it declares and tells them") {
 }
 
 TEST_CASE("every parameter takes its whole range and refuses, in one sentence, what is outside") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     const Declaration& declaration = *described.declaration;
     CAPTURE(declaration.name);
     for (const Parameter& parameter : declaration.parameters) {
@@ -115,8 +115,8 @@ TEST_CASE("every parameter takes its whole range and refuses, in one sentence, w
       Box box(declaration.name);
       if (!parameter.choices.empty()) {
         for (const auto choice : parameter.choices) {
-          box.send(parameter.name, {Word(std::string(choice))});
-          CHECK(value_of(box, parameter.name) == Words{Word(std::string(choice))});
+          box.send(parameter.name, {MessageAtom(std::string(choice))});
+          CHECK(value_of(box, parameter.name) == MessageAtoms{MessageAtom(std::string(choice))});
         }
         CHECK(errors().empty());
         box.send(parameter.name, {"no-such-choice"});
@@ -128,16 +128,17 @@ TEST_CASE("every parameter takes its whole range and refuses, in one sentence, w
         box.send(parameter.name, {good});
         for (const std::string& sentence : errors())
           FAIL_CHECK(sentence);
-        const Words kept = value_of(box, parameter.name);
+        const MessageAtoms kept = value_of(box, parameter.name);
         REQUIRE(kept.size() == 1);
         // The sign of a rest angle follows the valve's type; its size is kept.
         CHECK(std::abs(kept[0].number) == doctest::Approx(std::abs(good)).epsilon(1e-6));
       }
       const double span = std::max(parameter.highest - parameter.lowest, 1e-3);
-      const Words before = value_of(box, parameter.name);
-      for (const Word& bad :
-           {Word(parameter.lowest - 0.01 * span), Word(parameter.highest + 0.01 * span), Word(kNan),
-            Word(kInfinity), Word(-kInfinity), Word("word")}) {
+      const MessageAtoms before = value_of(box, parameter.name);
+      for (const MessageAtom& bad :
+           {MessageAtom(parameter.lowest - 0.01 * span),
+            MessageAtom(parameter.highest + 0.01 * span), MessageAtom(kNan), MessageAtom(kInfinity),
+            MessageAtom(-kInfinity), MessageAtom("word")}) {
         box.send(parameter.name, {bad});
         const auto said = errors();
         CAPTURE(bad.number);
@@ -152,7 +153,7 @@ TEST_CASE("every parameter takes its whole range and refuses, in one sentence, w
 
 TEST_CASE("a parameter of listed numbers takes each of them and nothing between") {
   std::size_t found = 0;
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     const Declaration& declaration = *described.declaration;
     CAPTURE(declaration.name);
     for (const Parameter& parameter : declaration.parameters) {
@@ -166,12 +167,12 @@ TEST_CASE("a parameter of listed numbers takes each of them and nothing between"
       for (std::size_t i = 0; i < parameter.values.size(); ++i) {
         box.send(parameter.name, {parameter.values[i]});
         CHECK(errors().empty());
-        CHECK(value_of(box, parameter.name) == Words{Word(parameter.values[i])});
+        CHECK(value_of(box, parameter.name) == MessageAtoms{MessageAtom(parameter.values[i])});
         if (i + 1 == parameter.values.size())
           continue;
         box.send(parameter.name, {0.5 * (parameter.values[i] + parameter.values[i + 1])});
         CHECK(errors().size() == 1);
-        CHECK(value_of(box, parameter.name) == Words{Word(parameter.values[i])});
+        CHECK(value_of(box, parameter.name) == MessageAtoms{MessageAtom(parameter.values[i])});
       }
     }
   }
@@ -179,18 +180,19 @@ TEST_CASE("a parameter of listed numbers takes each of them and nothing between"
 }
 
 TEST_CASE("every parameter is a creation flag, and an unknown flag makes no object") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     const Declaration& declaration = *described.declaration;
     CAPTURE(declaration.name);
     for (const Parameter& parameter : declaration.parameters) {
       CAPTURE(parameter.name);
-      const Word value = parameter.choices.empty() ? Word(parameter.lowest)
-                                                   : Word(std::string(parameter.choices.back()));
+      const MessageAtom value = parameter.choices.empty()
+                                    ? MessageAtom(parameter.lowest)
+                                    : MessageAtom(std::string(parameter.choices.back()));
       Box box(declaration.name, {"-" + std::string(parameter.name), value});
       for (const std::string& sentence : errors())
         FAIL_CHECK(sentence);
       REQUIRE(box.made());
-      const Words kept = value_of(box, parameter.name);
+      const MessageAtoms kept = value_of(box, parameter.name);
       REQUIRE(kept.size() == 1);
       if (value.is_word)
         CHECK(kept[0].text == value.text);
@@ -204,7 +206,7 @@ TEST_CASE("every parameter is a creation flag, and an unknown flag makes no obje
 }
 
 TEST_CASE("the sound is the same bits in blocks of any size") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     if (!described.traits.processes)
       continue;
     CAPTURE(described.declaration->name);
@@ -221,7 +223,7 @@ TEST_CASE("the sound is the same bits in blocks of any size") {
 
 TEST_CASE("128 rebuilds of the graph while it sounds change no bit, nor do outputs in the inputs' "
           "memory") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     if (!described.traits.processes)
       continue;
     CAPTURE(described.declaration->name);
@@ -234,7 +236,7 @@ TEST_CASE("128 rebuilds of the graph while it sounds change no bit, nor do outpu
 }
 
 TEST_CASE("instances do not hear each other") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     if (!described.traits.processes)
       continue;
     const Declaration& declaration = *described.declaration;
@@ -244,7 +246,7 @@ TEST_CASE("instances do not hear each other") {
     Box one(declaration.name), other(declaration.name);
     one.dsp(48000, 64);
     other.dsp(96000, 64);
-    Buffers heard(reference.size());
+    Buffers collected(reference.size());
     for (std::size_t begin = 0; begin < kSamples; begin += 64) {
       Buffers part, noise;
       for (const auto& signal : inputs) {
@@ -254,16 +256,16 @@ TEST_CASE("instances do not hear each other") {
       }
       const Buffers block = one.run(part, 64);
       static_cast<void>(other.run(noise, 64));
-      for (std::size_t i = 0; i < heard.size(); ++i)
-        heard[i].insert(heard[i].end(), block[i].begin(), block[i].end());
+      for (std::size_t i = 0; i < collected.size(); ++i)
+        collected[i].insert(collected[i].end(), block[i].begin(), block[i].end());
     }
-    check_same(reference, heard);
+    check_same(reference, collected);
     static_cast<void>(sent());
   }
 }
 
 TEST_CASE("all rates from 8 to 384 kHz stay finite, bounded and silent about it") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     if (!described.traits.processes)
       continue;
     CAPTURE(described.declaration->name);

@@ -20,10 +20,10 @@ namespace {
 
 /// Seconds of work or of waiting after which a message counts as having stopped the music, with
 /// room for sanitizers and for a busy machine.
-constexpr double kSlowWork = 2, kSlowWait = 30;
+constexpr double kMaxCpu_s = 2, kMaxWait_s = 30;
 
 /// Of the processor, in this thread.
-double worked_s() {
+double cpu_s() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
@@ -31,7 +31,7 @@ double worked_s() {
 
 class Fuzzer {
 public:
-  Fuzzer(const Described& described, unsigned seed)
+  Fuzzer(const ObjectDescription& described, unsigned seed)
       : declaration_(*described.declaration), random_(seed) {
     for (const Parameter& parameter : declaration_.parameters) {
       selectors_.emplace_back(parameter.name);
@@ -48,14 +48,14 @@ public:
       words_.emplace_back(common);
   }
 
-  [[nodiscard]] std::size_t up_to(std::size_t most) {
-    return std::uniform_int_distribution<std::size_t>(0, most)(random_);
+  [[nodiscard]] std::size_t random_up_to(std::size_t max_value) {
+    return std::uniform_int_distribution<std::size_t>(0, max_value)(random_);
   }
 
   /// Mostly of the kind a parameter wants, sometimes anything.
   [[nodiscard]] double number() {
     const double unit = std::uniform_real_distribution<>(0, 1)(random_);
-    switch (up_to(9)) {
+    switch (random_up_to(9)) {
     case 0:
       return std::numeric_limits<double>::quiet_NaN();
     case 1:
@@ -65,36 +65,37 @@ public:
     case 3:
       return std::numeric_limits<float>::denorm_min() * 3;
     case 4:
-      return (unit - 0.5) * std::pow(10.0, static_cast<double>(up_to(76)) - 38);
+      return (unit - 0.5) * std::pow(10.0, static_cast<double>(random_up_to(76)) - 38);
     case 5:
       return std::floor(unit * 20) - 5;
     default:
       if (declaration_.parameters.empty())
         return unit;
-      const Parameter& p = declaration_.parameters[up_to(declaration_.parameters.size() - 1)];
+      const Parameter& p =
+          declaration_.parameters[random_up_to(declaration_.parameters.size() - 1)];
       return p.lowest + unit * (p.highest - p.lowest);
     }
   }
 
   void message(Box& box) {
-    Words atoms;
-    for (std::size_t n = up_to(up_to(1) ? 3 : 9); n-- > 0;) {
-      if (up_to(3) == 0 && !words_.empty())
-        atoms.emplace_back(words_[up_to(words_.size() - 1)]);
+    MessageAtoms atoms;
+    for (std::size_t n = random_up_to(random_up_to(1) ? 3 : 9); n-- > 0;) {
+      if (random_up_to(3) == 0 && !words_.empty())
+        atoms.emplace_back(words_[random_up_to(words_.size() - 1)]);
       else
         atoms.emplace_back(number());
     }
     const auto inlets = static_cast<std::size_t>(host_inlets(box.get(), 0));
-    if (up_to(3) == 0 && inlets > 1) {
-      const std::size_t inlet = 1 + up_to(inlets - 2);
+    if (random_up_to(3) == 0 && inlets > 1) {
+      const std::size_t inlet = 1 + random_up_to(inlets - 2);
       if (inlet < declaration_.inlets.size() &&
-          declaration_.inlets[inlet].kind == Port::Kind::kList && up_to(3) > 0)
+          declaration_.inlets[inlet].kind == Port::Kind::kList && random_up_to(3) > 0)
         box.send(static_cast<int>(inlet), "list", atoms);
       else
         box.send(static_cast<int>(inlet), "float", {number()});
       return;
     }
-    std::string selector = selectors_[up_to(selectors_.size() - 1)];
+    std::string selector = selectors_[random_up_to(selectors_.size() - 1)];
     if (selector == "float")
       atoms = {number()};
     if (selector == "symbol")
@@ -103,19 +104,19 @@ public:
       atoms.clear();
     // What a user sets: half of the time a value in range, so that odd states are reached at all.
     const std::size_t parameters = declaration_.parameters.size();
-    if (parameters && up_to(1) == 0) {
-      const Parameter& p = declaration_.parameters[up_to(parameters - 1)];
+    if (parameters && random_up_to(1) == 0) {
+      const Parameter& p = declaration_.parameters[random_up_to(parameters - 1)];
       selector = p.name;
       atoms = {p.lowest + std::uniform_real_distribution<>(0, 1)(random_) * (p.highest - p.lowest)};
     }
     const auto begin = std::chrono::steady_clock::now();
-    const double before = worked_s();
+    const double before = cpu_s();
     box.send(selector, atoms);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    if (took.count() < kSlowWait && worked_s() - before < kSlowWork)
+    if (took.count() < kMaxWait_s && cpu_s() - before < kMaxCpu_s)
       return;
     std::string text = selector;
-    for (const Word& atom : atoms)
+    for (const MessageAtom& atom : atoms)
       text += " " + (atom.is_word ? atom.text : std::to_string(atom.number));
     FAIL_CHECK("a message held the host for ", took.count(), " s: ", text);
   }
@@ -127,10 +128,10 @@ public:
         continue;
       std::vector<double> signal(samples);
       const double level = number();
-      const bool wild = up_to(4) == 0;
+      const bool wild = random_up_to(4) == 0;
       for (double& x : signal)
         x = wild ? number() : level * std::uniform_real_distribution<>(-1, 1)(random_);
-      if (up_to(4) == 0)
+      if (random_up_to(4) == 0)
         signal.clear();
       result.push_back(std::move(signal));
     }
@@ -177,7 +178,7 @@ TEST_CASE("any messages and signals leave every object finite, bounded and answe
   host_set_array("x", 5, array);
   host_set_array("t", 5, array);
   host_set_folder(TACTUS_FUZZ_FOLDER);
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     const Declaration& declaration = *described.declaration;
     const char* only = std::getenv("TACTUS_FUZZ_OBJECT");
     if (only && declaration.name != only)
@@ -191,35 +192,35 @@ TEST_CASE("any messages and signals leave every object finite, bounded and answe
       for (std::size_t round = 0; round < rounds() && good; ++round) {
         CAPTURE(seed);
         CAPTURE(round);
-        for (std::size_t n = fuzz.up_to(6); n-- > 0;)
+        for (std::size_t n = fuzz.random_up_to(6); n-- > 0;)
           fuzz.message(box);
-        const int frames = 1 << fuzz.up_to(10);
+        const int frames = 1 << fuzz.random_up_to(10);
         static constexpr double kRates[] = {8000, 44100, 48000, 96000, 12345.678};
-        box.dsp(kRates[fuzz.up_to(4)], frames, 1, fuzz.up_to(1) == 0);
+        box.dsp(kRates[fuzz.random_up_to(4)], frames, 1, fuzz.random_up_to(1) == 0);
         const std::size_t samples =
             static_cast<std::size_t>(frames) * (1 + 1024 / static_cast<std::size_t>(frames));
         const Buffers outputs = box.run(fuzz.inputs(samples), samples);
         if (bounded)
           check_outputs(outputs, declaration, good);
         CHECK_MESSAGE(good, "an output is not finite, or sound is beyond 1");
-        host_forget();
+        host_clear_events();
       }
       box.send("get");
       CHECK(sent().size() == declaration.parameters.size());
       for (const Sent& answer : sent())
-        for (const Word& atom : answer.atoms)
+        for (const MessageAtom& atom : answer.atoms)
           CHECK(std::isfinite(atom.number));
-      host_forget();
+      host_clear_events();
     }
   }
 }
 
 TEST_CASE("random creation arguments make an object or one or more sentences") {
-  for (const Described& described : objects()) {
+  for (const ObjectDescription& described : objects()) {
     CAPTURE(described.declaration->name);
     std::mt19937 random(7);
     for (int round = 0; round < 200; ++round) {
-      Words arguments;
+      MessageAtoms arguments;
       for (auto n = random() % 5; n-- > 0;) {
         const auto& parameters = described.declaration->parameters;
         if (random() % 2 && !parameters.empty())
@@ -231,7 +232,7 @@ TEST_CASE("random creation arguments make an object or one or more sentences") {
       }
       const Box box(described.declaration->name, arguments);
       CHECK((box.made() || host_error_count() == 1));
-      host_forget();
+      host_clear_events();
     }
   }
 }

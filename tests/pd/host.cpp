@@ -11,9 +11,9 @@
 namespace tactus::test {
 namespace {
 
-std::vector<host_atom> borrow(const Words& words) {
+std::vector<host_atom> to_host_atoms(const MessageAtoms& words) {
   std::vector<host_atom> atoms;
-  for (const Word& w : words)
+  for (const MessageAtom& w : words)
     atoms.push_back({w.is_word ? w.text.c_str() : nullptr, w.number});
   return atoms;
 }
@@ -31,10 +31,10 @@ void load(const std::string& folder, std::string_view name) {
 
 } // namespace
 
-const std::vector<Described>& objects() {
-  static const std::vector<Described> all = [] {
-    std::vector<Described> found = described_objects();
-    for (const Described& described : found)
+const std::vector<ObjectDescription>& objects() {
+  static const std::vector<ObjectDescription> all = [] {
+    std::vector<ObjectDescription> found = described_objects();
+    for (const ObjectDescription& described : found)
       load(TACTUS_STAGE, described.declaration->name);
     load(TACTUS_TEST_OBJECTS, Probe::declaration.name);
     found.push_back({&Probe::declaration, traits_of<Probe>()});
@@ -43,14 +43,14 @@ const std::vector<Described>& objects() {
   return all;
 }
 
-Box::Box(std::string_view name, const Words& arguments) {
+Box::Box(std::string_view name, const MessageAtoms& arguments) {
   static_cast<void>(objects());
-  const std::vector<host_atom> atoms = borrow(arguments);
+  const std::vector<host_atom> atoms = to_host_atoms(arguments);
   object_.reset(host_make(std::string(name).c_str(), static_cast<int>(atoms.size()), atoms.data()));
 }
 
-void Box::send(int inlet, std::string_view selector, const Words& atoms) {
-  const std::vector<host_atom> given = borrow(atoms);
+void Box::send(int inlet, std::string_view selector, const MessageAtoms& atoms) {
+  const std::vector<host_atom> given = to_host_atoms(atoms);
   host_message(object_.get(), inlet, std::string(selector).c_str(), static_cast<int>(given.size()),
                given.data());
 }
@@ -88,7 +88,7 @@ std::vector<std::string> errors() {
   std::vector<std::string> result;
   for (int i = 0; i < host_error_count(); ++i)
     result.emplace_back(host_error(i));
-  host_forget();
+  host_clear_events();
   return result;
 }
 
@@ -105,7 +105,7 @@ std::vector<Sent> sent() {
     }
     result.push_back(std::move(one));
   }
-  host_forget();
+  host_clear_events();
   return result;
 }
 

@@ -16,24 +16,24 @@
 namespace tactus::test {
 
 /// One message atom that owns its word.
-struct Word {
+struct MessageAtom {
   std::string text;
   double number = 0;
   bool is_word = false;
 
-  Word(double value) : number(value) {}
-  Word(std::string word) : text(std::move(word)), is_word(true) {}
-  Word(const char* word) : text(word), is_word(true) {}
-  bool operator==(const Word&) const = default;
+  MessageAtom(double value) : number(value) {}
+  MessageAtom(std::string word) : text(std::move(word)), is_word(true) {}
+  MessageAtom(const char* word) : text(word), is_word(true) {}
+  bool operator==(const MessageAtom&) const = default;
 };
-using Words = std::vector<Word>;
+using MessageAtoms = std::vector<MessageAtom>;
 
 /// A message that left an outlet.
 struct Sent {
   int outlet;
   double ms;
   std::string selector;
-  Words atoms;
+  MessageAtoms atoms;
 };
 
 /// As the float size under test holds the number.
@@ -46,7 +46,7 @@ struct Sent {
 }
 
 /// Every object of the package, and the probe, with its module loaded.
-[[nodiscard]] const std::vector<Described>& objects();
+[[nodiscard]] const std::vector<ObjectDescription>& objects();
 
 /// Buffers of one object's signal ports: [port][sample].
 using Buffers = std::vector<std::vector<double>>;
@@ -54,11 +54,11 @@ using Buffers = std::vector<std::vector<double>>;
 /// An instance of a class.
 class Box {
 public:
-  explicit Box(std::string_view name, const Words& arguments = {});
+  explicit Box(std::string_view name, const MessageAtoms& arguments = {});
   [[nodiscard]] bool made() const { return object_ != nullptr; }
   [[nodiscard]] host_object* get() const { return object_.get(); }
-  void send(int inlet, std::string_view selector, const Words& atoms = {});
-  void send(std::string_view selector, const Words& atoms = {}) { send(0, selector, atoms); }
+  void send(int inlet, std::string_view selector, const MessageAtoms& atoms = {});
+  void send(std::string_view selector, const MessageAtoms& atoms = {}) { send(0, selector, atoms); }
   void dsp(double rate, int frames, int channels = 1, bool alias = false);
   /// Runs the samples through in blocks of the current size, letting logical time pass; inputs has
   /// a buffer for each signal inlet (an empty one: not connected), whole blocks long.
@@ -67,10 +67,10 @@ public:
   [[nodiscard]] int signal_outlets() const { return host_outlets(object_.get(), 1); }
 
 private:
-  struct Drop {
+  struct Deleter {
     void operator()(host_object* object) const { host_drop(object); }
   };
-  std::unique_ptr<host_object, Drop> object_;
+  std::unique_ptr<host_object, Deleter> object_;
   double rate_ = 0;
   std::size_t frames_ = 0, channels_ = 1;
   bool has_dsp_ = false;

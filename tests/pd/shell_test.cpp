@@ -12,31 +12,33 @@ using namespace tactus::test;
 namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-void nothing_said() {
+void expect_no_errors() {
   for (const std::string& sentence : errors())
     FAIL_CHECK("unexpected: ", sentence);
 }
 } // namespace
 
 TEST_CASE("flags, positional arguments and at-sign attributes set parameters") {
-  for (const Words& arguments : {Words{3, "-sign", "minus"}, Words{"-gain", 3, "-sign", "minus"},
-                                 Words{"@gain", 3, "@sign", "minus"}}) {
+  for (const MessageAtoms& arguments :
+       {MessageAtoms{3, "-sign", "minus"}, MessageAtoms{"-gain", 3, "-sign", "minus"},
+        MessageAtoms{"@gain", 3, "@sign", "minus"}}) {
     Box box("probe~", arguments);
     REQUIRE(box.made());
     box.send("get");
     const auto answers = sent();
     REQUIRE(answers.size() == 2);
     CHECK(answers[0].selector == "gain");
-    CHECK(answers[0].atoms == Words{3});
+    CHECK(answers[0].atoms == MessageAtoms{3});
     CHECK(answers[1].selector == "sign");
-    CHECK(answers[1].atoms == Words{"minus"});
-    nothing_said();
+    CHECK(answers[1].atoms == MessageAtoms{"minus"});
+    expect_no_errors();
   }
 }
 
 TEST_CASE("malformed creation arguments make no object and one sentence") {
-  for (const Words& arguments :
-       {Words{1, 2}, Words{"-gian", 1}, Words{"loud"}, Words{"-echo", 1, "-unknown"}}) {
+  for (const MessageAtoms& arguments :
+       {MessageAtoms{1, 2}, MessageAtoms{"-gian", 1}, MessageAtoms{"loud"},
+        MessageAtoms{"-echo", 1, "-unknown"}}) {
     Box box("probe~", arguments);
     const auto said = errors();
     CAPTURE(said.size());
@@ -56,7 +58,7 @@ TEST_CASE("the left inlet's number is the signal while nothing is connected") {
   box.send("float", {2});
   box.send(1, "float", {0.25});
   CHECK(box.run({}, 64)[0][63] == 0.5);
-  nothing_said();
+  expect_no_errors();
 }
 
 TEST_CASE("control inlets take numbers and refuse words") {
@@ -65,7 +67,7 @@ TEST_CASE("control inlets take numbers and refuse words") {
   const auto answers = sent();
   REQUIRE(answers.size() == 1);
   CHECK(answers[0].selector == "scalar");
-  CHECK(answers[0].atoms == Words{2, 7});
+  CHECK(answers[0].atoms == MessageAtoms{2, 7});
   box.send(2, "symbol", {"word"});
   CHECK(errors().size() == 1);
 }
@@ -77,9 +79,9 @@ TEST_CASE("list inlets take lists and numbers, and refuse words") {
   const auto answers = sent();
   REQUIRE(answers.size() == 2);
   CHECK(answers[0].selector == "list");
-  CHECK(answers[0].atoms == Words{3, 7, "eight", 9});
-  CHECK(answers[1].atoms == Words{3, 5});
-  nothing_said();
+  CHECK(answers[0].atoms == MessageAtoms{3, 7, "eight", 9});
+  CHECK(answers[1].atoms == MessageAtoms{3, 5});
+  expect_no_errors();
   box.send(3, "symbol", {"word"});
   CHECK(errors().size() == 1);
 }
@@ -150,5 +152,5 @@ TEST_CASE("every channel of a newer Pd's signal is heard") {
   const auto out = box.run({a, b}, 8)[0];
   for (std::size_t i = 0; i < 24; ++i)
     CHECK(out[i] == 2 * a[i]);
-  nothing_said();
+  expect_no_errors();
 }

@@ -4,11 +4,11 @@ namespace tactus::haptic {
 namespace {
 
 // Larger targets are shortened on arrival so that differences and products of them stay finite.
-constexpr double kLongestTarget_n = 1e6;
-constexpr double kLongestLocal_n = 1e6;
-constexpr double kFarthest_m = 1e3;
-constexpr double kFastest_m_per_s = 1e4;
-constexpr std::uint64_t kLongestAuto_ticks = 50;
+constexpr double kMaxTarget_n = 1e6;
+constexpr double kMaxLocalForce_n = 1e6;
+constexpr double kMaxPosition_m = 1e3;
+constexpr double kMaxSpeed_m_per_s = 1e4;
+constexpr std::uint64_t kMaxAutoInterpolation_ticks = 50;
 
 std::uint64_t ticks_of(double seconds, double period_s) noexcept {
   const double ticks = std::floor(seconds / period_s + 0.5);
@@ -18,16 +18,16 @@ std::uint64_t ticks_of(double seconds, double period_s) noexcept {
 Vec3 interpolated(ChainState& state, const ChainSettings& settings) noexcept {
   const std::uint64_t elapsed = state.tick - state.command_tick + 1;
   const double length = static_cast<double>(state.length);
-  const Vec3 way = state.target - state.start;
+  const Vec3 delta = state.target - state.start;
   if (elapsed < state.length)
-    return state.start + way * (static_cast<double>(elapsed) / length);
-  if (!state.sloped || settings.extrapolation_s <= 0.0)
+    return state.start + delta * (static_cast<double>(elapsed) / length);
+  if (!state.has_slope || settings.extrapolation_s <= 0.0)
     return state.target;
   const std::uint64_t beyond =
       std::min(elapsed - state.length, ticks_of(settings.extrapolation_s, settings.period_s));
   if (beyond == 0)
     return state.target;
-  return limited(state.target + way * (static_cast<double>(beyond) / length),
+  return limited(state.target + delta * (static_cast<double>(beyond) / length),
                  std::max(settings.force_limit_n, norm(state.target)));
 }
 
@@ -80,14 +80,14 @@ PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
 void observe(ChainState& state, const ChainSettings& settings, const Vec3& position,
              double elapsed_s) noexcept {
   const Vec3 displacement = position - state.position;
-  const double asked_j = dot(state.asked, displacement);
-  const double forgiven_j = asked_j < 0.0
-                                ? std::max(asked_j, -state.forgiven_j)
-                                : std::max(std::min({asked_j, dot(state.written, displacement),
-                                                     settings.allowance_w * elapsed_s}),
-                                           0.0);
-  state.forgiven_j = std::min(state.forgiven_j + forgiven_j, settings.tank_j);
-  state.passivity.observe(passivity_of(settings), position, state.written, forgiven_j);
+  const double patch_work_j = dot(state.patch_force, displacement);
+  const double allowance_j =
+      patch_work_j < 0.0 ? std::max(patch_work_j, -state.allowance_j)
+                         : std::max(std::min({patch_work_j, dot(state.written, displacement),
+                                              settings.allowance_w * elapsed_s}),
+                                    0.0);
+  state.allowance_j = std::min(state.allowance_j + allowance_j, settings.tank_j);
+  state.passivity.observe(passivity_of(settings), position, state.written, allowance_j);
   state.energy_j = state.passivity.energy_j();
   state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
 }
@@ -97,13 +97,13 @@ double force_limit(ChainState& state, const ChainSettings& settings, double elap
                    bool warm) noexcept {
   // True time, since late ticks hold the force for longer; drivers end the force of a servo that
   // stalls for more than this (core/haptic/device/force_timeout.hpp).
-  constexpr double kLongestHeld_s = 0.05;
-  const ThermalSettings motors{std::min(elapsed_s, kLongestHeld_s), settings.force_limit_n,
+  constexpr double kMaxHold_s = 0.05;
+  const ThermalSettings motors{std::min(elapsed_s, kMaxHold_s), settings.force_limit_n,
                                settings.device.continuous_force_n};
   state.thermal.advance(motors, norm(state.written), warm);
   const double ceiling_n = state.thermal.ceiling_n(motors);
-  state.sparing = state.thermal.sparing();
-  state.spared_to_n = state.thermal.settled_n(motors);
+  state.derating = state.thermal.derating();
+  state.derated_to_n = state.thermal.steady_limit_n(motors);
   return ceiling_n;
 }
 
@@ -115,7 +115,7 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
     refuse(state, time_s);
     return false;
   }
-  const bool first = !state.commanded_before;
+  const bool first = !state.has_commanded;
   const std::uint64_t since = state.tick - state.command_tick;
   using Interpolation = ChainSettings::Interpolation;
   switch (settings.interpolation) {
@@ -123,7 +123,7 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
     if (first)
       state.length = 1;
     else if (since > 0)
-      state.length = std::min(since, kLongestAuto_ticks); // else one more this tick
+      state.length = std::min(since, kMaxAutoInterpolation_ticks); // else one more this tick
     break;
   case Interpolation::kOff:
     state.length = 1;
@@ -134,11 +134,11 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
     break;
   }
   // A first target, or one taken at once, has no slope that could be continued.
-  state.sloped = !first && settings.interpolation != Interpolation::kOff;
+  state.has_slope = !first && settings.interpolation != Interpolation::kOff;
   state.start = state.commanded;
-  state.target = limited(force_n, kLongestTarget_n);
+  state.target = limited(force_n, kMaxTarget_n);
   state.command_tick = state.tick;
-  state.commanded_before = true;
+  state.has_commanded = true;
   state.command_s = time_s;
   state.refusing = false;
   return true;
@@ -164,16 +164,16 @@ void emergency_stop(ChainState& state) noexcept {
   state.written = state.slewed = {};
 }
 
-Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& given) noexcept {
-  ChainInput input = given;
+Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& raw_input) noexcept {
+  ChainInput input = raw_input;
   input.position =
-      is_finite(input.position) ? limited(input.position, kFarthest_m) : state.position;
-  input.velocity = limited(input.velocity, kFastest_m_per_s);
+      is_finite(input.position) ? limited(input.position, kMaxPosition_m) : state.position;
+  input.velocity = limited(input.velocity, kMaxSpeed_m_per_s);
   if (!state.started) {
     state.started = true;
     state.previous_s = input.time_s - settings.period_s;
     state.position = input.position;
-    if (!state.commanded_before)
+    if (!state.has_commanded)
       state.command_s = input.time_s;
   }
   const double elapsed_s = std::clamp(input.time_s - state.previous_s, 0.0, 10.0);
@@ -181,20 +181,20 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
 
   state.commanded = interpolated(state, settings);
 
-  const Vec3 asked = state.commanded + limited(input.patch_force, kLongestLocal_n);
-  Vec3 contact = limited(input.local_force, kLongestLocal_n);
+  const Vec3 patch_force = state.commanded + limited(input.patch_force, kMaxLocalForce_n);
+  Vec3 contact = limited(input.local_force, kMaxLocalForce_n);
   if (settings.wall_n_per_m > 0.0)
-    contact += limited(soft_walls(settings, input.position), kLongestLocal_n);
-  Vec3 force = asked + contact;
-  force -= limited(input.velocity * settings.damping_n_s_per_m, kLongestLocal_n);
+    contact += limited(soft_walls(settings, input.position), kMaxLocalForce_n);
+  Vec3 force = patch_force + contact;
+  force -= limited(input.velocity * settings.damping_n_s_per_m, kMaxLocalForce_n);
 
   const double limit_n = force_limit(state, settings, elapsed_s, input.warm);
   const double length = norm(force);
   if (length > settings.force_limit_n)
     ++state.counters.clamped;
   else if (length > limit_n)
-    ++state.counters.spared;
-  const double kept = length > limit_n ? limit_n / length : 1.0;
+    ++state.counters.derated;
+  const double clamp_gain = length > limit_n ? limit_n / length : 1.0;
   force = limited(force, limit_n);
 
   state.enable_gain =
@@ -206,7 +206,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
   observe(state, settings, input.position, elapsed_s);
   if (settings.passivity) {
     const Vec3 passive = state.passivity.limit(passivity_of(settings), force,
-                                               contact * (kept * gain), input.velocity);
+                                               contact * (clamp_gain * gain), input.velocity);
     state.counters.braked += state.passivity.acted() ? 1 : 0;
     force = limited(force + (passive - force) * gain, limit_n);
   }
@@ -225,7 +225,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
     force = {};
   }
   state.position = input.position;
-  state.asked = asked * gain;
+  state.patch_force = patch_force * gain;
   state.written = force;
   ++state.tick;
   ++state.counters.ticks;

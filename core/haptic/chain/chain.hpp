@@ -59,8 +59,8 @@ struct ChainInput {
 
 struct ChainCounters {
   std::uint64_t ticks = 0, clamped = 0, slewed = 0, watchdog_trips = 0, refused = 0;
-  std::uint64_t braked = 0; ///< ticks in which the passivity controller acted
-  std::uint64_t spared = 0; ///< ticks in which the motors' heat lowered the limit
+  std::uint64_t braked = 0;  ///< ticks in which the passivity controller acted
+  std::uint64_t derated = 0; ///< ticks in which the motors' heat lowered the limit
 };
 
 struct ChainState {
@@ -68,7 +68,7 @@ struct ChainState {
   Vec3 start{}, target{}, commanded{};
   std::uint64_t tick = 0, command_tick = 0;
   std::uint64_t length = 1;
-  bool commanded_before = false, sloped = false;
+  bool has_commanded = false, has_slope = false;
 
   // signs of life
   double command_s = 0, refused_since_s = 0, previous_s = 0;
@@ -79,16 +79,16 @@ struct ChainState {
   bool motors = true, latched = false;
   double enable_gain = 1;
 
-  Vec3 asked{};   // the patch's share of the last force, before clamp and slew
-  Vec3 slewed{};  // output of the slew stage
-  Vec3 written{}; // what the device holds now
+  Vec3 patch_force{}; // the patch's share of the last force, before clamp and slew
+  Vec3 slewed{};      // output of the slew stage
+  Vec3 written{};     // what the device holds now
   Vec3 position{};
   PassivityController passivity{};
   double energy_j = 0, lowest_energy_j = 0; // the controller's
-  double forgiven_j = 0;                    // of the patch's work, not given back yet
+  double allowance_j = 0;                   // of the patch's work, not given back yet
   ThermalLimit thermal{};
-  bool sparing = false;   ///< the motors' heat lowers the force limit noticeably
-  double spared_to_n = 0; ///< what the limit then settles at
+  bool derating = false;   ///< the motors' heat lowers the force limit noticeably
+  double derated_to_n = 0; ///< what the limit then settles at
   ChainCounters counters{};
 };
 

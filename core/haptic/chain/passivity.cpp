@@ -7,11 +7,11 @@ namespace {
 
 constexpr double kMaxEnergy_j = 1e6;
 // The handle rests while it stays within its reading's error and this distance.
-constexpr double kRestRadius_m = 2e-5;
+constexpr double kAtRestRadius_m = 2e-5;
 // c of the bound c K T: six times what a spring without latency leaks, so that a debt can be paid
 // back and a latency of two ticks that nobody has declared is still covered.
 constexpr double kDampingPerLeak = 3;
-constexpr double kStiffnessMemory_s = 0.05;
+constexpr double kStiffnessTimeConstant_s = 0.05;
 constexpr double kVelocityWindow_s = 2e-3;
 // Below this speed the velocity's direction is noise.
 constexpr double kMinBrakedSpeed_m_per_s = 1e-4;
@@ -26,7 +26,7 @@ double shortened(double value, double by) noexcept {
 } // namespace
 
 void PassivityController::observe(const PassivitySettings& settings, const Vec3& position_m,
-                                  const Vec3& written_n, double forgiven_j) noexcept {
+                                  const Vec3& written_n, double allowance_j) noexcept {
   if (!started_) {
     started_ = true;
     positions_.fill(position_m);
@@ -39,16 +39,17 @@ void PassivityController::observe(const PassivitySettings& settings, const Vec3&
   const auto latency =
       static_cast<std::size_t>(std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks));
   const Vec3& felt = at(forces_, tick_ + kHistory - latency);
-  energy_j_ = std::clamp(energy_j_ - dot(felt, moved) + forgiven_j, -kMaxEnergy_j, settings.tank_j);
+  energy_j_ =
+      std::clamp(energy_j_ - dot(felt, moved) + allowance_j, -kMaxEnergy_j, settings.tank_j);
   position_changes_ += dot(moved, moved);
 
-  if (norm(position_m - rest_position_) > 2.0 * settings.position_noise_m + kRestRadius_m) {
+  if (norm(position_m - rest_position_) > 2.0 * settings.position_noise_m + kAtRestRadius_m) {
     rest_position_ = position_m;
-    rest_s_ = 0;
+    at_rest_s_ = 0;
   } else {
-    rest_s_ += settings.period_s;
+    at_rest_s_ += settings.period_s;
   }
-  if (rest_s_ >= kRest_s)
+  if (at_rest_s_ >= kAtRest_s)
     energy_j_ = std::max(energy_j_, 0.0);
 }
 
@@ -63,15 +64,15 @@ Vec3 PassivityController::displacement(const PassivitySettings& settings) noexce
 }
 
 /// Of the rendered world around the handle, N/m: changes of force over changes of position, root
-/// mean square over kStiffnessMemory_s. Exact for a spring, whatever the encoder's step.
+/// mean square over kStiffnessTimeConstant_s. Exact for a spring, whatever the encoder's step.
 double PassivityController::stiffness(const PassivitySettings& settings,
-                                      const Vec3& wanted_n) noexcept {
-  const Vec3 change = wanted_n - wanted_;
-  wanted_ = wanted_n;
+                                      const Vec3& desired_n) noexcept {
+  const Vec3 change = desired_n - desired_;
+  desired_ = desired_n;
   force_changes_ += dot(change, change);
   const double result =
       position_changes_ > 0.0 ? std::sqrt(force_changes_ / position_changes_) : 0.0;
-  const double kept = std::exp(-settings.period_s / kStiffnessMemory_s);
+  const double kept = std::exp(-settings.period_s / kStiffnessTimeConstant_s);
   force_changes_ *= kept;
   position_changes_ *= kept;
   return std::isfinite(result) ? result : 0.0;
@@ -107,10 +108,10 @@ double PassivityController::release_cut(const PassivitySettings& settings, doubl
   return std::max(contact_n - affordable_n, 0.0);
 }
 
-Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& wanted_n,
+Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& desired_n,
                                 const Vec3& contact_n, const Vec3& velocity) noexcept {
   const double T = settings.period_s;
-  const double stiffness_n_per_m = stiffness(settings, wanted_n);
+  const double stiffness_n_per_m = stiffness(settings, desired_n);
   // No faster than if all of the last displacement had happened in one tick. Its mean velocity as
   // the bound would be too slow by half and more for an encoder's single steps and for a handle
   // that a wall throws: bench_haptic_passivity then finds twice as many flights that gain energy.
@@ -120,7 +121,7 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& w
     if (fastest[axis] * velocity[axis] > 0.0)
       agreed[axis] = std::copysign(std::min(std::abs(fastest[axis]), std::abs(velocity[axis])),
                                    velocity[axis]);
-  Vec3 force = wanted_n;
+  Vec3 force = desired_n;
   acted_ = false;
 
   const double contact = norm(contact_n);
@@ -132,8 +133,8 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& w
   }
   // The leak is along the force; across it a damper would only add force. When there is none, the
   // debt is that of the last.
-  if (const double length = norm(wanted_n); length > 0.0)
-    direction_ = wanted_n * (1.0 / length);
+  if (const double length = norm(desired_n); length > 0.0)
+    direction_ = desired_n * (1.0 / length);
   const Vec3 along = direction_ * dot(agreed, direction_);
   const double speed = norm(along);
   const double limit = settings.damping_limit_n_s_per_m * std::min(1.0, 1e-3 / T);

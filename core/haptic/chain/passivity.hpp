@@ -24,7 +24,7 @@ struct PassivitySettings {
 /// Observer, exact for a force that is held over a tick, with latency L (J):
 ///   E_n = E_(n-1) - F_(n-1-L) . (x_n - x_(n-1)) + forgiven,   E <= tank
 /// E is the energy that the hand has put into the rendered world; negative, the world has given
-/// energy away. A debt is forgotten when the handle has rested for kRest_s: the device's friction
+/// energy away. A debt is forgotten when the handle has rested for kAtRest_s: the device's friction
 /// and the hand have then taken it.
 ///
 /// Controller; both parts are bounded, and the slew limit comes after them.
@@ -38,16 +38,16 @@ struct PassivitySettings {
 ///    time.
 class PassivityController {
 public:
-  static constexpr double kRest_s = 0.05;
+  static constexpr double kAtRest_s = 0.05;
   static constexpr int kMaxLatency_ticks = 8;
 
   /// The handle is at that position (m); until now it felt the force written at the last tick (N).
   void observe(const PassivitySettings& settings, const Vec3& position_m, const Vec3& written_n,
-               double forgiven_j) noexcept;
-  /// The force to write instead of wanted_n (N), which contains contact_n, the share of models that
-  /// live in the servo. velocity: the device's reading, m/s. Differs from
-  /// wanted_n by no more than |contact_n| + b_device |velocity|.
-  [[nodiscard]] Vec3 limit(const PassivitySettings& settings, const Vec3& wanted_n,
+               double allowance_j) noexcept;
+  /// The force to write instead of desired_n (N), which contains contact_n, the share of models
+  /// that live in the servo. velocity: the device's reading, m/s. Differs from desired_n by no more
+  /// than |contact_n| + b_device |velocity|.
+  [[nodiscard]] Vec3 limit(const PassivitySettings& settings, const Vec3& desired_n,
                            const Vec3& contact_n, const Vec3& velocity) noexcept;
 
   [[nodiscard]] double energy_j() const noexcept { return energy_j_; }
@@ -61,7 +61,7 @@ private:
     return ring[tick % kHistory];
   }
   [[nodiscard]] Vec3 displacement(const PassivitySettings& settings) noexcept;
-  [[nodiscard]] double stiffness(const PassivitySettings& settings, const Vec3& wanted_n) noexcept;
+  [[nodiscard]] double stiffness(const PassivitySettings& settings, const Vec3& desired_n) noexcept;
   [[nodiscard]] double release_cut(const PassivitySettings& settings, double contact_n,
                                    double outward, double reading) noexcept;
 
@@ -69,8 +69,8 @@ private:
   std::size_t tick_ = 0;
   double energy_j_ = 0;
   Vec3 rest_position_{};
-  double rest_s_ = 0;
-  Vec3 wanted_{}, direction_{}; // the last force, and where the last one that was not zero pointed
+  double at_rest_s_ = 0;
+  Vec3 desired_{}, direction_{}; // the last force, and where the last one that was not zero pointed
   double force_changes_ = 0, position_changes_ = 0; // leaky sums of squares, N^2 and m^2
   double outward_ = 0;                              // m/s, along the contact's force
   double contact_s_ = 0;                            // since it began

@@ -7,9 +7,9 @@ namespace tactus::haptic {
 namespace {
 constexpr double kFallsFrom = 0.5; // share of continuous^2 at which the ceiling begins to fall
 constexpr double kFallsTo = 0.9;   // share of continuous that it has fallen to at continuous^2
-constexpr double kWarmShare = 0.5;
-constexpr double kSparesBelow = 0.95; // of the peak
-constexpr double kCool = 0.4;         // of continuous^2
+constexpr double kWarmRatio = 0.5;
+constexpr double kDeratingThreshold = 0.95; // of the peak
+constexpr double kCool = 0.4;               // of continuous^2
 
 /// Whether there is a rating that the force can exceed.
 bool limits(const ThermalSettings& settings) noexcept {
@@ -18,7 +18,7 @@ bool limits(const ThermalSettings& settings) noexcept {
 
 double reported_ceiling_n(const ThermalSettings& settings) noexcept {
   const double rated = settings.continuous_n, peak = settings.peak_n;
-  return kWarmShare * (rated > 0.0 ? std::min(rated, peak) : peak);
+  return kWarmRatio * (rated > 0.0 ? std::min(rated, peak) : peak);
 }
 } // namespace
 
@@ -30,13 +30,13 @@ void ThermalLimit::advance(const ThermalSettings& settings, double force_n,
   warm_ = std::clamp(warm_ + step, 0.0, 1.0);
   reported_ = reported_warm;
   const double now_n = ceiling_n(settings), rated = settings.continuous_n;
-  if (now_n < kSparesBelow * settings.peak_n)
-    sparing_ = true;
+  if (now_n < kDeratingThreshold * settings.peak_n)
+    derating_ = true;
   else if (!(now_n < settings.peak_n) && (!limits(settings) || heat_n2_ < kCool * rated * rated))
-    sparing_ = false;
+    derating_ = false;
 }
 
-double ThermalLimit::settled_n(const ThermalSettings& settings) const noexcept {
+double ThermalLimit::steady_limit_n(const ThermalSettings& settings) const noexcept {
   const double peak = settings.peak_n, rated = settings.continuous_n;
   if (reported_)
     return reported_ceiling_n(settings);

@@ -35,17 +35,17 @@ public:
   [[nodiscard]] double ceiling_n(const ThermalSettings& settings) const noexcept;
   /// The force limit is noticeably lowered: from 0.95 of the peak down, until the ceiling is the
   /// peak again and h below 0.4 continuous^2, so that it does not change with every push.
-  [[nodiscard]] bool sparing() const noexcept { return sparing_; }
+  [[nodiscard]] bool derating() const noexcept { return derating_; }
   /// N, what a force that is asked for without end settles at: the C of C^2 = h, or half of
   /// continuous (of the peak where it is not known) when the device itself reports warm motors.
-  [[nodiscard]] double settled_n(const ThermalSettings& settings) const noexcept;
+  [[nodiscard]] double steady_limit_n(const ThermalSettings& settings) const noexcept;
   /// h, N^2
   [[nodiscard]] double heat_n2() const noexcept { return heat_n2_; }
 
 private:
   double heat_n2_ = 0;
   double warm_ = 0; ///< 0: cool, 1: the report's ceiling is fully on
-  bool reported_ = false, sparing_ = false;
+  bool reported_ = false, derating_ = false;
 };
 
 } // namespace tactus::haptic

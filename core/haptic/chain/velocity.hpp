@@ -16,7 +16,7 @@ namespace tactus::haptic {
 /// unless the line fits exactly.
 class VelocityEstimator {
 public:
-  static constexpr std::size_t kLongestWindow = 16;
+  static constexpr std::size_t kMaxWindow = 16;
 
   /// bound_m: largest error of one position reading, e.g. half an encoder step.
   void set_bound(double bound_m) noexcept { bound_m_ = bound_m; }
@@ -29,12 +29,12 @@ private:
     Vec3 position;
     double time_s;
   };
-  [[nodiscard]] const Sample& before(std::size_t age) const noexcept {
+  [[nodiscard]] const Sample& sample_before(std::size_t age) const noexcept {
     return samples_[(next_ + samples_.size() - 1 - age) % samples_.size()];
   }
   [[nodiscard]] double slope(int axis) const noexcept;
 
-  std::array<Sample, kLongestWindow + 1> samples_{};
+  std::array<Sample, kMaxWindow + 1> samples_{};
   std::size_t next_ = 0, count_ = 0;
   double bound_m_ = 0;
   Vec3 velocity_{};

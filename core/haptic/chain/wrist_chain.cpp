@@ -5,18 +5,18 @@
 
 namespace tactus::haptic {
 
-WristCommand WristChain::step(const WristCommand& wanted, const ChainState& chain, const Caps& caps,
-                              bool homed, double period_s) noexcept {
+WristCommand WristChain::step(const WristCommand& requested, const ChainState& chain,
+                              const Caps& caps, bool homed, double period_s) noexcept {
   if (chain.latched || !homed) {
     sent_ = {};
     return sent_;
   }
   const double gain = chain.motors ? chain.alive_gain * chain.enable_gain : 0;
   const double share = std::clamp(period_s / kRise_s, 0.0, 1.0); // of the peak, in one tick
-  const Vec3 torque = limited(wanted.torque_n_m, caps.peak_torque_n_m) * gain;
+  const Vec3 torque = limited(requested.torque_n_m, caps.peak_torque_n_m) * gain;
   sent_.torque_n_m += limited(torque - sent_.torque_n_m, caps.peak_torque_n_m * share);
-  const double grip = std::isfinite(wanted.grip_n)
-                          ? std::clamp(wanted.grip_n, -caps.peak_grip_n, caps.peak_grip_n) * gain
+  const double grip = std::isfinite(requested.grip_n)
+                          ? std::clamp(requested.grip_n, -caps.peak_grip_n, caps.peak_grip_n) * gain
                           : 0;
   const double largest = caps.peak_grip_n * share;
   sent_.grip_n += std::clamp(grip - sent_.grip_n, -largest, largest);

@@ -23,7 +23,7 @@ public:
 
   void reset() noexcept { sent_ = {}; }
   /// One tick, after the force's; returns what to send. homed: else nothing is sent.
-  [[nodiscard]] WristCommand step(const WristCommand& wanted, const ChainState& chain,
+  [[nodiscard]] WristCommand step(const WristCommand& requested, const ChainState& chain,
                                   const Caps& caps, bool homed, double period_s) noexcept;
 
 private:

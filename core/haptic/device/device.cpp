@@ -2,7 +2,7 @@
 
 namespace tactus::haptic {
 
-void check_reach(const Caps& caps, State& state, Vec3& last_good) noexcept {
+void reject_unreachable(const Caps& caps, State& state, Vec3& last_good) noexcept {
   constexpr double kReach = 4; // a box inside which force is dependable may be half of the reach
   const Vec3 centre = (caps.workspace_min + caps.workspace_max) * 0.5;
   const double half_diagonal_m = 0.5 * norm(caps.workspace_max - caps.workspace_min);

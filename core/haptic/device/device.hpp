@@ -71,7 +71,7 @@ struct WristCommand {
 /// Puts the state's position right: one that is not finite, or lies farther from the workspace's
 /// centre than four times its half diagonal, becomes the last good one and sets kUnreachable. For
 /// drivers whose library or service gives positions; last_good is theirs to keep.
-void check_reach(const Caps& caps, State& state, Vec3& last_good) noexcept;
+void reject_unreachable(const Caps& caps, State& state, Vec3& last_good) noexcept;
 
 /// A device. open and close may take seconds and allocate: they run in a thread of the host's that
 /// may wait, never while the servo steps. read and write neither allocate, block for more than 2

@@ -23,9 +23,9 @@ public:
       return 0;
     }
     if (expired_)
-      returned_s_ = now_s;
+      resumed_s_ = now_s;
     expired_ = false;
-    return std::clamp((now_s - returned_s_) / kReturn_s, 0.0, 1.0);
+    return std::clamp((now_s - resumed_s_) / kReturn_s, 0.0, 1.0);
   }
   /// The last gain() found no servo.
   [[nodiscard]] bool expired() const noexcept { return expired_; }
@@ -38,7 +38,7 @@ public:
 
 private:
   bool expired_ = true;
-  double returned_s_ = 0;
+  double resumed_s_ = 0;
 };
 
 /// The newest command of a servo for the thread that sends it, with the rule above.

@@ -6,7 +6,7 @@
 namespace tactus::haptic {
 namespace {
 constexpr double kFollower_s = 0.02;
-constexpr double kFarthestYield_m = 1.0;
+constexpr double kMaxYield_m = 1.0;
 } // namespace
 
 void NoiseOscillator::set(double frequency_hz, double damping_ratio, double rms,
@@ -52,7 +52,7 @@ void Hand::set(const HandSettings& settings, double period_s) noexcept {
     axis.set(settings.wander_hz, 1.0, settings.wander_m, period_s);
   if (!begins)
     return;
-  yielded_ = yielding_ = {};
+  yield_displacement_ = yield_velocity_ = {};
   random_.seed(settings.seed);
   for (auto& axis : tremor_)
     axis.start(random_);
@@ -60,19 +60,19 @@ void Hand::set(const HandSettings& settings, double period_s) noexcept {
     axis.start(random_);
 }
 
-void Hand::follow(Path path) noexcept {
+void Hand::set_path(Path path) noexcept {
   path_ = std::move(path);
-  reaching_ = false;
-  yielded_ = yielding_ = {};
+  has_target_ = false;
+  yield_displacement_ = yield_velocity_ = {};
   seek(0.0);
 }
 
-void Hand::reach_for(const Vec3& target) noexcept {
+void Hand::set_target(const Vec3& target) noexcept {
   if (!is_finite(target))
     return;
-  if (!reaching_)
-    reached_ = point_at(path_, origin_s_ + static_cast<double>(ticks_) * period_s_);
-  reaching_ = true;
+  if (!has_target_)
+    follower_state_ = point_at(path_, origin_s_ + static_cast<double>(ticks_) * period_s_);
+  has_target_ = true;
   target_ = target;
 }
 
@@ -82,8 +82,8 @@ void Hand::seek(double time_s) noexcept {
 }
 
 PathPoint Hand::intended() const noexcept {
-  if (reaching_)
-    return reached_;
+  if (has_target_)
+    return follower_state_;
   return point_at(path_, origin_s_ + static_cast<double>(ticks_) * period_s_);
 }
 
@@ -91,8 +91,8 @@ PathPoint Hand::point() const noexcept {
   PathPoint point = intended();
   if (settings_.hold != HandSettings::Hold::kPerson)
     return point;
-  point.position += yielded_;
-  point.velocity += yielding_;
+  point.position += yield_displacement_;
+  point.velocity += yield_velocity_;
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
     point.position[axis] += tremor_[i].value() + wander_[i].value();
@@ -106,10 +106,10 @@ void Hand::advance(const Vec3& handle) noexcept {
     // What the person feels is the spring's stretch, own tremor included: yielding to the handle's
     // distance from the intention instead would integrate the tremor into a random walk.
     if (settings_.yield_s > 0.0) {
-      yielding_ = (handle - point().position) * (1.0 / settings_.yield_s);
-      yielded_ = limited(yielded_ + yielding_ * period_s_, kFarthestYield_m);
+      yield_velocity_ = (handle - point().position) * (1.0 / settings_.yield_s);
+      yield_displacement_ = limited(yield_displacement_ + yield_velocity_ * period_s_, kMaxYield_m);
     } else {
-      yielding_ = {};
+      yield_velocity_ = {};
     }
     for (auto& axis : tremor_)
       axis.advance(random_);
@@ -117,12 +117,12 @@ void Hand::advance(const Vec3& handle) noexcept {
       axis.advance(random_);
   }
   ++ticks_;
-  if (!reaching_)
+  if (!has_target_)
     return;
   for (int axis = 0; axis < 3; ++axis)
-    follower_.advance(reached_.position[axis], reached_.velocity[axis],
+    follower_.advance(follower_state_.position[axis], follower_state_.velocity[axis],
                       target_[axis] / (kFollower_s * kFollower_s));
-  reached_.buttons = 0;
+  follower_state_.buttons = 0;
 }
 
 } // namespace tactus::haptic

@@ -57,9 +57,9 @@ public:
   [[nodiscard]] const HandSettings& settings() const noexcept { return settings_; }
 
   /// Follows a path from its time 0 on.
-  void follow(Path path) noexcept;
+  void set_path(Path path) noexcept;
   /// Follows a point that a patch moves, through a critically damped follower of 20 ms.
-  void reach_for(const Vec3& target) noexcept;
+  void set_target(const Vec3& target) noexcept;
   void seek(double time_s) noexcept;
 
   /// Where the hand is now. Pure.
@@ -75,11 +75,11 @@ private:
   Path path_ = LinePath{};
   double origin_s_ = 0; // path time when ticks_ was 0
   std::uint64_t ticks_ = 0;
-  bool reaching_ = false;
+  bool has_target_ = false;
   Vec3 target_{};
-  PathPoint reached_{};
+  PathPoint follower_state_{};
   MassSpringDamperStep follower_{};
-  Vec3 yielded_{}, yielding_{};
+  Vec3 yield_displacement_{}, yield_velocity_{};
   std::array<NoiseOscillator, 3> tremor_{}, wander_{};
   Random random_{1};
 };

@@ -33,9 +33,9 @@ public:
 private:
   [[nodiscard]] Vec3 at(double time_s) const noexcept;
 
-  Vec3 begin_{}, target_{}, position_{};
-  double reported_s_ = 0, duration_s_ = 0, time_s_ = 0;
-  bool begun_ = false;
+  Vec3 start_{}, target_{}, position_{};
+  double report_s_ = 0, duration_s_ = 0, time_s_ = 0;
+  bool started_ = false;
 };
 
 } // namespace tactus::haptic

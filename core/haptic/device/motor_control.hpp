@@ -11,24 +11,24 @@ namespace tactus::haptic {
 class MotorControl {
 public:
   struct Request {
-    bool on = true;            ///< `motors 1`; else the force falls by the slew
-    bool stopped = false;      ///< `estop` was the last of estop and `motors 1`
-    bool paused = false;       ///< as off, but without a change of what the user asked for
-    std::uint32_t stops = 0;   ///< how often estop was requested
-    std::uint32_t enables = 0; ///< how often the motors were switched on
+    bool on = true;                 ///< `motors 1`; else the force falls by the slew
+    bool stopped = false;           ///< `estop` was the last of estop and `motors 1`
+    bool paused = false;            ///< as off, but without a change of what the user asked for
+    std::uint32_t stop_count = 0;   ///< how often estop was requested
+    std::uint32_t enable_count = 0; ///< how often the motors were switched on
     bool operator==(const Request&) const = default;
   };
 
   /// Motors on over the chain's enable time; ends an emergency stop and a device's failure.
   void enable() noexcept {
-    change([](Request& r) { r.on = true, r.stopped = false, ++r.enables; });
+    change([](Request& r) { r.on = true, r.stopped = false, ++r.enable_count; });
   }
   void disable() noexcept {
     change([](Request& r) { r.on = false; });
   }
   /// No force from the servo's next tick on, until enable().
   void emergency_stop() noexcept {
-    change([](Request& r) { r.stopped = true, ++r.stops; });
+    change([](Request& r) { r.stopped = true, ++r.stop_count; });
   }
   /// Lets the force fall by the slew, or rise again, whatever else was requested.
   void pause(bool paused) noexcept {
@@ -46,11 +46,11 @@ public:
 
   /// The servo's side: this request was in force when that force was written.
   void confirm(const Request& request, bool zero_force) noexcept {
-    done_.store(pack(request) | (zero_force ? kZeroForce : 0), std::memory_order_release);
+    confirmed_.store(pack(request) | (zero_force ? kZeroForce : 0), std::memory_order_release);
   }
   /// The newest request is in force and the last force written was zero.
-  [[nodiscard]] bool at_rest() const noexcept {
-    return done_.load(std::memory_order_acquire) ==
+  [[nodiscard]] bool zero_force_confirmed() const noexcept {
+    return confirmed_.load(std::memory_order_acquire) ==
            (requested_.load(std::memory_order_acquire) | kZeroForce);
   }
 
@@ -63,7 +63,7 @@ private:
 
   [[nodiscard]] static constexpr Word pack(const Request& r) noexcept {
     return (r.on ? kOn : 0) | (r.stopped ? kStopped : 0) | (r.paused ? kPaused : 0) |
-           (r.stops & kCount) << kStopsShift | (r.enables & kCount) << kEnablesShift;
+           (r.stop_count & kCount) << kStopsShift | (r.enable_count & kCount) << kEnablesShift;
   }
   [[nodiscard]] static constexpr Request unpack(Word word) noexcept {
     return {(word & kOn) != 0, (word & kStopped) != 0, (word & kPaused) != 0,
@@ -80,7 +80,7 @@ private:
                                                std::memory_order_relaxed));
   }
 
-  std::atomic<Word> requested_{pack({})}, done_{0};
+  std::atomic<Word> requested_{pack({})}, confirmed_{0};
 };
 
 } // namespace tactus::haptic

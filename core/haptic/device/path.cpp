@@ -9,35 +9,35 @@
 namespace tactus::haptic {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr std::size_t kMostRows = 2'000'000;
-constexpr double kFarthest_mm = 1e5;
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr std::size_t kMaxRows = 2'000'000;
+constexpr double kMaxPosition_mm = 1e5;
 
 // The phase is reduced in turns first: hours into a path its sine is still exact.
-double phase_of(double turns) noexcept { return kTurn * (turns - std::floor(turns)); }
+double phase_of(double turns) noexcept { return kTwoPi * (turns - std::floor(turns)); }
 
 bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == ','; }
 
 /// Numbers of one line; -1 when something else stands there or they are too many.
-int numbers_of(std::string_view line, std::array<double, 5>& values) noexcept {
+int parse_numbers(std::string_view line, std::array<double, 5>& values) noexcept {
   int count = 0;
-  std::size_t place = 0;
+  std::size_t offset = 0;
   while (true) {
-    while (place < line.size() && is_blank(line[place]))
-      ++place;
-    if (place == line.size())
+    while (offset < line.size() && is_blank(line[offset]))
+      ++offset;
+    if (offset == line.size())
       return count;
     if (count == 5)
       return -1;
-    if (line[place] == '+')
-      ++place;
+    if (line[offset] == '+')
+      ++offset;
     double value = 0;
     const auto [end, problem] =
-        std::from_chars(line.data() + place, line.data() + line.size(), value);
+        std::from_chars(line.data() + offset, line.data() + line.size(), value);
     if (problem != std::errc{} || !std::isfinite(value))
       return -1;
-    place = static_cast<std::size_t>(end - line.data());
-    if (place < line.size() && !is_blank(line[place]))
+    offset = static_cast<std::size_t>(end - line.data());
+    if (offset < line.size() && !is_blank(line[offset]))
       return -1;
     values[static_cast<std::size_t>(count++)] = value;
   }
@@ -56,21 +56,22 @@ PathPoint RowPath::at(double time_s) const noexcept {
   if (after == rows_.end())
     return {before->position, {}, before->buttons};
   const double span_s = after->time_s - before->time_s;
-  const Vec3 way = after->position - before->position;
-  const double share = (time_s - before->time_s) / span_s;
-  return {before->position + way * share, way * (1.0 / span_s), before->buttons};
+  const Vec3 displacement = after->position - before->position;
+  const double fraction = (time_s - before->time_s) / span_s;
+  return {before->position + displacement * fraction, displacement * (1.0 / span_s),
+          before->buttons};
 }
 
 PathPoint LinePath::at(double time_s) const noexcept {
   const double phase = phase_of(time_s / period_s);
-  const Vec3 way = to - from;
-  return {from + way * (0.5 * (1.0 - std::cos(phase))),
-          way * (0.5 * std::sin(phase) * kTurn / period_s), 0};
+  const Vec3 displacement = to - from;
+  return {from + displacement * (0.5 * (1.0 - std::cos(phase))),
+          displacement * (0.5 * std::sin(phase) * kTwoPi / period_s), 0};
 }
 
 PathPoint CirclePath::at(double time_s) const noexcept {
   const double phase = phase_of(time_s / period_s);
-  const double speed = radius_m * kTurn / period_s;
+  const double speed = radius_m * kTwoPi / period_s;
   PathPoint point;
   point.position = centre;
   point.position[first] += radius_m * std::cos(phase);
@@ -85,7 +86,7 @@ PathPoint LissajousPath::at(double time_s) const noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     const double phase = phase_of(frequency_hz[axis] * time_s);
     point.position[axis] = centre[axis] + amplitude[axis] * std::sin(phase);
-    point.velocity[axis] = amplitude[axis] * kTurn * frequency_hz[axis] * std::cos(phase);
+    point.velocity[axis] = amplitude[axis] * kTwoPi * frequency_hz[axis] * std::cos(phase);
   }
   return point;
 }
@@ -104,15 +105,15 @@ ParsedPath parse_path(std::string_view text) {
     text.remove_prefix(std::min(end + 1, text.size()));
     line = line.substr(0, std::min(line.find('#'), line.size()));
     std::array<double, 5> values{};
-    const int count = numbers_of(line, values);
+    const int count = parse_numbers(line, values);
     if (count == 0)
       continue;
     if (count != 4 && count != 5) {
       refuse(number, "expected ms x y z [buttonmask]");
       return result;
     }
-    const auto far = [](double mm) { return std::abs(mm) > kFarthest_mm; };
-    if (far(values[1]) || far(values[2]) || far(values[3])) {
+    const auto out_of_range = [](double mm) { return std::abs(mm) > kMaxPosition_mm; };
+    if (out_of_range(values[1]) || out_of_range(values[2]) || out_of_range(values[3])) {
       refuse(number, "a position is beyond 100000 mm");
       return result;
     }
@@ -125,7 +126,7 @@ ParsedPath parse_path(std::string_view text) {
       refuse(number, "time goes backwards");
       return result;
     }
-    if (result.rows.size() == kMostRows) {
+    if (result.rows.size() == kMaxRows) {
       refuse(number, "more than 2000000 rows");
       return result;
     }

@@ -10,7 +10,7 @@ constexpr double kPeak_n = 40;
 // at 1 kHz stays calm also for a velocity that is estimated a few ticks late.
 constexpr double kDampingPerMass_hz = 200;
 // A servo that slept longer than this finds the handle where it was that long after falling asleep.
-constexpr std::uint64_t kMostTicks = 1000;
+constexpr std::uint64_t kMaxCatchUp_ticks = 1000;
 using Hold = HandSettings::Hold;
 } // namespace
 
@@ -31,8 +31,8 @@ void SimulatedDevice::prepare(double period_s) noexcept {
       settings_.viscous_n_s_per_m + (held ? settings_.hand.damping_n_s_per_m : 0.0);
   const double mass = settings_.mass_kg;
   stop_damping_ = 2.0 * std::sqrt(kStop_n_per_m * mass);
-  moving_ = MassSpringDamperStep::of(mass, spring, damper, period_s);
-  stopped_ =
+  free_step_ = MassSpringDamperStep::of(mass, spring, damper, period_s);
+  stop_step_ =
       MassSpringDamperStep::of(mass, spring + kStop_n_per_m, damper + stop_damping_, period_s);
 }
 
@@ -53,7 +53,7 @@ bool SimulatedDevice::read(const Tick& tick, State& state) noexcept {
   if (tick.period_s != period_s_)
     prepare(tick.period_s);
   const std::uint64_t passed = started_ && tick.index > index_ ? tick.index - index_ : 0;
-  for (auto left = std::min(passed, kMostTicks); left > 0; --left)
+  for (auto left = std::min(passed, kMaxCatchUp_ticks); left > 0; --left)
     advance();
   started_ = true;
   index_ = tick.index;
@@ -82,14 +82,14 @@ bool SimulatedDevice::write(const Vec3& force_n) noexcept {
   return true;
 }
 
-void SimulatedDevice::press(int button, bool down) noexcept {
+void SimulatedDevice::set_button(int button, bool down) noexcept {
   if (button < 0 || button > 31)
     return;
   const std::uint32_t bit = std::uint32_t{1} << button;
   buttons_ = down ? buttons_ | bit : buttons_ & ~bit;
 }
 
-void SimulatedDevice::place(const Vec3& position, const Vec3& velocity) noexcept {
+void SimulatedDevice::set_state(const Vec3& position, const Vec3& velocity) noexcept {
   position_ = position;
   velocity_ = velocity;
 }
@@ -109,9 +109,9 @@ void SimulatedDevice::advance() noexcept {
     const double push = kStop_n_per_m * (edge - position_[axis]) - stop_damping_ * velocity_[axis];
     const bool inward = (edge - position_[axis]) * push > 0.0;
     if (settings_.stops && inward)
-      stopped_.advance(position_[axis], velocity_[axis], force + kStop_n_per_m * edge);
+      stop_step_.advance(position_[axis], velocity_[axis], force + kStop_n_per_m * edge);
     else
-      moving_.advance(position_[axis], velocity_[axis], force);
+      free_step_.advance(position_[axis], velocity_[axis], force);
   }
   hand_.advance(position_);
 }

@@ -43,12 +43,12 @@ public:
   [[nodiscard]] bool read(const Tick& tick, State& state) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
 
-  void follow(Path path) noexcept { hand_.follow(std::move(path)); }
-  void reach_for(const Vec3& target) noexcept { hand_.reach_for(target); }
+  void set_path(Path path) noexcept { hand_.set_path(std::move(path)); }
+  void set_target(const Vec3& target) noexcept { hand_.set_target(target); }
   void seek(double time_s) noexcept { hand_.seek(time_s); }
-  void press(int button, bool down) noexcept;
+  void set_button(int button, bool down) noexcept;
   /// Puts the handle there, at that velocity.
-  void place(const Vec3& position, const Vec3& velocity) noexcept;
+  void set_state(const Vec3& position, const Vec3& velocity) noexcept;
 
   /// True state, without the reading's error.
   [[nodiscard]] const Vec3& position() const noexcept { return position_; }
@@ -63,7 +63,7 @@ private:
   Settings settings_{};
   Hand hand_{};
   double period_s_ = 0;
-  MassSpringDamperStep moving_{}, stopped_{};
+  MassSpringDamperStep free_step_{}, stop_step_{};
   double stop_damping_ = 0;
   Vec3 position_{}, velocity_{}, force_{};
   std::uint32_t buttons_ = 0;

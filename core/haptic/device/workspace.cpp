@@ -6,8 +6,8 @@ Vec3 Workspace::normalised(const Vec3& position) const noexcept {
   Vec3 result;
   for (int axis = 0; axis < 3; ++axis) {
     const double width = max[axis] - min[axis];
-    const double share = (position[axis] - min[axis]) / width;
-    result[axis] = width > 0.0 && !std::isnan(share) ? std::clamp(share, 0.0, 1.0) : 0.5;
+    const double fraction = (position[axis] - min[axis]) / width;
+    result[axis] = width > 0.0 && !std::isnan(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.5;
   }
   return result;
 }

@@ -10,7 +10,7 @@ constexpr double kMinDepth_m = 1e-9; // below, a contact's depth has no usable s
 constexpr double kTwoPi = 2 * std::numbers::pi;
 } // namespace
 
-void EffectModel::begin() noexcept { started_ = has_mass_ = is_held_ = false; }
+void EffectModel::begin() noexcept { started_ = has_mass_ = has_friction_anchor_ = false; }
 
 Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
   settings_.read();
@@ -20,16 +20,16 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
     position_ = x;
   started_ = true;
 
-  driven_ = {};
+  active_force_ = {};
   if (now.constant)
-    driven_ += limited(now.constant->force_n, kMaxEffect_n);
+    active_force_ += limited(now.constant->force_n, kMaxEffect_n);
   if (now.spring)
-    driven_ += limited((now.spring->centre - x) * now.spring->stiffness,
-                       std::min(now.spring->max_n, kMaxEffect_n));
+    active_force_ += limited((now.spring->centre - x) * now.spring->stiffness,
+                             std::min(now.spring->max_n, kMaxEffect_n));
 
   Vec3 sum{};
   const double max_damping =
-      damping_bound(damping_limit_.load(std::memory_order_relaxed), tick.period_s);
+      max_passive_damping(damping_limit_.load(std::memory_order_relaxed), tick.period_s);
   if (now.viscous)
     sum -= limited(state.velocity * std::min(now.viscous->damping, max_damping), kMaxEffect_n);
   if (now.inertia)
@@ -38,13 +38,13 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
     sum += friction(*now.friction, x);
   if (now.texture) {
     const auto& texture = *now.texture;
-    const double turn = kTwoPi * dot(x, texture.direction) / texture.wavelength_m;
-    sum += limited(texture.direction * (texture.amplitude_n * std::sin(turn)), kMaxEffect_n);
+    const double phase = kTwoPi * dot(x, texture.direction) / texture.wavelength_m;
+    sum += limited(texture.direction * (texture.amplitude_n * std::sin(phase)), kMaxEffect_n);
   }
   if (now.relief)
     sum += relief(*now.relief, x);
   has_mass_ = now.inertia.has_value();
-  is_held_ = now.friction.has_value();
+  has_friction_anchor_ = now.friction.has_value();
   position_ = x;
   return sum;
 }
@@ -81,10 +81,11 @@ Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, double max_dam
 /// presliding, an associated plastic law and so passive.
 Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
                            const Vec3& position) noexcept {
-  if (!is_held_ || !is_finite(held_))
-    held_ = position;
-  held_ = position + limited(held_ - position, friction.force_n / friction.stiffness);
-  return limited((held_ - position) * friction.stiffness, kMaxEffect_n);
+  if (!has_friction_anchor_ || !is_finite(friction_anchor_))
+    friction_anchor_ = position;
+  friction_anchor_ =
+      position + limited(friction_anchor_ - position, friction.force_n / friction.stiffness);
+  return limited((friction_anchor_ - position) * friction.stiffness, kMaxEffect_n);
 }
 
 /// A surface whose height is h <= 0 instead of 0 pushes with k (d + h) instead of k d, along its
@@ -96,15 +97,16 @@ Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
     return {};
   const Vec3& normal = scene_->touches()[0].normal;
   const double depth = dot(scene_->proxy() - position, normal);
-  const double push = dot(*scene_force_, normal);
-  if (!(depth > kMinDepth_m) || !(push > 0))
+  const double contact_force = dot(*scene_force_, normal);
+  if (!(depth > kMinDepth_m) || !(contact_force > 0))
     return {};
   const Vec3 along = relief.direction - normal * dot(relief.direction, normal);
-  const double turn = kTwoPi * dot(position, along) / relief.wavelength_m;
-  const double height = 0.5 * relief.depth_m * (std::cos(turn) - 1);
-  const double slope = -0.5 * relief.depth_m * kTwoPi / relief.wavelength_m * std::sin(turn);
-  const double carved = push * std::max(0.0, depth + height) / depth;
-  return limited(normal * (carved - push) - along * (carved * slope), kMaxEffect_n);
+  const double phase = kTwoPi * dot(position, along) / relief.wavelength_m;
+  const double height = 0.5 * relief.depth_m * (std::cos(phase) - 1);
+  const double slope = -0.5 * relief.depth_m * kTwoPi / relief.wavelength_m * std::sin(phase);
+  const double modulated_force = contact_force * std::max(0.0, depth + height) / depth;
+  return limited(normal * (modulated_force - contact_force) - along * (modulated_force * slope),
+                 kMaxEffect_n);
 }
 
 } // namespace tactus::haptic

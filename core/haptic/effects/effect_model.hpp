@@ -71,7 +71,7 @@ public:
   void set(const EffectSettings& settings) noexcept { settings_.write(settings); }
   /// The scene that relief is carved into, and where its force of this tick is found. Both must be
   /// asked for their force before this is.
-  void watch(const SceneModel& scene, const Vec3& scene_force_n) noexcept {
+  void set_scene(const SceneModel& scene, const Vec3& scene_force_n) noexcept {
     scene_ = &scene;
     scene_force_ = &scene_force_n;
   }
@@ -81,7 +81,8 @@ public:
     damping_limit_.store(n_s_per_m, std::memory_order_relaxed);
   }
   /// The same in ticks of that length: slower ones hold less.
-  [[nodiscard]] static double damping_bound(double limit_n_s_per_m, double period_s) noexcept {
+  [[nodiscard]] static double max_passive_damping(double limit_n_s_per_m,
+                                                  double period_s) noexcept {
     return (limit_n_s_per_m > 0 ? limit_n_s_per_m : kDamping_n_s_per_m) *
            std::min(1.0, 1e-3 / period_s);
   }
@@ -89,7 +90,7 @@ public:
   // the servo's side
   void begin() noexcept override;
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
-  [[nodiscard]] const Vec3& driven() const noexcept { return driven_; }
+  [[nodiscard]] const Vec3& active_force() const noexcept { return active_force_; }
 
 private:
   [[nodiscard]] Vec3 inertia(const EffectSettings::Inertia&, double max_damping, const Tick&,
@@ -102,21 +103,21 @@ private:
   const SceneModel* scene_ = nullptr;
   const Vec3* scene_force_ = nullptr;
 
-  Vec3 driven_{};
+  Vec3 active_force_{};
   Vec3 position_{}; // of the handle at the last tick
   bool started_ = false;
   Vec3 mass_position_{}, mass_velocity_{};
   bool has_mass_ = false;
-  Vec3 held_{}; // where friction's spring is anchored
-  bool is_held_ = false;
+  Vec3 friction_anchor_{}; // where friction's spring is anchored
+  bool has_friction_anchor_ = false;
 };
 
 /// driven() of an EffectModel that has been asked in the same tick.
-class DrivenEffects final : public LocalModel {
+class ActiveEffects final : public LocalModel {
 public:
-  explicit DrivenEffects(const EffectModel& effects) noexcept : effects_(effects) {}
+  explicit ActiveEffects(const EffectModel& effects) noexcept : effects_(effects) {}
   [[nodiscard]] Vec3 force(const Tick&, const State&) noexcept override {
-    return effects_.driven();
+    return effects_.active_force();
   }
 
 private:

@@ -7,7 +7,7 @@
 namespace tactus::haptic {
 namespace {
 // Energy that goes and comes back within this time is the scheme's; what is gone longer is lost.
-constexpr double kMemory_s = 0.05;
+constexpr double kBudgetTimeConstant_s = 0.05;
 constexpr double kRounding = 1e-9; // of the elastic and kinetic energy
 } // namespace
 
@@ -35,18 +35,19 @@ double NetworkModel::energy_j() const noexcept {
       continue;
     }
     const double length = std::sqrt(dot(now, now)), length_before = std::sqrt(dot(before, before));
-    const auto loaded = [&link, l0](double l) {
+    const auto is_loaded = [&link, l0](double l) {
       return link.kind == NetworkLink::Kind::kSpring ||
              (link.kind == NetworkLink::Kind::kPull ? l > l0 : l < l0);
     };
-    if (loaded(length) && loaded(length_before))
+    if (is_loaded(length) && is_loaded(length_before))
       energy += half * (dot(now, before) - l0 * (length + length_before) + l0 * l0);
   }
   return energy;
 }
 
 /// A spring of the handle's: k/2 e_n . e_(n+1), and F |e| - F^2/(2k) beyond its largest force F.
-double NetworkModel::yielding_energy_j(double stiffness, double product, double extent) noexcept {
+double NetworkModel::saturated_spring_energy_j(double stiffness, double product,
+                                               double extent) noexcept {
   return stiffness * extent <= kMaxHandle_n
              ? 0.5 * stiffness * product
              : kMaxHandle_n * (extent - 0.5 * kMaxHandle_n / stiffness);
@@ -61,15 +62,16 @@ double NetworkModel::handle_energy_j() const noexcept {
     const std::size_t i = candidates_[c];
     const Vec3 before = position(i) - velocity(i) * h;
     const double now = touch.radius_m - norm(position(i) - handle_);
-    const double then = touch.radius_m - norm(before - handle_before);
-    if (now > 0 && then > 0)
-      energy += yielding_energy_j(touch_gain_[i] * touch.stiffness_n_per_m, now * then, now);
+    const double previous = touch.radius_m - norm(before - handle_before);
+    if (now > 0 && previous > 0)
+      energy +=
+          saturated_spring_energy_j(touch_gain_[i] * touch.stiffness_n_per_m, now * previous, now);
   }
-  if (grabbed_ != kNobody) {
+  if (grabbed_ != kNoKey) {
     const Vec3 now = handle_ - position(grabbed_mass_);
-    const Vec3 then = handle_before - (position(grabbed_mass_) - velocity(grabbed_mass_) * h);
-    energy +=
-        yielding_energy_j(grab_gain_ * network_->grab.stiffness_n_per_m, dot(now, then), norm(now));
+    const Vec3 previous = handle_before - (position(grabbed_mass_) - velocity(grabbed_mass_) * h);
+    energy += saturated_spring_energy_j(grab_gain_ * network_->grab.stiffness_n_per_m,
+                                        dot(now, previous), norm(now));
   }
   return energy;
 }
@@ -78,15 +80,16 @@ double NetworkModel::handle_energy_j() const noexcept {
 double NetworkModel::work_of_plucks() const noexcept {
   double work = 0;
   for (const Pluck& pluck : plucks_)
-    if (pluck.key != kNobody)
+    if (pluck.key != kNoKey)
       work += dot(pluck.force_n, pluck.velocity_before + velocity(pluck.mass));
   return 0.5 * step_s_ * work;
 }
 
 /// budget + work >= energy at every tick, so that the sum of all energy that comes out is never
-/// more than what came in. Energy that is lost stays in the budget for kMemory_s: the scheme's own
-/// error goes up and down within a swing, and must not be taken for gain each time that it goes up.
-void NetworkModel::keep_passive(double work_j, double period_s) noexcept {
+/// more than what came in. Energy that is lost stays in the budget for kBudgetTimeConstant_s: the
+/// scheme's own error goes up and down within a swing, and must not be taken for gain each time
+/// that it goes up.
+void NetworkModel::limit_energy(double work_j, double period_s) noexcept {
   const double energy = energy_j(), available = budget_j_ + work_j;
   double kinetic = 0;
   for (std::size_t i = 0; i < count_; ++i)
@@ -98,11 +101,11 @@ void NetworkModel::keep_passive(double work_j, double period_s) noexcept {
   }
   const double excess = energy - available;
   if (excess <= kRounding * (std::abs(energy) + kinetic)) {
-    const double kept = std::exp(-period_s / kMemory_s);
-    budget_j_ = std::min(available, energy + std::max(-excess, 0.0) * kept);
+    const double budget_decay = std::exp(-period_s / kBudgetTimeConstant_s);
+    budget_j_ = std::min(available, energy + std::max(-excess, 0.0) * budget_decay);
     return;
   }
-  ++scaled_ticks_;
+  ++energy_limited_ticks_;
   budget_j_ = available;
   const double scale = kinetic > excess ? std::sqrt((kinetic - excess) / kinetic) : 0.0;
   for (std::size_t i = 0; i < count_; ++i)

@@ -33,13 +33,13 @@ void NetworkModel::collect() noexcept {
 
 void NetworkModel::begin() noexcept {
   started_ = has_budget_ = false;
-  grabbed_ = kNobody;
+  grabbed_ = kNoKey;
   sample_count_ = 0;
   touch_gain_.fill(-1);
 }
 
 /// A sphere that has grown pushes a mass that it touched on with the force of before.
-double NetworkModel::gain_of_grown(double before_m, std::size_t mass) const noexcept {
+double NetworkModel::gain_after_growth(double before_m, std::size_t mass) const noexcept {
   const double distance = norm(position(mass) - handle_);
   return touch_gain_[mass] >= 0 && distance < before_m
              ? touch_gain_[mass] * (before_m - distance) / (network_->touch.radius_m - distance)
@@ -66,7 +66,7 @@ void NetworkModel::take_network() noexcept {
     x[i] = kept ? x_[old] : mass.position.x;
     y[i] = kept ? y_[old] : mass.position.y;
     z[i] = kept ? z_[old] : mass.position.z;
-    gain[i] = !kept ? -1 : grows ? gain_of_grown(radius_m, old) : touch_gain_[old];
+    gain[i] = !kept ? -1 : grows ? gain_after_growth(radius_m, old) : touch_gain_[old];
     if (kept && !mass.fixed) {
       vx[i] = vx_[old];
       vy[i] = vy_[old];
@@ -87,11 +87,11 @@ void NetworkModel::take_network() noexcept {
   }
   grabbed_mass_ = find(grabbed_);
   if (grabbed_mass_ == NetworkPickup::kNone)
-    grabbed_ = kNobody;
+    grabbed_ = kNoKey;
   for (Pluck& pluck : plucks_) {
     pluck.mass = find(pluck.key);
     if (pluck.mass == NetworkPickup::kNone)
-      pluck.key = kNobody;
+      pluck.key = kNoKey;
   }
 }
 
@@ -105,10 +105,10 @@ std::size_t NetworkModel::find(std::uint64_t key) const noexcept {
 void NetworkModel::take_actions(const Vec3& handle) noexcept {
   Action action;
   for (int taken = 0; taken < kMaxActions && actions_.pop(action); ++taken)
-    obey(action, handle);
+    apply_action(action, handle);
 }
 
-void NetworkModel::obey(const Action& action, const Vec3& handle) noexcept {
+void NetworkModel::apply_action(const Action& action, const Vec3& handle) noexcept {
   using Kind = Action::Kind;
   const auto movable = [this](std::size_t i) { return i < count_ && inverse_mass_[i] > 0; };
   switch (action.kind) {
@@ -120,7 +120,7 @@ void NetworkModel::obey(const Action& action, const Vec3& handle) noexcept {
     const double duration_s = action.duration_s > 0 ? std::min(action.duration_s, 100.0) : 0.0;
     const double steps = std::max(1.0, std::floor(duration_s / step_s_ + 0.5));
     Pluck* free = std::find_if(plucks_.begin(), plucks_.end(),
-                               [](const Pluck& pluck) { return pluck.key == kNobody; });
+                               [](const Pluck& pluck) { return pluck.key == kNoKey; });
     if (free == plucks_.end())
       free = plucks_.begin();
     *free = {action.key, mass,
@@ -148,7 +148,7 @@ void NetworkModel::obey(const Action& action, const Vec3& handle) noexcept {
     return;
   }
   case Kind::kRelease:
-    grabbed_ = kNobody;
+    grabbed_ = kNoKey;
     return;
   case Kind::kReset:
     reset();
@@ -163,13 +163,13 @@ void NetworkModel::reset() noexcept {
     vx_[i] = vy_[i] = vz_[i] = 0;
     fx_[i] = fy_[i] = fz_[i] = 0;
   }
-  grabbed_ = kNobody;
+  grabbed_ = kNoKey;
   plucks_ = {};
   has_budget_ = false;
 }
 
 /// Also without denormals, which would make later ticks slow.
-void NetworkModel::keep_bounded() noexcept {
+void NetworkModel::clamp_state() noexcept {
   constexpr double kTiny = 1e-30;
   const auto bound = [](double& value, double largest) {
     value = std::abs(value) < kTiny ? 0.0 : std::clamp(value, -largest, largest);

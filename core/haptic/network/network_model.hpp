@@ -59,7 +59,7 @@ public:
   /// Frees the networks that the servo has done with.
   void collect() noexcept;
   /// False when too many wait already.
-  bool act(const Action& action) noexcept { return actions_.push(action); }
+  bool queue_action(const Action& action) noexcept { return actions_.push(action); }
 
   // the servo's side
   void begin() noexcept override;
@@ -79,30 +79,32 @@ public:
   /// it, that of the handle's springs included.
   [[nodiscard]] double energy_j() const noexcept;
   /// Ticks in which velocities were scaled down.
-  [[nodiscard]] std::uint64_t scaled_ticks() const noexcept { return scaled_ticks_; }
+  [[nodiscard]] std::uint64_t energy_limited_ticks() const noexcept {
+    return energy_limited_ticks_;
+  }
   [[nodiscard]] double step_s() const noexcept { return step_s_; }
 
 private:
   static constexpr std::size_t kPoints = Network::kMaxPoints;
   static constexpr std::size_t kMaxSteps = 1024, kMaxPlucks = 16;
-  static constexpr std::uint64_t kNobody = 0;
+  static constexpr std::uint64_t kNoKey = 0;
   using Row = std::array<double, kPoints>;
   struct Published {
     std::unique_ptr<const Network> network;
     double max_step_s;
   };
   struct Pluck {
-    std::uint64_t key = kNobody;
+    std::uint64_t key = kNoKey;
     std::size_t mass = 0;
     Vec3 force_n{};
-    double left_s = 0;
+    double remaining_s = 0;
     Vec3 velocity_before{}; ///< of the mass, in the step under way
   };
 
   void take_network() noexcept;
-  [[nodiscard]] double gain_of_grown(double before_m, std::size_t mass) const noexcept;
+  [[nodiscard]] double gain_after_growth(double before_m, std::size_t mass) const noexcept;
   void take_actions(const Vec3& handle) noexcept;
-  void obey(const Action& action, const Vec3& handle) noexcept;
+  void apply_action(const Action& action, const Vec3& handle) noexcept;
   [[nodiscard]] std::size_t find(std::uint64_t key) const noexcept;
   void reset() noexcept;
   void find_candidates(const Vec3& from, const Vec3& to, double period_s) noexcept;
@@ -112,14 +114,14 @@ private:
   void apply_plucks() noexcept;
   void end_plucks() noexcept;
   void integrate() noexcept;
-  void push_on(std::size_t mass, const Vec3& force) noexcept;
+  void add_force(std::size_t mass, const Vec3& force) noexcept;
   [[nodiscard]] NetworkSample read_pickups() const noexcept;
-  void keep_bounded() noexcept;
+  void clamp_state() noexcept;
   [[nodiscard]] double handle_energy_j() const noexcept;
-  [[nodiscard]] static double yielding_energy_j(double stiffness, double product,
-                                                double extent) noexcept;
+  [[nodiscard]] static double saturated_spring_energy_j(double stiffness, double product,
+                                                        double extent) noexcept;
   [[nodiscard]] double work_of_plucks() const noexcept;
-  void keep_passive(double work_j, double period_s) noexcept;
+  void limit_energy(double work_j, double period_s) noexcept;
 
   std::atomic<const Published*> pending_{nullptr};
   Ring<const Published*, 64> retired_;
@@ -136,7 +138,7 @@ private:
 
   Vec3 handle_{}, handle_velocity_{}; // at the end of the last tick, and during it
   bool started_ = false;
-  std::uint64_t grabbed_ = kNobody;
+  std::uint64_t grabbed_ = kNoKey;
   std::size_t grabbed_mass_ = 0;
   double grab_gain_ = 0; // 0..1 while the spring takes hold
   std::array<std::uint16_t, kPoints> candidates_{};
@@ -145,7 +147,7 @@ private:
 
   double budget_j_ = 0; // energy and what it has lately lost
   bool has_budget_ = false;
-  std::uint64_t scaled_ticks_ = 0;
+  std::uint64_t energy_limited_ticks_ = 0;
 
   std::array<NetworkSample, kMaxSteps> samples_{};
   std::size_t sample_count_ = 0;

@@ -61,8 +61,8 @@ Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
   sample_count_ = static_cast<std::size_t>(steps / stride);
   handle_ = goal;
   handle_velocity_ = velocity;
-  keep_bounded();
-  keep_passive(work_j, tick.period_s);
+  clamp_state();
+  limit_energy(work_j, tick.period_s);
   return limited(given * (-1.0 / steps), kMaxForce_n);
 }
 
@@ -75,9 +75,9 @@ void NetworkModel::find_candidates(const Vec3& from, const Vec3& to, double peri
   const Vec3 middle = (from + to) * 0.5;
   const double reach = touch.radius_m + 0.5 * norm(to - from) + kTouchMargin_m;
   for (std::size_t i = 0; i < count_; ++i) {
-    const Vec3 away = position(i) - middle, v = this->velocity(i);
+    const Vec3 offset = position(i) - middle, v = this->velocity(i);
     const double travel = 2 * period_s * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
-    if (inverse_mass_[i] > 0 && dot(away, away) < (reach + travel) * (reach + travel))
+    if (inverse_mass_[i] > 0 && dot(offset, offset) < (reach + travel) * (reach + travel))
       candidates_[candidate_count_++] = static_cast<std::uint16_t>(i);
   }
 }
@@ -94,7 +94,7 @@ void NetworkModel::raise_gains(double period_s) noexcept {
       else
         gain = std::min(1.0, gain + rise);
     }
-  if (grabbed_ != kNobody)
+  if (grabbed_ != kNoKey)
     grab_gain_ = std::min(1.0, grab_gain_ + rise);
 }
 
@@ -125,7 +125,7 @@ void NetworkModel::apply_links() noexcept {
   }
 }
 
-void NetworkModel::push_on(std::size_t mass, const Vec3& force) noexcept {
+void NetworkModel::add_force(std::size_t mass, const Vec3& force) noexcept {
   fx_[mass] += force.x, fy_[mass] += force.y, fz_[mass] += force.z;
 }
 
@@ -135,31 +135,31 @@ Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity)
   const NetworkTouch& touch = network_->touch;
   for (std::size_t c = 0; c < candidate_count_; ++c) {
     const std::size_t i = candidates_[c];
-    const Vec3 away = position(i) - handle;
-    const double length2 = dot(away, away);
+    const Vec3 offset = position(i) - handle;
+    const double length2 = dot(offset, offset);
     if (length2 >= touch.radius_m * touch.radius_m || length2 < kMinLength2_m2)
       continue;
     const double length = std::sqrt(length2);
-    const Vec3 normal = away * (1.0 / length);
-    const double leaving = dot(velocity(i) - handle_velocity, normal);
-    const double push =
+    const Vec3 normal = offset * (1.0 / length);
+    const double separation_speed = dot(velocity(i) - handle_velocity, normal);
+    const double contact_force =
         std::min(touch_gain_[i] * (touch.stiffness_n_per_m * (touch.radius_m - length) -
-                                   touch.damping_n_s_per_m * leaving),
+                                   touch.damping_n_s_per_m * separation_speed),
                  kMaxHandle_n);
-    if (push <= 0)
+    if (contact_force <= 0)
       continue;
-    const Vec3 force = normal * push;
-    push_on(i, force);
+    const Vec3 force = normal * contact_force;
+    add_force(i, force);
     sum += force;
   }
-  if (grabbed_ != kNobody) {
+  if (grabbed_ != kNoKey) {
     const NetworkGrab& grab = network_->grab;
     const std::size_t i = grabbed_mass_;
     const Vec3 force = limited(((handle - position(i)) * grab.stiffness_n_per_m +
                                 (handle_velocity - velocity(i)) * grab.damping_n_s_per_m) *
                                    grab_gain_,
                                kMaxHandle_n);
-    push_on(i, force);
+    add_force(i, force);
     sum += force;
   }
   return sum;
@@ -167,28 +167,28 @@ Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity)
 
 void NetworkModel::apply_plucks() noexcept {
   for (Pluck& pluck : plucks_)
-    if (pluck.key != kNobody) {
-      push_on(pluck.mass, pluck.force_n);
+    if (pluck.key != kNoKey) {
+      add_force(pluck.mass, pluck.force_n);
       pluck.velocity_before = velocity(pluck.mass);
     }
 }
 
 void NetworkModel::end_plucks() noexcept {
   for (Pluck& pluck : plucks_) {
-    pluck.left_s -= step_s_;
-    if (pluck.left_s < 0.5 * step_s_)
-      pluck.key = kNobody;
+    pluck.remaining_s -= step_s_;
+    if (pluck.remaining_s < 0.5 * step_s_)
+      pluck.key = kNoKey;
   }
 }
 
 void NetworkModel::integrate() noexcept {
-  const double h = step_s_, kept = 1.0 - h * network_->drag_per_s;
-  const Vec3 fall = network_->gravity * h;
+  const double h = step_s_, velocity_decay = 1.0 - h * network_->drag_per_s;
+  const Vec3 gravity_step = network_->gravity * h;
   for (std::size_t i = 0; i < count_; ++i) {
-    const double moves = inverse_mass_[i] > 0 ? 1.0 : 0.0;
-    vx_[i] = vx_[i] * kept + h * fx_[i] * inverse_mass_[i] + fall.x * moves;
-    vy_[i] = vy_[i] * kept + h * fy_[i] * inverse_mass_[i] + fall.y * moves;
-    vz_[i] = vz_[i] * kept + h * fz_[i] * inverse_mass_[i] + fall.z * moves;
+    const double movable = inverse_mass_[i] > 0 ? 1.0 : 0.0;
+    vx_[i] = vx_[i] * velocity_decay + h * fx_[i] * inverse_mass_[i] + gravity_step.x * movable;
+    vy_[i] = vy_[i] * velocity_decay + h * fy_[i] * inverse_mass_[i] + gravity_step.y * movable;
+    vz_[i] = vz_[i] * velocity_decay + h * fz_[i] * inverse_mass_[i] + gravity_step.z * movable;
     x_[i] += h * vx_[i];
     y_[i] += h * vy_[i];
     z_[i] += h * vz_[i];

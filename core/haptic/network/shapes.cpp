@@ -24,15 +24,17 @@ bool is_corner(int nx, int ny, int i, int j) noexcept {
 
 NetworkPart make_string(const NetworkString& string) {
   NetworkPart part;
-  const int pieces = string.count + 1;
-  const double spacing = norm(string.to - string.from) / pieces;
-  const double softest = string.tension_n / spacing;
-  const double stiffness = std::max(string.stiffness_n_per_m, softest);
-  const double rest_length = stiffness > softest ? spacing - string.tension_n / stiffness : 0.0;
-  for (int i = 0; i <= pieces; ++i) {
-    const double share = static_cast<double>(i) / pieces;
+  const int segments = string.count + 1;
+  const double spacing = norm(string.to - string.from) / segments;
+  const double min_stiffness = string.tension_n / spacing;
+  const double stiffness = std::max(string.stiffness_n_per_m, min_stiffness);
+  const double rest_length =
+      stiffness > min_stiffness ? spacing - string.tension_n / stiffness : 0.0;
+  for (int i = 0; i <= segments; ++i) {
+    const double share = static_cast<double>(i) / segments;
     part.masses.push_back({0, string.mass_kg / string.count,
-                           string.from + (string.to - string.from) * share, i == 0 || i == pieces});
+                           string.from + (string.to - string.from) * share,
+                           i == 0 || i == segments});
     if (i > 0)
       part.links.push_back(link_between(static_cast<std::size_t>(i - 1),
                                         static_cast<std::size_t>(i), stiffness, rest_length,
@@ -68,13 +70,13 @@ NetworkPart make_membrane(const NetworkMembrane& membrane) {
       position[second] += extent[second] * j / (ny + 1);
       const bool rim = i == 0 || i == nx + 1 || j == 0 || j == ny + 1;
       part.masses.push_back({0, membrane.mass_kg / (nx * ny), position, rim});
-      const std::size_t here = part.masses.size() - 1;
+      const std::size_t index = part.masses.size() - 1;
       const double damping = membrane.damping_n_s_per_m;
       if (i > 0 && j > 0 && j <= ny)
-        part.links.push_back(link_between(membrane_index(nx, ny, i - 1, j), here,
+        part.links.push_back(link_between(membrane_index(nx, ny, i - 1, j), index,
                                           membrane.tension_n_per_m * dy / dx, 0, damping));
       if (j > 0 && i > 0 && i <= nx)
-        part.links.push_back(link_between(membrane_index(nx, ny, i, j - 1), here,
+        part.links.push_back(link_between(membrane_index(nx, ny, i, j - 1), index,
                                           membrane.tension_n_per_m * dx / dy, 0, damping));
     }
   return part;

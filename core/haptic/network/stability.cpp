@@ -48,12 +48,12 @@ NetworkSteps steps_per_tick(const Network& network, double max_step_s, double pe
   const double load = std::max(1.0, static_cast<double>(network.links.size()) +
                                         0.25 * static_cast<double>(network.masses.size()));
   const double max_steps = std::min(std::floor(kMaxNetworkWork / load), 1.0 * kMaxStepsPerTick);
-  const double needed = std::max(1.0, std::ceil(period_s / (kStepMargin * max_step_s) - 1e-9));
-  const double wanted = std::max(1.0, std::floor(network.rate_hz * period_s + 0.5));
-  double steps = std::max(needed, std::min(wanted, max_steps));
+  const double min_steps = std::max(1.0, std::ceil(period_s / (kStepMargin * max_step_s) - 1e-9));
+  const double desired_steps = std::max(1.0, std::floor(network.rate_hz * period_s + 0.5));
+  double steps = std::max(min_steps, std::min(desired_steps, max_steps));
   const double stride = std::max(1.0, std::floor(steps / (period_s * kSampleRate_hz) + 1e-9));
-  steps = std::floor(steps / stride) * stride < needed ? std::ceil(steps / stride) * stride
-                                                       : std::floor(steps / stride) * stride;
+  steps = std::floor(steps / stride) * stride < min_steps ? std::ceil(steps / stride) * stride
+                                                          : std::floor(steps / stride) * stride;
   if (!(steps <= max_steps))
     return {};
   return {static_cast<int>(steps), static_cast<int>(stride)};

@@ -10,13 +10,13 @@ constexpr double kParallel = 1e-9; // sine of the angle below which two faces ar
 
 /// Pushes that put goal + sum push_i normal_i onto all the faces; false when they are (nearly)
 /// dependent. The Gram matrix of one to three normals, by Cramer.
-bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
-               std::array<double, 3>& push) noexcept {
+bool solve_multipliers(std::span<const HalfSpace* const> active, const Vec3& goal,
+                       std::array<double, 3>& multiplier) noexcept {
   std::array<double, 3> depth{};
   for (std::size_t i = 0; i < active.size(); ++i)
     depth[i] = active[i]->offset - dot(active[i]->normal, goal);
   if (active.size() == 1) {
-    push[0] = depth[0];
+    multiplier[0] = depth[0];
     return true;
   }
   const Vec3 a = active[0]->normal, b = active[1]->normal;
@@ -25,8 +25,8 @@ bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
   if (active.size() == 2) {
     if (area < kParallel * kParallel)
       return false;
-    push[0] = (depth[0] - cosine * depth[1]) / area;
-    push[1] = (depth[1] - cosine * depth[0]) / area;
+    multiplier[0] = (depth[0] - cosine * depth[1]) / area;
+    multiplier[1] = (depth[1] - cosine * depth[0]) / area;
     return true;
   }
   // Three faces meet in one point: x - goal = (d0 b x c + d1 c x a + d2 a x b) / (a . b x c), and
@@ -37,7 +37,7 @@ bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
   if (std::abs(volume) < kParallel)
     return false;
   const Vec3 offset = (bc * depth[0] + ca * depth[1] + line * depth[2]) * (1.0 / volume);
-  push = {dot(offset, bc) / volume, dot(offset, ca) / volume, dot(offset, line) / volume};
+  multiplier = {dot(offset, bc) / volume, dot(offset, ca) / volume, dot(offset, line) / volume};
   return true;
 }
 
@@ -46,7 +46,7 @@ bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
 std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
                                           const Vec3& goal) noexcept {
   const std::size_t count = std::min(faces.size(), kMaxHalfSpaces);
-  for (int wanted = 0; wanted <= 3; ++wanted)
+  for (int active_count = 0; active_count <= 3; ++active_count)
     for (unsigned set = 0; set < 1u << count; ++set) {
       std::array<const HalfSpace*, 3> active{};
       std::array<std::size_t, 3> index{};
@@ -57,21 +57,21 @@ std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
             active[size] = &faces[i], index[size] = i;
           ++size;
         }
-      if (size != static_cast<std::size_t>(wanted))
+      if (size != static_cast<std::size_t>(active_count))
         continue;
-      std::array<double, 3> push{};
-      if (size > 0 && !pushes_of({active.data(), size}, goal, push))
+      std::array<double, 3> multiplier{};
+      if (size > 0 && !solve_multipliers({active.data(), size}, goal, multiplier))
         continue;
       NearestPoint nearest{goal, {}};
-      bool good = true;
+      bool feasible = true;
       for (std::size_t i = 0; i < size; ++i) {
-        good = good && push[i] >= -kTolerance_m;
-        nearest.push[index[i]] = std::max(push[i], 0.0);
-        nearest.point += active[i]->normal * push[i];
+        feasible = feasible && multiplier[i] >= -kTolerance_m;
+        nearest.multiplier[index[i]] = std::max(multiplier[i], 0.0);
+        nearest.point += active[i]->normal * multiplier[i];
       }
-      for (std::size_t i = 0; i < count && good; ++i)
-        good = dot(faces[i].normal, nearest.point) >= faces[i].offset - kTolerance_m;
-      if (good)
+      for (std::size_t i = 0; i < count && feasible; ++i)
+        feasible = dot(faces[i].normal, nearest.point) >= faces[i].offset - kTolerance_m;
+      if (feasible)
         return nearest;
     }
   return std::nullopt;

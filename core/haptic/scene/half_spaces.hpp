@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxHalfSpaces = 4;
 struct NearestPoint {
   Vec3 point;
   /// How far each half space pushes: point = goal + sum push_i normal_i, none negative.
-  std::array<double, kMaxHalfSpaces> push{};
+  std::array<double, kMaxHalfSpaces> multiplier{};
 };
 
 /// The point common to at most four half spaces that is nearest to the goal: the optimum of

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMaxTriangles = 4'000'000;
 constexpr std::size_t kHeader = 84, kRecord = 50; // bytes of a binary STL
 
-std::uint32_t word_at(std::string_view bytes, std::size_t at) {
+std::uint32_t read_uint32(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
   for (std::size_t i = 4; i-- > 0;)
     word = word << 8 | static_cast<unsigned char>(bytes[at + i]);
@@ -19,12 +19,12 @@ std::uint32_t word_at(std::string_view bytes, std::size_t at) {
 
 bool is_binary_stl(std::string_view bytes) {
   return bytes.size() >= kHeader &&
-         bytes.size() == kHeader + kRecord * static_cast<std::size_t>(word_at(bytes, 80));
+         bytes.size() == kHeader + kRecord * static_cast<std::size_t>(read_uint32(bytes, 80));
 }
 
-ParsedMesh binary_stl(std::string_view bytes) {
+ParsedMesh parse_binary_stl(std::string_view bytes) {
   ParsedMesh mesh;
-  const std::uint32_t count = word_at(bytes, 80);
+  const std::uint32_t count = read_uint32(bytes, 80);
   if (count > kMaxTriangles)
     return {{}, {}, "has more than 4 million triangles"};
   mesh.corners.reserve(3 * std::size_t{count});
@@ -35,7 +35,7 @@ ParsedMesh binary_stl(std::string_view bytes) {
       Vec3 point;
       for (int axis = 0; axis < 3; ++axis)
         point[axis] = static_cast<double>(std::bit_cast<float>(
-            word_at(bytes, record + 12 * corner + 4 * static_cast<std::size_t>(axis))));
+            read_uint32(bytes, record + 12 * corner + 4 * static_cast<std::size_t>(axis))));
       if (!is_finite(point))
         return {{}, {}, "triangle " + std::to_string(t + 1) + " has a corner that is no number"};
       mesh.corners.push_back(point);
@@ -47,16 +47,16 @@ ParsedMesh binary_stl(std::string_view bytes) {
 }
 
 /// Words of one line, from the left.
-class Words {
+class Tokenizer {
 public:
-  explicit Words(std::string_view line) : rest_(line) {}
+  explicit Tokenizer(std::string_view line) : remaining_(line) {}
   std::string_view next() {
-    const std::size_t begin = rest_.find_first_not_of(" \t\r");
+    const std::size_t begin = remaining_.find_first_not_of(" \t\r");
     if (begin == std::string_view::npos)
-      return rest_ = {};
-    rest_.remove_prefix(begin);
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r"));
-    rest_.remove_prefix(word.size());
+      return remaining_ = {};
+    remaining_.remove_prefix(begin);
+    const std::string_view word = remaining_.substr(0, remaining_.find_first_of(" \t\r"));
+    remaining_.remove_prefix(word.size());
     return word;
   }
   bool point(Vec3& p) {
@@ -70,11 +70,11 @@ public:
   }
 
 private:
-  std::string_view rest_;
+  std::string_view remaining_;
 };
 
 /// "7", "7/1", "7//2", "-1": which corner, from 0; false when there is none such.
-bool corner_of(std::string_view word, std::size_t count, std::uint32_t& corner) {
+bool parse_corner(std::string_view word, std::size_t count, std::uint32_t& corner) {
   long long number = 0;
   const auto read = std::from_chars(word.data(), word.data() + word.size(), number);
   if (read.ec != std::errc() || (read.ptr != word.data() + word.size() && *read.ptr != '/'))
@@ -86,23 +86,23 @@ bool corner_of(std::string_view word, std::size_t count, std::uint32_t& corner) 
   return true;
 }
 
-ParsedMesh text_file(std::string_view text) {
+ParsedMesh parse_text_mesh(std::string_view text) {
   ParsedMesh mesh;
   std::size_t number = 0;
-  const auto wrong = [&](std::string_view what) {
+  const auto fail = [&](std::string_view what) {
     return ParsedMesh{{}, {}, "line " + std::to_string(number) + ": " + std::string(what)};
   };
   std::uint32_t loop = 0; // corners of an STL facet so far
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
-    Words words(text.substr(0, end));
+    Tokenizer words(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     ++number;
     const std::string_view kind = words.next();
     if (kind == "v" || kind == "vertex") {
       Vec3 point;
       if (!words.point(point))
-        return wrong("expected three numbers");
+        return fail("expected three numbers");
       mesh.corners.push_back(point);
       if (kind == "vertex" && ++loop == 3) {
         const auto count = static_cast<std::uint32_t>(mesh.corners.size());
@@ -114,8 +114,8 @@ ParsedMesh text_file(std::string_view text) {
       std::uint32_t first = 0, before = 0, corner = 0;
       int size = 0;
       for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++size) {
-        if (!corner_of(word, mesh.corners.size(), corner))
-          return wrong("a face has no corner " + std::string(word));
+        if (!parse_corner(word, mesh.corners.size(), corner))
+          return fail("a face has no corner " + std::string(word));
         if (size == 0)
           first = corner;
         if (size >= 2)
@@ -123,7 +123,7 @@ ParsedMesh text_file(std::string_view text) {
         before = corner;
       }
       if (size < 3)
-        return wrong("a face needs three corners");
+        return fail("a face needs three corners");
     }
     if (mesh.triangles.size() > kMaxTriangles)
       return {{}, {}, "has more than 4 million triangles"};
@@ -136,7 +136,7 @@ ParsedMesh text_file(std::string_view text) {
 } // namespace
 
 ParsedMesh parse_mesh(std::string_view bytes) {
-  return is_binary_stl(bytes) ? binary_stl(bytes) : text_file(bytes);
+  return is_binary_stl(bytes) ? parse_binary_stl(bytes) : parse_text_mesh(bytes);
 }
 
 } // namespace tactus::haptic

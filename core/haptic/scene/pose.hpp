@@ -22,7 +22,7 @@ struct Rotation {
   double w = 1, x = 0, y = 0, z = 0;
 
   /// v + 2 w (q x v) + 2 q x (q x v)
-  [[nodiscard]] Vec3 turned(const Vec3& v) const noexcept {
+  [[nodiscard]] Vec3 rotated(const Vec3& v) const noexcept {
     const Vec3 q{x, y, z}, first = 2.0 * cross(q, v);
     return v + w * first + cross(q, first);
   }
@@ -40,10 +40,10 @@ struct Pose {
   Rotation rotation{};
 
   [[nodiscard]] Vec3 to_world(const Vec3& local) const noexcept {
-    return position + rotation.turned(local);
+    return position + rotation.rotated(local);
   }
   [[nodiscard]] Vec3 to_local(const Vec3& world) const noexcept {
-    return rotation.inverse().turned(world - position);
+    return rotation.inverse().rotated(world - position);
   }
   friend bool operator==(const Pose&, const Pose&) = default;
 };

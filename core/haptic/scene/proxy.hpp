@@ -20,9 +20,9 @@ struct Obstacle {
 /// A face that holds the proxy back.
 struct Touch {
   std::size_t slot = 0;
-  Vec3 point{};      ///< m, world: a position of the tool's centre in which it touches the face
-  Vec3 normal{};     ///< outwards, world
-  double push_m = 0; ///< the normal's share of the distance from the goal to the proxy
+  Vec3 point{};  ///< m, world: a position of the tool's centre in which it touches the face
+  Vec3 normal{}; ///< outwards, world
+  double penetration_m = 0; ///< the normal's share of the distance from the goal to the proxy
 };
 
 struct Touches {
@@ -33,12 +33,12 @@ struct Touches {
   [[nodiscard]] Vec3 normal_part() const noexcept {
     Vec3 sum;
     for (const Touch& one : all())
-      sum += one.normal * one.push_m;
+      sum += one.normal * one.penetration_m;
     return sum;
   }
   /// The pushes that put the goal in front of all these faces; false, with all as it was, when
   /// rounding hides them.
-  bool press(const Vec3& goal) noexcept;
+  bool solve_penetration(const Vec3& goal) noexcept;
 };
 
 /// What surrounds the tool in this tick, and what may be spent on it.
@@ -67,23 +67,24 @@ public:
     Vec3 end{};
     Touches touches{};
     Touch first{}; ///< the first face that was entered
-    bool met = false;
+    bool hit = false;
     bool complete = true; ///< else the work was exhausted before the nearest point was found
   };
   /// From a position outside towards the goal, as far as the obstacles let it. Bounded time.
   [[nodiscard]] static Result settle(const Vec3& start, const Vec3& goal,
-                                     const Surroundings& around) noexcept;
+                                     const Surroundings& surroundings) noexcept;
 
   /// The fraction of a straight motion that is free of all obstacles but one, and what ends it.
   struct Stop {
     double fraction = 1;
     Touch touch{};
-    bool met = false;
+    bool hit = false;
     bool complete = true; ///< else nothing is known
   };
-  static constexpr std::size_t kNobody = ~std::size_t{0};
-  [[nodiscard]] static Stop sweep(const Vec3& from, const Vec3& to, const Surroundings& around,
-                                  std::size_t except = kNobody) noexcept;
+  static constexpr std::size_t kNoSlot = ~std::size_t{0};
+  [[nodiscard]] static Stop sweep(const Vec3& from, const Vec3& to,
+                                  const Surroundings& surroundings,
+                                  std::size_t except = kNoSlot) noexcept;
 };
 
 } // namespace tactus::haptic

@@ -20,50 +20,51 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
     glide(slots_[i]);
   if (!started_) {
     proxy_ = goal;
-    velocity_before_ = velocity;
+    previous_velocity_ = velocity;
     touches_.count = 0;
     started_ = true;
   }
   // Half of the work is kept for the contact, so that it goes on while everything moves, and half
   // of the rest for motions, so that bodies move while others appear.
   WorkLimit appearing(work_per_tick_ / 4);
-  emerge(tick, appearing);
-  look_around(goal);
-  WorkLimit moving(work_per_tick_ / 4 + std::max<std::int64_t>(appearing.left(), 0));
-  carry(moving);
-  WorkLimit work(work_per_tick_ / 2 + std::max<std::int64_t>(moving.left(), 0));
-  if (near_count_ == 0) {
+  resolve_overlaps(tick, appearing);
+  find_near_bodies(goal);
+  WorkLimit moving(work_per_tick_ / 4 + std::max<std::int64_t>(appearing.remaining(), 0));
+  move_bodies(moving);
+  WorkLimit work(work_per_tick_ / 2 + std::max<std::int64_t>(moving.remaining(), 0));
+  if (near_body_count_ == 0) {
     proxy_ = goal;
     touches_.count = 0;
     complete_ = true;
-    stride_m_ = kAnyStride;
+    max_motion_m_ = kUnlimitedMotion;
   } else if (!sticks(goal)) {
     slide(goal, work);
   }
   const Vec3 force = render(tick, goal, velocity);
-  notice(tick);
-  velocity_before_ = velocity;
+  push_events(tick);
+  previous_velocity_ = velocity;
   return force;
 }
 
 /// The bodies that the proxy can meet in this tick, those that it touches first: their faces cut a
 /// motion short, and what lies behind is then not looked at. The proxy stays within |proxy - goal|
 /// of its goals, and friction moves these by no more than that again.
-void SceneModel::look_around(const Vec3& goal) noexcept {
+void SceneModel::find_near_bodies(const Vec3& goal) noexcept {
   double reach = 3.0 * norm(proxy_ - goal) + 1e-6;
   for (const Slot& slot : slots())
     if (slot.moved()) // what it carries goes along
       reach += 3.0 * norm(slot.pose.to_world(slot.before.to_local(proxy_)) - proxy_);
-  near_count_ = 0;
-  std::fill_n(near_index_.begin(), count_, Proxy::kNobody);
+  near_body_count_ = 0;
+  std::fill_n(near_body_index_.begin(), count_, Proxy::kNoSlot);
   const auto add = [&](std::size_t i) {
     const Slot& slot = slots_[i];
-    if (near_index_[i] != Proxy::kNobody ||
+    if (near_body_index_[i] != Proxy::kNoSlot ||
         (!slot.moved() &&
          distance_lower_bound(slot.body->shape, slot.pose.to_local(goal)) - tool_radius_m_ > reach))
       return;
-    near_index_[i] = near_count_;
-    near_[near_count_++] = {slot.body, slot.pose, i, bounds_of(slot.body->shape, slot.pose)};
+    near_body_index_[i] = near_body_count_;
+    near_bodies_[near_body_count_++] = {slot.body, slot.pose, i,
+                                        bounds_of(slot.body->shape, slot.pose)};
   };
   for (const Touch& touch : touches_.all())
     add(touch.slot);
@@ -75,25 +76,26 @@ double SceneModel::friction_of(const Touches& touches) const noexcept {
   double weight = 0, sum = 0;
   for (const Touch& touch : touches.all()) {
     const Material& material = slots_[touch.slot].body->material;
-    const double here = material.stiffness_n_per_m * touch.push_m;
-    weight += here;
-    sum += here * material.friction;
+    const double normal_force = material.stiffness_n_per_m * touch.penetration_m;
+    weight += normal_force;
+    sum += normal_force * material.friction;
   }
   return weight > 0.0 ? sum / weight : 0.0;
 }
 
 /// The faces that held the proxy in the last tick, where their bodies have taken them.
-Touches SceneModel::carried_touches() const noexcept {
-  Touches carried = touches_;
-  for (std::size_t i = 0; i < carried.count; ++i) {
-    Touch& touch = carried.touch[i];
+Touches SceneModel::moved_touches() const noexcept {
+  Touches result = touches_;
+  for (std::size_t i = 0; i < result.count; ++i) {
+    Touch& touch = result.touch[i];
     const Slot& slot = slots_[touch.slot];
     if (slot.moved()) {
-      touch.normal = slot.pose.rotation.turned(slot.before.rotation.inverse().turned(touch.normal));
+      touch.normal =
+          slot.pose.rotation.rotated(slot.before.rotation.inverse().rotated(touch.normal));
       touch.point = slot.pose.to_world(slot.before.to_local(touch.point));
     }
   }
-  return carried;
+  return result;
 }
 
 /// Whether the handle lies within the friction cone below a proxy that faces already hold: then
@@ -101,7 +103,7 @@ Touches SceneModel::carried_touches() const noexcept {
 bool SceneModel::sticks(const Vec3& goal) noexcept {
   if (touches_.count == 0 || !complete_)
     return false;
-  Touches held = carried_touches();
+  Touches held = moved_touches();
   std::array<HalfSpace, 3> faces{};
   for (std::size_t i = 0; i < held.count; ++i)
     faces[i] = {held.touch[i].normal, dot(held.touch[i].normal, proxy_)};
@@ -109,7 +111,7 @@ bool SceneModel::sticks(const Vec3& goal) noexcept {
   if (!nearest)
     return false;
   for (std::size_t i = 0; i < held.count; ++i)
-    held.touch[i].push_m = nearest->push[i];
+    held.touch[i].penetration_m = nearest->multiplier[i];
   const double friction = friction_of(held);
   if (!(friction > 0.0) || !(norm(proxy_ - nearest->point) <= friction * norm(held.normal_part())))
     return false;
@@ -120,16 +122,16 @@ bool SceneModel::sticks(const Vec3& goal) noexcept {
 /// The proxy goes where the faces and friction let it: as far as the nearest point to the handle,
 /// less what friction holds back.
 void SceneModel::slide(const Vec3& goal, WorkLimit& work) noexcept {
-  const Surroundings around{{near_.data(), near_count_}, tool_radius_m_, work};
+  const Surroundings surroundings{{near_bodies_.data(), near_body_count_}, tool_radius_m_, work};
   const double distance = norm(goal - proxy_);
-  const bool shortened = distance > stride_m_;
-  const Vec3 target = shortened ? proxy_ + (goal - proxy_) * (stride_m_ / distance) : goal;
-  const Proxy::Result smooth = Proxy::settle(proxy_, target, around);
+  const bool shortened = distance > max_motion_m_;
+  const Vec3 target = shortened ? proxy_ + (goal - proxy_) * (max_motion_m_ / distance) : goal;
+  const Proxy::Result smooth = Proxy::settle(proxy_, target, surroundings);
   complete_ = smooth.complete && !shortened;
   if (!complete_)
-    return catch_up(smooth, goal, shortened ? stride_m_ : distance);
-  stride_m_ = kAnyStride;
-  const Proxy::Result found = rub(smooth, goal, around);
+    return keep_incomplete(smooth, goal, shortened ? max_motion_m_ : distance);
+  max_motion_m_ = kUnlimitedMotion;
+  const Proxy::Result found = apply_friction(smooth, goal, surroundings);
   proxy_ = found.end;
   touches_ = found.touches;
 }
@@ -137,16 +139,16 @@ void SceneModel::slide(const Vec3& goal, WorkLimit& work) noexcept {
 /// The work did not suffice: the proxy is on its way. Its faces are pressed by the whole distance
 /// to the handle. Where it did not get on, the next tick tries a shorter motion, which costs less;
 /// then longer ones again.
-void SceneModel::catch_up(const Proxy::Result& result, const Vec3& goal,
-                          double attempted_m) noexcept {
-  constexpr double kMinStride_m = 1e-7;
+void SceneModel::keep_incomplete(const Proxy::Result& result, const Vec3& goal,
+                                 double attempted_m) noexcept {
+  constexpr double kMinMotion_m = 1e-7;
   if (result.complete)
-    stride_m_ *= 4.0;
+    max_motion_m_ *= 4.0;
   else if (norm(result.end - proxy_) < attempted_m / 8)
-    stride_m_ = std::max(attempted_m / 4, kMinStride_m);
+    max_motion_m_ = std::max(attempted_m / 4, kMinMotion_m);
   // Without any motion there may be no new face either: then the old ones still hold.
-  Touches faces = result.complete || result.met ? result.touches : carried_touches();
-  if (faces.press(goal))
+  Touches faces = result.complete || result.hit ? result.touches : moved_touches();
+  if (faces.solve_penetration(goal))
     touches_ = faces;
   proxy_ = result.end;
 }
@@ -155,8 +157,8 @@ void SceneModel::catch_up(const Proxy::Result& result, const Vec3& goal,
 /// proxy came from that the drag is mu times the normal force. On flat faces one round is exact; on
 /// curved ones the normal turns along the path, and the length is found again. When the work is
 /// exhausted the last round that is complete counts.
-Proxy::Result SceneModel::rub(const Proxy::Result& smooth, const Vec3& goal,
-                              const Surroundings& around) const noexcept {
+Proxy::Result SceneModel::apply_friction(const Proxy::Result& smooth, const Vec3& goal,
+                                         const Surroundings& surroundings) const noexcept {
   Proxy::Result found = smooth;
   const double friction = friction_of(found.touches);
   if (!(friction > 0.0))
@@ -167,18 +169,19 @@ Proxy::Result SceneModel::rub(const Proxy::Result& smooth, const Vec3& goal,
   const double max_length = norm(back);
   double length = std::min(max_length, friction * norm(normal_part));
   for (int round = 0; round < kFrictionRounds && length > 0.0; ++round) {
-    const Vec3 hold = back * (length / max_length);
-    const Proxy::Result slid = Proxy::settle(proxy_, goal + hold, around);
+    const Vec3 friction_offset = back * (length / max_length);
+    const Proxy::Result slid = Proxy::settle(proxy_, goal + friction_offset, surroundings);
     if (!slid.complete || slid.touches.count == 0)
       break; // the latter: over an edge, with nothing to rub on
     found = slid;
     // The drag that this gives against the one that the cone allows, at the slid proxy's normal.
     const Vec3 spring = slid.end - goal, along = slid.touches.normal_part();
     const double drag = norm(without_component(spring, along));
-    const double press = dot(spring, along) / norm(along);
-    if (!(drag > 0.0) || !(press > 0.0))
+    const double solve_penetration = dot(spring, along) / norm(along);
+    if (!(drag > 0.0) || !(solve_penetration > 0.0))
       break;
-    const double next = std::min(max_length, length * friction_of(slid.touches) * press / drag);
+    const double next =
+        std::min(max_length, length * friction_of(slid.touches) * solve_penetration / drag);
     if (std::abs(next - length) <= 1e-9 * length)
       break;
     length = next;

@@ -3,13 +3,13 @@
 /// Hits, contacts and releases.
 namespace tactus::haptic {
 
-void SceneModel::notice(const Tick& tick) noexcept {
+void SceneModel::push_events(const Tick& tick) noexcept {
   using Kind = ContactEvent::Kind;
   std::array<const Touch*, Scene::kMaxBodies> now{};
   std::array<double, Scene::kMaxBodies> depth{};
   for (const Touch& touch : touches_.all()) {
-    depth[touch.slot] = std::hypot(depth[touch.slot], touch.push_m);
-    if (!now[touch.slot] || touch.push_m > now[touch.slot]->push_m)
+    depth[touch.slot] = std::hypot(depth[touch.slot], touch.penetration_m);
+    if (!now[touch.slot] || touch.penetration_m > now[touch.slot]->penetration_m)
       now[touch.slot] = &touch;
   }
   WorkLimit work(work_per_tick_ / 8);
@@ -22,18 +22,18 @@ void SceneModel::notice(const Tick& tick) noexcept {
       event.point = proxy_ - now[i]->normal * (Proxy::kSkin_m + tool_radius_m_);
       event.normal = now[i]->normal;
       slot.point = slot.pose.to_local(event.point);
-      slot.normal = slot.pose.rotation.inverse().turned(event.normal);
+      slot.normal = slot.pose.rotation.inverse().rotated(event.normal);
     } else {
       event.point = slot.pose.to_world(slot.point);
-      event.normal = slot.pose.rotation.turned(slot.normal);
+      event.normal = slot.pose.rotation.rotated(slot.normal);
     }
     if (now[i] && !slot.touching) {
-      const Vec3 v = velocity_before_ - velocity_of(slot, event.point, tick.period_s);
+      const Vec3 v = previous_velocity_ - velocity_of(slot, event.point, tick.period_s);
       event.approach_m_per_s = -dot(v, event.normal);
       event.slip_m_per_s = norm(without_component(v, event.normal));
-      if (slot.armed && slot.emerged_s < 0 && event.approach_m_per_s >= kMinHit_m_per_s)
+      if (slot.armed && slot.overlap_start_s < 0 && event.approach_m_per_s >= kMinHit_m_per_s)
         events_.push(event);
-      slot.armed = slot.departed = false;
+      slot.armed = slot.separated = false;
       slot.reported_s = -1e9;
     }
     if (now[i] && tick.time_s - slot.reported_s >= kContactEvery_s - 1e-9) {
@@ -49,7 +49,7 @@ void SceneModel::notice(const Tick& tick) noexcept {
       event.kind = Kind::kRelease;
       events_.push(event);
       slot.released_s = tick.time_s;
-      slot.emerged_s = -1;
+      slot.overlap_start_s = -1;
     }
     slot.touching = touching;
     slot.force_n = norm(body_force_[i]);
@@ -63,10 +63,10 @@ void SceneModel::notice(const Tick& tick) noexcept {
 void SceneModel::rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept {
   if (slot.touching || slot.armed)
     return;
-  if (!slot.departed)
-    slot.departed =
+  if (!slot.separated)
+    slot.separated =
         is_farther(slot.body->shape, slot.pose.to_local(proxy_), tool_radius_m_ + kRearm_m, work);
-  slot.armed = slot.departed && tick.time_s - slot.released_s >= kRearm_s - 1e-9;
+  slot.armed = slot.separated && tick.time_s - slot.released_s >= kRearm_s - 1e-9;
 }
 
 } // namespace tactus::haptic

@@ -27,13 +27,13 @@ void SceneModel::collect() noexcept {
 void SceneModel::begin() noexcept {
   started_ = false;
   complete_ = true;
-  stride_m_ = kAnyStride;
+  max_motion_m_ = kUnlimitedMotion;
   touches_.count = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     Slot& slot = slots_[i];
     slot.touching = false;
-    slot.armed = slot.fresh = true;
-    slot.emerged_s = -1;
+    slot.armed = slot.is_new = true;
+    slot.overlap_start_s = -1;
   }
 }
 
@@ -63,15 +63,15 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
         new_index[j] = i;
         break;
       }
-    if (slot.fresh && !slot.body)
+    if (slot.is_new && !slot.body)
       slot.pose = slot.before = slot.start = slot.goal = body.pose;
-    slot.fresh = slot.fresh || grows;
+    slot.is_new = slot.is_new || grows;
     slot.body = &body;
     slot.key = body.key;
     if (!(slot.goal == body.pose)) {
       slot.start = slot.pose;
       slot.goal = body.pose;
-      slot.glided = 0;
+      slot.glide_elapsed_ticks = 0;
       slot.glide_ticks = std::clamp(std::floor(body.glide_s / tick.period_s + 0.5), 1.0, 1e9);
     }
   }
@@ -96,49 +96,50 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
 
 void SceneModel::glide(Slot& slot) noexcept {
   slot.before = slot.pose;
-  if (slot.glided >= slot.glide_ticks)
+  if (slot.glide_elapsed_ticks >= slot.glide_ticks)
     return;
-  slot.glided += 1;
-  if (slot.glided >= slot.glide_ticks) {
+  slot.glide_elapsed_ticks += 1;
+  if (slot.glide_elapsed_ticks >= slot.glide_ticks) {
     slot.pose = slot.goal;
     return;
   }
-  const double share = slot.glided / slot.glide_ticks;
+  const double share = slot.glide_elapsed_ticks / slot.glide_ticks;
   const Rotation &a = slot.start.rotation, &b = slot.goal.rotation;
-  const double near = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -share : share;
+  const double signed_share = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -share : share;
   slot.pose.position = slot.start.position + (slot.goal.position - slot.start.position) * share;
-  slot.pose.rotation = Rotation::of(a.w + near * b.w - share * a.w, a.x + near * b.x - share * a.x,
-                                    a.y + near * b.y - share * a.y, a.z + near * b.z - share * a.z);
+  slot.pose.rotation =
+      Rotation::of(a.w + signed_share * b.w - share * a.w, a.x + signed_share * b.x - share * a.x,
+                   a.y + signed_share * b.y - share * a.y, a.z + signed_share * b.z - share * a.z);
 }
 
 /// Bodies that have appeared around the proxy let it out by their nearest face; where that lies in
 /// another body, that one lets it out in turn. Between bodies that leave no room for the tool it
 /// stays, and does not feel those that it overlaps from inside.
-void SceneModel::emerge(const Tick& tick, WorkLimit& work) noexcept {
+void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   constexpr int kRounds = 8, kExitWork = 10;
-  const std::size_t first = std::exchange(first_emerging_, 0);
+  const std::size_t first = std::exchange(first_overlapping_, 0);
   bool moved = false, tested = false;
   for (int round = 0; round < kRounds && (round == 0 || moved); ++round) {
     moved = false;
     for (std::size_t n = 0; n < count_; ++n) {
       const std::size_t i = (first + n) % count_;
       Slot& slot = slots_[i];
-      if (round == 0 && !slot.fresh)
+      if (round == 0 && !slot.is_new)
         continue;
       work.spend(kExitWork);
-      const auto out =
+      const auto exit_point =
           nearest_exit(slot.body->shape, tool_radius_m_, slot.pose.to_local(proxy_), work);
       if (work.exhausted()) { // one that exceeds the work by itself does not keep others waiting
-        first_emerging_ = tested ? i : i + 1;
+        first_overlapping_ = tested ? i : i + 1;
         return;
       }
       tested = true;
-      slot.fresh = false;
-      if (!out)
+      slot.is_new = false;
+      if (!exit_point)
         continue;
-      proxy_ = slot.pose.to_world(out->point + out->normal * Proxy::kSkin_m);
-      slot.emerged_s = tick.time_s;
-      slot.emerged_n = slot.touching ? slot.force_n : 0.0;
+      proxy_ = slot.pose.to_world(exit_point->point + exit_point->normal * Proxy::kSkin_m);
+      slot.overlap_start_s = tick.time_s;
+      slot.overlap_start_force_n = slot.touching ? slot.force_n : 0.0;
       moved = true;
     }
   }
@@ -147,63 +148,63 @@ void SceneModel::emerge(const Tick& tick, WorkLimit& work) noexcept {
 /// A moving body takes the proxy that it holds with it, and pushes one that stands in its way. One
 /// body moves at a time, so that between any two of these motions the proxy is outside of all. A
 /// body for which the work does not suffice stays where it is until the next tick.
-void SceneModel::carry(WorkLimit& work) noexcept {
-  for (Obstacle& obstacle : std::span(near_.data(), near_count_)) {
+void SceneModel::move_bodies(WorkLimit& work) noexcept {
+  for (Obstacle& obstacle : std::span(near_bodies_.data(), near_body_count_)) {
     const Slot& slot = slots_[obstacle.slot];
     if (slot.moved()) {
       obstacle.pose = slot.before;
       obstacle.bounds = bounds_of(slot.body->shape, slot.before);
     }
   }
-  const std::size_t holder = touches_.count > 0 ? touches_.touch[0].slot : Proxy::kNobody;
-  const std::size_t first = std::exchange(first_carried_, 0);
-  bool waits = false, carried = false;
+  const std::size_t holder = touches_.count > 0 ? touches_.touch[0].slot : Proxy::kNoSlot;
+  const std::size_t first = std::exchange(first_moving_, 0);
+  bool postponed = false, any_moved = false;
   for (std::size_t n = 0; n < count_; ++n) {
     const std::size_t i = (first + n) % count_;
     Slot& slot = slots_[i];
     if (!slot.moved())
       continue;
-    if (!waits && carry_with(i, i == holder, work)) {
-      carried = true;
+    if (!postponed && move_body(i, i == holder, work)) {
+      any_moved = true;
       continue;
     }
-    if (!waits) // one that exceeds the work by itself does not keep the others waiting
-      first_carried_ = carried ? i : i + 1;
-    waits = true;
+    if (!postponed) // one that exceeds the work by itself does not keep the others waiting
+      first_moving_ = any_moved ? i : i + 1;
+    postponed = true;
     slot.pose = slot.before;
-    slot.glided -= 1;
+    slot.glide_elapsed_ticks -= 1;
   }
 }
 
 /// False when the work did not suffice; nothing has moved then.
-bool SceneModel::carry_with(std::size_t index, bool holds, WorkLimit& work) noexcept {
+bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexcept {
   constexpr int kCrossingWork = 10;
   const Slot& slot = slots_[index];
-  const Vec3 was = slot.before.to_local(proxy_);
-  Vec3 wanted = proxy_;
+  const Vec3 local_before = slot.before.to_local(proxy_);
+  Vec3 target = proxy_;
   bool pushed = holds;
   if (holds) {
-    wanted = slot.pose.to_world(was);
+    target = slot.pose.to_world(local_before);
   } else {
-    const Vec3 is = slot.pose.to_local(proxy_);
+    const Vec3 local_after = slot.pose.to_local(proxy_);
     work.spend(kCrossingWork);
-    const auto met = crossing(slot.body->shape, tool_radius_m_, was, is, work);
-    pushed = met.has_value();
-    if (met) {
-      const Vec3 point = was + (is - was) * met->fraction;
-      wanted = slot.pose.to_world(point + met->normal * Proxy::kSkin_m);
+    const auto hit = crossing(slot.body->shape, tool_radius_m_, local_before, local_after, work);
+    pushed = hit.has_value();
+    if (hit) {
+      const Vec3 point = local_before + (local_after - local_before) * hit->fraction;
+      target = slot.pose.to_world(point + hit->normal * Proxy::kSkin_m);
     }
   }
   if (pushed) {
     // Another body may stand behind: the proxy stays before it, and the moving one passes over it.
-    const Proxy::Stop stop =
-        Proxy::sweep(proxy_, wanted, {{near_.data(), near_count_}, tool_radius_m_, work}, index);
+    const Proxy::Stop stop = Proxy::sweep(
+        proxy_, target, {{near_bodies_.data(), near_body_count_}, tool_radius_m_, work}, index);
     if (stop.complete)
-      proxy_ = stop.met ? proxy_ + (wanted - proxy_) * (stop.fraction * (1 - 1e-9)) : wanted;
+      proxy_ = stop.hit ? proxy_ + (target - proxy_) * (stop.fraction * (1 - 1e-9)) : target;
   }
   if (work.exhausted())
     return false;
-  Obstacle& obstacle = near_[near_index_[index]];
+  Obstacle& obstacle = near_bodies_[near_body_index_[index]];
   obstacle.pose = slot.pose;
   obstacle.bounds = bounds_of(slot.body->shape, slot.pose);
   return true;

@@ -22,14 +22,15 @@ namespace tactus::haptic {
 /// The host publishes whole scenes; the servo takes the newest at the beginning of a tick and hands
 /// the old one back, so that it neither allocates nor frees. Bodies that keep their key keep their
 /// contact. Bodies that appear around the handle let it out by the nearest face, with a force that
-/// rises at kEmerging_n_per_s to at most kMaxEmerging_n or the device's continuous force.
+/// rises at kOverlapForceRise_n_per_s to at most kMaxOverlapForce_n or the device's continuous
+/// force.
 ///
 /// A tick computes no more than its work limit. What is left is done in the next ones: the proxy
 /// waits where its last complete motion ended, outside of every body, held by the faces known so
 /// far, and a body whose motion past the proxy is not worked out waits a tick.
 class SceneModel final : public LocalModel {
 public:
-  static constexpr double kEmerging_n_per_s = 100, kMaxEmerging_n = 1;
+  static constexpr double kOverlapForceRise_n_per_s = 100, kMaxOverlapForce_n = 1;
   static constexpr double kMinHit_m_per_s = 5e-3;
   static constexpr double kRearm_m = 2e-4, kRearm_s = 0.01; ///< both make the next hit possible
   static constexpr double kContactEvery_s = 4e-3;
@@ -61,42 +62,42 @@ public:
   [[nodiscard]] bool complete() const noexcept { return complete_; }
 
 private:
-  static constexpr double kAnyStride = std::numeric_limits<double>::infinity();
+  static constexpr double kUnlimitedMotion = std::numeric_limits<double>::infinity();
 
   struct Slot {
     const Body* body = nullptr;
     std::uint64_t key = 0;
     Pose pose{}, before{};
     Pose goal{}, start{};
-    double glide_ticks = 1, glided = 1;
-    bool fresh = true, touching = false;
-    bool armed = true;    ///< the next contact may be a hit
-    bool departed = true; ///< has been kRearm_m away since the last contact
+    double glide_ticks = 1, glide_elapsed_ticks = 1;
+    bool is_new = true, touching = false;
+    bool armed = true;     ///< the next contact may be a hit
+    bool separated = true; ///< has been kRearm_m away since the last contact
     double released_s = -1e9, reported_s = -1e9;
-    double emerged_s = -1;  ///< when it appeared around the handle; negative: it did not
-    double emerged_n = 0;   ///< what it gave before: a tool that grows keeps its force
-    double force_n = 0;     ///< what it gave in the last tick
-    Vec3 point{}, normal{}; ///< of the last contact, in the body's frame
+    double overlap_start_s = -1;      ///< when it appeared around the handle; negative: it did not
+    double overlap_start_force_n = 0; ///< what it gave before: a tool that grows keeps its force
+    double force_n = 0;               ///< what it gave in the last tick
+    Vec3 point{}, normal{};           ///< of the last contact, in the body's frame
 
     [[nodiscard]] bool moved() const noexcept { return !(pose == before); }
   };
 
   void take_scene(const Tick& tick) noexcept;
   void glide(Slot& slot) noexcept;
-  void emerge(const Tick& tick, WorkLimit& work) noexcept;
-  void look_around(const Vec3& goal) noexcept;
-  void carry(WorkLimit& work) noexcept;
-  [[nodiscard]] bool carry_with(std::size_t index, bool holds, WorkLimit& work) noexcept;
-  [[nodiscard]] Touches carried_touches() const noexcept;
+  void resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept;
+  void find_near_bodies(const Vec3& goal) noexcept;
+  void move_bodies(WorkLimit& work) noexcept;
+  [[nodiscard]] bool move_body(std::size_t index, bool holds, WorkLimit& work) noexcept;
+  [[nodiscard]] Touches moved_touches() const noexcept;
   [[nodiscard]] bool sticks(const Vec3& goal) noexcept;
   void slide(const Vec3& goal, WorkLimit& work) noexcept;
-  [[nodiscard]] Proxy::Result rub(const Proxy::Result& smooth, const Vec3& goal,
-                                  const Surroundings& around) const noexcept;
-  void catch_up(const Proxy::Result& result, const Vec3& goal, double attempted_m) noexcept;
+  [[nodiscard]] Proxy::Result apply_friction(const Proxy::Result& smooth, const Vec3& goal,
+                                             const Surroundings& surroundings) const noexcept;
+  void keep_incomplete(const Proxy::Result& result, const Vec3& goal, double attempted_m) noexcept;
   [[nodiscard]] double friction_of(const Touches& touches) const noexcept;
   [[nodiscard]] Vec3 render(const Tick& tick, const Vec3& goal, const Vec3& velocity) noexcept;
-  [[nodiscard]] Vec3 limit_emerging(const Tick& tick) noexcept;
-  void notice(const Tick& tick) noexcept;
+  [[nodiscard]] Vec3 limit_overlap_force(const Tick& tick) noexcept;
+  void push_events(const Tick& tick) noexcept;
   void rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept;
   [[nodiscard]] Vec3 velocity_of(const Slot& slot, const Vec3& point,
                                  double period_s) const noexcept;
@@ -113,16 +114,17 @@ private:
   double tool_radius_m_ = 0;
   std::array<Slot, Scene::kMaxBodies> slots_{};
   std::size_t count_ = 0;
-  std::array<Obstacle, Scene::kMaxBodies> near_{};
-  std::array<std::size_t, Scene::kMaxBodies> near_index_{}; ///< of a slot; kNobody: it is not near
-  std::size_t near_count_ = 0;
-  std::size_t first_carried_ = 0;                    ///< whose motion had to wait comes first
-  std::size_t first_emerging_ = 0;                   ///< whose exit had to wait comes first
+  std::array<Obstacle, Scene::kMaxBodies> near_bodies_{};
+  std::array<std::size_t, Scene::kMaxBodies>
+      near_body_index_{}; ///< of a slot; kNoSlot: it is not near
+  std::size_t near_body_count_ = 0;
+  std::size_t first_moving_ = 0;                     ///< whose motion had to wait comes first
+  std::size_t first_overlapping_ = 0;                ///< whose exit had to wait comes first
   std::array<Vec3, Scene::kMaxBodies> body_force_{}; ///< each body's part of the force, N
 
-  Vec3 proxy_{}, velocity_before_{};
+  Vec3 proxy_{}, previous_velocity_{};
   Touches touches_{};
-  double stride_m_ = kAnyStride; ///< the longest motion that is tried in one tick
+  double max_motion_m_ = kUnlimitedMotion; ///< the longest motion that is tried in one tick
   bool started_ = false, complete_ = true;
 };
 

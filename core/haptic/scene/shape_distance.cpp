@@ -39,9 +39,9 @@ bool farther(const MeshSurface& surface, const Vec3& p, double distance, WorkLim
 }
 
 /// The box around a turned box: its half extents are |R| half.
-Bounds around(const Vec3& middle, const Vec3& half, const Pose& pose) noexcept {
-  const Vec3 x = pose.rotation.turned({half.x, 0, 0}), y = pose.rotation.turned({0, half.y, 0}),
-             z = pose.rotation.turned({0, 0, half.z}), centre = pose.to_world(middle);
+Bounds enclosing_box(const Vec3& middle, const Vec3& half, const Pose& pose) noexcept {
+  const Vec3 x = pose.rotation.rotated({half.x, 0, 0}), y = pose.rotation.rotated({0, half.y, 0}),
+             z = pose.rotation.rotated({0, 0, half.z}), centre = pose.to_world(middle);
   Vec3 reach;
   for (int axis = 0; axis < 3; ++axis)
     reach[axis] = std::abs(x[axis]) + std::abs(y[axis]) + std::abs(z[axis]);
@@ -56,13 +56,15 @@ Bounds enclose(const Sphere& sphere, const Pose& pose) noexcept {
   const Vec3 reach{sphere.radius, sphere.radius, sphere.radius};
   return {pose.position - reach, pose.position + reach};
 }
-Bounds enclose(const Box& box, const Pose& pose) noexcept { return around({}, box.half, pose); }
+Bounds enclose(const Box& box, const Pose& pose) noexcept {
+  return enclosing_box({}, box.half, pose);
+}
 Bounds enclose(const Disk& disk, const Pose& pose) noexcept {
-  return around({}, {disk.radius, disk.radius, disk.half_thickness}, pose);
+  return enclosing_box({}, {disk.radius, disk.radius, disk.half_thickness}, pose);
 }
 Bounds enclose(const MeshSurface& surface, const Pose& pose) noexcept {
   const Bounds& local = surface.mesh->bounds();
-  return around((local.low + local.high) * 0.5, (local.high - local.low) * 0.5, pose);
+  return enclosing_box((local.low + local.high) * 0.5, (local.high - local.low) * 0.5, pose);
 }
 
 } // namespace

@@ -43,9 +43,9 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> corners, std::span<const Triang
   weld(corners, triangles);
   if (triangles_.empty())
     return;
-  std::vector<Vec3> middles(triangles_.size());
+  std::vector<Vec3> centroids(triangles_.size());
   for (std::size_t i = 0; i < triangles_.size(); ++i)
-    middles[i] =
+    centroids[i] =
         (corners_[triangles_[i][0]] + corners_[triangles_[i][1]] + corners_[triangles_[i][2]]) *
         (1.0 / 3.0);
   std::vector<std::uint32_t> order(triangles_.size());
@@ -56,7 +56,7 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> corners, std::span<const Triang
       bounds_ = {lesser(bounds_.low, corners_[corner]), greater(bounds_.high, corners_[corner])};
   nodes_.reserve(triangles_.size());
   nodes_.emplace_back();
-  build(0, order, middles, 0, 0);
+  build(0, order, centroids, 0, 0);
   sort(order);
 }
 
@@ -104,16 +104,16 @@ void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle>
 }
 
 void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
-                         std::span<const Vec3> middles, std::uint32_t first, int depth) {
+                         std::span<const Vec3> centroids, std::uint32_t first, int depth) {
   Vec3 low = corners_[triangles_[order[0]][0]], high = low;
-  Vec3 middle_low = middles[order[0]], middle_high = middle_low;
+  Vec3 middle_low = centroids[order[0]], middle_high = middle_low;
   for (const std::uint32_t t : order) {
     for (const std::uint32_t corner : triangles_[t]) {
       low = lesser(low, corners_[corner]);
       high = greater(high, corners_[corner]);
     }
-    middle_low = lesser(middle_low, middles[t]);
-    middle_high = greater(middle_high, middles[t]);
+    middle_low = lesser(middle_low, centroids[t]);
+    middle_high = greater(middle_high, centroids[t]);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
@@ -130,12 +130,12 @@ void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
   const std::size_t half = order.size() / 2;
   std::nth_element(
       order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
-      [&](std::uint32_t a, std::uint32_t b) { return middles[a][axis] < middles[b][axis]; });
+      [&](std::uint32_t a, std::uint32_t b) { return centroids[a][axis] < centroids[b][axis]; });
   const std::size_t child = nodes_.size();
   nodes_[node].first = static_cast<std::uint32_t>(child);
   nodes_.resize(child + 2);
-  build(child, order.first(half), middles, first, depth + 1);
-  build(child + 1, order.subspan(half), middles, first + static_cast<std::uint32_t>(half),
+  build(child, order.first(half), centroids, first, depth + 1);
+  build(child + 1, order.subspan(half), centroids, first + static_cast<std::uint32_t>(half),
         depth + 1);
 }
 

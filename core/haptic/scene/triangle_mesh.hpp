@@ -70,7 +70,7 @@ private:
   void traverse(const Vec3& from, const Vec3& to, double radius, const double& limit,
                 WorkLimit& work, const Visit& visit) const noexcept;
   void weld(std::span<const Vec3> corners, std::span<const Triangle> triangles);
-  void build(std::size_t node, std::span<std::uint32_t> order, std::span<const Vec3> middles,
+  void build(std::size_t node, std::span<std::uint32_t> order, std::span<const Vec3> centroids,
              std::uint32_t first, int depth);
   void sort(std::span<const std::uint32_t> order);
 

@@ -7,7 +7,7 @@ namespace {
 
 /// The signed volume that a motion from the origin sees in an edge. The same edge the
 /// other way round gives exactly the negative, whatever the rounding.
-double side(const Vec3& motion, const Vec3& a, const Vec3& b) noexcept {
+double signed_volume(const Vec3& motion, const Vec3& a, const Vec3& b) noexcept {
   return motion.x * (a.y * b.z - a.z * b.y) + motion.y * (a.z * b.x - a.x * b.z) +
          motion.z * (a.x * b.y - a.y * b.x);
 }
@@ -52,31 +52,31 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
     return;
   const Segment segment(from, to);
   const double length = radius > 0.0 ? norm(to - from) : 0.0;
-  struct Waiting {
+  struct PendingNode {
     std::uint32_t node;
     double entry, squared_distance; ///< fraction; m^2 from where the motion begins
   };
-  const auto wait_for = [&](std::uint32_t node) {
+  const auto make_pending = [&](std::uint32_t node) {
     const Bounds bounds = nodes_[node].bounds();
     if (radius == 0.0)
-      return Waiting{node, segment.entry(bounds, 0.0, limit), 0.0};
+      return PendingNode{node, segment.entry(bounds, 0.0, limit), 0.0};
     // A sphere reaches less than the box grown by its radius, which has corners.
     const double reach = (radius + limit * length) * (1.0 + 1e-12);
     const double squared = squared_distance(bounds, from);
-    return Waiting{node,
-                   squared > reach * reach ? Segment::kNever : segment.entry(bounds, radius, limit),
-                   squared};
+    return PendingNode{
+        node, squared > reach * reach ? Segment::kNever : segment.entry(bounds, radius, limit),
+        squared};
   };
   // Many boxes lie within one radius of a sphere, all entered at 0: of these the nearest first.
-  const auto later = [](const Waiting& a, const Waiting& b) {
+  const auto visited_later = [](const PendingNode& a, const PendingNode& b) {
     return a.entry > b.entry || (a.entry == b.entry && a.squared_distance > b.squared_distance);
   };
-  std::array<Waiting, kMaxDepth + 2> stack;
+  std::array<PendingNode, kMaxDepth + 2> stack;
   std::size_t count = 0;
   work.spend(kNodeWork);
-  stack[count++] = wait_for(0);
+  stack[count++] = make_pending(0);
   while (count > 0) {
-    const Waiting next = stack[--count];
+    const PendingNode next = stack[--count];
     if (next.entry > limit)
       continue;
     const Node& node = nodes_[next.node];
@@ -90,8 +90,8 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
     }
     if (!work.spend(kNodeWork))
       return;
-    Waiting near = wait_for(node.first), far = wait_for(node.first + 1);
-    if (later(near, far))
+    PendingNode near = make_pending(node.first), far = make_pending(node.first + 1);
+    if (visited_later(near, far))
       std::swap(near, far);
     if (far.entry != Segment::kNever)
       stack[count++] = far;
@@ -109,21 +109,23 @@ std::optional<Crossing> TriangleMesh::crossing(const Vec3& from, const Vec3& to,
   traverse(from, to, 0.0, fraction, work, [&](std::uint32_t t) {
     const Corners at = corners_of(t);
     const Vec3 a = at.a - from, b = at.b - from, c = at.c - from;
-    const double u = side(motion, a, b), v = side(motion, b, c), w = side(motion, c, a);
+    const double u = signed_volume(motion, a, b), v = signed_volume(motion, b, c),
+                 w = signed_volume(motion, c, a);
     if (!((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)))
       return;
     Vec3 normal = cross(b - a, c - a);
     const double slope = dot(motion, normal), height = dot(a, normal);
     if (slope == 0.0) // along the surface
       return;
-    const double here = height / slope;
-    if (!(here >= 0.0 && here <= fraction) || (first && here == fraction && t < triangle))
+    const double crossing_fraction = height / slope;
+    if (!(crossing_fraction >= 0.0 && crossing_fraction <= fraction) ||
+        (first && crossing_fraction == fraction && t < triangle))
       return;
     if (slope > 0.0)
       normal = -normal;
-    fraction = here;
+    fraction = crossing_fraction;
     triangle = t;
-    first = Crossing{here, normal * (1.0 / norm(normal))};
+    first = Crossing{crossing_fraction, normal * (1.0 / norm(normal))};
   });
   return first;
 }
@@ -153,15 +155,15 @@ std::optional<TriangleMesh::Nearest> TriangleMesh::nearest(const Vec3& p, double
   if (nodes_.empty())
     return best;
   double squared_limit = limit * limit;
-  struct Waiting {
+  struct PendingNode {
     std::uint32_t node;
     double squared;
   };
-  std::array<Waiting, kMaxDepth + 2> stack;
+  std::array<PendingNode, kMaxDepth + 2> stack;
   std::size_t count = 0;
   stack[count++] = {0, squared_distance(bounds_, p)};
   while (count > 0) {
-    const Waiting next = stack[--count];
+    const PendingNode next = stack[--count];
     if (next.squared >= squared_limit)
       continue;
     const Node& node = nodes_[next.node];
@@ -179,7 +181,7 @@ std::optional<TriangleMesh::Nearest> TriangleMesh::nearest(const Vec3& p, double
     }
     if (node.count > 0)
       continue;
-    Waiting near{node.first, 0}, far{node.first + 1, 0};
+    PendingNode near{node.first, 0}, far{node.first + 1, 0};
     near.squared = squared_distance(nodes_[near.node].bounds(), p);
     far.squared = squared_distance(nodes_[far.node].bounds(), p);
     if (far.squared < near.squared)

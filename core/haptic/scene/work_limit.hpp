@@ -13,17 +13,17 @@ class WorkLimit {
 public:
   static constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
 
-  explicit constexpr WorkLimit(std::int64_t units = kUnlimited) noexcept : left_(units) {}
+  explicit constexpr WorkLimit(std::int64_t units = kUnlimited) noexcept : remaining_(units) {}
   /// False when the limit has been passed.
   bool spend(std::int64_t units) noexcept {
-    left_ -= units;
-    return left_ >= 0;
+    remaining_ -= units;
+    return remaining_ >= 0;
   }
-  [[nodiscard]] bool exhausted() const noexcept { return left_ < 0; }
-  [[nodiscard]] std::int64_t left() const noexcept { return left_; }
+  [[nodiscard]] bool exhausted() const noexcept { return remaining_ < 0; }
+  [[nodiscard]] std::int64_t remaining() const noexcept { return remaining_; }
 
 private:
-  std::int64_t left_;
+  std::int64_t remaining_;
 };
 
 } // namespace tactus::haptic

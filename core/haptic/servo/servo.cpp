@@ -2,7 +2,7 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kDeaf_s = 0.02; // a device silent for this long has failed
+constexpr double kSilenceTimeout_s = 0.02; // a device silent for this long has failed
 
 ChainSettings::Device device_of(const Caps& caps) noexcept {
   ChainSettings::Device device;
@@ -23,7 +23,7 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
   for (LocalModel* one : {model_, patch_})
     if (one)
       one->begin();
-  followed_ = 0;
+  driver_ticks_ = 0;
   refresh_caps();
   const ThermalLimit motors_heat = chain_.thermal; // which no connection cools
   chain_ = {};
@@ -32,14 +32,14 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
   statistics_ = {};
   state_ = {};
   state_.flags = 0; // nothing is known, so there is no force before the first reading
-  unread_ = unwritten_ = 0;
+  failed_reads_ = failed_writes_ = 0;
   tripped_ = has_heartbeat_ = false;
   faults_ = 0;
   statistics_resets_ = exchange_.statistics_resets.load(std::memory_order_relaxed);
   exchange_.commands.read();
   command_ = exchange_.commands.latest();
   const MotorControl::Request request = exchange_.motors.request();
-  if (request.enables != request_.enables && !request.stopped)
+  if (request.enable_count != request_.enable_count && !request.stopped)
     fault_ = Fault::kNone;
   request_ = request;
   if (request.stopped || fault_ != Fault::kNone)
@@ -56,7 +56,7 @@ void Servo::refresh_caps() noexcept {
   estimator_.set_bound(caps_.position_noise_m);
 }
 
-void Servo::take_orders(const Tick& tick) noexcept {
+void Servo::apply_requests(const Tick& tick) noexcept {
   if (exchange_.settings.read())
     settings_ = exchange_.settings.latest();
   settings_.chain.period_s = tick.period_s;
@@ -67,11 +67,11 @@ void Servo::take_orders(const Tick& tick) noexcept {
   if (!exchange_.commands.read())
     return;
   const Command& newest = exchange_.commands.latest();
-  const bool fresh = newest.number != command_.number;
+  const bool is_new = newest.number != command_.number;
   const bool refused = newest.refused != command_.refused;
   if (refused && !newest.last_refused)
     refuse(chain_, newest.heartbeat_s);
-  if (fresh)
+  if (is_new)
     command(chain_, settings_.chain, newest.force_n, newest.heartbeat_s);
   if (refused && newest.last_refused)
     refuse(chain_, newest.heartbeat_s);
@@ -84,12 +84,12 @@ void Servo::control_motors() noexcept {
   const MotorControl::Request request = exchange_.motors.request();
   if (request == request_)
     return;
-  if (request.stopped || request.stops != request_.stops)
+  if (request.stopped || request.stop_count != request_.stop_count)
     emergency_stop(chain_);
-  if (request.enables != request_.enables && !request.stopped) {
+  if (request.enable_count != request_.enable_count && !request.stopped) {
     motors(chain_, true);
     fault_ = Fault::kNone;
-    unread_ = unwritten_ = 0;
+    failed_reads_ = failed_writes_ = 0;
   }
   if (!request.on || request.paused) {
     motors(chain_, false);
@@ -108,15 +108,15 @@ void Servo::reset_statistics() noexcept {
   chain_.lowest_energy_j = chain_.energy_j;
 }
 
-State Servo::sense(const Tick& tick) noexcept {
+State Servo::read_state(const Tick& tick) noexcept {
   State raw;
   if (!device_->read(tick, raw) || !is_finite(raw.position)) {
     ++statistics_.device_errors;
-    if (++unread_ * tick.period_s >= kDeaf_s)
+    if (++failed_reads_ * tick.period_s >= kSilenceTimeout_s)
       fail(Fault::kSilent);
     return state_;
   }
-  unread_ = 0;
+  failed_reads_ = 0;
   if (raw.flags & State::kFault)
     fail(Fault::kReported);
   State state = raw;
@@ -135,7 +135,7 @@ void Servo::fail(Fault fault) noexcept {
   emergency_stop(chain_);
 }
 
-void Servo::notice(const Tick& tick, const State& state) noexcept {
+void Servo::push_events(const Tick& tick, const State& state) noexcept {
   for (std::uint32_t changed = state.buttons ^ state_.buttons; changed; changed &= changed - 1) {
     int number = 0;
     while (!(changed >> number & 1u))
@@ -164,8 +164,8 @@ WristCommand Servo::drive_wrist(const Tick& tick, bool homed) noexcept {
 void Servo::step(const Tick& tick) noexcept {
   if (!device_)
     return;
-  take_orders(tick);
-  const State state = sense(tick);
+  apply_requests(tick);
+  const State state = read_state(tick);
 
   ChainInput input;
   input.time_s = tick.time_s;
@@ -181,16 +181,17 @@ void Servo::step(const Tick& tick) noexcept {
   const Vec3 force = haptic::step(chain_, settings_.chain, input);
   const WristCommand wrist = drive_wrist(tick, input.homed);
   if (device_->write(settings_.map.to_device(force))) {
-    unwritten_ = 0;
+    failed_writes_ = 0;
   } else {
     ++statistics_.device_errors;
-    if (++unwritten_ * tick.period_s >= kDeaf_s)
+    if (++failed_writes_ * tick.period_s >= kSilenceTimeout_s)
       fail(Fault::kSilent);
   }
 
-  exchange_.motors.confirm(request_, unwritten_ == 0 && force == Vec3{} && wrist == WristCommand{});
+  exchange_.motors.confirm(request_,
+                           failed_writes_ == 0 && force == Vec3{} && wrist == WristCommand{});
 
-  notice(tick, state);
+  push_events(tick, state);
   state_ = state;
   ++statistics_.ticks;
   Report report;
@@ -203,8 +204,8 @@ void Servo::step(const Tick& tick) noexcept {
   report.lowest_energy_j = chain_.lowest_energy_j;
   report.motors = chain_.motors;
   report.latched = chain_.latched;
-  report.sparing = chain_.sparing;
-  report.spared_to_n = chain_.spared_to_n;
+  report.derating = chain_.derating;
+  report.derated_to_n = chain_.derated_to_n;
   report.heat_n2 = chain_.thermal.heat_n2();
   report.fault = fault_;
   report.faults = faults_;
@@ -233,14 +234,14 @@ void Servo::wake(Clock& clock) noexcept {
   statistics_.work.add(clock.now_s() - now_s);
 }
 
-void Servo::follow(Clock& clock, double period_s) noexcept {
+void Servo::step_from_driver(Clock& clock, double period_s) noexcept {
   const double now_s = clock.now_s();
-  const double late_s = followed_ > 0 ? std::max(now_s - followed_s_ - period_s, 0.0) : 0.0;
+  const double late_s = driver_ticks_ > 0 ? std::max(now_s - driver_tick_s_ - period_s, 0.0) : 0.0;
   statistics_.lateness.add(late_s);
   if (late_s >= period_s)
     ++statistics_.overruns;
-  followed_s_ = now_s;
-  step({followed_++, now_s, period_s});
+  driver_tick_s_ = now_s;
+  step({driver_ticks_++, now_s, period_s});
   statistics_.work.add(clock.now_s() - now_s);
 }
 

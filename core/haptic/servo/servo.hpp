@@ -59,8 +59,8 @@ struct Report {
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
   bool motors = true, latched = false;
-  bool sparing = false;       ///< the motors' heat lowers the force limit
-  double spared_to_n = 0;     ///< what the limit then settles at
+  bool derating = false;      ///< the motors' heat lowers the force limit
+  double derated_to_n = 0;    ///< what the limit then settles at
   double heat_n2 = 0;         ///< of the motors, as ThermalLimit counts it
   Fault fault = Fault::kNone; ///< of the device, until the motors are enabled
   std::uint32_t faults = 0;   ///< how many there were since the device was attached
@@ -125,18 +125,18 @@ public:
   void wake(Clock& clock) noexcept;
   /// Runs one tick now, for a driver that keeps the time itself: what comes later after the last
   /// tick than the period is its lateness.
-  void follow(Clock& clock, double period_s) noexcept;
+  void step_from_driver(Clock& clock, double period_s) noexcept;
 
   [[nodiscard]] const ChainState& chain() const noexcept { return chain_; }
   [[nodiscard]] const ServoStatistics& statistics() const noexcept { return statistics_; }
 
 private:
-  void take_orders(const Tick& tick) noexcept;
+  void apply_requests(const Tick& tick) noexcept;
   void control_motors() noexcept;
   void reset_statistics() noexcept;
-  State sense(const Tick& tick) noexcept;
+  State read_state(const Tick& tick) noexcept;
   WristCommand drive_wrist(const Tick& tick, bool homed) noexcept;
-  void notice(const Tick& tick, const State& state) noexcept;
+  void push_events(const Tick& tick, const State& state) noexcept;
   void fail(Fault fault) noexcept;
 
   Exchange exchange_;
@@ -151,11 +151,11 @@ private:
   ServoStatistics statistics_{};
   State state_{};
   Command command_{};
-  std::uint64_t followed_ = 0;
-  double followed_s_ = 0;
+  std::uint64_t driver_ticks_ = 0;
+  double driver_tick_s_ = 0;
   MotorControl::Request request_{};
   std::uint32_t statistics_resets_ = 0, faults_ = 0;
-  int unread_ = 0, unwritten_ = 0;
+  int failed_reads_ = 0, failed_writes_ = 0;
   Fault fault_ = Fault::kNone;
   bool tripped_ = false, has_heartbeat_ = false;
 };

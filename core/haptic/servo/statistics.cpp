@@ -18,25 +18,24 @@ void DurationHistogram::add(double seconds) noexcept {
   ++bins_[bin];
   ++count_;
   sum_s_ += seconds;
-  longest_s_ = std::max(longest_s_, seconds);
+  max_s_ = std::max(max_s_, seconds);
 }
 
 double DurationHistogram::mean_s() const noexcept {
   return count_ ? sum_s_ / static_cast<double>(count_) : 0.0;
 }
 
-double DurationHistogram::quantile_s(double share) const noexcept {
+double DurationHistogram::quantile_s(double probability) const noexcept {
   if (count_ == 0)
     return 0.0;
-  const double wanted = std::clamp(share, 0.0, 1.0) * static_cast<double>(count_);
+  const double target_rank = std::clamp(probability, 0.0, 1.0) * static_cast<double>(count_);
   double seen = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += bins_[bin];
-    if (bins_[bin] && seen >= wanted)
-      return std::min(longest_s_,
-                      kShortest_s * std::exp((static_cast<double>(bin) + 0.5) * kLogRatio));
+    if (bins_[bin] && seen >= target_rank)
+      return std::min(max_s_, kShortest_s * std::exp((static_cast<double>(bin) + 0.5) * kLogRatio));
   }
-  return longest_s_;
+  return max_s_;
 }
 
 } // namespace tactus::haptic

@@ -5,14 +5,14 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kLoudest = 1e9;   // N; beyond it is nonsense
-constexpr double kSilent = 1e-200; // no denormal numbers in a fading state
+constexpr double kMaxInput_n = 1e9;           // N; beyond it is nonsense
+constexpr double kDenormalThreshold = 1e-200; // no denormal numbers in a fading state
 } // namespace
 
 void Decimator::set(double sample_rate_hz, double servo_rate_hz) noexcept {
-  const double cutoff = kShare * servo_rate_hz;
-  passes_all_ = !(cutoff > 0.0) || !(cutoff < 0.45 * sample_rate_hz);
-  if (passes_all_)
+  const double cutoff = kCutoffRatio * servo_rate_hz;
+  bypass_ = !(cutoff > 0.0) || !(cutoff < 0.45 * sample_rate_hz);
+  if (bypass_)
     return;
   const double k = std::tan(std::numbers::pi * cutoff / sample_rate_hz);
   for (std::size_t i = 0; i < sections_.size(); ++i) {
@@ -31,14 +31,14 @@ void Decimator::reset() noexcept {
 }
 
 double Decimator::process(double input) noexcept {
-  double x = std::abs(input) < kLoudest ? input : 0.0; // false for what is no number
-  if (passes_all_)
+  double x = std::abs(input) < kMaxInput_n ? input : 0.0; // false for what is no number
+  if (bypass_)
     return x;
   for (Section& s : sections_) {
     const double y = s.b * x + s.s1;
     s.s1 = 2.0 * s.b * x - s.a1 * y + s.s2;
     s.s2 = s.b * x - s.a2 * y;
-    if (std::abs(s.s1) + std::abs(s.s2) < kSilent)
+    if (std::abs(s.s1) + std::abs(s.s2) < kDenormalThreshold)
       s.s1 = s.s2 = 0;
     x = y;
   }

@@ -9,7 +9,7 @@ namespace tactus::haptic {
 /// cut-off -48 dB; the delay of low frequencies is 5.13/(2 pi cut-off).
 class Decimator {
 public:
-  static constexpr double kShare = 0.4; ///< cut-off over the servo's rate; its Nyquist is 0.5
+  static constexpr double kCutoffRatio = 0.4; ///< cut-off over the servo's rate; its Nyquist is 0.5
 
   /// Positive and finite rates; a cut-off above 0.45 of the sample rate passes everything.
   void set(double sample_rate_hz, double servo_rate_hz) noexcept;
@@ -23,7 +23,7 @@ private:
     double s1 = 0, s2 = 0;
   };
   std::array<Section, 4> sections_{};
-  bool passes_all_ = true;
+  bool bypass_ = true;
 };
 
 } // namespace tactus::haptic

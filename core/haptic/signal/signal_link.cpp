@@ -12,8 +12,8 @@ void SignalLink::begin() noexcept {
 
 void SignalLink::count_block(double duration_s) noexcept {
   blocks_.store(blocks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-  if (duration_s > longest_block_s_.load(std::memory_order_relaxed))
-    longest_block_s_.store(duration_s, std::memory_order_relaxed);
+  if (duration_s > max_block_s_.load(std::memory_order_relaxed))
+    max_block_s_.store(duration_s, std::memory_order_relaxed);
 }
 
 /// Along the normal of the face that the handle touches, or along z when nothing is touched.
@@ -31,7 +31,7 @@ double SignalLink::next_vibration() noexcept {
   if (!playing_ && waiting < kVibrationDelay)
     return last_vibration_ *= 0.5; // no step to zero
   playing_ = true;
-  if (waiting > kMostWaiting)
+  if (waiting > kMaxQueuedVibration)
     for (std::size_t i = kVibrationDelay; i < waiting; ++i)
       vibrations_.pop(last_vibration_);
   playing_ = vibrations_.pop(last_vibration_);
@@ -43,14 +43,14 @@ void SignalLink::send_network() noexcept {
   if (network_)
     for (const NetworkSample& sample : network_->samples())
       sent_samples_ += network_samples_.push(sample);
-  found_.network_samples = sent_samples_;
+  tick_sample_.network_samples = sent_samples_;
 }
 
 Vec3 SignalLink::force(const Tick& tick, const State& state) noexcept {
-  found_.time_s = tick.time_s;
-  found_.position = state.position;
-  found_.velocity = state.velocity;
-  found_.touching = scene_ && !scene_->touches().empty();
+  tick_sample_.time_s = tick.time_s;
+  tick_sample_.position = state.position;
+  tick_sample_.velocity = state.velocity;
+  tick_sample_.touching = scene_ && !scene_->touches().empty();
   switch (time_.load(std::memory_order_acquire)) {
   case Time::kLogical:
     if (!stepping_)
@@ -59,11 +59,11 @@ Vec3 SignalLink::force(const Tick& tick, const State& state) noexcept {
     return force_now_ + vibration(vibration_now_, gated_now_);
   case Time::kWall: {
     send_network();
-    samples_.push(found_);
+    samples_.push(tick_sample_);
     forces_.read();
-    const Force& heard = forces_.latest();
-    const bool stale = !(tick.time_s - heard.time_s < kStale_s);
-    const Vec3 force = stale || !is_finite(heard.force_n) ? Vec3{} : heard.force_n;
+    const Force& requested = forces_.latest();
+    const bool stale = !(tick.time_s - requested.time_s < kStale_s);
+    const Vec3 force = stale || !is_finite(requested.force_n) ? Vec3{} : requested.force_n;
     return force + vibration(next_vibration(), gated_.load(std::memory_order_relaxed));
   }
   case Time::kNone:
@@ -80,7 +80,7 @@ SignalLink::Sample SignalLink::step(const Vec3& force_n, double vibration_n, boo
   if (stepper_.step)
     stepper_.step(stepper_.context);
   stepping_ = false;
-  return found_;
+  return tick_sample_;
 }
 
 } // namespace tactus::haptic

@@ -39,22 +39,22 @@ public:
   enum class Time : int { kNone, kLogical, kWall };
 
   // the host's side
-  void place(Time time, double rate_hz, Stepper stepper) noexcept {
+  void configure(Time time, double rate_hz, Stepper stepper) noexcept {
     stepper_ = stepper;
     rate_hz_.store(rate_hz, std::memory_order_relaxed);
     time_.store(time, std::memory_order_release);
   }
   void set_workspace(const Workspace& workspace) noexcept { workspaces_.write(workspace); }
   /// The scene whose contact gates and directs the vibration.
-  void watch(const SceneModel& scene) noexcept { scene_ = &scene; }
+  void set_scene(const SceneModel& scene) noexcept { scene_ = &scene; }
   /// The network whose pickups are played. It must be asked for its force before this is.
-  void listen(const NetworkModel& network) noexcept { network_ = &network; }
+  void set_network(const NetworkModel& network) noexcept { network_ = &network; }
   /// Counts blocks, to see whether audio runs; and how long the longest lasted.
   [[nodiscard]] std::uint64_t blocks() const noexcept {
     return blocks_.load(std::memory_order_relaxed);
   }
-  [[nodiscard]] double longest_block_s() const noexcept {
-    return longest_block_s_.load(std::memory_order_relaxed);
+  [[nodiscard]] double max_block_s() const noexcept {
+    return max_block_s_.load(std::memory_order_relaxed);
   }
 
   // the servo's side
@@ -69,15 +69,15 @@ public:
     return workspaces_.latest();
   }
   /// One listener at a time.
-  [[nodiscard]] bool take() noexcept { return !taken_.exchange(true); }
-  void leave() noexcept { taken_.store(false); }
+  [[nodiscard]] bool acquire() noexcept { return !taken_.exchange(true); }
+  void release() noexcept { taken_.store(false); }
   void count_block(double duration_s) noexcept;
   /// Logical time: these signals count for the tick that runs now; what it found.
   Sample step(const Vec3& force_n, double vibration_n, bool gated) noexcept;
   /// Wall time: newest wins.
-  void hear(const Force& force) noexcept { forces_.write(force); }
+  void write_force(const Force& force) noexcept { forces_.write(force); }
   /// Wall time: one value a tick, in order; false when the servo does not take them.
-  bool vibrate(double newton) noexcept { return vibrations_.push(newton); }
+  bool push_vibration(double newton) noexcept { return vibrations_.push(newton); }
   void set_gate(bool gated) noexcept { gated_.store(gated, std::memory_order_relaxed); }
   [[nodiscard]] bool next(Sample& sample) noexcept { return samples_.pop(sample); }
   /// The network's pickups in order, and how many have been taken since the link was made.
@@ -90,14 +90,14 @@ public:
 
 private:
   static constexpr double kStale_s = 0.1; ///< a signal that has stopped is no force
-  static constexpr std::size_t kVibrationDelay = 4, kMostWaiting = 64; // ticks
+  static constexpr std::size_t kVibrationDelay = 4, kMaxQueuedVibration = 64; // ticks
 
   [[nodiscard]] Vec3 vibration(double newton, bool gated) const noexcept;
   [[nodiscard]] double next_vibration() noexcept;
   void send_network() noexcept;
 
   std::atomic<Time> time_{Time::kNone};
-  std::atomic<double> rate_hz_{1000}, longest_block_s_{0};
+  std::atomic<double> rate_hz_{1000}, max_block_s_{0};
   std::atomic<std::uint64_t> blocks_{0};
   std::atomic<bool> taken_{false}, gated_{true};
   Stepper stepper_{};
@@ -114,7 +114,7 @@ private:
   Vec3 force_now_{};
   double vibration_now_ = 0;
   bool gated_now_ = true, stepping_ = false;
-  Sample found_{};
+  Sample tick_sample_{};
   // wall time
   bool playing_ = false;
   double last_vibration_ = 0;

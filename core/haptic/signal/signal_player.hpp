@@ -49,7 +49,7 @@ public:
 private:
   using Sample = SignalLink::Sample;
   static constexpr std::size_t kHistory = 1024;
-  static constexpr int kMostTicksASample = 64;
+  static constexpr int kMaxTicksPerSample = 64;
   static constexpr std::size_t kNetworkHistory = 32768;
 
   void restart(SignalLink::Time time, double rate_hz) noexcept;
@@ -59,8 +59,9 @@ private:
   void take_network(std::uint64_t until) noexcept;
   [[nodiscard]] NetworkSample network_sample(double number) const noexcept;
   [[nodiscard]] std::array<double, Network::kPickups> network_at(double number) const noexcept;
-  [[nodiscard]] double aim_s() const noexcept;
-  [[nodiscard]] Outputs between(const Sample& a, const Sample& b, double share) const noexcept;
+  [[nodiscard]] double target_time_s() const noexcept;
+  [[nodiscard]] Outputs interpolated_output(const Sample& a, const Sample& b,
+                                            double fraction) const noexcept;
   [[nodiscard]] const Sample& newest(std::size_t age) const noexcept {
     return history_[(written_ - 1 - age) % kHistory];
   }
@@ -73,16 +74,17 @@ private:
   SignalLink::Time time_ = SignalLink::Time::kNone;
 
   std::uint64_t sample_ = 0, tick_ = 0; // since the last restart
-  Sample before_{}, now_{};
+  Sample previous_{}, current_{};
   bool stepped_ = false;
-  Inputs heard_{};
+  Inputs inputs_{};
   Outputs last_{{0.5, 0.5, 0.5}, {}};
 
   std::array<Sample, kHistory> history_{};
   std::uint64_t written_ = 0;
   std::array<NetworkSample, kNetworkHistory> network_{}; // number n at n % kNetworkHistory
   double played_s_ = 0;
-  double fed_s_ = 0, unfed_s_ = 0, longest_unfed_s_ = 0; // newest time; played since it came
+  double newest_s_ = 0, since_newest_s_ = 0,
+         max_since_newest_s_ = 0; // newest time; played since it came
   bool playing_ = false;
 };
 

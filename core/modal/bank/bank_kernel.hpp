@@ -13,9 +13,9 @@ namespace tactus::modal {
 inline constexpr std::size_t kLanes = 64; ///< modes that are computed together
 inline constexpr std::size_t kLeap = 16;  ///< samples from one state to the next
 inline constexpr std::size_t kHalfLeap = kLeap / 2;
-inline constexpr std::size_t kMostLeaps = 4; ///< in one call
-inline constexpr std::size_t kMostSamples = kLeap * kMostLeaps;
-inline constexpr std::size_t kMostEars = 12; ///< pick-ups in one call
+inline constexpr std::size_t kMaxLeaps = 4; ///< in one call
+inline constexpr std::size_t kMaxSamples = kLeap * kMaxLeaps;
+inline constexpr std::size_t kMaxPickupParts = 12; ///< pick-ups in one call
 
 /// One number of each of kLanes modes.
 struct alignas(64) Lane {
@@ -84,8 +84,8 @@ public:
                     float* out) const noexcept = 0;
   /// What is heard within a leap of a unit force at its beginning: out[m] = sum over the modes of
   /// all `blocks` of Im(w b T p^m), m = 0 ... kLeap - 1.
-  virtual void respond(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
-                       std::size_t blocks, float* out) const noexcept = 0;
+  virtual void impulse_response(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
+                                std::size_t blocks, float* out) const noexcept = 0;
   /// c += a b, matrices row by row: a [rows][inner], b [inner][columns], c [rows][columns];
   /// `columns` a multiple of kLeap.
   virtual void accumulate(const float* a, const float* b, float* c, std::size_t rows,

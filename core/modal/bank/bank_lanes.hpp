@@ -14,9 +14,9 @@
 /// Half of that is saved where modes decay alike. Seen from the middle of the leap, a mode that
 /// does not decay gives E + O at a time t after and E - O at the same time before, E = Im(c) cos
 /// and O = Re(c) sin of omega t: one product for each sample. A decay that all share is put in
-/// afterwards; what a mode's own decay differs from it (at most ModeBank::kUnlike) is put right
-/// from leap to leap, because the state's step is exact, and errs by that difference times eight
-/// samples in between.
+/// afterwards; what a mode's own decay differs from it (at most ModeBank::kMaxDecayMismatch) is put
+/// right from leap to leap, because the state's step is exact, and errs by that difference times
+/// eight samples in between.
 ///
 /// Either way what is heard is the sum of two: of Im(c) with the powers' real parts and of Re(c)
 /// with their imaginary parts, over kHalfLeap or kLeap times (BankTiles).
@@ -54,9 +54,9 @@ template <class Set> class BankLanes final : public BankKernel {
   /// Forces as the blocks at hand take them in: as they are, or as sums and differences about the
   /// middles of the leaps, the common decay put in.
   struct Folded {
-    static constexpr std::size_t kMostDrives = 72;
-    float sums[kMostDrives][kMostLeaps * kHalfLeap];
-    float differences[kMostDrives][kMostLeaps * kHalfLeap];
+    static constexpr std::size_t kMaxDrives = 72;
+    float sums[kMaxDrives][kMaxLeaps * kHalfLeap];
+    float differences[kMaxDrives][kMaxLeaps * kHalfLeap];
   };
   static void fold(const float* force, const CommonDecay& decay, std::size_t leaps, float* sums,
                    float* differences) noexcept {
@@ -73,7 +73,7 @@ template <class Set> class BankLanes final : public BankKernel {
   template <std::size_t Leaps>
   [[gnu::always_inline]] static void
   gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
-         std::size_t d, std::size_t l, typename Tiles::template Gathered<Leaps>& sum) noexcept {
+         std::size_t d, std::size_t l, typename Tiles::template TileSum<Leaps>& sum) noexcept {
     const bool even = poles.even;
     const float* const force = drive.force + l * kLeap;
     for (std::size_t i = 0; i < Leaps; ++i)
@@ -99,7 +99,7 @@ template <class Set> class BankLanes final : public BankKernel {
                                      const ComplexLane* weight, LeapPlanes& states,
                                      std::size_t b) noexcept {
     constexpr std::size_t kTile = Leaps < Tiles::kLeaps ? Leaps : Tiles::kLeaps;
-    using Input = typename Tiles::template Gathered<kTile>;
+    using Input = typename Tiles::template TileSum<kTile>;
     const PoleBlock& poles = bank.poles[block];
 #pragma GCC unroll 1
     for (std::size_t at = 0; at < kLanes; at += Tiles::kStep)
@@ -139,16 +139,16 @@ template <class Set> class BankLanes final : public BankKernel {
 
   /// The states as a pick-up weighs them.
   template <std::size_t Leaps>
-  static void weigh(const ComplexLane& weight, const LeapPlanes& states, std::size_t b,
-                    LeapPlanes& heard) noexcept {
+  static void apply_weight(const ComplexLane& weight, const LeapPlanes& states, std::size_t b,
+                           LeapPlanes& weighted) noexcept {
 #pragma GCC unroll 1
     for (std::size_t at = 0; at < kLanes; at += kWidth) {
       const Complex w = load(weight, at);
       for (std::size_t l = 0; l < Leaps; ++l) {
         const Complex c = product(
             w, {Tiles::load(states.real[l][b], at), Tiles::load(states.imaginary[l][b], at)});
-        Tiles::store(heard.real[l][b], at, c.real);
-        Tiles::store(heard.imaginary[l][b], at, c.imaginary);
+        Tiles::store(weighted.real[l][b], at, c.real);
+        Tiles::store(weighted.imaginary[l][b], at, c.imaginary);
       }
     }
   }
@@ -163,25 +163,25 @@ template <class Set> class BankLanes final : public BankKernel {
   };
   template <std::size_t Leaps, std::size_t Times>
   [[gnu::always_inline]] static void
-  hear(const PoleBlock* const* poles, std::size_t blocks, const LeapPlanes& heard,
-       std::size_t first, std::size_t times, bool fresh, Sums<Leaps>& sums) noexcept {
-    const float *real[LeapPlanes::kMostBlocks], *imaginary[LeapPlanes::kMostBlocks];
+  add_output(const PoleBlock* const* poles, std::size_t blocks, const LeapPlanes& weighted,
+             std::size_t first, std::size_t times, bool from_zero, Sums<Leaps>& sums) noexcept {
+    const float *real[LeapPlanes::kMaxBlocks], *imaginary[LeapPlanes::kMaxBlocks];
     for (std::size_t b = 0; b < blocks; ++b) {
       real[b] = poles[b]->power[first].real.v;
       imaginary[b] = poles[b]->power[first].imaginary.v;
     }
-    Tiles::template hear<Leaps, Times>(real, blocks, heard.imaginary, sums.real + first, times,
-                                       fresh);
-    Tiles::template hear<Leaps, Times>(imaginary, blocks, heard.real, sums.imaginary + first, times,
-                                       fresh);
+    Tiles::template add_output<Leaps, Times>(real, blocks, weighted.imaginary, sums.real + first,
+                                             times, from_zero);
+    Tiles::template add_output<Leaps, Times>(imaginary, blocks, weighted.real,
+                                             sums.imaginary + first, times, from_zero);
   }
 
-  [[gnu::always_inline]] static float later(const CommonDecay& decay, std::size_t m, float even,
-                                            float odd) noexcept {
+  [[gnu::always_inline]] static float after_middle(const CommonDecay& decay, std::size_t m,
+                                                   float even, float odd) noexcept {
     return decay.fall[m] * (even + odd);
   }
-  [[gnu::always_inline]] static float earlier(const CommonDecay& decay, std::size_t m, float even,
-                                              float odd) noexcept {
+  [[gnu::always_inline]] static float before_middle(const CommonDecay& decay, std::size_t m,
+                                                    float even, float odd) noexcept {
     return decay.rise[m] * (even - odd);
   }
   /// Adds the sums up over their lanes and to the sound, the common decay put in.
@@ -210,9 +210,9 @@ template <class Set> class BankLanes final : public BankKernel {
       const float* const e = real + l * kHalfLeap;
       const float* const o = imaginary + l * kHalfLeap;
       for (std::size_t m = 0; m < kHalfLeap; ++m)
-        middle[m] += later(*decay, m, e[m], o[m]);
+        middle[m] += after_middle(*decay, m, e[m], o[m]);
       for (std::size_t m = 0; m < kHalfLeap; ++m)
-        middle[-1 - static_cast<std::ptrdiff_t>(m)] += earlier(*decay, m, e[m], o[m]);
+        middle[-1 - static_cast<std::ptrdiff_t>(m)] += before_middle(*decay, m, e[m], o[m]);
     }
   }
 
@@ -223,46 +223,48 @@ template <class Set> class BankLanes final : public BankKernel {
   template <std::size_t Leaps>
   static void run_leaps(const BankView& bank, std::span<const BankDrive> drives,
                         std::span<const BankPickup> pickups) noexcept {
-    Sums<Leaps> sums[kMostEars];
+    Sums<Leaps> sums[kMaxPickupParts];
     Folded folded;
-    LeapPlanes states, heard;
-    const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
-    for (std::size_t k = 0; k < ears; ++k)
+    LeapPlanes states, weighted;
+    const std::size_t pickup_count =
+        pickups.size() < kMaxPickupParts ? pickups.size() : kMaxPickupParts;
+    for (std::size_t k = 0; k < pickup_count; ++k)
       for (std::size_t n = 0; n < Leaps * kLeap; ++n)
         pickups[k].out[n] = 0;
     const CommonDecay* decay = nullptr;
     std::size_t times = 0; // of the sums; none yet
-    bool fresh = true;     // nothing is in them
+    bool from_zero = true; // nothing is in them
     const auto collect_all = [&] {
-      for (std::size_t k = 0; k < ears && times > 0; ++k)
+      for (std::size_t k = 0; k < pickup_count && times > 0; ++k)
         collect<Leaps>(sums[k], decay, pickups[k].out);
     };
     for (std::size_t n = 0; n < bank.active.size();) {
-      const PoleBlock* poles[LeapPlanes::kMostBlocks] = {&bank.poles[bank.active[n]]};
+      const PoleBlock* poles[LeapPlanes::kMaxBlocks] = {&bank.poles[bank.active[n]]};
       if (const CommonDecay* const next = decay_of(bank, *poles[0]); next != decay || times == 0) {
         collect_all();
         decay = next;
         times = decay ? kHalfLeap : kLeap;
-        fresh = true;
+        from_zero = true;
         for (std::size_t d = 0; d < drives.size() && decay; ++d)
           fold(drives[d].force, *decay, Leaps, folded.sums[d], folded.differences[d]);
       }
       std::size_t blocks = 1;
-      while (blocks < LeapPlanes::kMostBlocks && n + blocks < bank.active.size() &&
+      while (blocks < LeapPlanes::kMaxBlocks && n + blocks < bank.active.size() &&
              decay_of(bank, bank.poles[bank.active[n + blocks]]) == decay) {
         poles[blocks] = &bank.poles[bank.active[n + blocks]];
         ++blocks;
       }
       for (std::size_t b = 0; b < blocks; ++b)
         step<Leaps>(bank, bank.active[n + b], drives, folded,
-                    ears == 1 ? pickups[0].weight : nullptr, ears == 1 ? heard : states, b);
-      for (std::size_t k = 0; k < ears; ++k) {
-        for (std::size_t b = 0; b < blocks && ears > 1; ++b)
-          weigh<Leaps>(pickups[k].weight[bank.active[n + b]], states, b, heard);
+                    pickup_count == 1 ? pickups[0].weight : nullptr,
+                    pickup_count == 1 ? weighted : states, b);
+      for (std::size_t k = 0; k < pickup_count; ++k) {
+        for (std::size_t b = 0; b < blocks && pickup_count > 1; ++b)
+          apply_weight<Leaps>(pickups[k].weight[bank.active[n + b]], states, b, weighted);
         for (std::size_t first = 0; first < times; first += kTimes)
-          hear<Leaps, kTimes>(poles, blocks, heard, first, times, fresh, sums[k]);
+          add_output<Leaps, kTimes>(poles, blocks, weighted, first, times, from_zero, sums[k]);
       }
-      fresh = false;
+      from_zero = false;
       n += blocks;
     }
     collect_all();
@@ -271,18 +273,19 @@ template <class Set> class BankLanes final : public BankKernel {
 public:
   void run(const BankView& bank, std::size_t leaps, std::span<const BankDrive> drives,
            std::span<const BankPickup> pickups) const noexcept override {
-    if (leaps == kMostLeaps)
-      return run_leaps<kMostLeaps>(bank, drives, pickups);
-    BankDrive drive[Folded::kMostDrives];
-    BankPickup pickup[kMostEars];
-    const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
+    if (leaps == kMaxLeaps)
+      return run_leaps<kMaxLeaps>(bank, drives, pickups);
+    BankDrive drive[Folded::kMaxDrives];
+    BankPickup pickup[kMaxPickupParts];
+    const std::size_t pickup_count =
+        pickups.size() < kMaxPickupParts ? pickups.size() : kMaxPickupParts;
     for (std::size_t l = 0; l < leaps; ++l) {
       for (std::size_t d = 0; d < drives.size(); ++d)
         drive[d] = {drives[d].gain, drives[d].force + l * kLeap};
-      for (std::size_t k = 0; k < ears; ++k)
+      for (std::size_t k = 0; k < pickup_count; ++k)
         pickup[k] = {pickups[k].weight, pickups[k].out + l * kLeap};
       run_leaps<1>(bank, std::span<const BankDrive>(drive, drives.size()),
-                   std::span<const BankPickup>(pickup, ears));
+                   std::span<const BankPickup>(pickup, pickup_count));
     }
   }
 
@@ -291,7 +294,7 @@ public:
     // The same sums in the same order as run() has them, for these samples alone.
     for (const BankPickup& pickup : pickups) {
       Sums<1> sums;
-      LeapPlanes states, heard;
+      LeapPlanes states, weighted;
       const CommonDecay* decay = nullptr;
       bool needed[kLeap] = {};
       std::size_t times = 0;
@@ -299,11 +302,11 @@ public:
         pickup.out[i] = 0;
       const auto collect_these = [&] {
         for (std::size_t i = 0; i < count && times > 0; ++i) {
-          const std::size_t n = first + i, m = place(n, times);
+          const std::size_t n = first + i, m = time_index(n, times);
           const float re = Tiles::across(sums.real[m]), im = Tiles::across(sums.imaginary[m]);
           pickup.out[i] += !decay          ? re + im
-                           : n < kHalfLeap ? earlier(*decay, m, re, im)
-                                           : later(*decay, m, re, im);
+                           : n < kHalfLeap ? before_middle(*decay, m, re, im)
+                                           : after_middle(*decay, m, re, im);
         }
       };
       for (const std::uint32_t block : bank.active) {
@@ -316,17 +319,17 @@ public:
           for (std::size_t m = 0; m < times; ++m)
             needed[m] = false;
           for (std::size_t i = 0; i < count; ++i)
-            needed[place(first + i, times)] = true;
+            needed[time_index(first + i, times)] = true;
         }
         for (std::size_t at = 0; at < kLanes; at += kWidth) {
           const Complex z = load(bank.state[block], at);
           Tiles::store(states.real[0][0], at, z.real);
           Tiles::store(states.imaginary[0][0], at, z.imaginary);
         }
-        weigh<1>(pickup.weight[block], states, 0, heard);
+        apply_weight<1>(pickup.weight[block], states, 0, weighted);
         for (std::size_t m = 0; m < times; ++m)
           if (needed[m])
-            hear<1, 1>(&poles, 1, heard, m, times, false, sums);
+            add_output<1, 1>(&poles, 1, weighted, m, times, false, sums);
       }
       collect_these();
     }
@@ -335,14 +338,14 @@ public:
   void echo(const float* force, const float* response, std::size_t leaps,
             float* out) const noexcept override {
     std::size_t l = 0;
-    for (; l + kMostLeaps <= leaps; l += kMostLeaps)
-      echo_of<kMostLeaps>(force + l * kLeap, response, out + l * kLeap);
+    for (; l + kMaxLeaps <= leaps; l += kMaxLeaps)
+      echo_of<kMaxLeaps>(force + l * kLeap, response, out + l * kLeap);
     for (; l < leaps; ++l)
       echo_of<1>(force + l * kLeap, response, out + l * kLeap);
   }
 
-  void respond(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
-               std::size_t blocks, float* out) const noexcept override {
+  void impulse_response(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
+                        std::size_t blocks, float* out) const noexcept override {
     V sum[kLeap] = {};
     for (std::size_t b = 0; b < blocks; ++b)
       for (std::size_t at = 0; at < kLanes; at += kWidth) {
@@ -371,7 +374,7 @@ public:
   void advance(const BankView& bank, std::size_t samples,
                std::span<const BankDrive> drives) const noexcept override {
     Folded folded;
-    LeapPlanes unheard;
+    LeapPlanes unused;
     for (const std::uint32_t block : bank.active) {
       const PoleBlock& poles = bank.poles[block];
       if (samples == kLeap) {
@@ -379,7 +382,7 @@ public:
           for (std::size_t d = 0; d < drives.size(); ++d)
             fold(drives[d].force, bank.decays[poles.decay], 1, folded.sums[d],
                  folded.differences[d]);
-        step<1>(bank, block, drives, folded, nullptr, unheard, 0);
+        step<1>(bank, block, drives, folded, nullptr, unused, 0);
         continue;
       }
       for (std::size_t at = 0; at < kLanes; at += kWidth) {
@@ -438,16 +441,16 @@ private:
         sum[l] = V{};
 #pragma GCC unroll 1
       for (std::size_t j = 0; j < kLeap; ++j) {
-        const V answer = *reinterpret_cast<const Unaligned*>(from - j);
+        const V echo_response = *reinterpret_cast<const Unaligned*>(from - j);
         for (std::size_t l = 0; l < Leaps; ++l)
-          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), answer, sum[l]);
+          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), echo_response, sum[l]);
       }
       for (std::size_t l = 0; l < Leaps; ++l)
         *reinterpret_cast<Unaligned*>(out + l * kLeap + part * kWidth) += sum[l];
     }
   }
   /// Which of the sums' times sample n of a leap is.
-  static std::size_t place(std::size_t n, std::size_t times) noexcept {
+  static std::size_t time_index(std::size_t n, std::size_t times) noexcept {
     return times == kLeap ? n : n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
   }
 };

@@ -39,8 +39,8 @@ template <> struct BankVector<simd::Avx512> {
 
 /// States of some blocks at the leaps of a chunk, weighted or not, as planes.
 struct alignas(64) LeapPlanes {
-  static constexpr std::size_t kMostBlocks = 2;
-  Lane real[kMostLeaps][kMostBlocks], imaginary[kMostLeaps][kMostBlocks];
+  static constexpr std::size_t kMaxBlocks = 2;
+  Lane real[kMaxLeaps][kMaxBlocks], imaginary[kMaxLeaps][kMaxBlocks];
 };
 
 template <class Set> struct BankTiles {
@@ -67,7 +67,7 @@ template <class Set> struct BankTiles {
   [[gnu::always_inline]] static V all(float x) noexcept { return x - V{}; }
 
   /// A tile's complex sums: of Leaps leaps and kRegisters registers of modes.
-  template <std::size_t Leaps> struct Gathered {
+  template <std::size_t Leaps> struct TileSum {
     V real[Leaps][kRegisters], imaginary[Leaps][kRegisters];
   };
   /// Adds the sum over m < count of power(m) x[l * stride + m] to it, the powers' imaginary parts
@@ -75,7 +75,7 @@ template <class Set> struct BankTiles {
   template <std::size_t Leaps, class Power>
   [[gnu::always_inline]] static void gather(const Power& power, std::size_t at, std::size_t count,
                                             const float* x, const float* y, std::size_t stride,
-                                            Gathered<Leaps>& sum) noexcept {
+                                            TileSum<Leaps>& sum) noexcept {
 #pragma GCC unroll 1
     for (std::size_t m = 0; m < count; ++m) {
       const ComplexLane& p = power(m);
@@ -101,17 +101,17 @@ template <class Set> struct BankTiles {
   /// Times samples i; from zero when they are `fresh`. `part` are lanes of the poles' powers, i a
   /// ComplexLane apart.
   template <std::size_t Leaps, std::size_t Times>
-  [[gnu::noinline]] static void hear(const float* const* part, std::size_t blocks,
-                                     const Lane (*c)[LeapPlanes::kMostBlocks], V* sums,
-                                     std::size_t stride, bool fresh) noexcept {
-    constexpr std::size_t kApart = sizeof(ComplexLane) / sizeof(float);
-    constexpr std::size_t kLeapApart = LeapPlanes::kMostBlocks * kLanes;
+  [[gnu::noinline]] static void add_output(const float* const* part, std::size_t blocks,
+                                           const Lane (*c)[LeapPlanes::kMaxBlocks], V* sums,
+                                           std::size_t stride, bool from_zero) noexcept {
+    constexpr std::size_t kLaneStride = sizeof(ComplexLane) / sizeof(float);
+    constexpr std::size_t kLeapStride = LeapPlanes::kMaxBlocks * kLanes;
     V sum[Leaps][Times];
 #pragma GCC unroll 4
     for (std::size_t l = 0; l < Leaps; ++l)
 #pragma GCC unroll 4
       for (std::size_t i = 0; i < Times; ++i)
-        sum[l][i] = fresh ? V{} : sums[l * stride + i];
+        sum[l][i] = from_zero ? V{} : sums[l * stride + i];
     for (std::size_t b = 0; b < blocks; ++b) {
       const float* p = part[b];
       const float* state = c[0][b].v;
@@ -121,10 +121,10 @@ template <class Set> struct BankTiles {
         V z[Leaps];
 #pragma GCC unroll 4
         for (std::size_t l = 0; l < Leaps; ++l)
-          z[l] = load(state + l * kLeapApart);
+          z[l] = load(state + l * kLeapStride);
 #pragma GCC unroll 4
         for (std::size_t i = 0; i < Times; ++i) {
-          const V power = load(p + i * kApart);
+          const V power = load(p + i * kLaneStride);
 #pragma GCC unroll 4
           for (std::size_t l = 0; l < Leaps; ++l)
             sum[l][i] = fma(power, z[l], sum[l][i]);

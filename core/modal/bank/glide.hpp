@@ -20,7 +20,7 @@ public:
   static constexpr std::size_t kSegment = 512; ///< samples
 
   struct Blend {
-    double old = 0, middle = 1, fresh = 0; ///< weights of the three values, sum 1
+    double old = 0, middle = 1, latest = 0; ///< weights of the three values, sum 1
   };
   enum class Exchange {
     kNone,
@@ -31,22 +31,22 @@ public:
   [[nodiscard]] bool moving() const noexcept { return moving_; }
   /// Old and middle, or middle and fresh, are known to be equal; at rest all are.
   [[nodiscard]] bool has_old() const noexcept { return has_old_; }
-  [[nodiscard]] bool has_fresh() const noexcept { return has_fresh_; }
+  [[nodiscard]] bool has_latest() const noexcept { return has_latest_; }
   /// A new target is there.
   [[nodiscard]] Exchange start() noexcept {
     if (moving_) {
-      waits_ = true;
+      has_target_ = true;
       return Exchange::kNone;
     }
-    moving_ = has_fresh_ = true;
+    moving_ = has_latest_ = true;
     position_ = 0;
     return Exchange::kStart;
   }
   /// Ends at once where the owner has put all three values to the target.
   void stop() noexcept { *this = {}; }
-  [[nodiscard]] bool waits() const noexcept { return waits_; }
+  [[nodiscard]] bool has_target() const noexcept { return has_target_; }
   /// A target that waits is not to come.
-  void forget_target() noexcept { waits_ = false; }
+  void clear_target() noexcept { has_target_ = false; }
 
   /// Samples up to the next exchange.
   [[nodiscard]] std::size_t left() const noexcept { return kSegment - position_; }
@@ -60,9 +60,9 @@ public:
       b.middle += b.old;
       b.old = 0;
     }
-    if (!has_fresh_) {
-      b.middle += b.fresh;
-      b.fresh = 0;
+    if (!has_latest_) {
+      b.middle += b.latest;
+      b.latest = 0;
     }
     return b;
   }
@@ -75,16 +75,16 @@ public:
     if (position_ < kSegment)
       return Exchange::kNone;
     position_ = 0;
-    has_old_ = has_fresh_;
-    has_fresh_ = waits_;
-    waits_ = false;
-    moving_ = has_old_ || has_fresh_;
+    has_old_ = has_latest_;
+    has_latest_ = has_target_;
+    has_target_ = false;
+    moving_ = has_old_ || has_latest_;
     return Exchange::kRotate;
   }
 
 private:
   std::size_t position_ = 0;
-  bool moving_ = false, waits_ = false, has_old_ = false, has_fresh_ = false;
+  bool moving_ = false, has_target_ = false, has_old_ = false, has_latest_ = false;
 };
 
 } // namespace tactus::modal

@@ -7,7 +7,7 @@ namespace tactus::modal {
 namespace {
 
 constexpr float kNothing = 1e-25F; // a state below it is zero: keeps denormal numbers away
-constexpr std::array<float, kMostSamples> kSilence{};
+constexpr std::array<float, kMaxSamples> kSilence{};
 
 /// Without the look for infinities that std::complex takes.
 std::complex<double> product(std::complex<double> a, std::complex<double> b) noexcept {
@@ -20,8 +20,8 @@ ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rat
                    std::size_t drives, std::size_t pickups, VectorSet set)
     : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
       kernel_(bank_kernel(set)), poles_(blocks_), state_(blocks_),
-      gain_(std::min(drives, kMostDrives), std::vector<Lane>(blocks_)),
-      pickups_(std::min(pickups, kMostPickups)), echo_(gain_.size() * pickups_.size() * 3),
+      gain_(std::min(drives, kMaxDrives), std::vector<Lane>(blocks_)),
+      pickups_(std::min(pickups, kMaxPickups)), echo_(gain_.size() * pickups_.size() * 3),
       active_(blocks_), is_active_(blocks_, 0), released_(blocks_), released_active_(blocks_),
       history_(gain_.size()) {
   if (!kernel_)
@@ -40,7 +40,7 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
     to.imaginary.v[lane] = static_cast<float>(value.imag());
   };
   // Nepers a sample, of the modes that share a common decay so far.
-  double least = 0, most = 0;
+  double min_value = 0, max_value = 0;
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes, last = std::min(first + kLanes, modes_);
     double low = 1e300, high = 0;
@@ -50,18 +50,19 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
     }
     PoleBlock& poles = poles_[b];
     // A state in the middle of a leap must be good for one at its beginning: not all died away.
-    poles.even = high - low <= 2 * kUnlike && high * kHalfLeap < 1;
+    poles.even = high - low <= 2 * kMaxDecayMismatch && high * kHalfLeap < 1;
     if (poles.even) {
-      if (decays_.empty() || std::max(most, high) - std::min(least, low) > 2 * kUnlike) {
+      if (decays_.empty() ||
+          std::max(max_value, high) - std::min(min_value, low) > 2 * kMaxDecayMismatch) {
         decays_.emplace_back();
-        least = low;
-        most = high;
+        min_value = low;
+        max_value = high;
       }
-      least = std::min(least, low);
-      most = std::max(most, high);
+      min_value = std::min(min_value, low);
+      max_value = std::max(max_value, high);
       poles.decay = static_cast<std::uint32_t>(decays_.size() - 1);
       for (std::size_t m = 0; m < kHalfLeap; ++m) {
-        const double nepers = 0.5 * (least + most) * (static_cast<double>(m) + 0.5);
+        const double nepers = 0.5 * (min_value + max_value) * (static_cast<double>(m) + 0.5);
         decays_.back().fall[m] = static_cast<float>(std::exp(-nepers));
         decays_.back().rise[m] = static_cast<float>(std::exp(nepers));
       }
@@ -93,31 +94,32 @@ void ModeBank::set_gain(std::size_t drive, std::span<const double> gain) noexcep
     return;
   settle();
   for (std::size_t k = 0; k < std::min(modes_, gain.size()); ++k) {
-    const auto [block, lane] = place(k);
+    const auto [block, lane] = lane_index(k);
     gain_[drive][block].v[lane] = static_cast<float>(gain[k] / sample_rate_);
   }
   for (std::size_t i = 0; i < pickups_.size(); ++i)
-    for (const std::size_t part : {kOld, kMiddle, kFresh})
+    for (const std::size_t part : {kOld, kMiddle, kLatest})
       echo(drive, i, part).known = false;
 }
 
 void ModeBank::write_weight(std::vector<ComplexLane>& to,
                             std::span<const std::complex<double>> weight) noexcept {
   for (std::size_t k = 0; k < std::min(modes_, weight.size()); ++k) {
-    const auto [block, lane] = place(k);
+    const auto [block, lane] = lane_index(k);
     to[block].real.v[lane] = static_cast<float>(weight[k].real());
     to[block].imaginary.v[lane] = static_cast<float>(weight[k].imag());
   }
 }
 
-void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept {
+void ModeBank::compute_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept {
   KnownEcho& found = echo(drive, pickup, part);
   if (found.known)
     return;
   found.known = true;
   found.echo.fill(0);
-  kernel_->respond(poles_.data(), gain_[drive].data(), pickups_[pickup].weight[part].data(),
-                   blocks_, found.echo.data() + kLeap);
+  kernel_->impulse_response(poles_.data(), gain_[drive].data(),
+                            pickups_[pickup].weight[part].data(), blocks_,
+                            found.echo.data() + kLeap);
 }
 
 BankView ModeBank::view() noexcept {
@@ -154,18 +156,18 @@ void ModeBank::process(std::span<const float* const> force, std::span<float* con
                        std::size_t frames) noexcept {
   std::size_t done = 0;
   while (done < frames) {
-    const std::size_t to_grid = kMostSamples - static_cast<std::size_t>(clock_ % kMostSamples);
+    const std::size_t to_grid = kMaxSamples - static_cast<std::size_t>(clock_ % kMaxSamples);
     const std::size_t count = std::min({frames - done, to_grid, glide_left()});
     for (std::size_t d = 0; d < gain_.size(); ++d)
       force_[d] = d < force.size() && force[d] ? force[d] + done : nullptr;
     for (std::size_t i = 0; i < pickups_.size(); ++i)
       out_[i] = i < out.size() && out[i] ? out[i] + done : nullptr;
-    chunk(count);
+    process_chunk(count);
     done += count;
   }
 }
 
-std::size_t ModeBank::find_pushing() noexcept {
+std::size_t ModeBank::find_driving() noexcept {
   std::size_t count = 0;
   for (std::size_t d = 0; d < gain_.size(); ++d) {
     const auto pushes = [](float f) { return f != 0; };
@@ -176,84 +178,85 @@ std::size_t ModeBank::find_pushing() noexcept {
       force_[d] = kSilence.data();
     // History is of the leap at hand alone.
     if (now || (phase_ > 0 && std::any_of(history_[d].begin(), history_[d].end(), pushes)))
-      pushing_[count++] = static_cast<std::uint32_t>(d);
+      driving_[count++] = static_cast<std::uint32_t>(d);
   }
   return count;
 }
 
-void ModeBank::chunk(std::size_t frames) noexcept {
+void ModeBank::process_chunk(std::size_t frames) noexcept {
   frames_ = frames;
-  pushing_count_ = find_pushing();
-  ear_count_ = 0;
+  driving_count_ = find_driving();
+  pickup_part_count_ = 0;
   for (std::size_t i = 0; i < pickups_.size(); ++i) {
     if (!out_[i])
       continue;
     const Glide& glide = pickups_[i].glide;
-    const std::size_t first = ear_count_;
+    const std::size_t first = pickup_part_count_;
     if (glide.moving())
-      ears_[ear_count_++] = {i, kMiddle};
+      pickup_parts_[pickup_part_count_++] = {i, kMiddle};
     if (glide.moving() && glide.has_old())
-      ears_[ear_count_++] = {i, kOld};
-    if (!glide.moving() || glide.has_fresh())
-      ears_[ear_count_++] = {i, kFresh};
-    for (std::size_t n = 0; n < pushing_count_; ++n)
-      for (std::size_t e = first; e < ear_count_; ++e)
-        work_out_echo(pushing_[n], i, ears_[e].part);
+      pickup_parts_[pickup_part_count_++] = {i, kOld};
+    if (!glide.moving() || glide.has_latest())
+      pickup_parts_[pickup_part_count_++] = {i, kLatest};
+    for (std::size_t n = 0; n < driving_count_; ++n)
+      for (std::size_t e = first; e < pickup_part_count_; ++e)
+        compute_echo(driving_[n], i, pickup_parts_[e].part);
   }
   for (std::size_t done = 0; done < frames;) {
     const std::size_t to_grid = kLeap - static_cast<std::size_t>(clock_ % kLeap);
     std::size_t count = std::min(frames - done, to_grid);
     if (phase_ == 0 && count == kLeap) {
       count = (frames - done) / kLeap * kLeap;
-      whole_leaps(done, count / kLeap);
+      process_whole_leaps(done, count / kLeap);
     } else {
-      part_of_leap(done, count, count == to_grid);
+      process_partial_leap(done, count, count == to_grid);
     }
     clock_ += count;
     done += count;
   }
   mix();
   advance_glides(frames);
-  if (clock_ % kRestPeriod == 0)
-    rest();
+  if (clock_ % kAudibilityPeriod == 0)
+    deactivate_inaudible();
 }
 
-std::size_t ModeBank::make_ears(std::size_t at) noexcept {
-  for (std::size_t e = 0; e < ear_count_; ++e) {
-    const Pickup& pickup = pickups_[ears_[e].pickup];
-    kernel_pickups_[e] = {pickup.weight[ears_[e].part].data(), heard_[e].data() + at};
+std::size_t ModeBank::list_pickup_parts(std::size_t at) noexcept {
+  for (std::size_t e = 0; e < pickup_part_count_; ++e) {
+    const Pickup& pickup = pickups_[pickup_parts_[e].pickup];
+    kernel_pickups_[e] = {pickup.weight[pickup_parts_[e].part].data(), output_[e].data() + at};
   }
-  return ear_count_;
+  return pickup_part_count_;
 }
 
-void ModeBank::whole_leaps(std::size_t at, std::size_t leaps) noexcept {
-  for (std::size_t n = 0; n < pushing_count_; ++n)
-    kernel_drives_[n] = {gain_[pushing_[n]].data(), force_[pushing_[n]] + at};
-  kernel_->run(view(), leaps, std::span(kernel_drives_).first(pushing_count_),
-               std::span(kernel_pickups_).first(make_ears(at)));
-  for (std::size_t n = 0; n < pushing_count_; ++n)
-    for (std::size_t e = 0; e < ear_count_; ++e)
-      kernel_->echo(force_[pushing_[n]] + at,
-                    echo(pushing_[n], ears_[e].pickup, ears_[e].part).echo.data(), leaps,
-                    heard_[e].data() + at);
+void ModeBank::process_whole_leaps(std::size_t at, std::size_t leaps) noexcept {
+  for (std::size_t n = 0; n < driving_count_; ++n)
+    kernel_drives_[n] = {gain_[driving_[n]].data(), force_[driving_[n]] + at};
+  kernel_->run(view(), leaps, std::span(kernel_drives_).first(driving_count_),
+               std::span(kernel_pickups_).first(list_pickup_parts(at)));
+  for (std::size_t n = 0; n < driving_count_; ++n)
+    for (std::size_t e = 0; e < pickup_part_count_; ++e)
+      kernel_->echo(force_[driving_[n]] + at,
+                    echo(driving_[n], pickup_parts_[e].pickup, pickup_parts_[e].part).echo.data(),
+                    leaps, output_[e].data() + at);
   if (release_left_ == 0)
     return;
-  for (std::size_t e = 0; e < ear_count_; ++e)
-    kernel_pickups_[e].out = heard_released_[e].data() + at;
-  kernel_->run(released_view(), leaps, {}, std::span(kernel_pickups_).first(ear_count_));
+  for (std::size_t e = 0; e < pickup_part_count_; ++e)
+    kernel_pickups_[e].out = released_output_[e].data() + at;
+  kernel_->run(released_view(), leaps, {}, std::span(kernel_pickups_).first(pickup_part_count_));
 }
 
-void ModeBank::part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept {
-  kernel_->listen(view(), phase_, count, std::span(kernel_pickups_).first(make_ears(at)));
+void ModeBank::process_partial_leap(std::size_t at, std::size_t count, bool ends) noexcept {
+  kernel_->listen(view(), phase_, count, std::span(kernel_pickups_).first(list_pickup_parts(at)));
   if (release_left_ > 0) {
-    for (std::size_t e = 0; e < ear_count_; ++e)
-      kernel_pickups_[e].out = heard_released_[e].data() + at;
-    kernel_->listen(released_view(), phase_, count, std::span(kernel_pickups_).first(ear_count_));
+    for (std::size_t e = 0; e < pickup_part_count_; ++e)
+      kernel_pickups_[e].out = released_output_[e].data() + at;
+    kernel_->listen(released_view(), phase_, count,
+                    std::span(kernel_pickups_).first(pickup_part_count_));
   }
   for (std::size_t d = 0; d < gain_.size(); ++d)
     std::copy_n(force_[d] + at, count, history_[d].begin() + static_cast<std::ptrdiff_t>(phase_));
-  for (std::size_t n = 0; n < pushing_count_; ++n)
-    add_echo(pushing_[n], phase_, phase_ + count, at);
+  for (std::size_t n = 0; n < driving_count_; ++n)
+    add_echo(driving_[n], phase_, phase_ + count, at);
   phase_ += count;
   if (ends)
     settle();
@@ -277,12 +280,13 @@ void ModeBank::settle() noexcept {
 /// Of samples `from` to `to` of the leap at hand.
 void ModeBank::add_echo(std::size_t drive, std::size_t from, std::size_t to,
                         std::size_t at) noexcept {
-  for (std::size_t e = 0; e < ear_count_; ++e) {
+  for (std::size_t e = 0; e < pickup_part_count_; ++e) {
     std::array<float, kLeap> sum{};
-    kernel_->echo(history_[drive].data(), echo(drive, ears_[e].pickup, ears_[e].part).echo.data(),
-                  1, sum.data());
+    kernel_->echo(history_[drive].data(),
+                  echo(drive, pickup_parts_[e].pickup, pickup_parts_[e].part).echo.data(), 1,
+                  sum.data());
     for (std::size_t i = from; i < to; ++i)
-      heard_[e][at + i - from] += sum[i];
+      output_[e][at + i - from] += sum[i];
   }
 }
 
@@ -292,23 +296,23 @@ void ModeBank::mix() noexcept {
   for (std::size_t i = 0; i < pickups_.size(); ++i)
     if (out_[i])
       std::fill_n(out_[i], frames_, 0.0F);
-  for (std::size_t e = 0; e < ear_count_; ++e) {
-    const auto [pickup, part] = ears_[e];
+  for (std::size_t e = 0; e < pickup_part_count_; ++e) {
+    const auto [pickup, part] = pickup_parts_[e];
     const Glide& glide = pickups_[pickup].glide;
     float* const out = out_[pickup];
     if (!glide.moving()) {
-      std::copy_n(heard_[e].begin(), frames_, out);
+      std::copy_n(output_[e].begin(), frames_, out);
       continue;
     }
     for (std::size_t n = 0; n < frames_; ++n) {
       const Glide::Blend blend = glide.blend(n);
-      const double share = part == kOld ? blend.old : part == kMiddle ? blend.middle : blend.fresh;
-      out[n] += static_cast<float>(share) * heard_[e][n];
+      const double share = part == kOld ? blend.old : part == kMiddle ? blend.middle : blend.latest;
+      out[n] += static_cast<float>(share) * output_[e][n];
     }
   }
 }
 
-void ModeBank::rest() noexcept {
+void ModeBank::deactivate_inaudible() noexcept {
   std::size_t kept = 0;
   for (std::size_t n = 0; n < active_count_; ++n) {
     const std::size_t b = active_[n];
@@ -318,8 +322,8 @@ void ModeBank::rest() noexcept {
     float loudest = 0;
     for (const Pickup& pickup : pickups_)
       for (std::size_t i = 0; i < kLanes; ++i)
-        loudest = std::max({loudest, std::abs(pickup.weight[kFresh][b].real.v[i]),
-                            std::abs(pickup.weight[kFresh][b].imaginary.v[i])});
+        loudest = std::max({loudest, std::abs(pickup.weight[kLatest][b].real.v[i]),
+                            std::abs(pickup.weight[kLatest][b].imaginary.v[i])});
     for (std::size_t i = 0; i < kLanes; ++i) {
       float& real = state_[b].real.v[i];
       float& imaginary = state_[b].imaginary.v[i];
@@ -338,13 +342,13 @@ void ModeBank::rest() noexcept {
 }
 
 std::complex<double> ModeBank::state(std::size_t mode) const noexcept {
-  const auto [block, lane] = place(mode);
+  const auto [block, lane] = lane_index(mode);
   const std::complex<double> z = entry(state_[block], lane);
   return poles_[block].even ? z * entry(poles_[block].power[PoleBlock::kFromMiddle], lane) : z;
 }
 
 void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
-  const auto [block, lane] = place(mode);
+  const auto [block, lane] = lane_index(mode);
   if (poles_[block].even)
     z *= entry(poles_[block].power[PoleBlock::kToMiddle], lane);
   state_[block].real.v[lane] = static_cast<float>(z.real());

@@ -39,15 +39,15 @@ public:
   void jump_to_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
 
   /// The three weights that a pick-up glides between; at rest it hears the freshest.
-  enum Part : std::size_t { kOld, kMiddle, kFresh };
+  enum Part : std::size_t { kOld, kMiddle, kLatest };
   [[nodiscard]] const Glide& glide(std::size_t pickup) const noexcept {
     return pickups_[pickup].glide;
   }
   [[nodiscard]] std::complex<double> weight(std::size_t pickup, Part part,
                                             std::size_t mode) const noexcept;
   /// Takes over another bank's glide, its weights given: old, middle and fresh of all modes.
-  void take_glide(std::size_t pickup, const Glide& glide,
-                  const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept;
+  void set_glide(std::size_t pickup, const Glide& glide,
+                 const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept;
   /// Grows with every change of the three weights.
   [[nodiscard]] std::uint64_t glide_version() const noexcept { return glide_version_; }
   /// Samples for which all pick-ups' three weights stay as they are.
@@ -95,16 +95,17 @@ public:
   [[nodiscard]] static double release_share(std::size_t left) noexcept;
   /// Modes of a block whose decay rates differ less than this from their mean, times a sample's
   /// length, are computed as if they decayed alike within a leap: an error below -65 dB.
-  static constexpr double kUnlike = 1.2e-4;
+  static constexpr double kMaxDecayMismatch = 1.2e-4;
 
 private:
-  static constexpr std::size_t kMostDrives = 72, kMostPickups = kMostEars / 3;
-  static constexpr std::uint64_t kRestPeriod = 1024; ///< samples between looks at what still rings
+  static constexpr std::size_t kMaxDrives = 72, kMaxPickups = kMaxPickupParts / 3;
+  static constexpr std::uint64_t kAudibilityPeriod =
+      1024; ///< samples between looks at what still rings
 
-  struct Place {
+  struct LaneIndex {
     std::size_t block, lane;
   };
-  [[nodiscard]] static Place place(std::size_t mode) noexcept {
+  [[nodiscard]] static LaneIndex lane_index(std::size_t mode) noexcept {
     return {mode / kLanes, mode % kLanes};
   }
   struct Pickup {
@@ -127,27 +128,27 @@ private:
   }
   void write_weight(std::vector<ComplexLane>& to,
                     std::span<const std::complex<double>> weight) noexcept;
-  [[nodiscard]] bool leads_to(std::size_t pickup,
-                              std::span<const std::complex<double>> weight) const noexcept;
-  void lead_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
-  void exchange(std::size_t pickup, Glide::Exchange exchange, bool waited) noexcept;
+  [[nodiscard]] bool is_target(std::size_t pickup,
+                               std::span<const std::complex<double>> weight) const noexcept;
+  void glide_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
+  void exchange(std::size_t pickup, Glide::Exchange exchange, bool had_target) noexcept;
   void advance_glides(std::size_t samples) noexcept;
-  void work_out_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept;
+  void compute_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept;
   void read(const std::vector<ComplexLane>& from, std::span<std::complex<double>> z) const noexcept;
   void list_released() noexcept;
   void mix_released() noexcept;
   void wake(std::size_t drive) noexcept;
   void make_poles(std::span<const std::complex<double>> rate);
   void list_active() noexcept;
-  /// At most kMostSamples, up to the next multiple of that on the clock.
-  void chunk(std::size_t frames) noexcept;
-  [[nodiscard]] std::size_t find_pushing() noexcept;
-  std::size_t make_ears(std::size_t at) noexcept;
-  void whole_leaps(std::size_t at, std::size_t leaps) noexcept;
-  void part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept;
+  /// At most kMaxSamples, up to the next multiple of that on the clock.
+  void process_chunk(std::size_t frames) noexcept;
+  [[nodiscard]] std::size_t find_driving() noexcept;
+  std::size_t list_pickup_parts(std::size_t at) noexcept;
+  void process_whole_leaps(std::size_t at, std::size_t leaps) noexcept;
+  void process_partial_leap(std::size_t at, std::size_t count, bool ends) noexcept;
   void add_echo(std::size_t drive, std::size_t from, std::size_t to, std::size_t at) noexcept;
   void mix() noexcept;
-  void rest() noexcept;
+  void deactivate_inaudible() noexcept;
   [[nodiscard]] BankView view() noexcept;
   [[nodiscard]] BankView released_view() noexcept;
 
@@ -173,17 +174,17 @@ private:
   std::size_t phase_ = 0;                         // samples of the leap at hand that are over
   std::vector<std::array<float, kLeap>> history_; // [drive], their forces
   // Of the chunk at hand.
-  struct Ear {
+  struct PickupPart {
     std::size_t pickup, part;
   };
-  std::size_t frames_ = 0, pushing_count_ = 0, ear_count_ = 0;
-  std::array<const float*, kMostDrives> force_{};
-  std::array<std::uint32_t, kMostDrives> pushing_{};
-  std::array<float*, kMostPickups> out_{};
-  std::array<Ear, kMostEars> ears_{};
-  std::array<BankDrive, kMostDrives> kernel_drives_{};
-  std::array<BankPickup, kMostEars> kernel_pickups_{};
-  std::array<std::array<float, kMostSamples>, kMostEars> heard_{}, heard_released_{};
+  std::size_t frames_ = 0, driving_count_ = 0, pickup_part_count_ = 0;
+  std::array<const float*, kMaxDrives> force_{};
+  std::array<std::uint32_t, kMaxDrives> driving_{};
+  std::array<float*, kMaxPickups> out_{};
+  std::array<PickupPart, kMaxPickupParts> pickup_parts_{};
+  std::array<BankDrive, kMaxDrives> kernel_drives_{};
+  std::array<BankPickup, kMaxPickupParts> kernel_pickups_{};
+  std::array<std::array<float, kMaxSamples>, kMaxPickupParts> output_{}, released_output_{};
 };
 
 } // namespace tactus::modal

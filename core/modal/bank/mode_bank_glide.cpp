@@ -10,34 +10,34 @@ namespace tactus::modal {
 
 void ModeBank::set_weight(std::size_t pickup,
                           std::span<const std::complex<double>> weight) noexcept {
-  if (pickup < pickups_.size() && !leads_to(pickup, weight))
-    lead_to(pickup, weight);
+  if (pickup < pickups_.size() && !is_target(pickup, weight))
+    glide_to(pickup, weight);
 }
 
 void ModeBank::set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept {
   const std::size_t count = std::min(pickups_.size(), weight.size());
   bool same = modes_ > 0; // without modes nothing tells what else has changed
   for (std::size_t i = 0; i < count && same; ++i)
-    same = leads_to(i, weight[i]);
+    same = is_target(i, weight[i]);
   for (std::size_t i = 0; i < count && !same; ++i)
-    lead_to(i, weight[i]);
+    glide_to(i, weight[i]);
 }
 
 /// The newest target is this weight.
-bool ModeBank::leads_to(std::size_t pickup,
-                        std::span<const std::complex<double>> weight) const noexcept {
+bool ModeBank::is_target(std::size_t pickup,
+                         std::span<const std::complex<double>> weight) const noexcept {
   const Pickup& at = pickups_[pickup];
-  const auto& last = at.glide.waits() ? at.target : at.weight[kFresh];
+  const auto& last = at.glide.has_target() ? at.target : at.weight[kLatest];
   bool same = true;
   for (std::size_t k = 0; k < std::min(modes_, weight.size()) && same; ++k) {
-    const auto [block, lane] = place(k);
+    const auto [block, lane] = lane_index(k);
     same = last[block].real.v[lane] == static_cast<float>(weight[k].real()) &&
            last[block].imaginary.v[lane] == static_cast<float>(weight[k].imag());
   }
   return same;
 }
 
-void ModeBank::lead_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept {
+void ModeBank::glide_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept {
   settle();
   write_weight(pickups_[pickup].target, weight);
   exchange(pickup, pickups_[pickup].glide.start(), true);
@@ -49,13 +49,13 @@ void ModeBank::jump_to_weight(std::size_t pickup,
     return;
   settle();
   pickups_[pickup].glide.stop();
-  write_weight(pickups_[pickup].weight[kFresh], weight);
+  write_weight(pickups_[pickup].weight[kLatest], weight);
   for (std::size_t d = 0; d < gain_.size(); ++d)
-    echo(d, pickup, kFresh).known = false;
+    echo(d, pickup, kLatest).known = false;
   ++glide_version_;
 }
 
-void ModeBank::take_glide(
+void ModeBank::set_glide(
     std::size_t pickup, const Glide& glide,
     const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept {
   if (pickup >= pickups_.size())
@@ -63,8 +63,8 @@ void ModeBank::take_glide(
   settle();
   Pickup& at = pickups_[pickup];
   at.glide = glide;
-  at.glide.forget_target();
-  for (const std::size_t part : {kOld, kMiddle, kFresh}) {
+  at.glide.clear_target();
+  for (const std::size_t part : {kOld, kMiddle, kLatest}) {
     write_weight(at.weight[part], weight[part]);
     for (std::size_t d = 0; d < gain_.size(); ++d)
       echo(d, pickup, part).known = false;
@@ -73,32 +73,32 @@ void ModeBank::take_glide(
 }
 
 /// Moves the weights on, and what is known of them.
-void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool waited) noexcept {
+void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool had_target) noexcept {
   if (exchange == Glide::Exchange::kNone)
     return;
   ++glide_version_;
   auto& weight = pickups_[pickup].weight;
-  const auto move_on = [&](Part from, Part to) {
+  const auto move_weights = [&](Part from, Part to) {
     std::swap(weight[from], weight[to]);
     for (std::size_t d = 0; d < gain_.size(); ++d)
       std::swap(echo(d, pickup, from), echo(d, pickup, to));
   };
   if (exchange == Glide::Exchange::kRotate)
-    move_on(kMiddle, kOld);
-  move_on(kFresh, kMiddle);
-  const auto& fresh = waited ? pickups_[pickup].target : weight[kMiddle];
-  std::copy(fresh.begin(), fresh.end(), weight[kFresh].begin());
+    move_weights(kMiddle, kOld);
+  move_weights(kLatest, kMiddle);
+  const auto& latest = had_target ? pickups_[pickup].target : weight[kMiddle];
+  std::copy(latest.begin(), latest.end(), weight[kLatest].begin());
   for (std::size_t d = 0; d < gain_.size(); ++d)
-    if (waited)
-      echo(d, pickup, kFresh).known = false;
+    if (had_target)
+      echo(d, pickup, kLatest).known = false;
     else
-      echo(d, pickup, kFresh) = echo(d, pickup, kMiddle);
+      echo(d, pickup, kLatest) = echo(d, pickup, kMiddle);
 }
 
 void ModeBank::advance_glides(std::size_t samples) noexcept {
   for (std::size_t i = 0; i < pickups_.size(); ++i) {
-    const bool waited = pickups_[i].glide.waits();
-    exchange(i, pickups_[i].glide.advance(samples), waited);
+    const bool had_target = pickups_[i].glide.has_target();
+    exchange(i, pickups_[i].glide.advance(samples), had_target);
   }
 }
 
@@ -112,7 +112,7 @@ std::size_t ModeBank::glide_left() const noexcept {
 
 std::complex<double> ModeBank::weight(std::size_t pickup, Part part,
                                       std::size_t mode) const noexcept {
-  const auto [block, lane] = place(mode);
+  const auto [block, lane] = lane_index(mode);
   return entry(pickups_[pickup].weight[part][block], lane);
 }
 
@@ -163,8 +163,8 @@ void ModeBank::mix_released() noexcept {
   const std::size_t count = std::min(frames_, release_left_);
   for (std::size_t n = 0; n < count; ++n) {
     const auto share = static_cast<float>(release_share(release_left_ - n));
-    for (std::size_t e = 0; e < ear_count_; ++e)
-      heard_[e][n] += share * heard_released_[e][n];
+    for (std::size_t e = 0; e < pickup_part_count_; ++e)
+      output_[e][n] += share * released_output_[e][n];
   }
   release_left_ -= count;
   if (release_left_ > 0)

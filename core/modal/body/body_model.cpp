@@ -1,6 +1,6 @@
 #include "core/modal/body/body_model.hpp"
 
-#include "core/modal/radiation/joined_arrivals.hpp"
+#include "core/modal/radiation/combined_arrivals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kHighestOfRate = 0.45; // a mode above is not left to ring: it would alias
+constexpr double kMaxFrequencyRatio = 0.45; // a mode above is not left to ring: it would alias
 constexpr double kNepersIn60dB = 6.907755278982137;
 constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
 
@@ -54,41 +54,41 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   density_kg_per_m3 = first(settings.density_kg_per_m3, own.density_kg_per_m3, kUnknownDensity);
   poisson = settings.poisson >= 0 ? settings.poisson : own.poisson;
   const double volume = settings.size * settings.size * settings.size;
-  const double heavier =
+  const double mass_ratio =
       density_kg_per_m3 / first(own.density_kg_per_m3, kUnknownDensity, kUnknownDensity);
-  shape_scale = 1 / std::sqrt(heavier * volume);
-  mass_kg = table.mass_kg * heavier * volume;
+  shape_scale = 1 / std::sqrt(mass_ratio * volume);
+  mass_kg = table.mass_kg * mass_ratio * volume;
   board_shape_scale_ = 1 / std::sqrt(volume);
   find_rates();
-  find_rests();
+  find_resting_contacts();
   const std::span<const std::complex<double>> all(rate);
-  bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, settings.listeners,
-                  settings.vector_set);
+  bank = ModeBank(all.first(audible_modes), settings.sample_rate, 1 + settings.voices,
+                  settings.listeners, settings.vector_set);
   solver =
-      ContactSolver(all, settings.sample_rate, rest_slot() + rests.size(),
+      ContactSolver(all, settings.sample_rate, resting_slot() + resting_contacts.size(),
                     table.free && table.mass_kg > 0, 3 * settings.listeners, settings.vector_set);
   find_weights();
-  for (std::size_t k = 0; k < heard; ++k)
-    loudness.push_back(ear[k] * loudest_weight(k));
+  for (std::size_t k = 0; k < audible_modes; ++k)
+    loudness.push_back(a_weight[k] * loudest_weight(k));
   for (std::size_t l = 0; l < kMaxListeners; ++l) {
     bank.jump_to_weight(l, weight[l]);
   }
   for (auto& part : scratch_weight_)
-    part.assign(heard, 0);
-  refresh_ears();
+    part.assign(audible_modes, 0);
+  refresh_listener_weights();
 }
 
-void BodyModel::refresh_ears() noexcept {
-  if (ears_version_ == bank.glide_version())
+void BodyModel::refresh_listener_weights() noexcept {
+  if (weights_version_ == bank.glide_version())
     return;
-  ears_version_ = bank.glide_version();
-  ear_count = 0;
+  weights_version_ = bank.glide_version();
+  listener_part_count = 0;
   const auto add = [&](std::size_t listener, ModeBank::Part part) {
     auto& weights = scratch_weight_[0];
-    for (std::size_t k = 0; k < heard; ++k)
+    for (std::size_t k = 0; k < audible_modes; ++k)
       weights[k] = bank.weight(listener, part, k);
-    solver.set_weight(ear_count, weights);
-    ears[ear_count++] = {listener, part};
+    solver.set_weight(listener_part_count, weights);
+    listener_parts[listener_part_count++] = {listener, part};
   };
   for (std::size_t l = 0; l < settings.listeners; ++l) {
     const Glide& glide = bank.glide(l);
@@ -96,24 +96,24 @@ void BodyModel::refresh_ears() noexcept {
       add(l, ModeBank::kMiddle);
     if (glide.moving() && glide.has_old())
       add(l, ModeBank::kOld);
-    if (!glide.moving() || glide.has_fresh())
-      add(l, ModeBank::kFresh);
+    if (!glide.moving() || glide.has_latest())
+      add(l, ModeBank::kLatest);
   }
-  solver.set_listening(ear_count);
+  solver.set_listening(listener_part_count);
 }
 
 double BodyModel::loudest_weight(std::size_t k) const noexcept {
-  double most = 0;
+  double maximum = 0;
   for (std::size_t l = 0; l < settings.listeners; ++l)
-    most = std::max(most, std::abs(weight[l][k]));
-  return most;
+    maximum = std::max(maximum, std::abs(weight[l][k]));
+  return maximum;
 }
 
 double BodyModel::decay_rate(std::size_t k, double omega) const {
   const ModalTable& table = loaded->table;
   const double before = 2 * std::numbers::pi * table.frequency_hz[k];
   double rate_per_s = 0;
-  const bool of_board = loaded->is_of_board(k);
+  const bool of_board = loaded->is_board_mode(k);
   switch (of_board ? Damping::kTable : settings.damping) {
   case Damping::kRayleigh:
     rate_per_s = 0.5 * (settings.rayleigh_a_per_s + settings.rayleigh_b_s * omega * omega);
@@ -144,13 +144,13 @@ void BodyModel::find_rates() {
   const double density = own.density_kg_per_m3 > 0 ? own.density_kg_per_m3 : kUnknownDensity;
   const double faster =
       std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) / settings.size;
-  const double highest = kHighestOfRate * settings.sample_rate;
-  const std::size_t most = settings.most_modes > 0 ? settings.most_modes : table.modes();
+  const double highest = kMaxFrequencyRatio * settings.sample_rate;
+  const std::size_t maximum = settings.max_modes > 0 ? settings.max_modes : table.modes();
   const std::vector<double> factor =
       frequency_factors(table.sensitivity, table.frequency_hz, settings.shape_displacement_m);
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
   for (std::size_t k = 0; k < table.modes(); ++k) {
-    const bool of_board = loaded->is_of_board(k);
+    const bool of_board = loaded->is_board_mode(k);
     double frequency = table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : faster);
     if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
       frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
@@ -158,7 +158,7 @@ void BodyModel::find_rates() {
     // Beyond critical damping a mode has no rate of its own to swing at: kept just below.
     const double decay = std::min(decay_rate(k, omega), 0.999 * omega);
     const std::complex<double> s(-decay, std::sqrt(omega * omega - decay * decay));
-    if (frequency < highest && k < most)
+    if (frequency < highest && k < maximum)
       low.emplace_back(s, k);
     else if (frequency < kContactLimit)
       high.emplace_back(s, k);
@@ -166,38 +166,38 @@ void BodyModel::find_rates() {
   // Modes of like decay fall silent together, and the bank can leave them out together.
   std::stable_sort(low.begin(), low.end(),
                    [](const auto& a, const auto& b) { return a.first.real() > b.first.real(); });
-  heard = low.size();
+  audible_modes = low.size();
   low.insert(low.end(), high.begin(), high.end());
-  place_of.assign(table.modes(), low.size());
+  index_of.assign(table.modes(), low.size());
   for (const auto& [s, k] : low) {
-    place_of[k] = mode.size();
+    index_of[k] = mode.size();
     rate.push_back(s);
     mode.push_back(k);
   }
   scratch.assign(mode.size(), 0);
   scratch_state.assign(mode.size(), 0);
-  scratch_level.assign(heard, 0);
+  scratch_level.assign(audible_modes, 0);
   for (const std::complex<double>& s : rate) {
     const double x = std::min(0.5 * s.imag() / settings.sample_rate, 0.5 * std::numbers::pi);
     const double square = x * x;
     pulse_gain.push_back(1 + square * (1.0 / 6 + square * (7.0 / 360 + square * (31.0 / 15120))));
     band.push_back(pulse_band(s.imag()));
   }
-  bank_state.assign(heard, 0);
-  push_gain.assign(mode.size(), 0.0F);
-  for (std::size_t i = 0; i < heard; ++i)
-    ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
+  bank_state.assign(audible_modes, 0);
+  force_gain.assign(mode.size(), 0.0F);
+  for (std::size_t i = 0; i < audible_modes; ++i)
+    a_weight.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
 }
 
 std::vector<DirectKernels::Mode> BodyModel::direct_modes() const {
   using Part = DirectKernels::Mode::Part;
-  const double highest = 2 * std::numbers::pi * kHighestOfRate * settings.sample_rate;
+  const double highest = 2 * std::numbers::pi * kMaxFrequencyRatio * settings.sample_rate;
   std::vector<DirectKernels::Mode> modes;
   for (std::size_t i = 0; i < mode.size(); ++i)
     modes.push_back({rate[i], mode[i],
-                     i < heard                      ? Part::kRings
+                     i < audible_modes              ? Part::kRinging
                      : std::abs(rate[i]) >= highest ? Part::kTooHigh
-                                                    : Part::kMute,
+                                                    : Part::kInaudible,
                      pulse_gain[i]});
   return modes;
 }
@@ -208,10 +208,10 @@ RadiatingSurface::RigidShapes BodyModel::rigid_shapes() const {
     return shapes;
   const RadiatingSurface& radiating = loaded->body().radiating; // its triangles are the first
   for (std::size_t t = 0; t < radiating.triangles(); ++t) {
-    SurfacePoint place;
-    place.triangle = t;
-    place.position = radiating.centre(t);
-    RigidGain outward = rigid_gains(place, radiating.normal(t));
+    SurfacePoint point;
+    point.triangle = t;
+    point.position = radiating.centre(t);
+    RigidGain outward = rigid_gains(point, radiating.normal(t));
     for (double& b : outward) // gains are for a push inwards
       b = -b;
     shapes.push_back(outward);
@@ -284,10 +284,10 @@ std::unique_ptr<Arrivals> BodyModel::arrivals(const Vec3& listener) const {
   if (of_board->delay_s < of_body->delay_s &&
       !of_board->silent) // the later one is timed by the earlier one
     of_body = arrivals_of(0, listener, of_board->delay_s);
-  std::vector<JoinedArrivals::Part> parts(2);
+  std::vector<CombinedArrivals::Part> parts(2);
   parts[0] = {std::move(of_body), loaded->parts[0].mode, 0};
   parts[1] = {std::move(of_board), loaded->parts[1].mode, 0};
-  return std::make_unique<JoinedArrivals>(
+  return std::make_unique<CombinedArrivals>(
       std::move(parts), settings.sample_rate,
       DirectKernels::max_spread(mode.size(), loaded->table.vertices()));
 }
@@ -296,41 +296,42 @@ void BodyModel::find_weights() {
   const ModalTable& table = loaded->table;
   const std::vector<DirectKernels::Mode> modes = direct_modes();
   const bool has_surface = !loaded->surface.empty();
-  plays_raw = settings.radiation == Radiation::kRaw && !table.raw.empty();
+  uses_recordings = settings.radiation == Radiation::kRaw && !table.raw.empty();
   const BankKernel* const kernel = bank_kernel(settings.vector_set);
   const DirectKernels::SurfaceShapes shapes{loaded->shape, table.modes(),
                                             kernel ? kernel : bank_kernel(VectorSet::kBaseline)};
   for (std::size_t l = 0; l < kMaxListeners; ++l) {
-    weight[l].assign(heard, 0);
-    if (plays_raw) {
+    weight[l].assign(audible_modes, 0);
+    if (uses_recordings) {
       raw[l].set(table.raw, settings.listener[l], table.air_density_kg_per_m3,
                  table.sound_speed_m_per_s);
       continue;
     }
     if (l >= settings.listeners)
       continue;
-    if (const auto heard_from = has_surface ? arrivals(settings.listener[l]) : nullptr) {
-      delay_s[l] = heard_from->delay_s;
-      direct[l].build(*heard_from, modes, table.free && mass_kg > 0, settings.sample_rate, shapes);
+    if (const auto listener_arrivals = has_surface ? arrivals(settings.listener[l]) : nullptr) {
+      delay_s[l] = listener_arrivals->delay_s;
+      direct[l].build(*listener_arrivals, modes, table.free && mass_kg > 0, settings.sample_rate,
+                      shapes);
     } else {
       // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
-      std::vector<double> gain(heard, -1);
+      std::vector<double> gain(audible_modes, -1);
       if (has_surface) {
-        const SurfacePoint place = nearest(settings.listener[l]);
-        gains(place, place.normal, gain);
+        const SurfacePoint point = nearest(settings.listener[l]);
+        gains(point, point.normal, gain);
       }
-      std::vector<std::complex<double>> velocity(heard);
-      for (std::size_t k = 0; k < heard; ++k) // z stands for q' = Im(s z)/omega_d
+      std::vector<std::complex<double>> velocity(audible_modes);
+      for (std::size_t k = 0; k < audible_modes; ++k) // z stands for q' = Im(s z)/omega_d
         velocity[k] = -gain[k] * rate[k] / rate[k].imag();
       direct[l].build_velocity(modes, velocity, settings.sample_rate);
     }
     weight[l] = direct[l].weight();
   }
   make_kernels();
-  make_rest_kernels();
+  make_resting_kernels();
 }
 
-void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
+void BodyModel::gains(const SurfacePoint& point, const Vec3& direction,
                       std::span<double> gain) const noexcept {
   const ModalTable& table = loaded->table;
   const std::size_t count = std::min(gain.size(), mode.size());
@@ -340,11 +341,11 @@ void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
   }
   std::array<const float*, 3> at;
   std::array<std::array<float, 3>, 3> push;
-  const double scale = shape_scale_of(loaded->part_of_triangle(place.triangle));
+  const double scale = shape_scale_of(loaded->part_of_triangle(point.triangle));
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto vertex = static_cast<std::size_t>(table.triangle[place.triangle][i]);
+    const auto vertex = static_cast<std::size_t>(table.triangle[point.triangle][i]);
     at[i] = loaded->shape.data() + vertex * table.modes() * 3;
-    const Vec3 share = -scale * place.weight[i] * direction;
+    const Vec3 share = -scale * point.weight[i] * direction;
     push[i] = {static_cast<float>(share.x), static_cast<float>(share.y),
                static_cast<float>(share.z)};
   }
@@ -360,59 +361,59 @@ void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
 }
 
 std::array<double, ContactSolver::kRigid>
-BodyModel::rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept {
+BodyModel::rigid_gains(const SurfacePoint& point, const Vec3& direction) const noexcept {
   std::array<double, ContactSolver::kRigid> gain{};
   const ModalTable& table = loaded->table;
-  if (!table.free || !(mass_kg > 0) || loaded->part_of_triangle(place.triangle) != 0)
+  if (!table.free || !(mass_kg > 0) || loaded->part_of_triangle(point.triangle) != 0)
     return gain;
   const Vec3 push = -direction;
   for (int axis = 0; axis < 3; ++axis)
     gain[static_cast<std::size_t>(axis)] = push[axis] / std::sqrt(mass_kg);
-  const auto constrained = [this](const RigidGain& g) {
-    return rests.empty() ? g : ContactSolver::constrained(g, rigid_basis_);
+  const auto project = [this](const RigidGain& g) {
+    return resting_contacts.empty() ? g : ContactSolver::project(g, rigid_basis_);
   };
   const auto& t = table.inertia_kg_m2;
   if (!(t[0].x > 0))
-    return constrained(gain);
+    return project(gain);
   // I = L L^T; the momentum of a unit impulse about the centre, solved by L, has unit inertia.
   const double scale = mass_kg / table.mass_kg * settings.size * settings.size;
   const double l00 = std::sqrt(t[0].x * scale), l10 = t[1].x * scale / l00,
                l20 = t[2].x * scale / l00;
   const double square = t[1].y * scale - l10 * l10;
   if (!(square > 0))
-    return constrained(gain);
+    return project(gain);
   const double l11 = std::sqrt(square), l21 = (t[2].y * scale - l20 * l10) / l11;
   const double rest = t[2].z * scale - l20 * l20 - l21 * l21;
   if (!(rest > 0))
-    return constrained(gain);
-  const Vec3 turn = cross(settings.size * (place.position - table.centre_of_mass_m), push);
+    return project(gain);
+  const Vec3 turn = cross(settings.size * (point.position - table.centre_of_mass_m), push);
   gain[3] = turn.x / l00;
   gain[4] = (turn.y - l10 * gain[3]) / l11;
   gain[5] = (turn.z - l20 * gain[3] - l21 * gain[4]) / std::sqrt(rest);
-  return constrained(gain);
+  return project(gain);
 }
 
-double BodyModel::left_out(const SurfacePoint& place) const noexcept {
+double BodyModel::residual_compliance(const SurfacePoint& point) const noexcept {
   const ModalTable& table = loaded->table;
   if (table.residual_compliance.empty())
     return 0;
   double sum = 0;
   for (std::size_t i = 0; i < 3; ++i)
     sum +=
-        place.weight[i] *
+        point.weight[i] *
         static_cast<double>(
-            table.residual_compliance[static_cast<std::size_t>(table.triangle[place.triangle][i])]);
+            table.residual_compliance[static_cast<std::size_t>(table.triangle[point.triangle][i])]);
   const double modulus = table.material.youngs_modulus_pa;
-  const bool as_in_table = loaded->part_of_triangle(place.triangle) != 0 || !(modulus > 0);
+  const bool as_in_table = loaded->part_of_triangle(point.triangle) != 0 || !(modulus > 0);
   return sum * (as_in_table ? 1 : modulus / youngs_modulus_pa) / settings.size;
 }
 
-SurfacePoint BodyModel::nearest(const Vec3& point) const noexcept {
+SurfacePoint BodyModel::nearest(const Vec3& position_m) const noexcept {
   if (loaded->surface.empty())
     return {};
-  SurfacePoint place = loaded->surface.nearest(point * (1 / settings.size));
-  place.distance *= settings.size;
-  return place;
+  SurfacePoint point = loaded->surface.nearest(position_m * (1 / settings.size));
+  point.distance *= settings.size;
+  return point;
 }
 
 namespace {
@@ -430,51 +431,54 @@ std::complex<double> same_motion(std::complex<double> z, std::complex<double> be
 void BodyModel::release_from(BodyModel& before) noexcept {
   if (before.bank.release_left() == 0)
     return;
-  before.bank.read_released(std::span(before.scratch_state).first(before.heard));
-  for (std::size_t i = 0; i < heard; ++i) {
-    const std::size_t j = before.place_of[mode[i]];
-    scratch_state[i] =
-        j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
+  before.bank.read_released(std::span(before.scratch_state).first(before.audible_modes));
+  for (std::size_t i = 0; i < audible_modes; ++i) {
+    const std::size_t j = before.index_of[mode[i]];
+    scratch_state[i] = j < before.audible_modes
+                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
+                           : 0.0;
   }
-  bank.write_released(std::span(scratch_state).first(heard), before.bank.release_left());
+  bank.write_released(std::span(scratch_state).first(audible_modes), before.bank.release_left());
 }
 
 void BodyModel::continue_from(BodyModel& before) noexcept {
   release_from(before);
-  before.bank.read_states(std::span(before.scratch_state).first(before.heard));
-  for (std::size_t i = 0; i < heard; ++i) {
-    const std::size_t j = before.place_of[mode[i]];
-    scratch_state[i] =
-        j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
+  before.bank.read_states(std::span(before.scratch_state).first(before.audible_modes));
+  for (std::size_t i = 0; i < audible_modes; ++i) {
+    const std::size_t j = before.index_of[mode[i]];
+    scratch_state[i] = j < before.audible_modes
+                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
+                           : 0.0;
   }
-  bank.write_states(std::span(scratch_state).first(heard));
+  bank.write_states(std::span(scratch_state).first(audible_modes));
   glide_from(before);
 }
 
-void BodyModel::continue_touched(BodyModel& before) noexcept {
+void BodyModel::continue_in_contact(BodyModel& before) noexcept {
   release_from(before);
   before.solver.read_states(before.scratch_state);
   for (std::size_t i = 0; i < mode.size(); ++i) {
-    const std::size_t j = before.place_of[mode[i]];
+    const std::size_t j = before.index_of[mode[i]];
     scratch_state[i] = j < before.mode.size()
                            ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
                            : 0.0;
   }
   solver.write_states(scratch_state);
-  const double longer = settings.size / before.settings.size;
-  solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1, longer);
-  if (!rests.empty())
-    solver.constrain_rigid(rigid_basis_);
+  const double length_ratio = settings.size / before.settings.size;
+  solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1,
+                         length_ratio);
+  if (!resting_contacts.empty())
+    solver.project_rigid(rigid_basis_);
   glide_from(before);
 }
 
 void BodyModel::glide_from(BodyModel& before) noexcept {
   bank.set_clock(before.bank.clock());
   for (std::size_t l = 0; l < std::min(settings.listeners, before.settings.listeners); ++l) {
-    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kFresh})
-      for (std::size_t i = 0; i < heard; ++i) {
-        const std::size_t j = before.place_of[mode[i]];
-        if (j >= before.heard) {
+    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kLatest})
+      for (std::size_t i = 0; i < audible_modes; ++i) {
+        const std::size_t j = before.index_of[mode[i]];
+        if (j >= before.audible_modes) {
           scratch_weight_[part][i] = weight[l][i];
           continue;
         }
@@ -485,12 +489,12 @@ void BodyModel::glide_from(BodyModel& before) noexcept {
                                         rate[i].imag(),
                                     w.imag()};
       }
-    bank.take_glide(l, before.bank.glide(l),
-                    {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
+    bank.set_glide(l, before.bank.glide(l),
+                   {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
   }
   // The direct sound of forces keeps one time for all listeners: their glides run in step.
   for (std::size_t l = before.settings.listeners; l < settings.listeners; ++l)
-    bank.take_glide(l, before.bank.glide(0), {weight[l], weight[l], weight[l]});
+    bank.set_glide(l, before.bank.glide(0), {weight[l], weight[l], weight[l]});
   bank.set_weights(std::span(weight).first(settings.listeners));
 }
 

@@ -19,7 +19,7 @@
 namespace tactus::modal {
 
 inline constexpr std::size_t kMaxListeners = 4;
-inline constexpr std::size_t kMostContacts = 64;
+inline constexpr std::size_t kMaxContacts = 64;
 
 enum class Radiation { kModal, kRaw, kBody, kNone };
 enum class Damping { kTable, kRayleigh, kLoss, kCurve };
@@ -59,8 +59,8 @@ struct BodySettings {
   std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5},
                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
-  std::size_t most_modes = 0; ///< 0: all that can be heard
-  std::size_t voices = 8;     ///< contacts at once
+  std::size_t max_modes = 0; ///< 0: all that can be heard
+  std::size_t voices = 8;    ///< contacts at once
   RestSettings rest;
   double sample_rate = 48000;
   VectorSet vector_set = best_vector_set(); ///< must be one that this processor runs
@@ -87,12 +87,12 @@ struct BodyModel {
   /// contact, up to kContactLimit.
   std::vector<std::size_t> mode;
   std::vector<std::size_t>
-      place_of; ///< in `mode`, of each of the table's modes; its size: left out
-  std::size_t heard = 0;
+      index_of; ///< in `mode`, of each of the table's modes; its size: left out
+  std::size_t audible_modes = 0;
   std::vector<std::complex<double>> rate;                              ///< of `mode`
   std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< of the first `heard`
   std::array<double, kMaxListeners> delay_s{};                         ///< of the delay line
-  bool plays_raw = false; ///< blows start recordings instead of contacts
+  bool uses_recordings = false; ///< blows start recordings instead of contacts
   std::array<RawListener, kMaxListeners> raw;
   ModeBank bank;
   ContactSolver solver;
@@ -104,15 +104,15 @@ struct BodyModel {
   using RigidGain = std::array<double, ContactSolver::kRigid>;
   /// The kernels of a force at a point of the surface against `direction`, gains of the modes as
   /// gains() has them or none. Allocates nothing; may use `scratch`.
-  void aim_point(const SurfacePoint& place, const Vec3& direction) noexcept;
+  void build_point_kernels(const SurfacePoint& point, const Vec3& direction) noexcept;
   /// `gain`: times `pulse_gain`.
-  void aim_pulse(std::size_t slot, const SurfacePoint& place, const Vec3& direction,
-                 std::span<const double> gain = {}) noexcept;
-  void aim_contact(std::size_t slot, const SurfacePoint& place, const Vec3& direction,
-                   std::span<const double> gain = {}) noexcept;
+  void build_pulse_kernels(std::size_t slot, const SurfacePoint& point, const Vec3& direction,
+                           std::span<const double> gain = {}) noexcept;
+  void build_contact_kernels(std::size_t slot, const SurfacePoint& point, const Vec3& direction,
+                             std::span<const double> gain = {}) noexcept;
 
-  std::vector<float> push_gain; ///< gains b of the modes at the force inlet's point
-  RigidGain push_rigid{};       ///< and of the rigid motions, of a body that rests on a board
+  std::vector<float> force_gain; ///< gains b of the modes at the force inlet's point
+  RigidGain force_rigid{};       ///< and of the rigid motions, of a body that rests on a board
   /// A pulse's samples are means of the force over their time, which takes sin(x)/x from a tone,
   /// x = omega/(2 fs); these factors of the gains give it back.
   std::vector<double> pulse_gain;
@@ -121,22 +121,22 @@ struct BodyModel {
   std::vector<double> scratch_level;               ///< as long as `heard`
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
   std::vector<std::complex<double>> bank_state;    ///< as long as `heard`
-  std::vector<double> ear;                         ///< A-weighting of the heard modes
+  std::vector<double> a_weight;                    ///< A-weighting of the heard modes
   std::vector<double> loudness; ///< of the heard modes: at the loudest listener and to the ear
   /// What the contact solver listens with: a listener, and which of its gliding weights.
-  struct Ear {
+  struct ListenerPart {
     std::size_t listener = 0;
-    ModeBank::Part part = ModeBank::kFresh;
+    ModeBank::Part part = ModeBank::kLatest;
   };
-  std::array<Ear, 3 * kMaxListeners> ears{};
-  std::size_t ear_count = 0;
+  std::array<ListenerPart, 3 * kMaxListeners> listener_parts{};
+  std::size_t listener_part_count = 0;
 
   static constexpr double kContactLimit = 60000; ///< Hz
   /// Contacts of the solver besides the strikes': a hand's, and that of a surface that rubs.
   static constexpr std::size_t kContacts = 2;
 
   /// A point at which the body and its board touch.
-  struct Rest {
+  struct RestingContact {
     SurfacePoint on_body, on_board;
     Vec3 direction{};         ///< of length 1: the force's on the body, the opposite on the board
     std::vector<double> gain; ///< on the body less on the board: by which the two come apart
@@ -144,47 +144,47 @@ struct BodyModel {
     contact::ImpactLaw law; ///< with the compliance of both surfaces
     double preload_n = 0;
   };
-  std::vector<Rest> rests;
+  std::vector<RestingContact> resting_contacts;
   /// Why the body cannot rest as the settings want; it rests nowhere then. Else empty.
-  std::string rest_refusal;
+  std::string resting_refusal;
   /// Distance between the two surfaces at the points, the largest, m.
   double largest_gap_m = 0;
   /// The contacts of `rests` in the solver begin here.
-  [[nodiscard]] std::size_t rest_slot() const noexcept { return kContacts + settings.voices; }
+  [[nodiscard]] std::size_t resting_slot() const noexcept { return kContacts + settings.voices; }
   /// The body moves as a whole when it is pushed here; else its support, or the board's, takes it.
-  [[nodiscard]] bool recoils(const SurfacePoint& place) const noexcept;
+  [[nodiscard]] bool recoils(const SurfacePoint& point) const noexcept;
   /// Of the body that a place is on.
-  [[nodiscard]] double modulus_at(const SurfacePoint& place) const noexcept;
-  [[nodiscard]] double poisson_at(const SurfacePoint& place) const noexcept;
+  [[nodiscard]] double modulus_at(const SurfacePoint& point) const noexcept;
+  [[nodiscard]] double poisson_at(const SurfacePoint& point) const noexcept;
 
   /// Gains b = -phi . direction of all modes at a place of the surface, 1/sqrt(kg), for a push
   /// against `direction` (usually the outward normal). No allocation beyond `gain`'s size.
-  void gains(const SurfacePoint& place, const Vec3& direction,
+  void gains(const SurfacePoint& point, const Vec3& direction,
              std::span<double> gain) const noexcept;
   /// The same of a free body's three displacements and three rotations; of a body that rests on a
   /// board, what its points resist of them.
   [[nodiscard]] std::array<double, ContactSolver::kRigid>
-  rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept;
+  rigid_gains(const SurfacePoint& point, const Vec3& direction) const noexcept;
   /// Static compliance of the modes that the table leaves out, m/N.
-  [[nodiscard]] double left_out(const SurfacePoint& place) const noexcept;
+  [[nodiscard]] double residual_compliance(const SurfacePoint& point) const noexcept;
   /// Of a mode at the listener that hears it most.
   [[nodiscard]] double loudest_weight(std::size_t mode) const noexcept;
   /// The nearest place of the surface to a point in metres, in the body's present size.
-  [[nodiscard]] SurfacePoint nearest(const Vec3& point) const noexcept;
+  [[nodiscard]] SurfacePoint nearest(const Vec3& position_m) const noexcept;
   /// Lets this model go on where another of the same table was: modal displacement and velocity
   /// stay, and so does the sound, whose weights glide.
   void continue_from(BodyModel& before) noexcept;
   /// The same while something touches the body: motion is in the solvers. Contacts are still to be
   /// taken over.
-  void continue_touched(BodyModel& before) noexcept;
+  void continue_in_contact(BodyModel& before) noexcept;
   /// The same where another table of the same body was, which this one's follows; `touched`: motion
   /// is in the solvers. Energies of modes, and their sound, go over by the table's shares: no
   /// energy arises. What has no successor is left in `before`'s bank, being released; false when
   /// nothing is.
-  bool succeed(BodyModel& before, bool touched) noexcept;
+  bool continue_modes_from(BodyModel& before, bool in_contact_now) noexcept;
 
   /// Gives the contact solver the weights that the bank's glides are at now, if they have changed.
-  void refresh_ears() noexcept;
+  void refresh_listener_weights() noexcept;
 
 private:
   void glide_from(BodyModel& before) noexcept;
@@ -193,8 +193,8 @@ private:
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
   [[nodiscard]] double shape_scale_of(std::size_t part) const noexcept;
   [[nodiscard]] double part_modulus(std::size_t part) const noexcept;
-  void find_rests();
-  void make_rest_kernels();
+  void find_resting_contacts();
+  void make_resting_kernels();
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals_of(std::size_t part, const Vec3& listener,
                                                       double delay_from_s) const;
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals(const Vec3& listener) const;
@@ -204,14 +204,14 @@ private:
   std::array<std::vector<std::complex<double>>, 3> scratch_weight_;    ///< as long as `heard`
   std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< of a body that rests
   double board_shape_scale_ = 1;
-  std::uint64_t ears_version_ = 0; ///< of the bank's weights that the solver has
+  std::uint64_t weights_version_ = 0; ///< of the bank's weights that the solver has
   [[nodiscard]] std::vector<DirectKernels::Mode> direct_modes() const;
   [[nodiscard]] RadiatingSurface::RigidShapes rigid_shapes() const;
   [[nodiscard]] std::vector<double> omega_by_mode(std::size_t part) const;
   [[nodiscard]] std::array<RigidDipole, 3> free_dipoles() const;
   void make_kernels();
   [[nodiscard]] bool needs_gains() const noexcept;
-  [[nodiscard]] DirectKernels::SurfaceGain surface_gain(const SurfacePoint& place,
+  [[nodiscard]] DirectKernels::SurfaceGain surface_gain(const SurfacePoint& point,
                                                         const Vec3& direction) const noexcept;
 };
 

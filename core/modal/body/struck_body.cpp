@@ -9,16 +9,16 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMostForce = 1e6;   // N taken from the inlet
-constexpr double kMostHeight = 10;   // m
-constexpr double kMostSpeed = 1e3;   // m/s of a surface that rubs
-constexpr double kUnreal = 1e12;     // N
-constexpr double kQuietest = 1e-8;   // of full scale: a mode below it is put to rest
-constexpr double kGainSpeed = 0.005; // of the way, per sample
+constexpr double kMaxForce = 1e6;         // N taken from the inlet
+constexpr double kMaxHeight = 10;         // m
+constexpr double kMaxSpeed = 1e3;         // m/s of a surface that rubs
+constexpr double kDivergedForce = 1e12;   // N
+constexpr double kAudibilityFloor = 1e-8; // of full scale: a mode below it is put to rest
+constexpr double kGainSpeed = 0.005;      // of the way, per sample
 
 /// Within bounds, and zero for what is no number.
-template <class S> void make_sane(std::span<const S> from, double most, float* to) noexcept {
-  const S bound = static_cast<S>(most);
+template <class S> void limit_inputs(std::span<const S> from, double limit, float* to) noexcept {
+  const S bound = static_cast<S>(limit);
   for (std::size_t n = 0; n < from.size(); ++n) {
     S x = from[n];
     x = std::isnan(x) ? S{0} : x;
@@ -33,10 +33,10 @@ template <class S> void make_sane(std::span<const S> from, double most, float* t
 StruckBody::~StruckBody() {
   drop_retired();
   delete incoming_.load();
-  for (Leaving& body : leaving_)
+  for (FadingBody& body : fading_)
     retire(std::exchange(body.body, nullptr));
-  for (Handover*& kept : kept_)
-    retire(std::exchange(kept, nullptr));
+  for (Handover*& previous : previous_models_)
+    retire(std::exchange(previous, nullptr));
   drop_retired();
 }
 
@@ -47,11 +47,11 @@ void StruckBody::drop_retired() noexcept {
 }
 
 void StruckBody::prepare(double sample_rate) {
-  if (sample_rate == sample_rate_ && turn_ > 0)
+  if (sample_rate == sample_rate_ && strike_count_ > 0)
     return;
   sample_rate_ = sample_rate;
-  turn_ = 1;
-  events_.make_due();
+  strike_count_ = 1;
+  events_.expire_all();
   direct_.prepare(sample_rate);
   for (DelayLine& line : delay_) {
     line.prepare(static_cast<std::size_t>(0.1 * sample_rate) + 1); // 34 m
@@ -61,7 +61,7 @@ void StruckBody::prepare(double sample_rate) {
   }
   if (model_)
     settle_direct();
-  for (Leaving& body : leaving_) {
+  for (FadingBody& body : fading_) {
     retire(std::exchange(body.body, nullptr));
     body.direct.prepare(sample_rate);
     for (DelayLine& line : body.delay)
@@ -75,32 +75,32 @@ void StruckBody::set_options(const Options& options) noexcept {
     smooth_gain_ = options_.gain;
 }
 
-void StruckBody::renew_point() noexcept {
+void StruckBody::update_point_gains() noexcept {
   if (!model_)
     return;
   model_->gains(point_, point_direction_, model_->scratch);
-  model_->bank.set_gain(0, std::span<const double>(model_->scratch).first(model_->heard));
+  model_->bank.set_gain(0, std::span<const double>(model_->scratch).first(model_->audible_modes));
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
-    model_->push_gain[k] = static_cast<float>(model_->scratch[k]);
-  model_->push_rigid = model_->recoils(point_) ? model_->rigid_gains(point_, point_direction_)
-                                               : BodyModel::RigidGain{};
-  point_aimed_ = false;
+    model_->force_gain[k] = static_cast<float>(model_->scratch[k]);
+  model_->force_rigid = model_->recoils(point_) ? model_->rigid_gains(point_, point_direction_)
+                                                : BodyModel::RigidGain{};
+  point_kernels_valid_ = false;
 }
 
-void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noexcept {
-  point_ = requested_point_ = place;
+void StruckBody::set_point(const SurfacePoint& point, const Vec3& direction) noexcept {
+  point_ = requested_point_ = point;
   point_direction_ = direction;
   point_set_ = true;
   if (model_)
-    model_->solver.end(led_slot()); // a hand lets go and comes down anew
-  renew_point();
+    model_->solver.end(driven_slot()); // a hand lets go and comes down anew
+  update_point_gains();
 }
 
 void StruckBody::reset() noexcept {
   pulses_ = {};
   for (Recording& r : recordings_)
     r.released = true;
-  blows_ = {};
+  impacts_ = {};
   next_landing_ = kNever;
   if (!model_)
     return;
@@ -110,7 +110,7 @@ void StruckBody::reset() noexcept {
 
 std::size_t StruckBody::contacts() const noexcept {
   std::size_t count = 0;
-  for (const PulseBlow& pulse : pulses_)
+  for (const PulseImpact& pulse : pulses_)
     count += pulse.active ? 1 : 0;
   if (model_)
     for (std::size_t i = 0; i <= rub_slot(); ++i)
@@ -119,94 +119,94 @@ std::size_t StruckBody::contacts() const noexcept {
 }
 
 std::size_t StruckBody::flights() const noexcept {
-  return static_cast<std::size_t>(
-      std::count_if(blows_.begin(), blows_.end(), [](const Blow& blow) { return blow.in_air; }));
+  return static_cast<std::size_t>(std::count_if(
+      impacts_.begin(), impacts_.end(), [](const CoupledImpact& impact) { return impact.in_air; }));
 }
 
 void StruckBody::enter_contact() noexcept {
-  if (coupled_now_)
+  if (in_solver_)
     return;
-  coupled_now_ = true;
-  const auto states = std::span(model_->scratch_state).first(model_->heard);
+  in_solver_ = true;
+  const auto states = std::span(model_->scratch_state).first(model_->audible_modes);
   model_->bank.read_states(states);
   model_->solver.write_states(states);
   model_->bank.silence();
-  if (rests())
-    model_->solver.rest_rigid();
-  begin_rests();
+  if (resting_contacts())
+    model_->solver.reset_rigid();
+  begin_resting_contacts();
 }
 
 void StruckBody::leave_contact() noexcept {
-  if (!coupled_now_ || !model_)
+  if (!in_solver_ || !model_)
     return;
   const bool settled = has_settled();
-  coupled_now_ = false;
+  in_solver_ = false;
   BodyModel& m = *model_;
-  for (std::size_t i = 0; i < m.rest_slot() + m.rests.size(); ++i)
+  for (std::size_t i = 0; i < m.resting_slot() + m.resting_contacts.size(); ++i)
     m.solver.end(i);
-  for (Blow& blow : blows_)
-    blow.bounces = blow.in_air;
-  const auto states = std::span(m.scratch_state).first(m.heard);
+  for (CoupledImpact& impact : impacts_)
+    impact.bounces = impact.in_air;
+  const auto states = std::span(m.scratch_state).first(m.audible_modes);
   m.solver.read_states(states);
   if (settled)
     std::fill(states.begin(), states.end(), 0.0);
   if (!m.bank.asleep()) {
     m.bank.read_states(m.bank_state);
-    for (std::size_t k = 0; k < m.heard; ++k)
+    for (std::size_t k = 0; k < m.audible_modes; ++k)
       states[k] += m.bank_state[k];
   }
   double loudest = 0;
-  for (std::size_t k = 0; k < m.heard; ++k) { // squares of what is heard
+  for (std::size_t k = 0; k < m.audible_modes; ++k) { // squares of what is heard
     m.scratch[k] = m.loudness[k] * m.loudness[k] * std::norm(states[k]);
     loudest = std::max(loudest, m.scratch[k]);
   }
-  const double least = loudest * std::pow(10, -options_.cull_db / 10);
+  const double threshold = loudest * std::pow(10, -options_.cull_db / 10);
   culled_ = 0;
-  for (std::size_t k = 0; k < m.heard; ++k)
-    if (m.scratch[k] < least) {
+  for (std::size_t k = 0; k < m.audible_modes; ++k)
+    if (m.scratch[k] < threshold) {
       ++culled_;
       states[k] = 0;
     }
   m.bank.write_states(states);
 }
 
-std::vector<double> StruckBody::levels(std::size_t most) {
+std::vector<double> StruckBody::levels(std::size_t limit) {
   std::vector<std::pair<double, double>> found;
   if (!model_)
     return {};
   model_->bank.settle();
-  for (std::size_t k = 0; k < model_->heard; ++k) {
-    const double heard = model_->loudest_weight(k);
-    const double size = std::abs(coupled_now_ ? model_->solver.state(k) : model_->bank.state(k));
+  for (std::size_t k = 0; k < model_->audible_modes; ++k) {
+    const double output = model_->loudest_weight(k);
+    const double size = std::abs(in_solver_ ? model_->solver.state(k) : model_->bank.state(k));
     found.emplace_back(std::abs(model_->rate[k]),
-                       std::max(20 * std::log10(size * heard * options_.gain + 1e-12), -120.0));
+                       std::max(20 * std::log10(size * output * options_.gain + 1e-12), -120.0));
   }
   std::sort(found.begin(), found.end());
   std::vector<double> levels;
-  for (std::size_t k = 0; k < std::min(most, found.size()); ++k)
+  for (std::size_t k = 0; k < std::min(limit, found.size()); ++k)
     levels.push_back(found[k].second);
   return levels;
 }
 
-void StruckBody::begin_led() noexcept {
+void StruckBody::begin_driven() noexcept {
   enter_contact();
   ContactSolver::Strike hand;
   hand.law = law(striker_, 1, point_);
-  hand.law.compliance_m_per_n = model_->left_out(point_);
+  hand.law.compliance_m_per_n = model_->residual_compliance(point_);
   hand.held = true;
-  hand.place_m = -last_height_;
+  hand.position_m = -last_height_;
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
-    model_->scratch[k] = static_cast<double>(model_->push_gain[k]);
-  model_->solver.begin(led_slot(), hand, model_->scratch,
+    model_->scratch[k] = static_cast<double>(model_->force_gain[k]);
+  model_->solver.begin(driven_slot(), hand, model_->scratch,
                        model_->rigid_gains(point_, point_direction_));
-  aim_contact(led_slot(), point_, point_direction_);
+  build_contact_kernels(driven_slot(), point_, point_direction_);
 }
 
 /// What is released and what pulses excite rings in the bank beside a contact, which does not feel
 /// it; the sum is exact for all else.
-void StruckBody::ring_beside(std::size_t from, std::size_t to) noexcept {
+void StruckBody::ring_bank(std::size_t from, std::size_t to) noexcept {
   BodyModel& m = *model_;
-  std::array<const float*, 1 + kMostContacts> force{};
+  std::array<const float*, 1 + kMaxContacts> force{};
   bool rings = !m.bank.asleep();
   for (std::size_t i = 0; i < m.settings.voices; ++i)
     if (pulses_[i].active) {
@@ -222,67 +222,67 @@ void StruckBody::ring_beside(std::size_t from, std::size_t to) noexcept {
                  to - from);
   for (std::size_t l = 0; l < m.settings.listeners; ++l)
     for (std::size_t n = from; n < to; ++n)
-      chunk_.heard[l][n] += chunk_.released[l][n - from];
+      chunk_.output[l][n] += chunk_.released[l][n - from];
 }
 
 /// Sample by sample until nothing touches any more; returns where it stopped.
 std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
-  const std::size_t hand = led_slot();
+  const std::size_t hand = driven_slot();
   std::size_t n = from;
-  m.refresh_ears();
+  m.refresh_listener_weights();
   frames = std::min(frames, from + m.bank.glide_left());
   for (; n < frames && m.solver.touching(); ++n) {
     if (now_ >= next_landing_)
       land();
     const auto height = static_cast<double>(chunk_.height[n]);
-    const bool led = options_.led && options_.spring_n_per_m == 0;
-    if (led && height < 0 && !m.solver.contact(hand).active)
-      begin_led();
+    const bool driven = options_.driven && options_.spring_n_per_m == 0;
+    if (driven && height < 0 && !m.solver.contact(hand).active)
+      begin_driven();
     if (m.solver.contact(hand).active)
-      m.solver.lead(hand, -height);
+      m.solver.set_held_position(hand, -height);
     drive_rub(n);
     if (!m.solver.touching())
       break;
     const std::size_t before = m.solver.active();
     double force = m.solver.step();
-    if (std::abs(force) < kUnreal) {
+    if (std::abs(force) < kDivergedForce) {
       add_direct_contacts(n - from);
     } else { // no body stands that: begin again from rest
       m.solver.silence();
-      blows_ = {};
+      impacts_ = {};
       force = 0;
     }
     add_direct_samples(n - from, n);
     ++now_;
     if (m.solver.active() < before)
-      let_go();
+      start_flights();
     last_height_ = height;
-    if (m.solver.contact(hand).active && (!led || (height >= 0 && force == 0)))
+    if (m.solver.contact(hand).active && (!driven || (height >= 0 && force == 0)))
       m.solver.end(hand);
     chunk_.contact[n] += static_cast<float>(force);
     chunk_.friction[n] = static_cast<float>(m.solver.contact(rub_slot()).exciter.force_n);
     if (chunk_.force[n] != 0) {
       const double impulse = static_cast<double>(chunk_.force[n]) / sample_rate_;
-      m.solver.kick(m.push_gain, impulse);
-      m.solver.kick_rigid(m.push_rigid, impulse);
+      m.solver.apply_impulse(m.force_gain, impulse);
+      m.solver.apply_rigid_impulse(m.force_rigid, impulse);
     }
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
-      chunk_.heard[l][n] = 0;
-    for (std::size_t e = 0; e < m.ear_count; ++e) {
-      const auto [listener, part] = m.ears[e];
+      chunk_.output[l][n] = 0;
+    for (std::size_t e = 0; e < m.listener_part_count; ++e) {
+      const auto [listener, part] = m.listener_parts[e];
       const Glide& glide = m.bank.glide(listener);
-      double heard = m.solver.hear(e);
+      double output = m.solver.output(e);
       if (glide.moving()) {
         const Glide::Blend blend = glide.blend(n - from);
-        heard *= part == ModeBank::kOld      ? blend.old
-                 : part == ModeBank::kMiddle ? blend.middle
-                                             : blend.fresh;
+        output *= part == ModeBank::kOld      ? blend.old
+                  : part == ModeBank::kMiddle ? blend.middle
+                                              : blend.latest;
       }
-      chunk_.heard[listener][n] += static_cast<float>(heard);
+      chunk_.output[listener][n] += static_cast<float>(output);
     }
   }
-  ring_beside(from, n);
+  ring_bank(from, n);
   if (!m.solver.touching() || has_settled())
     leave_contact();
   return n;
@@ -291,16 +291,16 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
 /// Nothing touches: the bank alone, up to where the led striker comes down.
 std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
-  if (rests() && m.bank.rings()) { // it has come to rest on a board while it rang
+  if (resting_contacts() && m.bank.rings()) { // it has come to rest on a board while it rang
     enter_contact();
     return from;
   }
   frames = std::min(frames, from + m.bank.glide_left());
   // Up to where a hand or a surface that rubs comes down, or a force moves a body on a board.
-  const bool led = options_.led && options_.spring_n_per_m == 0;
+  const bool driven = options_.driven && options_.spring_n_per_m == 0;
   const auto begins = [&](std::size_t n) {
-    return (led && chunk_.height[n] < 0) || chunk_.normal[n] > 0 ||
-           (rests() && chunk_.force[n] != 0);
+    return (driven && chunk_.height[n] < 0) || chunk_.normal[n] > 0 ||
+           (resting_contacts() && chunk_.force[n] != 0);
   };
   std::size_t to = from;
   while (to < frames && !begins(to))
@@ -311,13 +311,13 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
   if (to > from) {
     for (std::size_t n = from; n < to; ++n)
       add_direct_samples(n - from, n); // while the glide is as it was
-    std::array<const float*, 1 + kMostContacts> force{};
+    std::array<const float*, 1 + kMaxContacts> force{};
     force[0] = chunk_.force.data() + from;
     for (std::size_t i = 0; i < m.settings.voices; ++i)
       force[1 + i] = pulses_[i].active ? chunk_.pulse[i].data() + from : nullptr;
     std::array<float*, kMaxListeners> out{};
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
-      out[l] = chunk_.heard[l].data() + from;
+      out[l] = chunk_.output[l].data() + from;
     m.bank.process(std::span<const float* const>(force.data(), 1 + m.settings.voices), out,
                    to - from);
     now_ += to - from;
@@ -325,8 +325,8 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
   }
   if (lands)
     land();
-  else if (to < frames && led && chunk_.height[to] < 0)
-    begin_led();
+  else if (to < frames && driven && chunk_.height[to] < 0)
+    begin_driven();
   else if (to < frames && chunk_.normal[to] > 0)
     begin_rub();
   else if (to < frames)
@@ -339,22 +339,22 @@ void StruckBody::run(std::size_t frames) noexcept {
   chunk_.friction.fill(0);
   const bool sounds = model_ && model_->settings.sample_rate == sample_rate_;
   for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMaxListeners; ++l)
-    chunk_.heard[l].fill(0); // all others are overwritten
+    chunk_.output[l].fill(0); // all others are overwritten
   if (sounds) {
-    model_->bank.set_floor(kQuietest / std::max(options_.gain, 1e-6));
+    model_->bank.set_floor(kAudibilityFloor / std::max(options_.gain, 1e-6));
     make_pulses(frames);
     for (std::size_t n = 0; n < frames;) {
       const std::size_t from = n;
       const Glide glide = model_->bank.glide(0);
-      n = coupled_now_ ? in_contact(n, frames) : in_flight(n, frames);
+      n = in_solver_ ? in_contact(n, frames) : in_flight(n, frames);
       finish_direct(from, n, glide);
     }
-    if (model_->plays_raw)
-      play_raw(*model_, recordings_, frames, chunk_.heard);
-    for (PulseBlow& blow : std::span(pulses_).first(model_->settings.voices))
-      blow.active = blow.active && blow.age_s < blow.pulse.duration_s;
+    if (model_->uses_recordings)
+      play_recordings(*model_, recordings_, frames, chunk_.output);
+    for (PulseImpact& impact : std::span(pulses_).first(model_->settings.voices))
+      impact.active = impact.active && impact.age_s < impact.pulse.duration_s;
   }
-  if (options_.led && options_.spring_n_per_m > 0)
+  if (options_.driven && options_.spring_n_per_m > 0)
     for (std::size_t n = 0; n < frames; ++n)
       chunk_.contact[n] += static_cast<float>(
           options_.spring_n_per_m * std::max(-static_cast<double>(chunk_.height[n]), 0.0));
@@ -363,14 +363,14 @@ void StruckBody::run(std::size_t frames) noexcept {
 
 void StruckBody::finish(std::size_t frames) noexcept {
   const std::size_t listeners = model_ ? model_->settings.listeners : kMaxListeners;
-  add_leaving_ahead(frames);
+  add_fading_before_delay(frames);
   for (std::size_t l = 0; l < listeners; ++l)
-    delay_[l].run(chunk_.heard[l].data(), frames);
-  add_leaving(listeners, frames);
+    delay_[l].run(chunk_.output[l].data(), frames);
+  add_fading(listeners, frames);
   const double start = smooth_gain_;
   std::size_t silent = silent_samples_ + frames;
   for (std::size_t l = 0; l < listeners; ++l) {
-    auto& sound = chunk_.heard[l];
+    auto& sound = chunk_.output[l];
     for (std::size_t n = frames; n > 0 && frames - n < silent; --n)
       if (sound[n - 1] != 0)
         silent = frames - n;
@@ -390,7 +390,7 @@ void StruckBody::finish(std::size_t frames) noexcept {
   }
   silent_samples_ = std::min(silent, kSilence);
   if (listeners == 1) // is heard on both sides
-    chunk_.heard[1] = chunk_.heard[0];
+    chunk_.output[1] = chunk_.output[0];
 }
 
 template <class S>
@@ -406,16 +406,16 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
     if (next < clock_ + static_cast<std::int64_t>(count))
       count = static_cast<std::size_t>(next - clock_);
     clock_ += static_cast<std::int64_t>(count);
-    make_sane(force.subspan(begin, count), kMostForce, chunk_.force.data());
-    if (options_.led)
-      make_sane(height.subspan(begin, count), kMostHeight, chunk_.height.data());
+    limit_inputs(force.subspan(begin, count), kMaxForce, chunk_.force.data());
+    if (options_.driven)
+      limit_inputs(height.subspan(begin, count), kMaxHeight, chunk_.height.data());
     else
       chunk_.height.fill(0); // a hand that begins to lead begins at the surface
-    if (rubbing.normal_force.empty() || (model_ && model_->plays_raw)) {
+    if (rubbing.normal_force.empty() || (model_ && model_->uses_recordings)) {
       chunk_.normal.fill(0);
     } else {
-      make_sane(rubbing.normal_force.subspan(begin, count), kMostForce, chunk_.normal.data());
-      make_sane(rubbing.velocity.subspan(begin, count), kMostSpeed, chunk_.velocity.data());
+      limit_inputs(rubbing.normal_force.subspan(begin, count), kMaxForce, chunk_.normal.data());
+      limit_inputs(rubbing.velocity.subspan(begin, count), kMaxSpeed, chunk_.velocity.data());
     }
     run(count);
     const auto pass_on = [&](const auto& from, std::span<S> to) {
@@ -423,7 +423,7 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
         to[n] = static_cast<S>(from[n]);
     };
     for (std::size_t l = 0; l < out.size(); ++l)
-      pass_on(chunk_.heard[std::min(l, kMaxListeners - 1)], out[l].subspan(begin, count));
+      pass_on(chunk_.output[std::min(l, kMaxListeners - 1)], out[l].subspan(begin, count));
     pass_on(chunk_.contact, force_out.subspan(begin, count));
     if (!rubbing.friction.empty())
       pass_on(chunk_.friction, rubbing.friction.subspan(begin, count));

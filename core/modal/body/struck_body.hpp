@@ -26,14 +26,14 @@ struct Striker {
 /// A surface that rubs the body, such as a bow.
 struct Rub {
   bool placed = false; ///< else it rubs at the point
-  SurfacePoint place;
+  SurfacePoint point;
   Vec3 direction{0, 0, 1}; ///< of length 1, along the body's surface: where its velocity counts to
   contact::FrictionLaw law;
 };
 
 /// One blow.
 struct Hit {
-  SurfacePoint place;
+  SurfacePoint point;
   Vec3 direction{0, 0, 1}; ///< of length 1; the blow goes against it
   double speed_m_per_s = 1;
   bool falls = false; ///< by its weight: it comes back under gravity until it lies
@@ -69,7 +69,7 @@ public:
   /// A blow now. False when there is no body.
   bool hit(const Hit& hit) noexcept;
   /// Where the outer force and the led striker meet the body.
-  void set_point(const SurfacePoint& place, const Vec3& direction) noexcept;
+  void set_point(const SurfacePoint& point, const Vec3& direction) noexcept;
   /// Where they meet when all that is scheduled has happened.
   [[nodiscard]] const SurfacePoint& point() const noexcept { return requested_point_; }
   /// What rubs the body, and where; a rub under way changes its law and slides on to the place.
@@ -79,7 +79,7 @@ public:
   /// The same at a sample on the clock of process(), at once for a sample that is over. At most
   /// kMaxScheduled wait; one more makes the first happen now.
   void schedule_hit(const Hit& hit, std::int64_t sample) noexcept;
-  void schedule_point(const SurfacePoint& place, const Vec3& direction,
+  void schedule_point(const SurfacePoint& point, const Vec3& direction,
                       std::int64_t sample) noexcept;
   void schedule_rub(const Rub& rub, std::int64_t sample) noexcept;
   /// What rubs when all that is scheduled has happened.
@@ -101,15 +101,15 @@ public:
   static constexpr std::int64_t kBudgetSamples = 64;
   /// A body of more modes takes one new force point, and one new place of what rubs, within
   /// kBudgetSamples, the newest.
-  static constexpr std::size_t kMaxFreelyMoved = 4096;
+  static constexpr std::size_t kMaxUnthrottledModes = 4096;
 
   /// Levels in dB from full scale at the loudest listener, of the lowest modes by frequency; -120
   /// for what is at rest. Allocates.
-  [[nodiscard]] std::vector<double> levels(std::size_t most);
+  [[nodiscard]] std::vector<double> levels(std::size_t limit);
 
   struct Options {
     bool coupled = true; ///< else blows are pulses of known shape
-    bool led = false;    ///< the second inlet holds a striker's height above the point
+    bool driven = false; ///< the second inlet holds a striker's height above the point
     bool doppler = false;
     double spring_n_per_m = 0; ///< above 0: the led striker feels this spring, nothing sounds
     double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
@@ -141,7 +141,7 @@ public:
 
 private:
   static constexpr std::size_t kChunk = 64;
-  struct PulseBlow {
+  struct PulseImpact {
     Hit hit;
     Pulse pulse;
     double age_s = 0;
@@ -153,10 +153,10 @@ private:
     bool active = false, released = false;
     std::size_t release_left = ModeBank::kRelease; ///< samples, when released
   };
-  using Recordings = std::array<Recording, kMostContacts>;
+  using Recordings = std::array<Recording, kMaxContacts>;
   using Sound = std::array<std::array<float, kChunk>, kMaxListeners>;
   /// A coupled blow, and where its striker is when it bounces.
-  struct Blow {
+  struct CoupledImpact {
     Hit hit;
     Striker striker;
     bool bounces = false, in_air = false;
@@ -165,8 +165,8 @@ private:
   };
   struct Chunk {
     std::array<float, kChunk> force{}, height{}, contact{}, normal{}, velocity{}, friction{};
-    Sound heard{}, released{};
-    std::array<std::array<float, kChunk>, kMostContacts> pulse{};
+    Sound output{}, released{};
+    std::array<std::array<float, kChunk>, kMaxContacts> pulse{};
   };
   /// What waits for its sample.
   struct Event {
@@ -178,46 +178,46 @@ private:
   };
   void schedule(const Event& event, std::int64_t sample) noexcept;
   void carry_out_due() noexcept;
-  [[nodiscard]] bool has_within(Event::Kind kind, std::int64_t sample) noexcept;
+  [[nodiscard]] bool has_event_by(Event::Kind kind, std::int64_t sample) noexcept;
   void carry_out(const Event& event) noexcept;
   void move_events(const BodyModel& before) noexcept;
   bool strike(const Hit& hit, const Striker& striker) noexcept;
   void run(std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
-  void begin_led() noexcept;
+  void begin_driven() noexcept;
   void begin_rub() noexcept;
-  void place_rub() noexcept;
+  void set_rub_point() noexcept;
   void drive_rub(std::size_t sample) noexcept;
-  [[nodiscard]] std::size_t led_slot() const noexcept { return model_->settings.voices; }
+  [[nodiscard]] std::size_t driven_slot() const noexcept { return model_->settings.voices; }
   [[nodiscard]] std::size_t rub_slot() const noexcept { return model_->settings.voices + 1; }
-  void ring_beside(std::size_t from, std::size_t to) noexcept;
+  void ring_bank(std::size_t from, std::size_t to) noexcept;
   void take_over_contacts(BodyModel& before) noexcept;
-  void let_go() noexcept;
-  void take_off(std::size_t slot) noexcept;
+  void start_flights() noexcept;
+  void start_flight(std::size_t slot) noexcept;
   void land() noexcept;
   void find_next_landing() noexcept;
   void finish(std::size_t frames) noexcept;
   void enter_contact() noexcept;
   void leave_contact() noexcept;
   void make_pulses(std::size_t frames) noexcept;
-  void push_with_pulse(std::size_t slot, std::span<double> gain) noexcept;
+  void set_pulse_gains(std::size_t slot, std::span<double> gain) noexcept;
   void continue_pulses() noexcept;
   [[nodiscard]] contact::ImpactLaw law(const Striker& striker, double speed,
-                                       const SurfacePoint& place) const noexcept;
+                                       const SurfacePoint& point) const noexcept;
   // A body that rests on a board: struck_body_rest.cpp.
-  [[nodiscard]] bool rests() const noexcept { return !model_->rests.empty(); }
-  [[nodiscard]] std::size_t active_besides_rests() const noexcept;
-  void begin_rests() noexcept;
+  [[nodiscard]] bool resting_contacts() const noexcept { return !model_->resting_contacts.empty(); }
+  [[nodiscard]] std::size_t active_strikes() const noexcept;
+  void begin_resting_contacts() noexcept;
   [[nodiscard]] bool has_settled() const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
   [[nodiscard]] bool strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker,
                                   double max_mass_ratio) noexcept;
-  void strike_raw(std::size_t slot, const Hit& hit) noexcept;
-  void play_raw(const BodyModel& model, Recordings& recordings, std::size_t frames,
-                Sound& heard) noexcept;
+  void strike_recording(std::size_t slot, const Hit& hit) noexcept;
+  void play_recordings(const BodyModel& model, Recordings& recordings, std::size_t frames,
+                       Sound& output) noexcept;
   [[nodiscard]] std::size_t free_slot() noexcept;
-  void renew_point() noexcept;
+  void update_point_gains() noexcept;
 
   double sample_rate_ = 48000;
   std::unique_ptr<BodyModel> model_;
@@ -225,46 +225,48 @@ private:
     std::unique_ptr<BodyModel> model;
     bool same_body = false;
     Handover* next = nullptr;
-    int holders = 1; ///< what retires it, each once
+    int owners = 1; ///< what retires it, each once
   };
   void drop_retired() noexcept;
   void retire(Handover* body) noexcept;
   /// A body that has been exchanged, until the last of its sound has reached the listeners.
-  struct Leaving {
+  struct FadingBody {
     Handover* body = nullptr;
     std::array<DelayLine, kMaxListeners> delay{};
     Recordings recordings{};
     DirectSound direct;
-    std::size_t left = 0; ///< samples
-    bool ahead = false;   ///< of the present delay lines, with the present body
+    std::size_t left = 0;      ///< samples
+    bool before_delay = false; ///< of the present delay lines, with the present body
   };
   /// Room for a body that leaves: of more than there is room for, the one nearest to its end goes.
-  [[nodiscard]] Leaving& room_to_leave() noexcept;
+  [[nodiscard]] FadingBody& fading_slot() noexcept;
   void fade_unmatched(Handover* before) noexcept;
   void follow_surface() noexcept;
-  void add_leaving_ahead(std::size_t frames) noexcept;
-  void leave(Handover* before, bool glides) noexcept;
-  void add_leaving(std::size_t listener_count, std::size_t frames) noexcept;
-  std::array<Leaving, 3> leaving_{};
+  void add_fading_before_delay(std::size_t frames) noexcept;
+  void fade_out(Handover* before, bool glides) noexcept;
+  void add_fading(std::size_t listener_count, std::size_t frames) noexcept;
+  std::array<FadingBody, 3> fading_{};
   // The direct sound of forces: struck_body_direct.cpp.
   template <class Work> void for_each_model(Work&& work) noexcept;
   template <class Work> void for_each_part(Work&& work) noexcept;
-  void aim_contact(std::size_t slot, const SurfacePoint& point, const Vec3& direction) noexcept;
-  void aim_pulse(std::size_t slot, const SurfacePoint& point, const Vec3& direction) noexcept;
-  void aim_point() noexcept;
+  void build_contact_kernels(std::size_t slot, const SurfacePoint& point,
+                             const Vec3& direction) noexcept;
+  void build_pulse_kernels(std::size_t slot, const SurfacePoint& point,
+                           const Vec3& direction) noexcept;
+  void build_point_kernels() noexcept;
   void take_over_direct(Handover* before, bool moving) noexcept;
   void settle_direct() noexcept;
-  void retire_unheard() noexcept;
-  void carry_direct_over(BodyModel& before, const ContactSolver& solver) noexcept;
+  void retire_unused() noexcept;
+  void carry_over_direct(BodyModel& before, const ContactSolver& solver) noexcept;
   void add_direct_contacts(std::size_t at) noexcept;
   void add_direct_samples(std::size_t at, std::size_t sample) noexcept;
   void finish_direct(std::size_t from, std::size_t to, const Glide& glide) noexcept;
   std::atomic<Handover*> incoming_{nullptr}, retired_{nullptr};
   /// Models before, while their kernels are heard, and the kernels of each part of the glide.
-  std::array<Handover*, 4> kept_{};
+  std::array<Handover*, 4> previous_models_{};
   std::array<BodyModel*, 3> part_{};
   DirectSound direct_;
-  bool point_aimed_ = false; ///< the force inlet's kernels are those of the point
+  bool point_kernels_valid_ = false; ///< the force inlet's kernels are those of the point
   Striker striker_;
   Options options_;
   TimedQueue<Event, kMaxScheduled> events_;
@@ -276,15 +278,15 @@ private:
   Vec3 point_direction_{0, 0, 1};
   bool point_set_ = false;
   Rub rub_, requested_rub_;
-  bool coupled_now_ = false;
-  std::array<PulseBlow, kMostContacts> pulses_{};
+  bool in_solver_ = false;
+  std::array<PulseImpact, kMaxContacts> pulses_{};
   Recordings recordings_{};
-  std::array<Blow, kMostContacts> blows_{};
+  std::array<CoupledImpact, kMaxContacts> impacts_{};
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
   std::uint64_t now_ = 0, next_landing_ = kNever; // samples
   std::size_t culled_ = 0;
-  std::uint64_t turn_ = 0;
-  std::array<std::uint64_t, kMostContacts> begun_{};
+  std::uint64_t strike_count_ = 0;
+  std::array<std::uint64_t, kMaxContacts> strike_order_{};
   double last_height_ = 0;
   double last_force_ = 0; ///< of the inlet
   Chunk chunk_;

@@ -11,91 +11,91 @@ namespace tactus::modal {
 /// Every model whose kernels are heard, or will be.
 template <class Work> void StruckBody::for_each_model(Work&& work) noexcept {
   work(*model_);
-  for (Handover* const kept : kept_)
-    if (kept)
-      work(*kept->model);
+  for (Handover* const previous : previous_models_)
+    if (previous)
+      work(*previous->model);
 }
 
-void StruckBody::aim_contact(std::size_t slot, const SurfacePoint& point,
-                             const Vec3& direction) noexcept {
-  for_each_model([&](BodyModel& m) { m.aim_contact(slot, point, direction); });
+void StruckBody::build_contact_kernels(std::size_t slot, const SurfacePoint& point,
+                                       const Vec3& direction) noexcept {
+  for_each_model([&](BodyModel& m) { m.build_contact_kernels(slot, point, direction); });
 }
 
 /// The gains that are left of the modes are in the present model's `scratch`.
-void StruckBody::aim_pulse(std::size_t slot, const SurfacePoint& point,
-                           const Vec3& direction) noexcept {
+void StruckBody::build_pulse_kernels(std::size_t slot, const SurfacePoint& point,
+                                     const Vec3& direction) noexcept {
   for_each_model([&](BodyModel& m) {
-    m.aim_pulse(slot, point, direction,
-                &m == model_.get() ? std::span<const double>(m.scratch)
-                                   : std::span<const double>());
+    m.build_pulse_kernels(slot, point, direction,
+                          &m == model_.get() ? std::span<const double>(m.scratch)
+                                             : std::span<const double>());
   });
 }
 
-void StruckBody::aim_point() noexcept {
-  point_aimed_ = true;
-  for_each_model([&](BodyModel& m) { m.aim_point(point_, point_direction_); });
+void StruckBody::build_point_kernels() noexcept {
+  point_kernels_valid_ = true;
+  for_each_model([&](BodyModel& m) { m.build_point_kernels(point_, point_direction_); });
 }
 
 /// A model of the same body has come, the one before given; `moving`: its weights were gliding. The
 /// models before stay for as long as their kernels are heard.
 void StruckBody::take_over_direct(Handover* before, bool moving) noexcept {
-  const auto room = std::find(kept_.begin(), kept_.end(), nullptr);
-  *room = before; // three parts at most are heard, so one of four is free
+  const auto free_entry = std::find(previous_models_.begin(), previous_models_.end(), nullptr);
+  *free_entry = before; // three parts at most are heard, so one of four is free
   if (!moving) {
     direct_.start();
     part_ = {nullptr, before->model.get(), model_.get()};
-    carry_direct_over(*before->model, before->model->solver);
+    carry_over_direct(*before->model, before->model->solver);
   }
-  retire_unheard();
+  retire_unused();
 }
 
 /// Only the present model's kernels count from now on, whether the bank's weights glide or not.
 void StruckBody::settle_direct() noexcept {
   part_.fill(model_.get());
-  retire_unheard();
+  retire_unused();
 }
 
-void StruckBody::retire_unheard() noexcept {
-  for (Handover*& kept : kept_)
-    if (kept && std::find(part_.begin(), part_.end(), kept->model.get()) == part_.end())
-      retire(std::exchange(kept, nullptr));
+void StruckBody::retire_unused() noexcept {
+  for (Handover*& previous : previous_models_)
+    if (previous && std::find(part_.begin(), part_.end(), previous->model.get()) == part_.end())
+      retire(std::exchange(previous, nullptr));
 }
 
 /// The freshest part goes on from a model before: forces that go on are taken as having acted for
 /// long. `solver` has the present contacts.
-void StruckBody::carry_direct_over(BodyModel& before, const ContactSolver& solver) noexcept {
-  const BodyModel& fresh = *part_[ModeBank::kFresh];
+void StruckBody::carry_over_direct(BodyModel& before, const ContactSolver& solver) noexcept {
+  const BodyModel& latest = *part_[ModeBank::kLatest];
   const auto carry = [&](const auto& to, const auto& from, std::span<const double> force) {
     std::array<double, DirectKernels::kMaxMoments> negative{};
     std::transform(force.begin(), force.end(), negative.begin(), std::negate());
-    for (std::size_t l = 0; l < fresh.settings.listeners; ++l) {
+    for (std::size_t l = 0; l < latest.settings.listeners; ++l) {
       const auto moments = [&](const BodyModel& m, std::span<const double> all) {
         return all.first(std::min(force.size(), m.direct[l].moments()));
       };
-      direct_.add_past(l, to[l], fresh.direct[l].taps(), moments(fresh, force));
-      direct_.add_past(l, from[l], before.direct[l].taps(), moments(before, negative));
+      direct_.add_history(l, to[l], latest.direct[l].taps(), moments(latest, force));
+      direct_.add_history(l, from[l], before.direct[l].taps(), moments(before, negative));
     }
   };
   if (last_force_ != 0) {
-    if (!point_aimed_)
-      aim_point();
-    carry(fresh.sample_kernel[0], before.sample_kernel[0], {&last_force_, 1});
+    if (!point_kernels_valid_)
+      build_point_kernels();
+    carry(latest.sample_kernel[0], before.sample_kernel[0], {&last_force_, 1});
   }
-  if (!coupled_now_)
+  if (!in_solver_)
     return;
   for (const ContactSolver::SampledForce& sampled : solver.sampled())
     if (model_->solver.contact(sampled.slot).active)
-      carry(fresh.contact_kernel[sampled.slot], before.contact_kernel[sampled.slot],
+      carry(latest.contact_kernel[sampled.slot], before.contact_kernel[sampled.slot],
             sampled.moments);
 }
 
 /// Calls work(part, model) for the parts that a force sounds by.
 template <class Work> void StruckBody::for_each_part(Work&& work) noexcept {
   const Glide& glide = model_->bank.glide(0);
-  for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kFresh}) {
+  for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kLatest}) {
     const bool counts = part == ModeBank::kOld      ? glide.moving() && glide.has_old()
                         : part == ModeBank::kMiddle ? glide.moving()
-                                                    : !glide.moving() || glide.has_fresh();
+                                                    : !glide.moving() || glide.has_latest();
     if (counts && part_[part])
       work(part, *part_[part]);
   }
@@ -121,8 +121,8 @@ void StruckBody::add_direct_samples(std::size_t at, std::size_t sample) noexcept
     });
   };
   if (const float force = chunk_.force[sample]; force != 0) {
-    if (!point_aimed_)
-      aim_point();
+    if (!point_kernels_valid_)
+      build_point_kernels();
     add(0, force);
   }
   for (std::size_t i = 0; i < model_->settings.voices; ++i)
@@ -133,25 +133,25 @@ void StruckBody::add_direct_samples(std::size_t at, std::size_t sample) noexcept
 /// `glide`: as it was when the segment began.
 void StruckBody::finish_direct(std::size_t from, std::size_t to, const Glide& glide) noexcept {
   for (std::size_t l = 0; l < model_->settings.listeners; ++l)
-    direct_.finish(l, std::span(chunk_.heard[l]).subspan(from, to - from), glide);
+    direct_.finish(l, std::span(chunk_.output[l]).subspan(from, to - from), glide);
   if (to > from)
     last_force_ = static_cast<double>(chunk_.force[to - 1]);
   if (!glide.moving() || to - from < glide.left())
     return;
   const Glide& after = model_->bank.glide(0);
   direct_.rotate(glide, after);
-  if (glide.has_fresh()) {
+  if (glide.has_latest()) {
     part_[ModeBank::kOld] = part_[ModeBank::kMiddle];
-    part_[ModeBank::kMiddle] = part_[ModeBank::kFresh];
+    part_[ModeBank::kMiddle] = part_[ModeBank::kLatest];
   }
   if (!after.moving())
     return settle_direct();
   if (!after.has_old())
     part_[ModeBank::kOld] = nullptr;
-  part_[ModeBank::kFresh] = after.has_fresh() ? model_.get() : nullptr;
-  if (after.has_fresh())
-    carry_direct_over(*part_[ModeBank::kMiddle], model_->solver);
-  retire_unheard();
+  part_[ModeBank::kLatest] = after.has_latest() ? model_.get() : nullptr;
+  if (after.has_latest())
+    carry_over_direct(*part_[ModeBank::kMiddle], model_->solver);
+  retire_unused();
 }
 
 } // namespace tactus::modal

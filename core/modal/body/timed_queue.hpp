@@ -36,7 +36,7 @@ public:
   [[nodiscard]] Event& operator[](std::size_t i) noexcept { return at(i).event; }
   [[nodiscard]] std::int64_t time(std::size_t i) const noexcept { return at(i).time; }
   /// All that waits becomes due.
-  void make_due() noexcept {
+  void expire_all() noexcept {
     for (std::size_t i = 0; i < count_; ++i)
       at(i).time = std::numeric_limits<std::int64_t>::min();
   }

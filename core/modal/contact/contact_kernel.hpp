@@ -44,20 +44,21 @@ template <class T> struct ConstSplitView {
 /// A pass over all modes: what it reads and writes, forces, and what it finds out. No two arrays
 /// overlap.
 template <class T> struct ContactPass {
-  static constexpr std::size_t kMost = 2;
-  static constexpr std::size_t kMostEars = 12;
+  static constexpr std::size_t kMaxPending = 2;
+  static constexpr std::size_t kMaxPickups = 12;
   std::size_t count = 0; ///< a whole multiple of kContactLanes
   SplitView<T> z{};
-  ConstSplitView<T> turn{}; ///< p - 1: a step's change of the state
-  ConstSplitView<T> push{}; ///< b
+  ConstSplitView<T> pole_minus_one{}; ///< p - 1: a step's change of the state
+  ConstSplitView<T> push{};           ///< b
   const T* gain = nullptr;
-  const ConstSplitView<T>* ear = nullptr;
-  std::size_t pushes = 1;       ///< forces that are still to be taken into the state, 1 or 2
-  double force[kMost] = {};     ///< N
-  std::size_t steps = 1;        ///< to look ahead, 1 or 2
-  double place[kMost] = {};     ///< sum of gain Im(z) after each of them, without new forces
-  std::size_t ears = 0;         ///< that listen after the pass's last step
-  double heard[kMostEars] = {}; ///< sum of Im(w z) there
+  const ConstSplitView<T>* pickup = nullptr;
+  std::size_t pushes = 1;         ///< forces that are still to be taken into the state, 1 or 2
+  double force[kMaxPending] = {}; ///< N
+  std::size_t steps = 1;          ///< to look ahead, 1 or 2
+  double displacement[kMaxPending] =
+      {};                           ///< sum of gain Im(z) after each of them, without new forces
+  std::size_t pickups = 0;          ///< that listen after the pass's last step
+  double outputs[kMaxPickups] = {}; ///< sum of Im(w z) there
 };
 
 /// Sums are always taken in the same order.
@@ -73,8 +74,8 @@ public:
   /// Sum of a b.
   virtual double sum(const T* a, const T* b, std::size_t count) const noexcept = 0;
   /// Sum of Im(w z).
-  virtual double hear(ConstSplitView<T> w, ConstSplitView<T> z,
-                      std::size_t count) const noexcept = 0;
+  virtual double output(ConstSplitView<T> w, ConstSplitView<T> z,
+                        std::size_t count) const noexcept = 0;
 };
 
 /// One instruction set's; null where the processor does not run it.

@@ -28,7 +28,7 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
     return {fma(b.real, force, z.real), fma(b.imaginary, force, z.imaginary)};
   }
   /// z + t z
-  [[gnu::always_inline]] static Pair turned(const Pair& z, const Pair& t) noexcept {
+  [[gnu::always_inline]] static Pair advanced(const Pair& z, const Pair& t) noexcept {
     return {fma(t.real, z.real, fma(-t.imaginary, z.imaginary, z.real)),
             fma(t.real, z.imaginary, fma(t.imaginary, z.real, z.imaginary))};
   }
@@ -46,53 +46,53 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
   };
 
   /// Few ears are counted when this is compiled, so that their sums stay in registers.
-  [[gnu::always_inline]] static constexpr std::size_t heard_by(std::size_t compiled,
-                                                               std::size_t ears) noexcept {
-    return compiled < ContactPass<T>::kMostEars ? compiled : ears;
+  [[gnu::always_inline]] static constexpr std::size_t pickup_bound(std::size_t compiled,
+                                                                   std::size_t pickups) noexcept {
+    return compiled < ContactPass<T>::kMaxPickups ? compiled : pickups;
   }
-  template <std::size_t Pushes, std::size_t Steps, std::size_t Ears>
+  template <std::size_t Pushes, std::size_t Steps, std::size_t Pickups>
   static void advance_by(ContactPass<T>& pass) noexcept {
     const SplitView<T> z = pass.z;
-    const ConstSplitView<T> turn = pass.turn, push = pass.push;
+    const ConstSplitView<T> pole_minus_one = pass.pole_minus_one, push = pass.push;
     const T* const gain = pass.gain;
-    ConstSplitView<T> ear[Ears + 1] = {};
-    for (std::size_t e = 0; e < Ears; ++e)
-      ear[e] = pass.ear[e < pass.ears ? e : 0];
-    Sum first, second, heard[Ears + 1];
-    const std::size_t listening = pass.ears < Ears ? pass.ears : Ears;
+    ConstSplitView<T> pickup[Pickups + 1] = {};
+    for (std::size_t e = 0; e < Pickups; ++e)
+      pickup[e] = pass.pickup[e < pass.pickups ? e : 0];
+    Sum first, second, outputs[Pickups + 1];
+    const std::size_t listening = pass.pickups < Pickups ? pass.pickups : Pickups;
     const V pending = all(pass.force[0]), last = all(pass.force[Pushes - 1]);
     for (std::size_t k = 0; k < pass.count; k += kContactLanes) {
 #pragma GCC unroll 8
       for (std::size_t r = 0; r < kRegisters; ++r) {
         const std::size_t i = k + r * kWidth;
         Pair state{load(z.real + i), load(z.imaginary + i)};
-        const Pair t = load(turn, i), b = load(push, i);
-        state = turned(pushed(state, b, pending), t);
+        const Pair t = load(pole_minus_one, i), b = load(push, i);
+        state = advanced(pushed(state, b, pending), t);
         if constexpr (Pushes == 2)
-          state = turned(pushed(state, b, last), t);
+          state = advanced(pushed(state, b, last), t);
         store(z.real + i, state.real);
         store(z.imaginary + i, state.imaginary);
         const V g = load(gain + i);
         first.part[r] = fma(g, state.imaginary, first.part[r]);
         if constexpr (Steps == 2) {
-          state = turned(state, t);
+          state = advanced(state, t);
           second.part[r] = fma(g, state.imaginary, second.part[r]);
         }
-        for (std::size_t e = 0; e < heard_by(Ears, listening); ++e) {
-          const V real = load(ear[e].real + i), imaginary = load(ear[e].imaginary + i);
-          heard[e].part[r] =
-              fma(real, state.imaginary, fma(imaginary, state.real, heard[e].part[r]));
+        for (std::size_t e = 0; e < pickup_bound(Pickups, listening); ++e) {
+          const V real = load(pickup[e].real + i), imaginary = load(pickup[e].imaginary + i);
+          outputs[e].part[r] =
+              fma(real, state.imaginary, fma(imaginary, state.real, outputs[e].part[r]));
         }
       }
     }
-    pass.place[0] = first.total();
-    pass.place[1] = second.total();
-    for (std::size_t e = 0; e < heard_by(Ears, listening); ++e)
-      pass.heard[e] = heard[e].total();
+    pass.displacement[0] = first.total();
+    pass.displacement[1] = second.total();
+    for (std::size_t e = 0; e < pickup_bound(Pickups, listening); ++e)
+      pass.outputs[e] = outputs[e].total();
   }
   template <std::size_t Pushes, std::size_t Steps>
-  static void advance_and_hear(ContactPass<T>& pass) noexcept {
-    switch (pass.ears) {
+  static void advance_with_pickups(ContactPass<T>& pass) noexcept {
+    switch (pass.pickups) {
     case 0:
       return advance_by<Pushes, Steps, 0>(pass);
     case 1:
@@ -100,17 +100,17 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
     case 2:
       return advance_by<Pushes, Steps, 2>(pass);
     default:
-      return advance_by<Pushes, Steps, ContactPass<T>::kMostEars>(pass);
+      return advance_by<Pushes, Steps, ContactPass<T>::kMaxPickups>(pass);
     }
   }
 
 public:
   void advance(ContactPass<T>& pass) const noexcept override {
     if (pass.steps == 1)
-      return advance_and_hear<1, 1>(pass);
+      return advance_with_pickups<1, 1>(pass);
     if (pass.pushes == 1)
-      return advance_and_hear<1, 2>(pass);
-    return advance_and_hear<2, 2>(pass);
+      return advance_with_pickups<1, 2>(pass);
+    return advance_with_pickups<2, 2>(pass);
   }
 
   void push(SplitView<T> z, ConstSplitView<T> b, double force,
@@ -132,7 +132,8 @@ public:
     return sums.total();
   }
 
-  double hear(ConstSplitView<T> w, ConstSplitView<T> z, std::size_t count) const noexcept override {
+  double output(ConstSplitView<T> w, ConstSplitView<T> z,
+                std::size_t count) const noexcept override {
     Sum sums;
     for (std::size_t k = 0; k < count; k += kContactLanes) {
 #pragma GCC unroll 8

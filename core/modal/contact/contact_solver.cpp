@@ -14,12 +14,13 @@ using contact::Exciter;
 constexpr double kStepAngle = 0.15;  // rad that a contact turns in a step: 27 in a ball's contact
 constexpr double kStepRate = 176400; // 1/s at least in a strike: the force true up to 20 kHz
 constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts: it is followed less finely
-constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
-constexpr unsigned kLeastSteps = 2;
+constexpr double kMaxFlight = 0.05;  // s that a striker is followed after it has let go
+constexpr unsigned kMinSteps = 2;
 constexpr std::size_t kMaxContactSteps = 1024; // contacts times steps in a sample, of several
-constexpr double kUnheardOf = 8;               // of the root mean square of many modes' sum
-constexpr unsigned kReachHolds = 64;           // samples
-constexpr double kLongestRest = 8; // contact times after which one that has not left lies still
+constexpr double kPeakToRms = 8;               // of the root mean square of many modes' sum
+constexpr unsigned kReachPeriod = 64;          // samples
+constexpr double kMaxContactDurations =
+    8; // contact times after which one that has not left lies still
 
 } // namespace
 
@@ -32,20 +33,20 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
     alpha_[k] = -rate[k].real();
     omega_[k] = rate[k].imag();
   }
-  while (most_steps_ > kLeastSteps && most_steps_ * modes_ > kMaxWork)
-    most_steps_ /= 2;
-  swings_ = ContactModes::make(rate, sample_rate, most_steps_, contacts, listeners, set);
+  while (max_steps_ > kMinSteps && max_steps_ * modes_ > kMaxWork)
+    max_steps_ /= 2;
+  contact_modes_ = ContactModes::make(rate, sample_rate, max_steps_, contacts, listeners, set);
   steps_ = 1;
 }
 
-bool ContactSolver::choose_steps(double wanted) noexcept {
+bool ContactSolver::choose_steps(double required) noexcept {
   // Coarser only when much coarser will do, or must do: a change costs as much as some steps.
   const bool too_many =
-      active_count_ > 1 && steps_ * active_count_ > kMaxContactSteps && steps_ > kLeastSteps;
-  if (wanted <= steps_ && 4 * wanted > steps_ && !too_many)
+      active_count_ > 1 && steps_ * active_count_ > kMaxContactSteps && steps_ > kMinSteps;
+  if (required <= steps_ && 4 * required > steps_ && !too_many)
     return false;
   unsigned steps = 1;
-  while (steps < most_steps_ && steps < wanted)
+  while (steps < max_steps_ && steps < required)
     steps *= 2;
   if (steps == steps_)
     return false;
@@ -55,7 +56,7 @@ bool ContactSolver::choose_steps(double wanted) noexcept {
 
 void ContactSolver::set_steps(unsigned steps) noexcept {
   steps_ = steps;
-  swings_->set_steps(steps);
+  contact_modes_->set_steps(steps);
   couple();
 }
 
@@ -65,14 +66,14 @@ void ContactSolver::couple() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a)
     for (std::size_t b = 0; b <= a; ++b) {
       const std::size_t i = touching_[a], j = touching_[b];
-      double answer = swings_->answer(i, j, 0) / h;
+      double compliance = contact_modes_->compliance(i, j, 0) / h;
       if (has_rigid_)
-        answer += 0.5 * h * rigid_at(slots_[i], slots_[j].rigid);
-      system_.coupling(a, b) = system_.coupling(b, a) = answer;
+        compliance += 0.5 * h * rigid_at(slots_[i], slots_[j].rigid);
+      system_.coupling(a, b) = system_.coupling(b, a) = compliance;
     }
   find_preload_velocities();
   if (active_count_ == 1 && steps_ > 1)
-    later_swing_m_per_n_ = swings_->answer(touching_[0], touching_[0], 1);
+    next_compliance_m_per_n_ = contact_modes_->compliance(touching_[0], touching_[0], 1);
 }
 
 void ContactSolver::fill(std::size_t slot, std::span<const double> gain,
@@ -82,27 +83,27 @@ void ContactSolver::fill(std::size_t slot, std::span<const double> gain,
   s.out_of_reach = false;
   s.reach_age = 0;
   s.rigid = has_rigid_ ? rigid_gain : Rigid{};
-  e.per_mass = e.kind == Exciter::Kind::kImpact && !e.held ? 1 / e.mass_kg : 0;
-  e.quick_mobility = e.per_mass + swings_->set_gain(slot, gain);
+  e.inverse_mass = e.kind == Exciter::Kind::kImpact && !e.held ? 1 / e.mass_kg : 0;
+  e.impulse_mobility = e.inverse_mass + contact_modes_->set_gain(slot, gain);
   for (const double b : s.rigid)
-    e.quick_mobility += b * b;
-  e.effective_mass_kg = e.quick_mobility > 0 ? 1 / e.quick_mobility : 1;
-  e.judged_j = -1;
-  s.surface_m = surface_place(slot);
+    e.impulse_mobility += b * b;
+  e.effective_mass_kg = e.impulse_mobility > 0 ? 1 / e.impulse_mobility : 1;
+  e.level_energy_j = -1;
+  s.surface_m = surface_displacement(slot);
 }
 
 /// A filled contact takes part from now on.
-void ContactSolver::join(std::size_t slot) noexcept {
+void ContactSolver::activate(std::size_t slot) noexcept {
   list_touching();
-  judge(slot);
-  if (!choose_steps(wanted_steps()))
+  find_required_steps(slot);
+  if (!choose_steps(required_steps()))
     couple();
 }
 
-ContactSolver::Contact& ContactSolver::begin_anew(std::size_t slot) noexcept {
+ContactSolver::Contact& ContactSolver::begin_contact(std::size_t slot) noexcept {
   end(slot);
   if (active_count_ == 0)
-    rest_rigid();
+    reset_rigid();
   Contact& contact = contacts_[slot] = Contact{};
   contact.active = true;
   return contact;
@@ -112,7 +113,7 @@ void ContactSolver::begin(std::size_t slot, const Strike& strike, std::span<cons
                           const Rigid& rigid_gain) noexcept {
   if (slot >= slots_.size())
     return;
-  Contact& c = begin_anew(slot);
+  Contact& c = begin_contact(slot);
   c.fall_m_per_s2 = strike.fall_m_per_s2;
   Exciter& e = c.exciter;
   e.kind = Exciter::Kind::kImpact;
@@ -120,31 +121,31 @@ void ContactSolver::begin(std::size_t slot, const Strike& strike, std::span<cons
   e.mass_kg = strike.mass_kg;
   e.held = strike.held;
   e.velocity_m_per_s = strike.velocity_m_per_s;
-  e.outer_force_n = strike.fall_m_per_s2 * strike.mass_kg;
+  e.external_force_n = strike.fall_m_per_s2 * strike.mass_kg;
   fill(slot, gain, rigid_gain);
   // No contact begins with work stored in it.
   const double surface = slots_[slot].surface_m;
-  e.place_m = strike.held ? std::min(strike.place_m, surface) : strike.place_m + surface;
-  e.depth_m = e.place_m - surface;
+  e.position_m = strike.held ? std::min(strike.position_m, surface) : strike.position_m + surface;
+  e.depth_m = e.position_m - surface;
   e.approach_m_per_s = e.mean_velocity_m_per_s = e.velocity_m_per_s - surface_velocity(slot);
-  slots_[slot].patience_s = kLongestFlight;
+  slots_[slot].max_contact_s = kMaxFlight;
   if (!e.held && e.velocity_m_per_s > 0)
-    slots_[slot].patience_s =
-        std::max(kLongestFlight, kLongestRest * strike.law.duration(e.mass_kg, e.velocity_m_per_s));
-  join(slot);
+    slots_[slot].max_contact_s = std::max(
+        kMaxFlight, kMaxContactDurations * strike.law.duration(e.mass_kg, e.velocity_m_per_s));
+  activate(slot);
 }
 
 void ContactSolver::begin_rub(std::size_t slot, const contact::FrictionLaw& law,
                               std::span<const double> gain, const Rigid& rigid_gain) noexcept {
   if (slot >= slots_.size())
     return;
-  Exciter& e = begin_anew(slot).exciter;
+  Exciter& e = begin_contact(slot).exciter;
   e.kind = Exciter::Kind::kFriction;
   e.friction.set(law);
   e.noise.seed(slot + 1);
   fill(slot, gain, rigid_gain);
   e.approach_m_per_s = e.mean_velocity_m_per_s = -surface_velocity(slot);
-  join(slot);
+  activate(slot);
 }
 
 void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
@@ -155,21 +156,21 @@ void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std
   end(slot);
   Exciter& e = (contacts_[slot] = before.contacts_[old_slot]).exciter;
   fill(slot, gain, rigid_gain);
-  slots_[slot].patience_s = before.slots_[old_slot].patience_s;
+  slots_[slot].max_contact_s = before.slots_[old_slot].max_contact_s;
   // The shapes have changed, and with them where the surface is: the striker stays on it.
   const double surface = slots_[slot].surface_m;
   if (!e.held)
-    e.place_m = e.depth_m + surface;
-  e.depth_m = e.place_m - surface;
-  join(slot);
+    e.position_m = e.depth_m + surface;
+  e.depth_m = e.position_m - surface;
+  activate(slot);
 }
 
-void ContactSolver::take_over_rigid(const ContactSolver& before, double heavier,
-                                    double longer) noexcept {
+void ContactSolver::take_over_rigid(const ContactSolver& before, double mass_ratio,
+                                    double length_ratio) noexcept {
   for (std::size_t r = 0; r < kRigid; ++r) {
-    const double scale = std::sqrt(heavier) * (r < kRigid / 2 ? 1 : longer);
-    rigid_place_[r] = scale * before.rigid_place_[r];
-    rigid_speed_[r] = scale * before.rigid_speed_[r];
+    const double scale = std::sqrt(mass_ratio) * (r < kRigid / 2 ? 1 : length_ratio);
+    rigid_displacement_[r] = scale * before.rigid_displacement_[r];
+    rigid_velocity_[r] = scale * before.rigid_velocity_[r];
   }
 }
 
@@ -180,7 +181,7 @@ void ContactSolver::end(std::size_t slot) noexcept {
   contacts_[slot].exciter.force_n = 0;
   contacts_[slot].exciter.impact.release();
   contacts_[slot].exciter.friction.release();
-  swings_->drop(slot);
+  contact_modes_->drop(slot);
   list_touching();
   couple();
 }
@@ -192,11 +193,12 @@ void ContactSolver::list_touching() noexcept {
       touching_[active_count_++] = i;
 }
 
-void ContactSolver::lead(std::size_t slot, double place_m, double fastest_m_per_s) noexcept {
+void ContactSolver::set_held_position(std::size_t slot, double position_m,
+                                      double fastest_m_per_s) noexcept {
   if (slot >= contacts_.size() || !contacts_[slot].active)
     return;
   contacts_[slot].exciter.move_at(
-      std::clamp((place_m - contacts_[slot].exciter.place_m) * sample_rate_, -fastest_m_per_s,
+      std::clamp((position_m - contacts_[slot].exciter.position_m) * sample_rate_, -fastest_m_per_s,
                  fastest_m_per_s));
 }
 
@@ -215,35 +217,36 @@ void ContactSolver::move_rub(std::size_t slot, std::span<const double> gain,
   if (slot >= contacts_.size() || !contacts_[slot].active)
     return;
   fill(slot, gain, rigid_gain);
-  join(slot);
+  activate(slot);
 }
 
 void ContactSolver::silence() noexcept {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     end(i);
-  swings_->silence();
-  forget_reach();
-  rest_rigid();
+  contact_modes_->silence();
+  invalidate_reach();
+  reset_rigid();
 }
 
-double ContactSolver::surface_place(std::size_t slot) noexcept {
-  return swings_->place(slot) + rigid_at(slots_[slot], rigid_place_);
+double ContactSolver::surface_displacement(std::size_t slot) noexcept {
+  return contact_modes_->displacement(slot) + rigid_at(slots_[slot], rigid_displacement_);
 }
 
 double ContactSolver::surface_velocity(std::size_t slot) noexcept {
-  return swings_->velocity(slot) + rigid_at(slots_[slot], rigid_speed_);
+  return contact_modes_->velocity(slot) + rigid_at(slots_[slot], rigid_velocity_);
 }
 
 void ContactSolver::move_rigidly(double h) noexcept {
   for (std::size_t r = 0; r < kRigid; ++r)
-    rigid_place_[r] += h * rigid_speed_[r];
+    rigid_displacement_[r] += h * rigid_velocity_[r];
 }
 
-/// A step of a contact begins. The rigid motions have gone on already; `swing_m`: where the modes
-/// lead the place without this step's forces.
-void ContactSolver::enter_step(std::size_t position, double swing_m, double h) noexcept {
+/// A step of a contact begins. The rigid motions have gone on already; `modal_displacement_m`:
+/// where the modes lead the place without this step's forces.
+void ContactSolver::enter_step(std::size_t position, double modal_displacement_m,
+                               double h) noexcept {
   const std::size_t i = touching_[position];
-  const double end = swing_m + rigid_at(slots_[i], rigid_place_);
+  const double end = modal_displacement_m + rigid_at(slots_[i], rigid_displacement_);
   contacts_[i].exciter.enter_step(
       system_[position], (end - slots_[i].surface_m) / h + slots_[i].preload_velocity_m_per_s,
       system_.coupling(position, position), h);
@@ -256,7 +259,7 @@ void ContactSolver::leave_step(std::size_t position, double h, unsigned after) n
   Slot& s = slots_[touching_[position]];
   c.exciter.leave_step(t, h);
   c.age_s += h;
-  s.surface_m += h * (t.own_free - t.own * t.force - t.mean);
+  s.surface_m += h * (t.own_free_velocity - t.own_mobility * t.force - t.mean);
   const double force = net_force(position);
   if (force == 0)
     return;
@@ -267,24 +270,26 @@ void ContactSolver::leave_step(std::size_t position, double h, unsigned after) n
   s.moments[2] += force * part * (1.5 * x * x - 0.5 + 0.5 * part * part);
   if (has_rigid_)
     for (std::size_t r = 0; r < kRigid; ++r) {
-      rigid_place_[r] += s.rigid[r] * force * h * h / 2;
-      rigid_speed_[r] += s.rigid[r] * force * h;
+      rigid_displacement_[r] += s.rigid[r] * force * h * h / 2;
+      rigid_velocity_[r] += s.rigid[r] * force * h;
     }
 }
 
 /// The next steps of a contact that is the only one, one or two at a time, after so many.
 void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
-  const double* const place = swings_->look_ahead(touching_[0], ahead, after + ahead == steps_);
-  std::array<double, ContactModes::kMostAhead> force{};
+  const double* const displacement =
+      contact_modes_->predict_displacement(touching_[0], ahead, after + ahead == steps_);
+  std::array<double, ContactModes::kMaxStepsAhead> force{};
   for (unsigned j = 0; j < ahead; ++j) {
     move_rigidly(h);
-    enter_step(0, j == 0 ? place[0] : place[j] + later_swing_m_per_n_ * force[j - 1], h);
+    enter_step(
+        0, j == 0 ? displacement[0] : displacement[j] + next_compliance_m_per_n_ * force[j - 1], h);
     solve();
     force[j] = net_force(0);
     leave_step(0, h, after + j);
   }
-  swings_->give(force.data());
+  contact_modes_->apply_forces(force.data());
 }
 
 /// The next step of all contacts, after so many.
@@ -293,24 +298,24 @@ void ContactSolver::step_contacts(unsigned after) noexcept {
   move_rigidly(h);
   for (std::size_t a = 0; a < active_count_; ++a)
     enter_step(a,
-               a == 0 ? *swings_->look_ahead(touching_[0], 1, after + 1 == steps_)
-                      : swings_->place_besides(touching_[a]),
+               a == 0 ? *contact_modes_->predict_displacement(touching_[0], 1, after + 1 == steps_)
+                      : contact_modes_->displacement_beside(touching_[a]),
                h);
   solve();
   for (std::size_t a = 0; a < active_count_; ++a) {
     const double force = net_force(a);
     leave_step(a, h, after);
     if (a == 0)
-      swings_->give(&force);
+      contact_modes_->apply_forces(&force);
     else if (force != 0)
-      swings_->give_besides(touching_[a], force);
+      contact_modes_->apply_force_beside(touching_[a], force);
   }
 }
 
 /// The forces of a step; friction's in two stages.
 void ContactSolver::solve() noexcept {
   system_.solve(active_count_);
-  system_.leave_out(active_count_);
+  system_.find_inactive_velocities(active_count_);
   bool any_friction = false;
   for (std::size_t a = 0; a < active_count_; ++a)
     if (Exciter& e = contacts_[touching_[a]].exciter; e.kind == Exciter::Kind::kFriction) {
@@ -320,41 +325,42 @@ void ContactSolver::solve() noexcept {
   if (!any_friction)
     return;
   system_.solve(active_count_);
-  system_.leave_out(active_count_);
+  system_.find_inactive_velocities(active_count_);
 }
 
 /// How many steps of a sample a contact needs, from the energy in it. Only a new energy makes a new
 /// answer.
-void ContactSolver::judge(std::size_t slot) noexcept {
+void ContactSolver::find_required_steps(std::size_t slot) noexcept {
   Exciter& e = contacts_[slot].exciter;
   if (e.kind == Exciter::Kind::kFriction) {
-    slots_[slot].wanted_steps = e.rubbing_steps(1 / sample_rate_);
+    slots_[slot].required_steps = e.rubbing_steps(1 / sample_rate_);
     return;
   }
   const double energy =
       0.5 * e.effective_mass_kg * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
-  if (e.judged(energy))
+  if (e.level_valid(energy))
     return;
-  e.judged_j = energy;
+  e.level_energy_j = energy;
   const double rate = std::sqrt(e.impact.stiffest(energy, e.effective_mass_kg)) / kStepAngle;
-  if (contacts_[slot].rests)
-    slots_[slot].wanted_steps = rate / sample_rate_;
+  if (contacts_[slot].resting)
+    slots_[slot].required_steps = rate / sample_rate_;
   else
-    slots_[slot].wanted_steps = e.held ? std::min(rate / sample_rate_, kMaxHeldSteps)
-                                       : std::max(rate, kStepRate) / sample_rate_;
+    slots_[slot].required_steps = e.held ? std::min(rate / sample_rate_, kMaxHeldSteps)
+                                         : std::max(rate, kStepRate) / sample_rate_;
 }
 
-double ContactSolver::wanted_steps() const noexcept {
-  double wanted = 1;
+double ContactSolver::required_steps() const noexcept {
+  double required = 1;
   for (std::size_t a = 0; a < active_count_; ++a)
     if (const Slot& s = slots_[touching_[a]]; !s.out_of_reach)
-      wanted = std::max(wanted, contacts_[touching_[a]].rests
-                                    ? std::min(s.wanted_steps, max_rest_steps())
-                                    : s.wanted_steps);
-  double most = most_steps_;
+      required = std::max(required, contacts_[touching_[a]].resting
+                                        ? std::min(s.required_steps, max_resting_steps())
+                                        : s.required_steps);
+  double maximum = max_steps_;
   if (active_count_ > 1)
-    most = std::min(most, static_cast<double>(std::bit_floor(kMaxContactSteps / active_count_)));
-  return std::min(wanted, std::max(most, static_cast<double>(kLeastSteps)));
+    maximum =
+        std::min(maximum, static_cast<double>(std::bit_floor(kMaxContactSteps / active_count_)));
+  return std::min(required, std::max(maximum, static_cast<double>(kMinSteps)));
 }
 
 double ContactSolver::step() noexcept {
@@ -362,10 +368,10 @@ double ContactSolver::step() noexcept {
     Exciter& e = contacts_[touching_[a]].exciter;
     e.force_n = e.impulse_ns = e.dissipated_j = 0;
     slots_[touching_[a]].moments = {};
-    judge(touching_[a]);
+    find_required_steps(touching_[a]);
   }
   sampled_count_ = 0;
-  choose_steps(wanted_steps());
+  choose_steps(required_steps());
   if (active_count_ == 1) {
     const unsigned ahead = steps_ > 1 ? 2 : 1;
     for (unsigned s = 0; s < steps_; s += ahead)
@@ -374,28 +380,28 @@ double ContactSolver::step() noexcept {
     for (unsigned s = 0; s < steps_; ++s)
       step_contacts(s);
   }
-  double pressing = 0;
+  double contact_force = 0;
   for (std::size_t a = 0; a < active_count_; ++a) {
     Exciter& e = contacts_[touching_[a]].exciter;
     e.force_n = e.impulse_ns * sample_rate_;
     const Contact& c = contacts_[touching_[a]];
-    if (e.kind == Exciter::Kind::kImpact && !c.rests)
-      pressing += e.force_n;
-    if (c.rests ? unbalanced(touching_[a]) != 0 : e.force_n != 0)
+    if (e.kind == Exciter::Kind::kImpact && !c.resting)
+      contact_force += e.force_n;
+    if (c.resting ? net_contact_force(touching_[a]) != 0 : e.force_n != 0)
       sampled_[sampled_count_++] = {touching_[a], slots_[touching_[a]].moments};
   }
   if (sampled_count_ > 0)
-    forget_reach();
-  look_for_ends();
-  return pressing;
+    invalidate_reach();
+  end_finished_contacts();
+  return contact_force;
 }
 
-void ContactSolver::forget_reach() noexcept {
+void ContactSolver::invalidate_reach() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a)
     slots_[touching_[a]].reach_age = 0;
 }
 
-void ContactSolver::look_for_ends() noexcept {
+void ContactSolver::end_finished_contacts() noexcept {
   for (std::size_t a = active_count_; a > 0; --a) { // from behind: who ends leaves the list
     const std::size_t i = touching_[a - 1];
     Contact& c = contacts_[i];
@@ -404,10 +410,10 @@ void ContactSolver::look_for_ends() noexcept {
     Slot& s = slots_[i];
     s.out_of_reach = false;
     if (c.exciter.depth_m > 0 || c.exciter.force_n > 0) {
-      c.lies = c.fall_m_per_s2 > 0 && c.age_s > s.patience_s;
-      if (c.lies)
+      c.settled = c.fall_m_per_s2 > 0 && c.age_s > s.max_contact_s;
+      if (c.settled)
         end(i);
-    } else if (gets_away(i)) {
+    } else if (separates(i)) {
       end(i);
     }
   }
@@ -419,28 +425,30 @@ void ContactSolver::look_for_ends() noexcept {
   if (has_rigid_ && active_count_ > 0 &&
       std::none_of(touching_.begin(),
                    touching_.begin() + static_cast<std::ptrdiff_t>(active_count_), strikes))
-    rest_rigid();
+    reset_rigid();
 }
 
 /// It has let go. It meets the surface again only if that can still catch up with it. No point
 /// moves further or faster than all modes together; of many modes, which never meet, no more than
-/// kUnheardOf times their root of the mean square. Without forces that stays true for a while.
-bool ContactSolver::gets_away(std::size_t slot) noexcept {
+/// kPeakToRms times their root of the mean square. Without forces that stays true for a while.
+bool ContactSolver::separates(std::size_t slot) noexcept {
   const Contact& c = contacts_[slot];
   Slot& s = slots_[slot];
   if (s.reach_age == 0)
-    s.reach = swings_->reach(slot);
-  s.reach_age = (s.reach_age + 1) % kReachHolds;
-  const double place = std::min(s.reach.place, kUnheardOf * std::sqrt(0.5 * s.reach.place_square));
-  const double speed = std::min(s.reach.speed, kUnheardOf * std::sqrt(0.5 * s.reach.speed_square));
-  const double away = rigid_at(s, rigid_speed_) - c.exciter.velocity_m_per_s;
-  s.out_of_reach = -c.exciter.depth_m > 2 * std::max(speed - away, 0.0) / sample_rate_;
-  return away > speed || (away >= 0 && height(slot) > place) || c.age_s > kLongestFlight;
+    s.reach = contact_modes_->reach(slot);
+  s.reach_age = (s.reach_age + 1) % kReachPeriod;
+  const double displacement =
+      std::min(s.reach.displacement, kPeakToRms * std::sqrt(0.5 * s.reach.displacement_square));
+  const double speed = std::min(s.reach.speed, kPeakToRms * std::sqrt(0.5 * s.reach.speed_square));
+  const double separation_speed = rigid_at(s, rigid_velocity_) - c.exciter.velocity_m_per_s;
+  s.out_of_reach = -c.exciter.depth_m > 2 * std::max(speed - separation_speed, 0.0) / sample_rate_;
+  return separation_speed > speed || (separation_speed >= 0 && height(slot) > displacement) ||
+         c.age_s > kMaxFlight;
 }
 
-void ContactSolver::kick(std::span<const float> gain, double impulse) noexcept {
-  swings_->kick(gain, impulse);
-  forget_reach();
+void ContactSolver::apply_impulse(std::span<const float> gain, double impulse) noexcept {
+  contact_modes_->apply_impulse(gain, impulse);
+  invalidate_reach();
 }
 
 double ContactSolver::energy() const noexcept {
@@ -455,12 +463,12 @@ double ContactSolver::energy() const noexcept {
   sum += rigid_energy();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
-    if (c.rests ? !c.active : c.age_s == 0)
+    if (c.resting ? !c.active : c.age_s == 0)
       continue;
     sum += c.preload_n * slots_[i].surface_m;
     sum += c.exciter.energy();
     if (!c.exciter.held)
-      sum -= c.exciter.mass_kg * c.fall_m_per_s2 * c.exciter.place_m;
+      sum -= c.exciter.mass_kg * c.fall_m_per_s2 * c.exciter.position_m;
   }
   return sum;
 }

@@ -26,7 +26,7 @@ public:
   static constexpr std::size_t kRigid = 6;
   /// In a sample, a power of 2; fewer for bodies of more than 16 modes, so that a sample's work is
   /// bounded: 256 for 64 modes, 4 for 4096. Fewer steps are less exact and as passive.
-  static constexpr unsigned kMostSteps = 1024;
+  static constexpr unsigned kMaxStepsPerSample = 1024;
   /// Modes times steps in a sample, so that strikes stay in time.
   static constexpr std::size_t kMaxWork = 16384;
 
@@ -40,7 +40,7 @@ public:
   struct Strike {
     contact::ImpactLaw law{1e9, 1.5, 0};
     double mass_kg = 0.01;
-    double place_m = 0;          ///< inwards, from the surface as it is; of a held striker from the
+    double position_m = 0;       ///< inwards, from the surface as it is; of a held striker from the
                                  ///< untouched surface
     double velocity_m_per_s = 0; ///< inwards
     double fall_m_per_s2 = 0;    ///< gravity that draws the striker towards the body
@@ -54,7 +54,7 @@ public:
   /// and balances what presses. So the bodies move by the contact's force less the preload:
   /// F(x) - F0, x = x0 - sum of b q, F(x0) = F0. That is exact for any motion, also while they are
   /// apart (F = 0), because modes and rigid motions are linear.
-  struct Rest {
+  struct RestingContact {
     contact::ImpactLaw law{1e9, 1.5, 0};
     double preload_n = 0; ///< F0 >= 0
   };
@@ -64,9 +64,9 @@ public:
     double fall_m_per_s2 = 0;
     double preload_n = 0; ///< of a rest
     double age_s = 0;
-    bool rests = false; ///< between two bodies
+    bool resting = false; ///< between two bodies
     bool active = false;
-    bool lies = false; ///< it has ended because the striker has come to rest
+    bool settled = false; ///< it has ended because the striker has come to rest
   };
   /// Starts a contact: b of all modes and of the rigid motions along it, 1/sqrt(kg).
   void begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
@@ -76,15 +76,16 @@ public:
                  const std::array<double, kRigid>& rigid_gain) noexcept;
   /// Two bodies touch from now on, until it is ended: wherever they are, with the force that
   /// belongs to it. Rigid motions go on as they are.
-  void begin_rest(std::size_t slot, const Rest& rest, std::span<const double> gain,
-                  const std::array<double, kRigid>& rigid_gain) noexcept;
+  void begin_resting_contact(std::size_t slot, const RestingContact& rest,
+                             std::span<const double> gain,
+                             const std::array<double, kRigid>& rigid_gain) noexcept;
   /// Force of a contact between two bodies less its preload, mean of the last sample, N.
-  [[nodiscard]] double unbalanced(std::size_t slot) const noexcept {
+  [[nodiscard]] double net_contact_force(std::size_t slot) const noexcept {
     return slots_[slot].moments[0];
   }
   void end(std::size_t slot) noexcept;
   /// Where a held striker shall be after the next sample; it gets there no faster than a hand.
-  void lead(std::size_t slot, double place_m, double fastest_m_per_s = 50) noexcept;
+  void set_held_position(std::size_t slot, double position_m, double fastest_m_per_s = 50) noexcept;
   /// How a surface presses and moves, until changed.
   void rub(std::size_t slot, double normal_force_n, double velocity_m_per_s) noexcept;
   void set_friction(std::size_t slot, const contact::FrictionLaw& law) noexcept;
@@ -98,7 +99,7 @@ public:
   [[nodiscard]] std::size_t active() const noexcept { return active_count_; }
   /// How far the striker of a contact that has ended is above the body's resting surface, m.
   [[nodiscard]] double height(std::size_t slot) const noexcept {
-    return rigid_at(slots_[slot], rigid_place_) - contacts_[slot].exciter.place_m;
+    return rigid_at(slots_[slot], rigid_displacement_) - contacts_[slot].exciter.position_m;
   }
   /// Steps that one sample takes now.
   [[nodiscard]] unsigned steps() const noexcept { return steps_; }
@@ -115,53 +116,60 @@ public:
     return std::span(sampled_).first(sampled_count_);
   }
   /// An impulse on the modes at once, N s, e.g. a sample of an outer force.
-  void kick(std::span<const float> gain, double impulse) noexcept;
+  void apply_impulse(std::span<const float> gain, double impulse) noexcept;
   /// The same on the rigid motions.
-  void kick_rigid(const std::array<double, kRigid>& gain, double impulse) noexcept {
+  void apply_rigid_impulse(const std::array<double, kRigid>& gain, double impulse) noexcept {
     for (std::size_t r = 0; r < kRigid; ++r)
-      rigid_speed_[r] += gain[r] * impulse;
+      rigid_velocity_[r] += gain[r] * impulse;
   }
   /// Sum over modes of Im(w z).
-  [[nodiscard]] double hear(std::span<const std::complex<double>> weight) noexcept {
-    return swings_->hear(weight);
+  [[nodiscard]] double output(std::span<const std::complex<double>> weight) noexcept {
+    return contact_modes_->output(weight);
   }
   /// The same with weights given before, quicker.
   void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept {
-    swings_->set_weight(listener, weight);
+    contact_modes_->set_weight(listener, weight);
   }
-  void set_listening(std::size_t listeners) noexcept { swings_->set_listening(listeners); }
-  [[nodiscard]] double hear(std::size_t listener) noexcept { return swings_->hear(listener); }
+  void set_listening(std::size_t listeners) noexcept { contact_modes_->set_listening(listeners); }
+  [[nodiscard]] double output(std::size_t listener) noexcept {
+    return contact_modes_->output(listener);
+  }
   /// A contact goes on with the body's new rates and shapes: same compression and striker.
   /// Both solvers' modal states must be in place; gains as in begin().
   void take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
                  std::span<const double> gain,
                  const std::array<double, kRigid>& rigid_gain) noexcept;
   /// A free body goes on moving where it was, its mass and lengths changed by these factors.
-  void take_over_rigid(const ContactSolver& before, double heavier, double longer) noexcept;
+  void take_over_rigid(const ContactSolver& before, double mass_ratio,
+                       double length_ratio) noexcept;
   /// What these orthonormal directions of the rigid motions' space hold of one.
   [[nodiscard]] static std::array<double, kRigid>
-  constrained(const std::array<double, kRigid>& motion,
-              std::span<const std::array<double, kRigid>> basis) noexcept;
+  project(const std::array<double, kRigid>& motion,
+          std::span<const std::array<double, kRigid>> basis) noexcept;
   /// Leaves that of the present rigid motions.
-  void constrain_rigid(std::span<const std::array<double, kRigid>> basis) noexcept;
+  void project_rigid(std::span<const std::array<double, kRigid>> basis) noexcept;
 
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {
-    return swings_->state(mode);
+    return contact_modes_->state(mode);
   }
-  void set_state(std::size_t mode, std::complex<double> z) noexcept { swings_->set_state(mode, z); }
+  void set_state(std::size_t mode, std::complex<double> z) noexcept {
+    contact_modes_->set_state(mode, z);
+  }
   /// The first states, or all.
-  void read_states(std::span<std::complex<double>> z) noexcept { swings_->read_states(z); }
+  void read_states(std::span<std::complex<double>> z) noexcept { contact_modes_->read_states(z); }
   /// The others come to rest.
-  void write_states(std::span<const std::complex<double>> z) noexcept { swings_->write_states(z); }
-  void rest_rigid() noexcept {
-    rigid_place_.fill(0);
-    rigid_speed_.fill(0);
+  void write_states(std::span<const std::complex<double>> z) noexcept {
+    contact_modes_->write_states(z);
+  }
+  void reset_rigid() noexcept {
+    rigid_displacement_.fill(0);
+    rigid_velocity_.fill(0);
   }
   [[nodiscard]] std::size_t modes() const noexcept { return modes_; }
   /// Energy of rigid motion, J.
   [[nodiscard]] double rigid_energy() const noexcept {
     double sum = 0;
-    for (const double speed : rigid_speed_)
+    for (const double speed : rigid_velocity_)
       sum += 0.5 * speed * speed;
     return sum;
   }
@@ -173,8 +181,8 @@ private:
   using Rigid = std::array<double, kRigid>;
   struct Slot {
     Rigid rigid{};
-    double wanted_steps = 1;   ///< in a sample, for the energy that the contact was judged by
-    double patience_s = 0;     ///< a contact that lasts longer lies still
+    double required_steps = 1; ///< in a sample, for the energy that the contact was judged by
+    double max_contact_s = 0;  ///< a contact that lasts longer lies still
     bool out_of_reach = false; ///< nothing can touch within the next sample
     ContactModes::Reach reach; ///< of the modes at the place
     unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
@@ -188,47 +196,47 @@ private:
       sum += slot.rigid[r] * q[r];
     return sum;
   }
-  Contact& begin_anew(std::size_t slot) noexcept;
+  Contact& begin_contact(std::size_t slot) noexcept;
   [[nodiscard]] double net_force(std::size_t position) const noexcept {
     return system_[position].force - contacts_[touching_[position]].preload_n;
   }
   void find_preload_velocities() noexcept;
-  [[nodiscard]] double max_rest_steps() const noexcept;
+  [[nodiscard]] double max_resting_steps() const noexcept;
   void fill(std::size_t slot, std::span<const double> gain, const Rigid& rigid_gain) noexcept;
-  void join(std::size_t slot) noexcept;
-  void judge(std::size_t slot) noexcept;
-  [[nodiscard]] double wanted_steps() const noexcept;
-  bool choose_steps(double wanted) noexcept;
+  void activate(std::size_t slot) noexcept;
+  void find_required_steps(std::size_t slot) noexcept;
+  [[nodiscard]] double required_steps() const noexcept;
+  bool choose_steps(double required) noexcept;
   void set_steps(unsigned steps) noexcept;
   void couple() noexcept;
   void move_rigidly(double h) noexcept;
-  void enter_step(std::size_t position, double swing_m, double h) noexcept;
+  void enter_step(std::size_t position, double modal_displacement_m, double h) noexcept;
   void leave_step(std::size_t position, double h, unsigned after) noexcept;
   void solve() noexcept;
   void step_one_contact(std::size_t ahead, unsigned after) noexcept;
   void step_contacts(unsigned after) noexcept;
-  [[nodiscard]] double surface_place(std::size_t slot) noexcept;
+  [[nodiscard]] double surface_displacement(std::size_t slot) noexcept;
   [[nodiscard]] double surface_velocity(std::size_t slot) noexcept;
   void list_touching() noexcept;
-  void forget_reach() noexcept;
-  void look_for_ends() noexcept;
-  [[nodiscard]] bool gets_away(std::size_t slot) noexcept;
+  void invalidate_reach() noexcept;
+  void end_finished_contacts() noexcept;
+  [[nodiscard]] bool separates(std::size_t slot) noexcept;
 
   double sample_rate_;
   bool has_rigid_;
   std::size_t modes_;
   std::vector<double> alpha_, omega_;
-  std::unique_ptr<ContactModes> swings_;
-  Rigid rigid_place_{}, rigid_speed_{};
+  std::unique_ptr<ContactModes> contact_modes_;
+  Rigid rigid_displacement_{}, rigid_velocity_{};
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
-  contact::ContactSystem system_;     ///< by position in touching_
-  double later_swing_m_per_n_ = 0;    ///< of the only contact's place, a step after its force
-  std::vector<std::size_t> touching_; ///< the active contacts, in the order of their slots
+  contact::ContactSystem system_;      ///< by position in touching_
+  double next_compliance_m_per_n_ = 0; ///< of the only contact's place, a step after its force
+  std::vector<std::size_t> touching_;  ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
   std::vector<SampledForce> sampled_;
   std::size_t sampled_count_ = 0;
-  unsigned steps_ = 0, most_steps_ = kMostSteps;
+  unsigned steps_ = 0, max_steps_ = kMaxStepsPerSample;
 };
 
 } // namespace tactus::modal

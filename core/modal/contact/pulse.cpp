@@ -18,17 +18,17 @@ constexpr std::size_t kPerOctave = 4, kBands = kPulseBands;
 /// Mobility of the modes of each band and their mean frequency.
 class Bands {
 public:
-  explicit Bands(const StruckPlace& place) noexcept {
-    const std::size_t count = std::min(place.gain.size(), place.rate.size());
-    const bool known = place.band.size() >= count;
+  explicit Bands(const StruckPoint& point) noexcept {
+    const std::size_t count = std::min(point.gain.size(), point.rate.size());
+    const bool known = point.band.size() >= count;
     // Several sums side by side: neighbouring modes mostly share a band.
     std::array<std::array<Band, kApart>, kBands> part{};
     for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t index = known ? place.band[k] % kBands : pulse_band(place.rate[k].imag());
+      const std::size_t index = known ? point.band[k] % kBands : pulse_band(point.rate[k].imag());
       Band& band = part[index][k % kApart];
-      const double mobility = place.gain[k] * place.gain[k];
+      const double mobility = point.gain[k] * point.gain[k];
       band.mobility += mobility;
-      band.sum += mobility * place.rate[k].imag();
+      band.sum += mobility * point.rate[k].imag();
     }
     for (std::size_t i = 0; i < kBands; ++i)
       for (const Band& band : part[i]) {
@@ -72,14 +72,14 @@ double Pulse::spectrum(double radians) noexcept {
 }
 
 Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg, double speed_m_per_s,
-                 double restitution, const StruckPlace& place) noexcept {
-  const Bands bands(place);
-  const double own = 1 / striker_mass_kg + place.rigid_mobility_per_kg;
+                 double restitution, const StruckPoint& point) noexcept {
+  const Bands bands(point);
+  const double own = 1 / striker_mass_kg + point.rigid_mobility_per_kg;
   double mobility = own;
   double duration = law.duration(1 / mobility, speed_m_per_s);
   for (int round = 0; round < kRounds; ++round) {
     mobility = own;
-    double compliance = place.compliance_m_per_n;
+    double compliance = point.compliance_m_per_n;
     bands.each([&](double b_squared, double omega) {
       const double spectrum = Pulse::spectrum(omega * duration);
       const double turns = omega * duration / std::numbers::pi;
@@ -88,14 +88,15 @@ Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg, double s
     });
     // Deepest at m v^2/2 = W(d) + C F(d)^2/2: the law's own duration for its part of the way, half
     // a period of a spring for the compliance's.
-    contact::ImpactLaw yielding = law;
-    yielding.compliance_m_per_n = std::max(compliance, 0.0);
+    contact::ImpactLaw compliant = law;
+    compliant.compliance_m_per_n = std::max(compliance, 0.0);
     const double energy = 0.5 * speed_m_per_s * speed_m_per_s / mobility;
-    const double deepest = yielding.deepest(energy), force = yielding.force(deepest, 0);
-    const double give = compliance * force;
-    const double of_law = law.duration(1 / mobility, speed_m_per_s) / law.deepest(energy);
-    const double next =
-        of_law * std::max(deepest - give, 0.0) + std::numbers::pi * give / speed_m_per_s;
+    const double deepest = compliant.deepest(energy), force = compliant.force(deepest, 0);
+    const double compression = compliance * force;
+    const double law_duration_ratio =
+        law.duration(1 / mobility, speed_m_per_s) / law.deepest(energy);
+    const double next = law_duration_ratio * std::max(deepest - compression, 0.0) +
+                        std::numbers::pi * compression / speed_m_per_s;
     if (!(std::isfinite(next) && next > 0))
       break;
     const bool found = std::abs(next - duration) < 1e-3 * duration;

@@ -30,7 +30,7 @@ struct Pulse {
 };
 
 /// What a blow meets at its place.
-struct StruckPlace {
+struct StruckPoint {
   std::span<const double> gain;               ///< b of all modes, 1/sqrt(kg)
   std::span<const std::complex<double>> rate; ///< s of all modes, 1/s
   double rigid_mobility_per_kg = 0;           ///< sum of b^2 of a free body's rigid motions
@@ -56,6 +56,6 @@ inline constexpr std::size_t kPulseBands = 128;
 /// together. Valid for a single contact (kMaxMassRatio).
 [[nodiscard]] Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg,
                                double speed_m_per_s, double restitution,
-                               const StruckPlace& place) noexcept;
+                               const StruckPoint& point) noexcept;
 
 } // namespace tactus::modal

@@ -25,13 +25,14 @@ std::vector<Rigid> span_of(std::vector<Rigid> gain) {
   for (const Rigid& g : gain)
     longest = std::max(longest, std::sqrt(dot(g, g)));
   while (true) {
-    const auto most =
+    const auto longest_gain =
         std::max_element(gain.begin(), gain.end(),
                          [](const Rigid& a, const Rigid& b) { return dot(a, a) < dot(b, b); });
-    const double length = most == gain.end() ? 0 : std::sqrt(dot(*most, *most));
+    const double length =
+        longest_gain == gain.end() ? 0 : std::sqrt(dot(*longest_gain, *longest_gain));
     if (!(length > kSameDirection * longest))
       return basis;
-    Rigid axis = *most;
+    Rigid axis = *longest_gain;
     for (double& x : axis)
       x /= length;
     basis.push_back(axis);
@@ -115,14 +116,14 @@ RestEquilibrium::RestEquilibrium(std::span<const Rigid> gain, const Rigid& load,
       break;
     carries[lifted] = false;
   }
-  double missing = 0;
+  double residual = 0;
   for (std::size_t r = 0; r < axes; ++r) {
-    double rest = target[r];
+    double residual_component = target[r];
     for (std::size_t i = 0; i < gain.size(); ++i)
-      rest -= force_n[i] * h[i][r];
-    missing += rest * rest;
+      residual_component -= force_n[i] * h[i][r];
+    residual += residual_component * residual_component;
   }
-  balanced = missing <= kBalance * kBalance * size;
+  balanced = residual <= kBalance * kBalance * size;
 }
 
 } // namespace tactus::modal

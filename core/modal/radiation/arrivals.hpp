@@ -16,7 +16,7 @@ namespace tactus::modal {
 /// line is flat for whole delays only when they are short. `from_s`: a shorter delay that this one
 /// shall exceed by whole samples; below 0: none.
 struct TravelTime {
-  double delay_s = 0, late_samples = 0;
+  double delay_s = 0, fractional_samples = 0;
   TravelTime() = default;
   TravelTime(double travel_s, double sample_rate, double from_s = -1) {
     const double samples =
@@ -26,7 +26,7 @@ struct TravelTime {
     if (from >= 0 && samples >= from)
       delay = from + std::floor(samples - from);
     delay_s = delay / sample_rate;
-    late_samples = samples - delay;
+    fractional_samples = samples - delay;
   }
 };
 

@@ -70,7 +70,7 @@ DelayLine::Kernel::Kernel(double delay) noexcept {
 
 void DelayLine::prepare(std::size_t longest) {
   std::size_t size = 8;
-  while (size < longest + kRoom)
+  while (size < longest + kMargin)
     size *= 2;
   line_.assign(size, 0);
   mask_ = size - 1;
@@ -79,17 +79,17 @@ void DelayLine::prepare(std::size_t longest) {
 }
 
 void DelayLine::set(double samples, bool glide, bool jump) noexcept {
-  target_ = std::clamp(samples, 0.0, static_cast<double>(line_.size() - kRoom));
+  target_ = std::clamp(samples, 0.0, static_cast<double>(line_.size() - kMargin));
   if (jump) {
     glide_.stop();
-    middle_ = old_ = fresh_ = {target_, Kernel(target_)};
-    bends_ = glide;
+    middle_ = old_ = latest_ = {target_, Kernel(target_)};
+    doppler_ = glide;
     return;
   }
-  if (!glide_.moving() && target_ == fresh_.delay)
+  if (!glide_.moving() && target_ == latest_.delay)
     return;
   if (!glide_.moving())
-    bends_ = glide;
+    doppler_ = glide;
   exchange(glide_.start(), false);
 }
 
@@ -97,26 +97,27 @@ void DelayLine::clear() noexcept { std::fill(line_.begin(), line_.end(), 0.0F); 
 
 /// As near to the target as the fastest glide gets within a segment.
 DelayLine::Value DelayLine::limited(double target) const noexcept {
-  if (bends_) {
-    constexpr double kFarthest = kFastest * static_cast<double>(Glide::kSegment);
-    target = std::clamp(target, middle_.delay - kFarthest, middle_.delay + kFarthest);
+  if (doppler_) {
+    constexpr double kMaxDelayChange = kMaxSlope * static_cast<double>(Glide::kSegment);
+    target = std::clamp(target, middle_.delay - kMaxDelayChange, middle_.delay + kMaxDelayChange);
   }
   return {target, Kernel(target)};
 }
 
-void DelayLine::exchange(Glide::Exchange exchange, bool waited) noexcept {
+void DelayLine::exchange(Glide::Exchange exchange, bool had_target) noexcept {
   if (exchange == Glide::Exchange::kNone)
     return;
   if (exchange == Glide::Exchange::kRotate)
     old_ = middle_;
-  middle_ = fresh_;
+  middle_ = latest_;
   if (exchange == Glide::Exchange::kStart)
-    fresh_ = limited(target_);
-  else if (waited) // a moving delay follows the mean, which does not depend on when targets come
-    fresh_ = limited(bends_ ? target_sum_ / target_age_ : target_);
+    latest_ = limited(target_);
+  else if (had_target) // a moving delay follows the mean, which does not depend on when targets
+                       // come
+    latest_ = limited(doppler_ ? target_sum_ / target_age_ : target_);
   target_sum_ = target_age_ = 0;
   // What is still missing of a long way follows.
-  if (fresh_.delay != target_) {
+  if (latest_.delay != target_) {
     const Glide::Exchange more = glide_.start();
     if (more == Glide::Exchange::kStart)
       this->exchange(more, false);
@@ -126,7 +127,7 @@ void DelayLine::exchange(Glide::Exchange exchange, bool waited) noexcept {
 /// What the line holds a delay before each of the last samples, from sample `first` on.
 void DelayLine::read(const Kernel& kernel, std::size_t first, float* out,
                      std::size_t count) const noexcept {
-  std::array<float, kPart + 2 * kHalf> piece;
+  std::array<float, kChunk + 2 * kHalf> piece;
   const std::size_t length = count + kernel.count - 1;
   const std::size_t begin = (first - kernel.newest - (kernel.count - 1)) & mask_;
   const std::size_t to_end = std::min(length, line_.size() - begin);
@@ -136,7 +137,7 @@ void DelayLine::read(const Kernel& kernel, std::size_t first, float* out,
     std::copy_n(piece.data(), count, out);
     return;
   }
-  std::array<float, kPart> sum{};
+  std::array<float, kChunk> sum{};
   for (std::size_t i = 0; i < kernel.count; ++i) {
     const float w = kernel.weight[i];
     const float* const from = piece.data() + kernel.count - 1 - i;
@@ -148,16 +149,16 @@ void DelayLine::read(const Kernel& kernel, std::size_t first, float* out,
 
 void DelayLine::run(float* sound, std::size_t count) noexcept {
   while (count > 0) {
-    std::size_t part = std::min(count, kPart);
+    std::size_t part = std::min(count, kChunk);
     if (glide_.moving())
       part = std::min(part, glide_.left());
-    run_part(sound, part);
+    run_chunk(sound, part);
     sound += part;
     count -= part;
   }
 }
 
-void DelayLine::run_part(float* sound, std::size_t count) noexcept {
+void DelayLine::run_chunk(float* sound, std::size_t count) noexcept {
   const std::size_t to_end = std::min(count, line_.size() - (write_ & mask_));
   std::copy_n(sound, to_end, line_.data() + (write_ & mask_));
   std::copy_n(sound + to_end, count - to_end, line_.data());
@@ -166,16 +167,16 @@ void DelayLine::run_part(float* sound, std::size_t count) noexcept {
   target_sum_ += static_cast<double>(count) * target_;
   target_age_ += static_cast<double>(count);
   if (!glide_.moving())
-    return read(fresh_.kernel, first, sound, count);
-  if (bends_) {
+    return read(latest_.kernel, first, sound, count);
+  if (doppler_) {
     for (std::size_t n = 0; n < count; ++n) {
       const Glide::Blend b = glide_.blend(n);
-      const double delay = b.old * old_.delay + b.middle * middle_.delay + b.fresh * fresh_.delay;
+      const double delay = b.old * old_.delay + b.middle * middle_.delay + b.latest * latest_.delay;
       read(Kernel(delay), first + n, sound + n, 1);
     }
   } else {
-    std::array<float, kPart> part;
-    std::array<double, kPart> sum{};
+    std::array<float, kChunk> part;
+    std::array<double, kChunk> sum{};
     const auto add = [&](const Value& value, double Glide::Blend::*share) {
       read(value.kernel, first, part.data(), count);
       for (std::size_t n = 0; n < count; ++n)
@@ -184,13 +185,13 @@ void DelayLine::run_part(float* sound, std::size_t count) noexcept {
     add(middle_, &Glide::Blend::middle);
     if (glide_.has_old())
       add(old_, &Glide::Blend::old);
-    if (glide_.has_fresh())
-      add(fresh_, &Glide::Blend::fresh);
+    if (glide_.has_latest())
+      add(latest_, &Glide::Blend::latest);
     for (std::size_t n = 0; n < count; ++n)
       sound[n] = static_cast<float>(sum[n]);
   }
-  const bool waited = glide_.waits();
-  exchange(glide_.advance(count), waited);
+  const bool had_target = glide_.has_target();
+  exchange(glide_.advance(count), had_target);
 }
 
 } // namespace tactus::modal

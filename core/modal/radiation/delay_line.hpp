@@ -18,11 +18,11 @@ namespace tactus::modal {
 /// resting listener that near has its fraction of a sample in what it is given (TravelTime).
 ///
 /// A new delay takes over as Glide has it: in a cross-fade of up to three delays, or as one delay
-/// that moves and bends the pitch as a moving listener hears it, no faster than kFastest.
+/// that moves and bends the pitch as a moving listener hears it, no faster than kMaxSlope.
 class DelayLine {
 public:
-  static constexpr std::size_t kHalf = 20;  ///< neighbours on each side
-  static constexpr double kFastest = 0.125; ///< samples a sample: 43 m/s
+  static constexpr std::size_t kHalf = 20;   ///< neighbours on each side
+  static constexpr double kMaxSlope = 0.125; ///< samples a sample: 43 m/s
 
   /// Allocates; keeps nothing of before.
   void prepare(std::size_t longest);
@@ -38,8 +38,8 @@ public:
   void run(float* sound, std::size_t count) noexcept;
 
 private:
-  static constexpr std::size_t kPart = 64;                    ///< samples worked together
-  static constexpr std::size_t kRoom = kPart + 2 * kHalf + 2; ///< beyond the longest delay
+  static constexpr std::size_t kChunk = 64;                      ///< samples worked together
+  static constexpr std::size_t kMargin = kChunk + 2 * kHalf + 2; ///< beyond the longest delay
 
   /// Weights of the samples whole - half + 1 ... whole + half before the present one.
   struct Kernel {
@@ -52,17 +52,17 @@ private:
     Kernel kernel;
   };
   [[nodiscard]] Value limited(double target) const noexcept;
-  void exchange(Glide::Exchange exchange, bool waited) noexcept;
-  void run_part(float* sound, std::size_t count) noexcept;
+  void exchange(Glide::Exchange exchange, bool had_target) noexcept;
+  void run_chunk(float* sound, std::size_t count) noexcept;
   void read(const Kernel& kernel, std::size_t first, float* out, std::size_t count) const noexcept;
 
   std::vector<float> line_ = std::vector<float>(256, 0.0F);
   std::size_t mask_ = 255, write_ = 0;
   double target_ = 0;                      ///< samples
   double target_sum_ = 0, target_age_ = 0; ///< over the samples of the segment, for its mean
-  Value old_, middle_, fresh_;
+  Value old_, middle_, latest_;
   Glide glide_;
-  bool bends_ = false;
+  bool doppler_ = false;
 };
 
 } // namespace tactus::modal

@@ -73,7 +73,7 @@ void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes,
     const double decay = -mode.rate.real() / sample_rate;
     if (mode.part == Mode::Part::kTooHigh)
       tail = std::max(tail, static_cast<double>(kHighTail));
-    else if (mode.part == Mode::Part::kRings && decay * spread > kMaxDecay)
+    else if (mode.part == Mode::Part::kRinging && decay * spread > kMaxDecay)
       tail = std::max(tail, kSilentDecay / decay);
   }
   const std::size_t vertices = shapes.vertices(), surface_rows = 3 * vertices;
@@ -101,7 +101,7 @@ void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes,
     sum_over_modes(arrivals, modes, sample_rate, shapes);
   } else {
     for (std::size_t k = 0; k < modes.size(); ++k)
-      if (modes[k].part != Mode::Part::kMute)
+      if (modes[k].part != Mode::Part::kInaudible)
         find_mode(arrivals, modes[k], sample_rate, samples_.data() + k * taps_,
                   moments_.data() + k * moment_count_ * taps_);
   }
@@ -117,17 +117,17 @@ void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes,
 
 void DirectKernels::sum_over_modes(const Arrivals& arrivals, std::span<const Mode> modes,
                                    double sample_rate, const SurfaceShapes& shapes) {
-  constexpr std::size_t kTogether = 128;
+  constexpr std::size_t kBatch = 128;
   const std::size_t vertices = shapes.vertices(), row = moment_count_ * taps_;
-  std::vector<float> samples(kTogether * taps_), moments(kTogether * row);
-  std::vector<float> shape(3 * vertices * kTogether);
-  for (std::size_t first = 0; first < modes.size(); first += kTogether) {
-    const std::size_t count = std::min(kTogether, modes.size() - first);
+  std::vector<float> samples(kBatch * taps_), moments(kBatch * row);
+  std::vector<float> shape(3 * vertices * kBatch);
+  for (std::size_t first = 0; first < modes.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, modes.size() - first);
     std::fill(samples.begin(), samples.end(), 0.0F);
     std::fill(moments.begin(), moments.end(), 0.0F);
     for (std::size_t i = 0; i < count; ++i) {
       const Mode& mode = modes[first + i];
-      if (mode.part != Mode::Part::kMute)
+      if (mode.part != Mode::Part::kInaudible)
         find_mode(arrivals, mode, sample_rate, samples.data() + i * taps_,
                   moments.data() + i * row);
       for (std::size_t v = 0; v < vertices; ++v)
@@ -154,7 +154,7 @@ void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double
   const std::size_t arrived = arrivals.samples();
   std::fill(pressure.begin(), pressure.end(), 0);
   arrivals.find(mode.motion, std::span(pressure).first(arrived * kNodes));
-  const bool rings = mode.part == Mode::Part::kRings;
+  const bool rings = mode.part == Mode::Part::kRinging;
   Complex s = mode.rate / sample_rate;
   const double square = std::norm(s);
   if (!rings && -s.real() < kHighDecay) // its own ringing is above what can be heard
@@ -163,17 +163,17 @@ void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double
   const Complex pole = std::exp(s);
   const auto shape = exponential_moments(s);
   // z' = s z + gamma: gamma's cubic in every sample is answered exactly.
-  std::array<Complex, kGauss> answer{};
+  std::array<Complex, kGauss> response{};
   for (std::size_t m = 0; m < kGauss; ++m)
     for (std::size_t j = 0; j < kGauss; ++j)
-      answer[m] += static_cast<double>(2 * j + 1) * BandLimit::kGaussWeight[m] *
-                   legendre(j, 2 * BandLimit::kNode[1 + m] - 1) * shape[j];
+      response[m] += static_cast<double>(2 * j + 1) * BandLimit::kGaussWeight[m] *
+                     legendre(j, 2 * BandLimit::kNode[1 + m] - 1) * shape[j];
   motion[0] = 0;
   for (std::size_t n = 0; n < taps_; ++n) {
     const double* gamma = pressure.data() + n * kNodes + 1;
     Complex z = pole * motion[n];
     for (std::size_t m = 0; m < kGauss; ++m)
-      z += gamma[m] * answer[m];
+      z += gamma[m] * response[m];
     motion[n + 1] = z;
   }
   Complex weight = 0;
@@ -182,7 +182,7 @@ void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double
   if (rings)
     weight_.push_back(weight * sample_rate);
   Complex ring = weight;
-  double rest = 0; // of the answer to a constant sampled force
+  double residual = 0; // of the answer to a constant sampled force
   std::size_t loudest = 0;
   for (std::size_t n = 0; n < taps_; ++n) {
     const Motion a(motion[n], s), b(motion[n + 1], s);
@@ -201,15 +201,15 @@ void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double
     }
     const double sampled = pressure[n * kNodes] - 2 * alpha * a.v - stiffness * a.q - ring.imag();
     samples[n] = static_cast<float>(sampled);
-    rest += sampled;
+    residual += sampled;
     if (std::abs(pressure[n * kNodes]) > std::abs(pressure[loudest * kNodes]))
       loudest = n;
     ring *= pole;
   }
   // What the band limit lets through at the sample rate itself, 1e-4 of the direct sound, is taken
   // out where it arrives.
-  rest += (weight / (1.0 - pole)).imag();
-  samples[loudest] -= static_cast<float>(rest);
+  residual += (weight / (1.0 - pole)).imag();
+  samples[loudest] -= static_cast<float>(residual);
 }
 
 void DirectKernels::add_rigid(const Arrivals& arrivals, std::size_t motion,
@@ -318,21 +318,21 @@ void DirectSound::prepare(double sample_rate) {
   const double scale = 1 / (1 + std::numbers::sqrt2 * k + k * k);
   suspension_ = {scale, -2 * scale, scale, 2 * (k * k - 1) * scale,
                  (1 - std::numbers::sqrt2 * k + k * k) * scale};
-  suspended_ = {};
+  suspension_state_ = {};
 }
 
 void DirectSound::clear() noexcept {
   for (Lines& lines : lines_)
     for (Line& line : lines)
       clear(line);
-  suspended_ = {};
+  suspension_state_ = {};
 }
 
 void DirectSound::clear_from(std::size_t listener) noexcept {
   for (std::size_t l = listener; l < lines_.size(); ++l) {
     for (Line& line : lines_[l])
       clear(line);
-    suspended_[l] = {};
+    suspension_state_[l] = {};
   }
 }
 
@@ -387,18 +387,18 @@ void DirectSound::add_moments(std::size_t listener, ModeBank::Part part, std::si
   add(lines_[listener][part], at, kernel, taps, std::span(f).first(count));
 }
 
-void DirectSound::add_past(std::size_t listener, const ForceKernel& kernel, std::size_t taps,
-                           std::span<const double> force) noexcept {
-  Line& line = lines_[listener][ModeBank::kFresh];
+void DirectSound::add_history(std::size_t listener, const ForceKernel& kernel, std::size_t taps,
+                              std::span<const double> force) noexcept {
+  Line& line = lines_[listener][ModeBank::kLatest];
   if (line.elastic.empty())
     return;
   const auto spread = [&](const std::vector<float>& from, std::vector<float>& to) {
     for (std::size_t j = 0; j < force.size(); ++j) {
       const float* const k = from.data() + j * taps;
-      double rest = 0; // what forces before now have still to give
+      double residual = 0; // what forces before now have still to give
       for (std::size_t i = taps; i-- > 1;) {
-        rest += force[j] * static_cast<double>(k[i]);
-        to[i - 1] += static_cast<float>(rest);
+        residual += force[j] * static_cast<double>(k[i]);
+        to[i - 1] += static_cast<float>(residual);
       }
     }
   };
@@ -410,18 +410,18 @@ void DirectSound::add_past(std::size_t listener, const ForceKernel& kernel, std:
 
 void DirectSound::start() noexcept {
   for (Lines& lines : lines_)
-    copy(lines[ModeBank::kFresh], lines[ModeBank::kMiddle]);
+    copy(lines[ModeBank::kLatest], lines[ModeBank::kMiddle]);
 }
 
 void DirectSound::rotate(const Glide& before, const Glide& after) noexcept {
   for (Lines& lines : lines_) {
-    if (before.has_fresh()) {
+    if (before.has_latest()) {
       std::swap(lines[ModeBank::kOld], lines[ModeBank::kMiddle]);
-      std::swap(lines[ModeBank::kMiddle], lines[ModeBank::kFresh]);
+      std::swap(lines[ModeBank::kMiddle], lines[ModeBank::kLatest]);
     }
     if (!after.has_old())
       clear(lines[ModeBank::kOld]);
-    copy(lines[ModeBank::kMiddle], lines[ModeBank::kFresh]);
+    copy(lines[ModeBank::kMiddle], lines[ModeBank::kLatest]);
     if (!after.moving())
       clear(lines[ModeBank::kMiddle]);
   }
@@ -429,20 +429,20 @@ void DirectSound::rotate(const Glide& before, const Glide& after) noexcept {
 
 void DirectSound::settle(const Glide& glide) noexcept {
   const Glide::Blend blend = glide.blend(0);
-  for (auto& [old, middle, fresh] : lines_) {
+  for (auto& [old, middle, latest] : lines_) {
     if (glide.moving()) {
-      const std::size_t end = std::max({old.end, middle.end, fresh.end});
+      const std::size_t end = std::max({old.end, middle.end, latest.end});
       const auto mix = [&](const auto& one, const auto& two, auto& three) {
         for (std::size_t i = 0; i < end; ++i)
           three[i] = static_cast<float>(blend.old * one[i] + blend.middle * two[i] +
-                                        blend.fresh * three[i]);
+                                        blend.latest * three[i]);
       };
-      mix(old.elastic, middle.elastic, fresh.elastic);
-      mix(old.rigid, middle.rigid, fresh.rigid);
-      fresh.end = end;
+      mix(old.elastic, middle.elastic, latest.elastic);
+      mix(old.rigid, middle.rigid, latest.rigid);
+      latest.end = end;
     }
-    copy(fresh, old);
-    copy(fresh, middle);
+    copy(latest, old);
+    copy(latest, middle);
   }
 }
 
@@ -460,18 +460,18 @@ void DirectSound::shift(Line& line, std::size_t frames) noexcept {
 
 void DirectSound::finish(std::size_t listener, std::span<float> sound,
                          const Glide& glide) noexcept {
-  auto& [old, middle, fresh] = lines_[listener];
-  auto& [one, two] = suspended_[listener];
+  auto& [old, middle, latest] = lines_[listener];
+  auto& [one, two] = suspension_state_[listener];
   const std::size_t frames = sound.size();
-  if (old.end == 0 && middle.end == 0 && fresh.end == 0 && one == 0 && two == 0)
+  if (old.end == 0 && middle.end == 0 && latest.end == 0 && one == 0 && two == 0)
     return;
   for (std::size_t n = 0; n < frames; ++n) {
-    double elastic = fresh.elastic[n], rigid = fresh.rigid[n];
+    double elastic = latest.elastic[n], rigid = latest.rigid[n];
     if (glide.moving()) {
       const Glide::Blend blend = glide.blend(n);
       elastic =
-          blend.old * old.elastic[n] + blend.middle * middle.elastic[n] + blend.fresh * elastic;
-      rigid = blend.old * old.rigid[n] + blend.middle * middle.rigid[n] + blend.fresh * rigid;
+          blend.old * old.elastic[n] + blend.middle * middle.elastic[n] + blend.latest * elastic;
+      rigid = blend.old * old.rigid[n] + blend.middle * middle.rigid[n] + blend.latest * rigid;
     }
     const double y = suspension_.b0 * rigid + one;
     one = suspension_.b1 * rigid - suspension_.a1 * y + two;
@@ -482,7 +482,7 @@ void DirectSound::finish(std::size_t listener, std::span<float> sound,
   }
   shift(old, frames);
   shift(middle, frames);
-  shift(fresh, frames);
+  shift(latest, frames);
 }
 
 } // namespace tactus::modal

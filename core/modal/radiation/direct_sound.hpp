@@ -56,9 +56,9 @@ public:
     std::complex<double> rate; ///< 1/s
     std::size_t motion;        ///< of Arrivals
     enum class Part {
-      kRings,   ///< in the bank
-      kTooHigh, ///< for the bank: it only follows the force
-      kMute     ///< not to be heard
+      kRinging,  ///< in the bank
+      kTooHigh,  ///< for the bank: it only follows the force
+      kInaudible ///< not to be heard
     } part;
     double pulse_gain = 1; ///< factor of the gain when pulses strike (BodyModel)
   };
@@ -160,7 +160,7 @@ public:
                    const ForceKernel& kernel, std::size_t taps,
                    std::span<const double> force) noexcept;
   /// The glide's exchanges: parts move as its values do. A part that begins is what the one before
-  /// it gave; add_past() makes it its own.
+  /// it gave; add_history() makes it its own.
   void start() noexcept;
   void rotate(const Glide& before, const Glide& after) noexcept;
   /// All parts become the same, blended as `glide` is now.
@@ -168,8 +168,8 @@ public:
   /// Forces that have acted for long are, in the freshest part, as if they had acted by another
   /// kernel all along. Call it with that kernel and the force, and with the one before and its
   /// negative.
-  void add_past(std::size_t listener, const ForceKernel& kernel, std::size_t taps,
-                std::span<const double> force) noexcept;
+  void add_history(std::size_t listener, const ForceKernel& kernel, std::size_t taps,
+                   std::span<const double> force) noexcept;
   /// Adds the segment's sound and goes on to the next; within a segment `glide` makes no exchange.
   void finish(std::size_t listener, std::span<float> sound, const Glide& glide) noexcept;
 
@@ -190,7 +190,7 @@ private:
   struct HighPass {
     double b0 = 1, b1 = -2, b2 = 1, a1 = -2, a2 = 1;
   } suspension_;
-  std::array<std::array<double, 2>, kListeners> suspended_{};
+  std::array<std::array<double, 2>, kListeners> suspension_state_{};
 };
 
 } // namespace tactus::modal

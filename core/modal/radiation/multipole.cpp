@@ -107,11 +107,11 @@ ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Com
   const MultipoleTable& poles = table.multipoles;
   ListenerTransfer out;
   out.pressure.assign(rate.size(), 0);
-  const Vec3 way = listener - size * poles.centre;
+  const Vec3 from_centre = listener - size * poles.centre;
   const double reference = size * poles.reference_radius_m;
   // Inside the sphere around the body the series means nothing: the listener stays on it.
-  const double distance = std::max(norm(way), reference);
-  const MultipoleDirection direction(table, way);
+  const double distance = std::max(norm(from_centre), reference);
+  const MultipoleDirection direction(table, from_centre);
   out.delay_s = (distance - reference) / sound_speed;
   for (std::size_t i = 0; i < rate.size(); ++i) {
     // Size keeps k a as it is; only a change of sqrt(E/rho) moves along the tabulated ratios.

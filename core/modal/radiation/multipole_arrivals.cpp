@@ -98,7 +98,8 @@ public:
 
 private:
   static constexpr int kPlain = -1000;
-  static constexpr double kLead = 0.5; ///< radii whose travel time is taken out between samples
+  static constexpr double kTravelRadii =
+      0.5; ///< radii whose travel time is taken out between samples
   [[nodiscard]] double turn() const noexcept { return 2 * kPi / static_cast<double>(period_); }
 
   static void add(double amount, const std::vector<double>& kernel, std::span<double> to) {
@@ -129,9 +130,9 @@ private:
       velocity[i] = direction_.band_sums(motion, i);
       const auto h = spherical_hankel(degrees, x[i]);
       for (std::size_t l = 0; l < degrees; ++l) {
-        const Complex v =
-            velocity[i][l] * Complex(0, 1) * slope(h, l, x[i]) / h[l] *
-            std::polar(scene_.shape_scale / (table_.air_density_kg_per_m3 * c), kLead * x[i]);
+        const Complex v = velocity[i][l] * Complex(0, 1) * slope(h, l, x[i]) / h[l] *
+                          std::polar(scene_.shape_scale / (table_.air_density_kg_per_m3 * c),
+                                     kTravelRadii * x[i]);
         velocity[i][l] = std::isfinite(v.real()) && std::isfinite(v.imag()) ? v : 0.0;
       }
     }
@@ -141,17 +142,17 @@ private:
       const Interpolation between(x, at);
       for (std::size_t l = 0; l < degrees; ++l)
         transfer[i] += between.value(velocity, l) * waves(l)[i];
-      transfer[i] *= std::polar(1.0, -kLead * at);
+      transfer[i] *= std::polar(1.0, -kTravelRadii * at);
     }
     transform(transfer, pressure);
-    mend_low_frequencies(transfer, pressure);
+    correct_low_frequencies(transfer, pressure);
   }
 
   /// The level of a mode of high degree rises a thousandfold from 0 Hz to 20 kHz, and what its
   /// kernel's two ends cut off of the highs is then more than all of the lows. A smooth pulse over
   /// the kernel's length, a sum of kSmooth shapes under a Hann window, puts these right, by least
   /// squares over the transfer's lowest frequencies.
-  void mend_low_frequencies(const std::vector<Complex>& transfer, std::span<double> out) const {
+  void correct_low_frequencies(const std::vector<Complex>& transfer, std::span<double> out) const {
     constexpr std::size_t kSmooth = 10;
     const std::size_t count = std::min(period_ / 28, transfer.size());
     const auto shape = [&](std::size_t q, double t) { // t in samples from the kernel's beginning
@@ -161,22 +162,22 @@ private:
     std::array<std::array<double, kSmooth + 1>, kSmooth> equation{};
     for (std::size_t i = 0; i < count; ++i) {
       std::array<Complex, kSmooth> own{};
-      Complex rest = i == 0 ? 2.0 * transfer[0] : transfer[i];
+      Complex residual = i == 0 ? 2.0 * transfer[0] : transfer[i];
       for (std::size_t n = 0; n < samples_; ++n)
         for (std::size_t m = 1; m < BandLimit::kNodes; ++m) {
           const double t = static_cast<double>(n) + BandLimit::kNode[m];
           const Complex wave = BandLimit::kGaussWeight[m - 1] *
                                std::polar(1.0, -static_cast<double>(i) * turn() *
                                                    (t - static_cast<double>(BandLimit::kLatency) -
-                                                    travel_.late_samples));
-          rest -= out[n * BandLimit::kNodes + m] * wave;
+                                                    travel_.fractional_samples));
+          residual -= out[n * BandLimit::kNodes + m] * wave;
           for (std::size_t q = 0; q < kSmooth; ++q)
             own[q] += shape(q, t) * wave;
         }
       for (std::size_t p = 0; p < kSmooth; ++p) {
         for (std::size_t q = 0; q < kSmooth; ++q)
           equation[p][q] += (std::conj(own[p]) * own[q]).real();
-        equation[p][kSmooth] += (std::conj(own[p]) * rest).real();
+        equation[p][kSmooth] += (std::conj(own[p]) * residual).real();
       }
     }
     for (std::size_t p = 0; p < kSmooth; ++p) // shapes that these frequencies hardly tell apart
@@ -245,10 +246,10 @@ private:
   /// Degree l's transfer from velocity on the sphere to the listener, per acceleration, the common
   /// delay taken out and band-limited; half of it at 0 Hz.
   [[nodiscard]] const std::vector<Complex>& waves(std::size_t l) const {
-    const auto [place, is_new] = waves_.try_emplace(l);
+    const auto [entry, is_new] = waves_.try_emplace(l);
     if (is_new)
-      place->second = find_waves(l, radius_);
-    return place->second;
+      entry->second = find_waves(l, radius_);
+    return entry->second;
   }
 
   [[nodiscard]] std::vector<Complex> find_waves(std::size_t l, double radius) const {
@@ -276,7 +277,7 @@ private:
     for (std::size_t n = 0; n < samples_; ++n)
       for (std::size_t m = 0; m < BandLimit::kNodes; ++m) {
         const double t = static_cast<double>(n) + BandLimit::kNode[m] -
-                         static_cast<double>(BandLimit::kLatency) - travel_.late_samples;
+                         static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples;
         const Complex step = std::polar(1.0, turn() * t);
         Complex wave = 1;
         double sum = transfer[0].real();
@@ -291,8 +292,8 @@ private:
 
   /// Band-limited pressure for an acceleration impulse of degree l, by Fourier's integral.
   [[nodiscard]] const std::vector<double>& kernel(std::size_t l, int octave, double radius) const {
-    const auto [place, is_new] = kernels_.try_emplace(Key{l, octave, radius});
-    std::vector<double>& out = place->second;
+    const auto [entry, is_new] = kernels_.try_emplace(Key{l, octave, radius});
+    std::vector<double>& out = entry->second;
     if (!is_new)
       return out;
     std::vector<Complex> transfer = find_waves(l, radius);

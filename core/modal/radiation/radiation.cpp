@@ -10,8 +10,8 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kHighestTone = 0.45; // of the sample rate: the surface is resolved up to it
-constexpr double kNearest = 1e-4;     // m, to a source: closer the integral means nothing
+constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: the surface is resolved up to it
+constexpr double kNearest = 1e-4;           // m, to a source: closer the integral means nothing
 
 Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -51,8 +51,8 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
     if (along[a] > along[axis])
       axis = a;
   flat_ = along[axis] > kFlatShare * total;
-  thin_ = {};
-  thin_[axis] = 1;
+  thin_axis_ = {};
+  thin_axis_[axis] = 1;
   for (std::size_t k = 0; k < table.modes(); ++k)
     for (std::size_t n = 0; n < nodes; ++n)
       displacement_[k * nodes + n] =
@@ -60,15 +60,15 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
 }
 
 std::vector<std::size_t> RadiatingSurface::facing(const Vec3& listener) const {
-  std::vector<std::size_t> seen;
-  const double side = dot(listener - middle_, thin_) < 0 ? -1 : 1;
+  std::vector<std::size_t> visible;
+  const double side = dot(listener - middle_, thin_axis_) < 0 ? -1 : 1;
   for (std::size_t t = 0; t < area_.size(); ++t) {
-    const bool faces =
-        flat_ ? side * dot(normal_[t], thin_) > 0.5 : dot(normal_[t], listener - centre_[t]) > 0;
+    const bool faces = flat_ ? side * dot(normal_[t], thin_axis_) > 0.5
+                             : dot(normal_[t], listener - centre_[t]) > 0;
     if (faces && area_[t] > 0)
-      seen.push_back(t);
+      visible.push_back(t);
   }
-  return seen;
+  return visible;
 }
 
 ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> rate,
@@ -96,11 +96,11 @@ ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> r
   for (std::size_t k = 0; k < rate.size(); ++k) {
     double real = 0, imaginary = 0;
     for (std::size_t i = 0; i < sources.size(); ++i) {
-      const double way = (sources[i].distance_m - shortest) / sound_speed;
+      const double delay = (sources[i].distance_m - shortest) / sound_speed;
       const double amount =
-          displacement(mode[k], sources[i]) * share[i] * std::exp(-rate[k].real() * way);
-      real += amount * std::cos(rate[k].imag() * way);
-      imaginary -= amount * std::sin(rate[k].imag() * way);
+          displacement(mode[k], sources[i]) * share[i] * std::exp(-rate[k].real() * delay);
+      real += amount * std::cos(rate[k].imag() * delay);
+      imaginary -= amount * std::sin(rate[k].imag() * delay);
     }
     out.pressure[k] = air_density * shape_scale * rate[k] * std::complex<double>(real, imaginary);
   }
@@ -116,7 +116,7 @@ public:
     if (!surface.surface_)
       return;
     const double wavenumber =
-        2 * std::numbers::pi * kHighestTone * scene.sample_rate / scene.sound_speed_m_per_s;
+        2 * std::numbers::pi * kMaxFrequencyRatio * scene.sample_rate / scene.sound_speed_m_per_s;
     const std::vector<SurfaceSource> sources =
         surface_sources(*surface.surface_, surface.facing(listener * (1 / scene.size)), listener,
                         scene.size, wavenumber, kNearest);
@@ -136,7 +136,7 @@ public:
           source.area_m2 / (2 * std::numbers::pi * source.distance_m) * scene.air_density_kg_per_m3;
       const double late =
           std::min((source.distance_m - shortest) / scene.sound_speed_m_per_s * scene.sample_rate +
-                       travel.late_samples,
+                       travel.fractional_samples,
                    static_cast<double>(scene.max_spread));
       const double position = late * static_cast<double>(BandLimit::kBins);
       const auto bin = static_cast<std::uint32_t>(position);
@@ -204,7 +204,7 @@ private:
     constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> low(nodes, kNone), high(nodes, 0);
     for (std::size_t i = 0; i < sources.size(); ++i)
-      for (const std::uint32_t node : surface_.nodes_.of_triangle[sources[i].triangle]) {
+      for (const std::uint32_t node : surface_.nodes_.triangle_nodes[sources[i].triangle]) {
         low[node] = std::min(low[node], arrival[i].bin);
         high[node] = std::max(high[node], arrival[i].bin);
       }
@@ -221,7 +221,7 @@ private:
     share_.assign(total, 0);
     for (std::size_t i = 0; i < sources.size(); ++i)
       for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint32_t node = surface_.nodes_.of_triangle[sources[i].triangle][c];
+        const std::uint32_t node = surface_.nodes_.triangle_nodes[sources[i].triangle][c];
         const double weight = shape_scale * static_cast<double>(sources[i].weight[c]);
         double* const to = share_.data() + row[node] + (arrival[i].bin - low[node]);
         for (std::size_t j = 0; j < BandLimit::kSpan; ++j)

@@ -67,7 +67,7 @@ private:
   /// Of a mode at a source, along the normal; straight between the triangle's nodes.
   [[nodiscard]] double displacement(std::size_t mode, const SurfaceSource& source) const noexcept {
     const float* const at = displacement_.data() + mode * nodes_.vertex.size();
-    const auto& node = nodes_.of_triangle[source.triangle];
+    const auto& node = nodes_.triangle_nodes[source.triangle];
     return static_cast<double>(source.weight[0] * at[node[0]] + source.weight[1] * at[node[1]] +
                                source.weight[2] * at[node[2]]);
   }
@@ -78,7 +78,7 @@ private:
   SurfaceNodes nodes_;
   std::vector<float> displacement_; ///< [K][N], along the nodes' normals
   bool flat_ = false;
-  Vec3 thin_{0, 0, 1}, middle_{};
+  Vec3 thin_axis_{0, 0, 1}, middle_{};
 };
 
 /// A body's radiation into all directions as outgoing spherical waves, from the table's multipoles:

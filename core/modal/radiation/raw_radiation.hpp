@@ -20,12 +20,12 @@ public:
   /// Allocates.
   void set(const RawTable& table, const Vec3& listener, double air_density, double sound_speed) {
     density_ = air_density;
-    way_s_.resize(table.points);
-    share_m_.resize(table.points);
+    delay_s_.resize(table.points);
+    area_weight_m_.resize(table.points);
     for (std::size_t i = 0; i < table.points; ++i) {
       const double distance = std::max(norm(listener - table.position_m[i]), 1e-4);
-      way_s_[i] = distance / sound_speed;
-      share_m_[i] = table.area_m2[i] / (2 * std::numbers::pi * distance);
+      delay_s_[i] = distance / sound_speed;
+      area_weight_m_[i] = table.area_m2[i] / (2 * std::numbers::pi * distance);
     }
   }
   /// Pressure in Pa at a time after a blow of 1 m/s at one of the table's places.
@@ -37,9 +37,9 @@ public:
   }
   /// When nothing comes any more.
   [[nodiscard]] double end_s(const RawTable& table) const noexcept {
-    const auto longest = std::max_element(way_s_.begin(), way_s_.end());
+    const auto longest = std::max_element(delay_s_.begin(), delay_s_.end());
     return static_cast<double>(table.samples) / table.sample_rate_hz + 1e-3 +
-           (longest == way_s_.end() ? 0 : *longest);
+           (longest == delay_s_.end() ? 0 : *longest);
   }
 
 private:
@@ -47,20 +47,20 @@ private:
                                  double time_s) const noexcept {
     double sum = 0;
     const float* point = table.velocity_m_per_s.data() + hit * table.points * table.samples;
-    for (std::size_t i = 0; i < way_s_.size(); ++i, point += table.samples) {
-      const double at = (time_s - way_s_[i]) * table.sample_rate_hz;
+    for (std::size_t i = 0; i < delay_s_.size(); ++i, point += table.samples) {
+      const double at = (time_s - delay_s_[i]) * table.sample_rate_hz;
       if (!(at >= 0) || at >= static_cast<double>(table.samples - 1))
         continue;
       const auto whole = static_cast<std::size_t>(at);
       const double part = at - static_cast<double>(whole);
       const auto a = static_cast<double>(point[whole]), b = static_cast<double>(point[whole + 1]);
-      sum += share_m_[i] * (a + part * (b - a));
+      sum += area_weight_m_[i] * (a + part * (b - a));
     }
     return sum;
   }
 
   double density_ = 1.184;
-  std::vector<double> way_s_, share_m_;
+  std::vector<double> delay_s_, area_weight_m_;
 };
 
 } // namespace tactus::modal

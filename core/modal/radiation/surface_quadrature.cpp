@@ -109,7 +109,7 @@ SurfaceNodes surface_nodes(const Surface& surface,
                            std::span<const std::array<std::int32_t, 3>> triangles,
                            std::size_t vertices) {
   SurfaceNodes nodes;
-  nodes.of_triangle.resize(triangles.size());
+  nodes.triangle_nodes.resize(triangles.size());
   // Nodes of each vertex so far, as chains.
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> first(vertices, kNone), next;
@@ -132,7 +132,7 @@ SurfaceNodes surface_nodes(const Surface& surface,
         first[v] = node;
       }
       sum[node] += twice;
-      nodes.of_triangle[t][i] = node;
+      nodes.triangle_nodes[t][i] = node;
     }
   }
   for (const Vec3& s : sum) {

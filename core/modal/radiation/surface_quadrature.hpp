@@ -32,9 +32,9 @@ struct SurfaceSource {
 /// Corners of a triangulated surface as nodes: a vertex whose triangles turn by less than 30
 /// degrees is one node with their mean normal; at an edge it is one node a side.
 struct SurfaceNodes {
-  std::vector<std::uint32_t> vertex;                     ///< [N]
-  std::vector<Vec3> normal;                              ///< [N] outwards, length 1
-  std::vector<std::array<std::uint32_t, 3>> of_triangle; ///< [T]
+  std::vector<std::uint32_t> vertex;                        ///< [N]
+  std::vector<Vec3> normal;                                 ///< [N] outwards, length 1
+  std::vector<std::array<std::uint32_t, 3>> triangle_nodes; ///< [T]
 };
 [[nodiscard]] SurfaceNodes surface_nodes(const Surface& surface,
                                          std::span<const std::array<std::int32_t, 3>> triangles,

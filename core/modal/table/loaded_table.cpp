@@ -76,9 +76,9 @@ std::string LoadedTable::refusal(const LoadedTable& body, const LoadedTable& boa
   if (board.table.free)
     return "nothing holds the body of this table (bc \"" + board.table.boundary +
            "\"): expected a board with supports, its modes worked out with them";
-  if (const std::size_t modes = body.table.modes() + board.table.modes(); modes > kMostModes)
+  if (const std::size_t modes = body.table.modes() + board.table.modes(); modes > kMaxModes)
     return std::to_string(modes) + " modes with the body's: expected at most " +
-           std::to_string(kMostModes);
+           std::to_string(kMaxModes);
   return {};
 }
 
@@ -146,10 +146,10 @@ SurfacePoint LoadedTable::nearest_on(std::size_t part, const Vec3& point_m) cons
   if (parts.empty())
     return surface.nearest(point_m);
   const Part& p = parts[part];
-  SurfacePoint place = p.loaded->surface.nearest(point_m - p.displacement_m);
-  place.position += p.displacement_m;
-  place.triangle += p.first_triangle;
-  return place;
+  SurfacePoint point = p.loaded->surface.nearest(point_m - p.displacement_m);
+  point.position += p.displacement_m;
+  point.triangle += p.first_triangle;
+  return point;
 }
 
 } // namespace tactus::modal

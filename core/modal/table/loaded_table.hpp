@@ -65,7 +65,7 @@ struct LoadedTable {
   [[nodiscard]] std::size_t part_of_triangle(std::size_t triangle) const noexcept {
     return !parts.empty() && triangle >= parts[kBoard].first_triangle ? kBoard : 0;
   }
-  [[nodiscard]] bool is_of_board(std::size_t mode) const noexcept {
+  [[nodiscard]] bool is_board_mode(std::size_t mode) const noexcept {
     return !part_of_mode.empty() && part_of_mode[mode] == kBoard;
   }
   /// The point of a part's surface nearest to one in metres, in the tables' size.

@@ -14,14 +14,14 @@ using table::NpzArray;
 using table::NpzFile;
 using table::TableArrays;
 
-constexpr double kMostShape = 1e6;     // 1/sqrt(kg): a body of a picogram
-constexpr double kMostFrequency = 1e8; // Hz
-constexpr double kMostSize = 1e4;      // m
-constexpr double kMostDecay = 1e9;     // 1/s
+constexpr double kMaxShape = 1e6;     // 1/sqrt(kg): a body of a picogram
+constexpr double kMaxFrequency = 1e8; // Hz
+constexpr double kMaxExtent = 1e4;    // m
+constexpr double kMaxDecayRate = 1e9; // 1/s
 
 void read_description(TableArrays& arrays, ModalTable& table) {
   const Json json = arrays.description("modal-table");
-  if (!arrays.good())
+  if (!arrays.ok())
     return;
   table.body_name = json.text_or("body_name", "");
   if (const Json* boundary = json.find("bc")) {
@@ -56,54 +56,56 @@ void read_description(TableArrays& arrays, ModalTable& table) {
 }
 
 void read_frequencies(TableArrays& arrays, ModalTable& table) {
-  table.frequency_hz = arrays.reals("freq", {TableArrays::kAny}, true);
-  if (!arrays.good())
+  table.frequency_hz = arrays.doubles("freq", {TableArrays::kAny}, true);
+  if (!arrays.ok())
     return;
   const auto& f = table.frequency_hz;
   if (f.empty())
     return arrays.refuse("it has no modes");
-  if (f.size() > kMostModes)
+  if (f.size() > kMaxModes)
     return arrays.refuse("it has " + std::to_string(f.size()) + " modes: expected at most " +
-                         std::to_string(kMostModes));
-  if (!(f.front() > 0) || f.back() > kMostFrequency || !std::is_sorted(f.begin(), f.end()))
+                         std::to_string(kMaxModes));
+  if (!(f.front() > 0) || f.back() > kMaxFrequency || !std::is_sorted(f.begin(), f.end()))
     return arrays.refuse("array 'freq' must ascend within 0..1e+08 Hz");
   const std::size_t modes = f.size();
-  const auto rates = [&](std::string_view name, double most) {
-    auto values = arrays.reals(name, {modes}, false);
-    if (std::any_of(values.begin(), values.end(), [most](double x) { return x < 0 || x > most; }))
+  const auto rates = [&](std::string_view name, double maximum) {
+    auto values = arrays.doubles(name, {modes}, false);
+    if (std::any_of(values.begin(), values.end(),
+                    [maximum](double x) { return x < 0 || x > maximum; }))
       arrays.refuse("array '" + std::string(name) + "' has values outside 0.." +
-                    std::to_string(static_cast<long>(most)));
+                    std::to_string(static_cast<long>(maximum)));
     return values;
   };
-  table.decay_rate = rates("alpha", kMostDecay);
+  table.decay_rate = rates("alpha", kMaxDecayRate);
   if (table.decay_rate.empty())
     table.loss_factor = rates("eta", 2);
   if (table.decay_rate.empty() && table.loss_factor.empty())
     table.loss_factor.assign(modes, 0);
-  table.radiation_decay_rate = rates("alpha_rad", kMostDecay);
-  table.poisson_slope = arrays.reals("dlnf_dnu", {modes}, false);
+  table.radiation_decay_rate = rates("alpha_rad", kMaxDecayRate);
+  table.poisson_slope = arrays.doubles("dlnf_dnu", {modes}, false);
 }
 
 void read_surface(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   if (!arrays.has("phi")) // frequencies alone: it rings with unit gain everywhere
     return;
   const std::size_t modes = table.modes();
-  if (const NpzArray* places = file.find("xyz");
-      places && !places->shape.empty() && places->shape[0] > kMostVertices)
-    return arrays.refuse("it has more than " + std::to_string(kMostVertices) + " vertices");
-  const std::vector<double> places = arrays.reals("xyz", {TableArrays::kAny, 3}, true);
-  const std::size_t count = places.size() / 3;
-  table.shape = arrays.singles("phi", {modes, count, 3}, true);
-  const std::vector<double> corners = arrays.reals("tri", {TableArrays::kAny, 3}, true);
-  table.residual_compliance = arrays.singles("resid", {count}, false);
-  if (!arrays.good())
+  if (const NpzArray* positions = file.find("xyz");
+      positions && !positions->shape.empty() && positions->shape[0] > kMaxVertices)
+    return arrays.refuse("it has more than " + std::to_string(kMaxVertices) + " vertices");
+  const std::vector<double> positions = arrays.doubles("xyz", {TableArrays::kAny, 3}, true);
+  const std::size_t count = positions.size() / 3;
+  table.shape = arrays.floats("phi", {modes, count, 3}, true);
+  const std::vector<double> corners = arrays.doubles("tri", {TableArrays::kAny, 3}, true);
+  table.residual_compliance = arrays.floats("resid", {count}, false);
+  if (!arrays.ok())
     return;
   if (count < 3 || corners.empty())
     return arrays.refuse("its surface is empty");
   table.vertex_m.resize(count);
   for (std::size_t v = 0; v < count; ++v)
-    table.vertex_m[v] = {places[3 * v], places[3 * v + 1], places[3 * v + 2]};
-  if (std::any_of(places.begin(), places.end(), [](double x) { return std::abs(x) > kMostSize; }))
+    table.vertex_m[v] = {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]};
+  if (std::any_of(positions.begin(), positions.end(),
+                  [](double x) { return std::abs(x) > kMaxExtent; }))
     return arrays.refuse("array 'xyz' reaches beyond 10 km: are its units metres?");
   table.triangle.resize(corners.size() / 3);
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -116,17 +118,17 @@ void read_surface(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   float largest = 0;
   for (const float x : table.shape)
     largest = std::max(largest, std::abs(x));
-  if (!(largest > 0) || largest > static_cast<float>(kMostShape))
+  if (!(largest > 0) || largest > static_cast<float>(kMaxShape))
     return arrays.refuse("array 'phi' is all zero or beyond 1e+06 1/sqrt(kg)");
   for (float& x : table.residual_compliance)
     x = std::max(x, 0.0F);
 }
 
 void read_inertia(TableArrays& arrays, ModalTable& table) {
-  const std::vector<double> mass = arrays.reals("mass", {}, arrays.has("phi"));
-  const std::vector<double> centre = arrays.reals("com", {3}, false);
-  const std::vector<double> inertia = arrays.reals("inertia", {3, 3}, false);
-  if (!arrays.good())
+  const std::vector<double> mass = arrays.doubles("mass", {}, arrays.has("phi"));
+  const std::vector<double> centre = arrays.doubles("com", {3}, false);
+  const std::vector<double> inertia = arrays.doubles("inertia", {3, 3}, false);
+  if (!arrays.ok())
     return;
   if (!mass.empty()) {
     if (!(mass[0] > 0 && mass[0] < 1e9))
@@ -149,15 +151,15 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
     return;
   const std::size_t modes = table.modes();
   MultipoleTable& out = table.multipoles;
-  for (const double degree : arrays.reals("mp_lmax", {modes}, true))
+  for (const double degree : arrays.doubles("mp_lmax", {modes}, true))
     out.highest_degree.push_back(static_cast<std::int32_t>(std::clamp(degree, -1.0, 1000.0)));
-  for (const double offset : arrays.reals("mp_off", {modes + 1}, true))
+  for (const double offset : arrays.doubles("mp_off", {modes + 1}, true))
     out.offset.push_back(static_cast<std::int64_t>(std::clamp(offset, -1.0, 1e15)));
-  out.scales = arrays.reals("mp_scales", {TableArrays::kAny}, false);
-  const std::vector<double> centre = arrays.reals("mp_center", {3}, true);
-  const std::vector<double> radius = arrays.reals("mp_rref", {}, true);
+  out.scales = arrays.doubles("mp_scales", {TableArrays::kAny}, false);
+  const std::vector<double> centre = arrays.doubles("mp_center", {3}, true);
+  const std::vector<double> radius = arrays.doubles("mp_rref", {}, true);
   const NpzArray* coefficients =
-      arrays.good() ? arrays.take("mp_coef", "c", {TableArrays::kAny}) : nullptr;
+      arrays.ok() ? arrays.take("mp_coef", "c", {TableArrays::kAny}) : nullptr;
   if (!coefficients)
     return;
   if (out.scales.empty())
@@ -194,13 +196,13 @@ void read_band(TableArrays& arrays, ModalTable& table) {
     return;
   const std::size_t modes = table.modes();
   MultipoleTable::Band out;
-  out.frequency_hz = arrays.reals("mp_band_freq", {TableArrays::kAny}, true);
-  for (const double degree : arrays.reals("mp_band_lmax", {modes}, true))
+  out.frequency_hz = arrays.doubles("mp_band_freq", {TableArrays::kAny}, true);
+  for (const double degree : arrays.doubles("mp_band_lmax", {modes}, true))
     out.highest_degree.push_back(static_cast<std::int32_t>(std::clamp(degree, -1.0, 1000.0)));
-  for (const double offset : arrays.reals("mp_band_off", {modes + 1}, true))
+  for (const double offset : arrays.doubles("mp_band_off", {modes + 1}, true))
     out.offset.push_back(static_cast<std::int64_t>(std::clamp(offset, -1.0, 1e15)));
   const NpzArray* coefficients =
-      arrays.good() ? arrays.take("mp_band_coef", "c", {TableArrays::kAny}) : nullptr;
+      arrays.ok() ? arrays.take("mp_band_coef", "c", {TableArrays::kAny}) : nullptr;
   if (!coefficients)
     return;
   for (std::size_t k = 0; k < modes; ++k) {
@@ -230,7 +232,7 @@ void read_band(TableArrays& arrays, ModalTable& table) {
 
 void read_raw(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   const NpzArray* array = file.find("raw_v");
-  if (!array || !arrays.good())
+  if (!array || !arrays.ok())
     return;
   if (array->shape.size() != 3 || array->count() == 0)
     return arrays.refuse("array 'raw_v' must be hits x points x samples");
@@ -238,15 +240,15 @@ void read_raw(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   out.hits = array->shape[0];
   out.points = array->shape[1];
   out.samples = array->shape[2];
-  out.velocity_m_per_s = arrays.singles("raw_v", {out.hits, out.points, out.samples}, true);
-  const auto places = arrays.reals("raw_xyz", {out.points, 3}, true);
-  const auto hits = arrays.reals("raw_hit", {out.hits, 3}, true);
-  out.area_m2 = arrays.reals("raw_ds", {out.points}, true);
-  const auto rate = arrays.reals("raw_fs", {}, true);
-  if (!arrays.good())
+  out.velocity_m_per_s = arrays.floats("raw_v", {out.hits, out.points, out.samples}, true);
+  const auto positions = arrays.doubles("raw_xyz", {out.points, 3}, true);
+  const auto hits = arrays.doubles("raw_hit", {out.hits, 3}, true);
+  out.area_m2 = arrays.doubles("raw_ds", {out.points}, true);
+  const auto rate = arrays.doubles("raw_fs", {}, true);
+  if (!arrays.ok())
     return;
   for (std::size_t p = 0; p < out.points; ++p)
-    out.position_m.push_back({places[3 * p], places[3 * p + 1], places[3 * p + 2]});
+    out.position_m.push_back({positions[3 * p], positions[3 * p + 1], positions[3 * p + 2]});
   for (std::size_t h = 0; h < out.hits; ++h)
     out.hit_m.push_back({hits[3 * h], hits[3 * h + 1], hits[3 * h + 2]});
   out.sample_rate_hz = rate[0];
@@ -259,16 +261,16 @@ void read_sensitivity(TableArrays& arrays, const NpzFile& file, ModalTable& tabl
     return;
   ShapeSensitivity& out = table.sensitivity;
   table::read_shape_parameters(arrays, file, out.shape);
-  if (!arrays.good())
+  if (!arrays.ok())
     return;
   const std::size_t modes = table.modes(), parameters = out.parameters();
   if (parameters > kMaxShapeSlopes / modes)
     return arrays.refuse("it has " + std::to_string(parameters) + " shape parameters of " +
                          std::to_string(modes) + " modes: expected at most " +
                          std::to_string(kMaxShapeSlopes / modes));
-  out.eigenvalue_slope = arrays.reals("domega2_dp", {parameters, modes}, true);
-  out.solved_at_m = arrays.reals("displacement", {parameters}, false);
-  for (std::size_t p = 0; p < parameters && arrays.good(); ++p) {
+  out.eigenvalue_slope = arrays.doubles("domega2_dp", {parameters, modes}, true);
+  out.solved_at_m = arrays.doubles("displacement", {parameters}, false);
+  for (std::size_t p = 0; p < parameters && arrays.ok(); ++p) {
     const table::DesignParameter& range = out.shape.parameters[p];
     if (out.solved_at(p) < range.low_m || out.solved_at(p) > range.high_m)
       arrays.refuse("array 'displacement' leaves the bounds of parameter " + std::to_string(p));
@@ -284,21 +286,21 @@ std::string read_modal_table(std::span<const std::byte> file, ModalTable& table)
   TableArrays arrays(archive);
   ModalTable read;
   read_description(arrays, read);
-  if (arrays.good())
+  if (arrays.ok())
     read_frequencies(arrays, read);
-  if (arrays.good())
+  if (arrays.ok())
     read_surface(arrays, archive, read);
-  if (arrays.good())
+  if (arrays.ok())
     read_inertia(arrays, read);
-  if (arrays.good())
+  if (arrays.ok())
     read_multipoles(arrays, read);
-  if (arrays.good() && !read.multipoles.empty())
+  if (arrays.ok() && !read.multipoles.empty())
     read_band(arrays, read);
   read_raw(arrays, archive, read);
-  if (arrays.good())
+  if (arrays.ok())
     read_sensitivity(arrays, archive, read);
   read.has_mesh = !read.sensitivity.empty() && arrays.has("mesh");
-  if (!arrays.good())
+  if (!arrays.ok())
     return arrays.refusal();
   table = std::move(read);
   return {};

@@ -87,8 +87,8 @@ struct ModalTable {
   }
 };
 
-inline constexpr std::size_t kMostModes = 20000;
-inline constexpr std::size_t kMostVertices = 5'000'000;
+inline constexpr std::size_t kMaxModes = 20000;
+inline constexpr std::size_t kMaxVertices = 5'000'000;
 
 /// Reads a `.modal.npz` that lies in memory. Returns a sentence when anything in it cannot be
 /// right, and then leaves `table` as it was; else an empty one. Allocates; not for the audio path.

@@ -1,6 +1,6 @@
 #include "core/modal/table/resolved_modes.hpp"
 
-#include "core/words.hpp"
+#include "core/declaration_text.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -17,16 +17,16 @@ static_assert(std::endian::native == std::endian::little, "messages are copied a
 constexpr double kRounding = 1e-6;
 
 std::string share_refusal(std::span<const ModeShare> shares, std::size_t before, std::size_t now) {
-  std::vector<double> of_before(before, 0), of_now(now, 0);
+  std::vector<double> before_sums(before, 0), now_sums(now, 0);
   for (const ModeShare& s : shares) {
     if (s.before >= before || s.now >= now || !(std::abs(s.share) <= 1 + kRounding))
       return "the share of mode " + std::to_string(s.before) + " in mode " + std::to_string(s.now) +
              " is " + number_text(s.share) + ": expected -1..1 for modes below " +
              std::to_string(before) + " and " + std::to_string(now);
-    of_before[s.before] += s.share * s.share;
-    of_now[s.now] += s.share * s.share;
+    before_sums[s.before] += s.share * s.share;
+    now_sums[s.now] += s.share * s.share;
   }
-  for (const auto* sums : {&of_before, &of_now})
+  for (const auto* sums : {&before_sums, &now_sums})
     for (const double sum : *sums)
       if (!(sum <= 1 + kRounding))
         return "the squares of a mode's shares sum to " + number_text(sum) + ": expected at most 1";
@@ -34,11 +34,11 @@ std::string share_refusal(std::span<const ModeShare> shares, std::size_t before,
 }
 
 /// Coefficients [row][offset[K]] of spherical waves, mode by mode those of the modes before.
-void keep_waves(std::span<const ModeShare> shares, std::size_t rows,
-                std::span<const std::int32_t> degree_before,
-                std::span<const std::int64_t> offset_before,
-                std::span<const std::complex<float>> before, std::vector<std::int32_t>& degree,
-                std::vector<std::int64_t>& offset, std::vector<std::complex<float>>& coefficients) {
+void map_waves(std::span<const ModeShare> shares, std::size_t rows,
+               std::span<const std::int32_t> degree_before,
+               std::span<const std::int64_t> offset_before,
+               std::span<const std::complex<float>> before, std::vector<std::int32_t>& degree,
+               std::vector<std::int64_t>& offset, std::vector<std::complex<float>>& coefficients) {
   for (const ModeShare& s : shares)
     degree[s.now] = std::max(degree[s.now], degree_before[s.before]);
   for (const std::int64_t d : degree)
@@ -57,7 +57,7 @@ void keep_waves(std::span<const ModeShare> shares, std::size_t rows,
   }
 }
 
-void keep_radiation(const ModalTable& before, std::span<const ModeShare> shares, ModalTable& now) {
+void map_radiation(const ModalTable& before, std::span<const ModeShare> shares, ModalTable& now) {
   now.residual_compliance = before.residual_compliance;
   now.raw = before.raw;
   if (!before.radiation_decay_rate.empty()) {
@@ -74,15 +74,15 @@ void keep_radiation(const ModalTable& before, std::span<const ModeShare> shares,
   kept.reference_radius_m = old.reference_radius_m;
   kept.highest_degree.assign(now.modes(), 0);
   kept.offset = {0};
-  keep_waves(shares, old.scales.size(), old.highest_degree, old.offset, old.coefficients,
-             kept.highest_degree, kept.offset, kept.coefficients);
+  map_waves(shares, old.scales.size(), old.highest_degree, old.offset, old.coefficients,
+            kept.highest_degree, kept.offset, kept.coefficients);
   if (!old.band.empty()) {
     kept.band.frequency_hz = old.band.frequency_hz;
     kept.band.highest_degree.assign(now.modes(), 0);
     kept.band.offset = {0};
-    keep_waves(shares, old.band.frequency_hz.size(), old.band.highest_degree, old.band.offset,
-               old.band.coefficients, kept.band.highest_degree, kept.band.offset,
-               kept.band.coefficients);
+    map_waves(shares, old.band.frequency_hz.size(), old.band.highest_degree, old.band.offset,
+              old.band.coefficients, kept.band.highest_degree, kept.band.offset,
+              kept.band.coefficients);
   }
   now.multipoles = std::move(kept);
 }
@@ -143,7 +143,7 @@ std::string read_resolved_modes(std::span<const std::byte> payload, const ModalT
     return refusal;
   // Quadrilaterals may be cut along their other diagonal now; places count the table's triangles.
   read.table.triangle = before.triangle;
-  keep_radiation(before, read.share, read.table);
+  map_radiation(before, read.share, read.table);
   read.table.has_mesh = before.has_mesh;
   resolved = std::move(read);
   return {};

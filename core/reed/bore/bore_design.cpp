@@ -13,34 +13,34 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
-constexpr double kShortest = 5e-3; // m
+constexpr double kMinLength = 5e-3; // m
 // Nepers of one section. A bore so long and narrow that one has more is silent behind all of
 // them; the limit keeps the poles apart, by a factor of two or more in frequency.
-constexpr double kMostAttenuation = 2;
+constexpr double kMaxAttenuation = 2;
 constexpr double kLowestPole = 3, kHighestPole = 20e3; // Hz
 // What the sections take of G h/pi sqrt(q_k): least squares of their sum, with a delay beside it,
 // to the complex sqrt(s) from 12 Hz to 11 kHz, none below 0, at each of these rates. The ends stand
 // for the integral beyond them.
-using Shares = std::array<double, RoundTrip::kLossSections>;
-struct SharesAt {
+using SectionWeights = std::array<double, RoundTrip::kLossSections>;
+struct SectionWeightsAt {
   double rate; // Hz
-  Shares share;
+  SectionWeights share;
 };
-constexpr std::array<SharesAt, 4> kShares{
+constexpr std::array<SectionWeightsAt, 4> kSectionWeights{
     {{44100, {2.780, 0.545, 1.094, 0.974, 0.998, 1.035, 0.865, 1.701}},
      {48000, {2.744, 0.562, 1.091, 0.973, 1.001, 1.026, 0.885, 1.663}},
      {96000, {2.727, 0.569, 1.091, 0.969, 1.009, 1.007, 0.950, 1.334}},
      {192000, {2.727, 0.568, 1.092, 0.969, 1.010, 1.006, 0.956, 1.306}}}};
 
 /// The same at any rate; straight over 1/rate in between.
-Shares shares_at(double rate) {
-  rate = std::clamp(rate, kShares.front().rate, kShares.back().rate);
+SectionWeights section_weights_at(double rate) {
+  rate = std::clamp(rate, kSectionWeights.front().rate, kSectionWeights.back().rate);
   std::size_t i = 1;
-  while (kShares[i].rate < rate)
+  while (kSectionWeights[i].rate < rate)
     ++i;
-  const SharesAt &low = kShares[i - 1], &high = kShares[i];
+  const SectionWeightsAt &low = kSectionWeights[i - 1], &high = kSectionWeights[i];
   const double part = (1 / low.rate - 1 / rate) / (1 / low.rate - 1 / high.rate);
-  Shares share = low.share;
+  SectionWeights share = low.share;
   for (std::size_t k = 0; k < share.size(); ++k)
     share[k] += part * (high.share[k] - low.share[k]);
   return share;
@@ -51,14 +51,15 @@ Shares shares_at(double rate) {
 struct Section {
   double gain, pole, excess;
 };
-Section section(double zero, double pole) {                          // times T
-  const double fallen = std::expm1(-pole), gone = std::expm1(-zero); // less 1
-  return {fallen / gone, 1 + fallen, fallen - gone};
+Section section(double zero, double pole) {                                            // times T
+  const double pole_minus_one = std::expm1(-pole), zero_minus_one = std::expm1(-zero); // less 1
+  return {pole_minus_one / zero_minus_one, 1 + pole_minus_one, pole_minus_one - zero_minus_one};
 }
 
 } // namespace
 
-RoundTrip RoundTrip::between(const RoundTrip& from, const RoundTrip& to, double share) noexcept {
+RoundTrip RoundTrip::interpolate(const RoundTrip& from, const RoundTrip& to,
+                                 double share) noexcept {
   RoundTrip trip = to;
   const auto blend = [share](double& value, double start) {
     value = start + share * (value - start);
@@ -67,7 +68,7 @@ RoundTrip RoundTrip::between(const RoundTrip& from, const RoundTrip& to, double 
     blend(trip.loss_pole[k], from.loss_pole[k]);
     blend(trip.loss_residue[k], from.loss_residue[k]);
   }
-  blend(trip.arriving_gain, from.arriving_gain);
+  blend(trip.incident_gain, from.incident_gain);
   for (std::size_t k = 0; k < trip.end.pole.size(); ++k) {
     blend(trip.end.pole[k], from.end.pole[k]);
     blend(trip.end.input[k], from.end.input[k]);
@@ -76,12 +77,12 @@ RoundTrip RoundTrip::between(const RoundTrip& from, const RoundTrip& to, double 
   return trip;
 }
 
-int longest_delay(double internal_rate) noexcept {
+int max_delay(double internal_rate) noexcept {
   // The cone's round trip at the lowest frequency is one period; the filters need a little more.
   return static_cast<int>(internal_rate / BoreDesign::kLowestFrequency * 1.05) + 16;
 }
 
-void BoreDesign::describe(const Parameters& parameters) noexcept {
+void BoreDesign::set_geometry(const Parameters& parameters) noexcept {
   parameters_ = parameters;
   rate_ = 0;
   air_ = air_at(parameters.temperature);
@@ -90,12 +91,12 @@ void BoreDesign::describe(const Parameters& parameters) noexcept {
 }
 
 void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcept {
-  describe(parameters);
+  set_geometry(parameters);
   rate_ = internal_rate;
   const double low = 2 * kPi * kLowestPole;
   const double high = 2 * kPi * std::min(0.4 * rate_, kHighestPole);
   spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
-  const Shares share = shares_at(rate_);
+  const SectionWeights share = section_weights_at(rate_);
   for (std::size_t k = 0; k < frequency_.size(); ++k) {
     const double q = low * std::exp(spacing_ * static_cast<double>(k));
     frequency_[k] = q;
@@ -110,12 +111,12 @@ void BoreDesign::set_end(const Termination* end) noexcept {
   if (!(rate_ > 0))
     return;
   const double ratio = air_.sound_speed / air_at(20).sound_speed;
-  const bool same = end == digital_of_ && rate_ == digital_rate_ && ratio == digital_ratio_;
-  digital_of_ = end; // null too: what it pointed to may be another by the time it comes again
+  const bool same = end == digital_source_ && rate_ == digital_rate_ && ratio == digital_ratio_;
+  digital_source_ = end; // null too: what it pointed to may be another by the time it comes again
   if (end == nullptr || same)
     return;
   digital_rate_ = rate_, digital_ratio_ = ratio;
-  digital_end_.set(end->reflection, end->at_zero, rate_, ratio, 1);
+  digital_end_.set(end->reflection, end->dc_value, rate_, ratio, 1);
 }
 
 Complex BoreDesign::end_reflection(Complex s) const noexcept {
@@ -143,21 +144,21 @@ double BoreDesign::length_for(double bore_frequency) const noexcept {
       parameters_.shape == BoreShape::kCone
           ? air_.sound_speed / (2 * bore_frequency) - parameters_.apex_distance - correction
           : air_.sound_speed / (4 * bore_frequency) - correction;
-  return std::clamp(length, kShortest, longest());
+  return std::clamp(length, kMinLength, max_length());
 }
 
-double BoreDesign::longest() const noexcept { return 0.5 * air_.sound_speed / kLowestFrequency; }
+double BoreDesign::max_length() const noexcept { return 0.5 * air_.sound_speed / kLowestFrequency; }
 
 /// Of the filters, what follows from G and the end.
 void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
   std::array<Section, RoundTrip::kLossSections> row;
-  trip.arriving_gain = 1;
+  trip.incident_gain = 1;
   for (std::size_t k = 0; k < row.size(); ++k) {
-    const double attenuation = std::min(loss * weight_[k], kMostAttenuation);
+    const double attenuation = std::min(loss * weight_[k], kMaxAttenuation);
     const double spread = std::exp(attenuation / 2);
-    const double place = frequency_[k] / rate_;
-    row[k] = section(place * spread, place / spread);
-    trip.arriving_gain *= row[k].gain;
+    const double position = frequency_[k] / rate_;
+    row[k] = section(position * spread, position / spread);
+    trip.incident_gain *= row[k].gain;
   }
   for (std::size_t k = 0; k < row.size(); ++k) {
     trip.loss_pole[k] = row[k].pole;
@@ -171,12 +172,12 @@ void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
 }
 
 BoreDesign::Parts BoreDesign::parts(const RoundTrip& whole, double length,
-                                    double place) const noexcept {
+                                    double position) const noexcept {
   Parts parts{whole, whole};
-  const double above = wall_loss(parameters_, place, air_.sound_speed);
+  const double above = wall_loss(parameters_, position, air_.sound_speed);
   set_losses(parts.above, above);
   set_losses(parts.below, std::max(0.0, wall_loss(parameters_, length, air_.sound_speed) - above));
-  parts.above.delay = 2 * place / air_.sound_speed * rate_;
+  parts.above.delay = 2 * position / air_.sound_speed * rate_;
   parts.below.delay = whole.delay - parts.above.delay;
   return parts;
 }
@@ -186,7 +187,7 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   double transit = 2 * length / air_.sound_speed;
   if (parameters_.scalar_reflection > 0) {
     trip.end.direct = -parameters_.scalar_reflection;
-    trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
+    trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(max_delay(rate_)));
     return trip;
   }
   const double loss = wall_loss(parameters_, length, air_.sound_speed);
@@ -200,15 +201,15 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   Complex filters = 1;
   for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)
     filters += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
-  filters *= trip.arriving_gain;
+  filters *= trip.incident_gain;
   if (end_ == nullptr)
     filters *= open_end_.at(back);
   else
     filters *= digital_end_.at(back) * std::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
-  const Complex wanted = std::exp(-loss * std::sqrt(s)) * end_reflection(s);
-  const double lead = std::arg(filters / wanted);
-  trip.delay =
-      std::clamp((transit + lead / omega) * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
+  const Complex target = std::exp(-loss * std::sqrt(s)) * end_reflection(s);
+  const double phase_lead = std::arg(filters / target);
+  trip.delay = std::clamp((transit + phase_lead / omega) * rate_, 3.0,
+                          static_cast<double>(max_delay(rate_)));
   return trip;
 }
 

@@ -18,11 +18,11 @@ struct RoundTrip {
   static constexpr int kLossSections = 8; // a power of two
   double delay = 3;                       // D, internal samples, fractional
   std::array<double, kLossSections> loss_pole{}, loss_residue{};
-  double arriving_gain = 1;
+  double incident_gain = 1;
   DigitalOpenEnd end{};
 
   /// The filters a share of the way from one bore to one near it; the delay is that of `to`.
-  static RoundTrip between(const RoundTrip& from, const RoundTrip& to, double share) noexcept;
+  static RoundTrip interpolate(const RoundTrip& from, const RoundTrip& to, double share) noexcept;
 };
 
 /// From the shape of the bore to its filters, at one internal sample rate.
@@ -43,7 +43,7 @@ public:
   static constexpr double kHighestFrequency = 4000;
 
   /// Air, bore and end, without digital filters: for all below but round_trip() and parts().
-  void describe(const Parameters& parameters) noexcept;
+  void set_geometry(const Parameters& parameters) noexcept;
   /// The same with filters for that many samples a second.
   void set(const Parameters& parameters, double internal_rate) noexcept;
   /// What the bore ends in, which must live on; null: an open end.
@@ -58,7 +58,7 @@ public:
   struct Parts {
     RoundTrip above{}, below{};
   };
-  [[nodiscard]] Parts parts(const RoundTrip& whole, double length, double place) const noexcept;
+  [[nodiscard]] Parts parts(const RoundTrip& whole, double length, double position) const noexcept;
 
   /// L of the bore whose ideal lowest resonance is f_b: c/(4 f_b) - 0.613 r_e for the cylinder,
   /// c/(2 f_b) - r_0 - 0.613 r_e for the cone, at least 5 mm.
@@ -66,7 +66,7 @@ public:
   /// The inverse: where the ideal lowest resonance lies.
   [[nodiscard]] double ideal_frequency(double length) const noexcept;
   /// The longest bore that the line has room for.
-  [[nodiscard]] double longest() const noexcept;
+  [[nodiscard]] double max_length() const noexcept;
 
   [[nodiscard]] const Air& air() const noexcept { return air_; }
   /// Z_0 = rho c/S, Pa s/m^3.
@@ -79,7 +79,7 @@ private:
   Parameters parameters_{};
   const Termination* end_ = nullptr;
   DigitalReflection digital_end_{};
-  const Termination* digital_of_ = nullptr; // what it is the filter of
+  const Termination* digital_source_ = nullptr; // what it is the filter of
   double digital_rate_ = 0, digital_ratio_ = 0;
   Air air_ = air_at(20);
   double rate_ = 48000;
@@ -91,6 +91,6 @@ private:
 };
 
 /// Internal samples of delay line that hold the longest bore at that internal rate.
-[[nodiscard]] int longest_delay(double internal_rate) noexcept;
+[[nodiscard]] int max_delay(double internal_rate) noexcept;
 
 } // namespace tactus::reed

@@ -11,11 +11,11 @@ namespace tactus::reed {
 
 /// Delay line of the bore's round trip, for stretches of at most `longest` samples that are shorter
 /// than the delay: a stretch is read, into the place of its samples to come, before it is written.
-template <class V, int longest> class BoreLine {
+template <class V, int max_count> class BoreLine {
 public:
   static constexpr int kPoints = 6;
   /// Longest stretch that may be read at this delay.
-  [[nodiscard]] static int stretch(double delay) noexcept { return first_of(delay); }
+  [[nodiscard]] static int max_block(double delay) noexcept { return first_of(delay); }
 
   /// Fifth-order Lagrange interpolation in the middle of its points, where |H| <= 1: the weights of
   /// those 0, 1, ... 5 samples back for a delay of 2 <= d < 3.
@@ -29,7 +29,7 @@ public:
   /// Room for `delay` samples; silent. Allocates.
   void prepare(int delay) {
     std::size_t size = 1;
-    while (size < static_cast<std::size_t>(delay + longest + 8))
+    while (size < static_cast<std::size_t>(delay + max_count + 8))
       size *= 2;
     line_.assign(size, V(0.0));
     mask_ = static_cast<std::ptrdiff_t>(size) - 1;
@@ -43,21 +43,22 @@ public:
     const int first = first_of(delay);
     const std::array<double, kPoints> h = weights(delay - first);
     const V h0(h[0]), h1(h[1]), h2(h[2]), h3(h[3]), h4(h[4]), h5(h[5]);
-    std::array<V, longest + kPoints - 1> whole_piece;
+    std::array<V, max_count + kPoints - 1> contiguous;
     const std::size_t from = slot(written_ - first - (kPoints - 1));
     const auto length = static_cast<std::size_t>(count + kPoints - 1);
-    const V* seen = line_.data() + from;
+    const V* history = line_.data() + from;
     if (from + length > line_.size()) {
-      const std::size_t until_end = line_.size() - from;
-      std::copy_n(seen, until_end, whole_piece.data());
-      std::copy_n(line_.data(), length - until_end, whole_piece.data() + until_end);
-      seen = whole_piece.data();
+      const std::size_t count_to_end = line_.size() - from;
+      std::copy_n(history, count_to_end, contiguous.data());
+      std::copy_n(line_.data(), length - count_to_end, contiguous.data() + count_to_end);
+      history = contiguous.data();
     }
-    const V least(silence);
+    const V threshold(silence);
     for (int i = 0; i < count; ++i) {
-      const V sum = ((h0 * seen[i + 5] + h5 * seen[i]) + (h1 * seen[i + 4] + h4 * seen[i + 1])) +
-                    (h2 * seen[i + 3] + h3 * seen[i + 2]);
-      wave[i] = simd::select(simd::absolute(sum) < least, V(0.0), sum);
+      const V sum =
+          ((h0 * history[i + 5] + h5 * history[i]) + (h1 * history[i + 4] + h4 * history[i + 1])) +
+          (h2 * history[i + 3] + h3 * history[i + 2]);
+      wave[i] = simd::select(simd::absolute(sum) < threshold, V(0.0), sum);
     }
   }
   /// The next count samples while the delay goes from one value to another within `period`

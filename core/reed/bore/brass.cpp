@@ -10,14 +10,14 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kSlideSemitones = 6;
-constexpr int kHighestNatural = 16, kFalseNatural = 7;
+constexpr int kHighestNatural = 16, kSkippedNatural = 7;
 constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.66, 116.54, true, 0.9, 3, 6};
 constexpr BrassTube kTrombone{6.95e-3, 1e-5, 1.70, 58.27, false, 0.9, 3, 12};
 
 /// By how much each valve makes the tube longer, of its open length as it sounds.
 constexpr std::array<int, 3> kValveSemitones{2, 1, 3};
 
-double longer(double semitones) { return std::exp2(semitones / 12) - 1; }
+double length_increase(double semitones) { return std::exp2(semitones / 12) - 1; }
 
 } // namespace
 
@@ -25,17 +25,17 @@ const BrassTube* brass_tube(BoreEnd end) noexcept {
   return end == BoreEnd::kTrumpet ? &kTrumpet : end == BoreEnd::kTrombone ? &kTrombone : nullptr;
 }
 
-bool plays_tube(const Parameters& p) noexcept {
+bool uses_brass_tube(const Parameters& p) noexcept {
   const BrassTube* const tube = brass_tube(p.end);
   return p.tune && tube != nullptr && (p.tube || (tube->has_valves ? p.valves >= 0 : p.slide > 0));
 }
 
-Parameters with_tube(const Parameters& parameters) noexcept {
+Parameters with_brass_tube(const Parameters& parameters) noexcept {
   Parameters p = parameters;
   const BrassTube* const tube = brass_tube(p.end);
   if (tube == nullptr)
     return p;
-  if (!plays_tube(p)) {
+  if (!uses_brass_tube(p)) {
     p.end = BoreEnd::kOpen;
     return p;
   }
@@ -51,11 +51,11 @@ Parameters with_tube(const Parameters& parameters) noexcept {
   return p;
 }
 
-Positions usual_positions(const BrassTube& tube, double note) noexcept {
-  Positions best;
+BrassPositions standard_positions(const BrassTube& tube, double note) noexcept {
+  BrassPositions best;
   double shortest = 1e9;
   for (int natural = 2; natural <= kHighestNatural; ++natural) {
-    if (natural == kFalseNatural)
+    if (natural == kSkippedNatural)
       continue;
     const double semitones = 12 * std::log2(natural * tube.fundamental / note);
     if (semitones < -0.5)
@@ -75,7 +75,7 @@ Positions usual_positions(const BrassTube& tube, double note) noexcept {
 
 double slide_length(const BrassTube& tube, const Termination& bell, double position) noexcept {
   const double sounding = tube.open_length + bell.length_correction();
-  return tube.open_length + sounding * longer(position - 1);
+  return tube.open_length + sounding * length_increase(position - 1);
 }
 
 double valve_length(const BrassTube& tube, const Termination& bell, unsigned pressed) noexcept {
@@ -83,34 +83,34 @@ double valve_length(const BrassTube& tube, const Termination& bell, unsigned pre
   double length = tube.open_length;
   for (std::size_t valve = 0; valve < kValveSemitones.size(); ++valve)
     if ((pressed >> valve & 1) != 0)
-      length += sounding * longer(kValveSemitones[valve]);
+      length += sounding * length_increase(kValveSemitones[valve]);
   return length;
 }
 
-bool reaches(const BrassTube& tube, const Termination& bell, double length) noexcept {
+bool within_tube_range(const BrassTube& tube, const Termination& bell, double length) noexcept {
   return length > slide_length(tube, bell, 0.5) && length < slide_length(tube, bell, 7.5);
 }
 
 double nearest_natural(const Parameters& parameters, const Termination& bell, double length,
-                       double wish) noexcept {
+                       double target_hz) noexcept {
   constexpr int kStarts = 9; // in an octave about the wish
   const LinearStability theory(parameters, length, &bell);
-  double nearest = 0, least = 1;
+  double nearest = 0, min_interval = 1;
   for (int i = 0; i < kStarts; ++i) {
-    const Mode mode =
-        theory.bore_resonance_near(wish * std::exp2(static_cast<double>(i) / (kStarts - 1) - 0.5));
+    const Mode mode = theory.bore_resonance_near(
+        target_hz * std::exp2(static_cast<double>(i) / (kStarts - 1) - 0.5));
     if (!mode.found || !(mode.frequency_hz > 0))
       continue;
-    const double away = std::abs(std::log2(mode.frequency_hz / wish));
-    if (away < least) {
-      least = away;
+    const double interval = std::abs(std::log2(mode.frequency_hz / target_hz));
+    if (interval < min_interval) {
+      min_interval = interval;
       nearest = mode.frequency_hz;
     }
   }
   return nearest;
 }
 
-unsigned usual_valves(int semitones) noexcept {
+unsigned standard_valves(int semitones) noexcept {
   constexpr std::array<unsigned, 7> kPressed{0, 2, 1, 3, 6, 5, 7}; // 0 2 1 12 23 13 123
   return kPressed[static_cast<std::size_t>(std::clamp(semitones, 0, 6))];
 }

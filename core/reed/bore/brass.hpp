@@ -21,14 +21,14 @@ struct BrassTube {
 [[nodiscard]] const BrassTube* brass_tube(BoreEnd end) noexcept;
 
 /// Whether the parameters ask a player to play on such a tube.
-[[nodiscard]] bool plays_tube(const Parameters& parameters) noexcept;
+[[nodiscard]] bool uses_brass_tube(const Parameters& parameters) noexcept;
 
 /// What is computed for the parameters: on such a tube its cylinder and cup in place of the
 /// preset's bore; else a brass instrument's bell is left out, which needs its tube.
-[[nodiscard]] Parameters with_tube(const Parameters& parameters) noexcept;
+[[nodiscard]] Parameters with_brass_tube(const Parameters& parameters) noexcept;
 
 /// How the tube is held for a note.
-struct Positions {
+struct BrassPositions {
   int natural = 2;      ///< the tube's mode that the lips sound
   double semitones = 0; ///< by which valves or slide lower it
 };
@@ -36,7 +36,7 @@ struct Positions {
 /// Valves or slide position that players take for a note in Hz: among the naturals from the second
 /// on, without the seventh, which lies between the notes, the one that needs the shortest tube, at
 /// most six semitones longer. Whole semitones with valves.
-[[nodiscard]] Positions usual_positions(const BrassTube& tube, double note) noexcept;
+[[nodiscard]] BrassPositions standard_positions(const BrassTube& tube, double note) noexcept;
 
 /// Length of the cylinder, m, with that slide position (1 to 7, between them too), each a semitone.
 [[nodiscard]] double slide_length(const BrassTube& tube, const Termination& bell,
@@ -46,12 +46,13 @@ struct Positions {
 [[nodiscard]] double valve_length(const BrassTube& tube, const Termination& bell,
                                   unsigned pressed) noexcept;
 /// Whether valves or slide make a cylinder of that length, m, by half a semitone more or less.
-[[nodiscard]] bool reaches(const BrassTube& tube, const Termination& bell, double length) noexcept;
+[[nodiscard]] bool within_tube_range(const BrassTube& tube, const Termination& bell,
+                                     double length) noexcept;
 /// The natural of a tube that lies nearest to a wish, both in Hz, on a logarithmic scale: its mode
 /// with the lips shut. 0 when there is none within an octave.
 [[nodiscard]] double nearest_natural(const Parameters& parameters, const Termination& bell,
-                                     double length, double wish) noexcept;
+                                     double length, double target_hz) noexcept;
 /// The valves that lower by so many whole semitones, 0 to 6.
-[[nodiscard]] unsigned usual_valves(int semitones) noexcept;
+[[nodiscard]] unsigned standard_valves(int semitones) noexcept;
 
 } // namespace tactus::reed

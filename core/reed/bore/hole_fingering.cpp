@@ -24,9 +24,9 @@ constexpr double frequency(std::size_t i) {
   return 4000 + 200 * static_cast<double>(i - 111);   // to 8000
 }
 /// Far above the cut-off, where nothing comes back: so that the poles know.
-constexpr std::array<double, 4> kBeyond{12e3, 20e3, 40e3, 80e3};
-constexpr double kBeyondWeight = 3e-3;
-static_assert(kPoints + kBeyond.size() <= kMaxResponsePoints);
+constexpr std::array<double, 4> kHighFrequencies{12e3, 20e3, 40e3, 80e3};
+constexpr double kHighFrequencyWeight = 3e-3;
+static_assert(kPoints + kHighFrequencies.size() <= kMaxResponsePoints);
 
 /// The phase of least delay that belongs to the magnitudes at frequency(i), which are 0 at 0 Hz in
 /// proportion to the frequency and level beyond the last: cepstrum on a circle on which
@@ -42,10 +42,11 @@ public:
       while (i + 2 < kPoints && frequency(i + 1) < f)
         ++i;
       const double share = (f - frequency(i)) / (frequency(i + 1) - frequency(i));
-      const auto rest = [&](std::size_t k) {
+      const auto log_magnitude = [&](std::size_t k) {
         return std::log(std::max(magnitude[k], 1e-12) * std::hypot(1, kCorner / frequency(k)));
       };
-      const double level = rest(i) + std::clamp(share, 0.0, 1.0) * (rest(i + 1) - rest(i));
+      const double level = log_magnitude(i) +
+                           std::clamp(share, 0.0, 1.0) * (log_magnitude(i + 1) - log_magnitude(i));
       for (std::size_t k = 1; k < kCepstrum; ++k)
         cepstrum_[k] += 2 * level * std::cos(static_cast<double>(k) * theta) / (kHalf + 1.0);
     }
@@ -69,7 +70,7 @@ private:
 bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
                   Termination& fingering) noexcept {
   const HoleLattice lattice(instrument, closed);
-  std::array<ResponsePoint, kPoints + kBeyond.size()> reflected;
+  std::array<ResponsePoint, kPoints + kHighFrequencies.size()> reflected;
   std::array<ResponsePoint, kPoints> radiated;
   std::array<double, kPoints> magnitude;
   const double cutoff = instrument.cutoff_at(lattice.key());
@@ -83,8 +84,8 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
     magnitude[i] = response.radiated;
     loudest = std::max(loudest, response.radiated);
   }
-  for (std::size_t i = 0; i < kBeyond.size(); ++i)
-    reflected[kPoints + i] = {kTwoPi * kBeyond[i], 0.0, kBeyondWeight};
+  for (std::size_t i = 0; i < kHighFrequencies.size(); ++i)
+    reflected[kPoints + i] = {kTwoPi * kHighFrequencies[i], 0.0, kHighFrequencyWeight};
   const MinimumPhase phase(magnitude);
   for (std::size_t i = 0; i < kPoints; ++i) {
     const double f = frequency(i), spacing = i + 1 < kPoints ? frequency(i + 1) - f : 200;
@@ -98,7 +99,7 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
     return false;
   // No more than all comes back, at any frequency.
   const double scale = std::min(1.0, (1 - 1e-9) / largest_response(-1, found.reflection));
-  found.at_zero = -scale;
+  found.dc_value = -scale;
   for (Termination::Block& block : found.reflection) {
     block.c *= scale;
     block.d *= scale;
@@ -111,15 +112,15 @@ const Termination* HoleFingerings::find(BoreEnd end, std::span<const double> clo
   const Woodwind* const instrument = woodwind(end);
   if (instrument == nullptr || closed.size() != instrument->tone_holes())
     return nullptr;
-  Kept* oldest = &kept_.front();
-  for (Kept& kept : kept_) {
-    if (kept.asked > 0 && kept.end == end &&
-        std::equal(closed.begin(), closed.end(), kept.closed.begin())) {
-      kept.asked = ++asked_;
-      return &kept.fingering;
+  CacheEntry* oldest = &entries_.front();
+  for (CacheEntry& entry : entries_) {
+    if (entry.last_use > 0 && entry.end == end &&
+        std::equal(closed.begin(), closed.end(), entry.closed.begin())) {
+      entry.last_use = ++use_count_;
+      return &entry.fingering;
     }
-    if (kept.asked < oldest->asked)
-      oldest = &kept;
+    if (entry.last_use < oldest->last_use)
+      oldest = &entry;
   }
   Termination fingering;
   if (!finger_holes(*instrument, closed, fingering))
@@ -127,7 +128,7 @@ const Termination* HoleFingerings::find(BoreEnd end, std::span<const double> clo
   oldest->end = end;
   std::copy(closed.begin(), closed.end(), oldest->closed.begin());
   oldest->fingering = fingering;
-  oldest->asked = ++asked_;
+  oldest->last_use = ++use_count_;
   return &oldest->fingering;
 }
 

@@ -25,14 +25,14 @@ public:
   [[nodiscard]] const Termination* find(BoreEnd end, std::span<const double> closed) noexcept;
 
 private:
-  struct Kept {
+  struct CacheEntry {
     BoreEnd end = BoreEnd::kOpen;
     std::array<double, Woodwind::kMaxToneHoles> closed{};
     Termination fingering{};
-    unsigned long asked = 0; // when last; 0: never
+    unsigned long last_use = 0; // when last; 0: never
   };
-  std::array<Kept, kSize> kept_{};
-  unsigned long asked_ = 0;
+  std::array<CacheEntry, kSize> entries_{};
+  unsigned long use_count_ = 0;
 };
 
 } // namespace tactus::reed

@@ -12,27 +12,28 @@ namespace {
 
 using Complex = HoleLattice::Complex;
 constexpr double kPi = std::numbers::pi;
-constexpr double kSlice = 4e-3;    // m, of a cone
-constexpr double kSmallest = 2e-4; // m: a hole narrower than its boundary layers is shut
+constexpr double kSliceLength = 4e-3;   // m, of a cone
+constexpr double kMinHoleRadius = 2e-4; // m: a hole narrower than its boundary layers is shut
 
 double square(double x) { return x * x; }
 
 /// Matrix of a lossy cylinder, from (p, U) at its end to (p, U) at its beginning.
 struct Tube {
-  Complex cosh, over, under; // cosh, Z sinh, sinh/Z
+  Complex cosh, z_sinh, sinh_over_z; // cosh, Z sinh, sinh/Z
 
   Tube(Complex s, const Air& air, double radius, double length) {
     const double area = kPi * square(radius);
-    const Complex layer = 2.0 * std::sqrt(kKinematicViscosity / s) / radius;
-    const double heat = (kHeatCapacityRatio - 1) / std::sqrt(kPrandtlNumber);
-    const Complex series = s * air.density / area * (1.0 + layer);
-    const Complex shunt = s * area / (air.density * square(air.sound_speed)) * (1.0 + heat * layer);
+    const Complex boundary_layer = 2.0 * std::sqrt(kKinematicViscosity / s) / radius;
+    const double thermal_factor = (kHeatCapacityRatio - 1) / std::sqrt(kPrandtlNumber);
+    const Complex series = s * air.density / area * (1.0 + boundary_layer);
+    const Complex shunt = s * area / (air.density * square(air.sound_speed)) *
+                          (1.0 + thermal_factor * boundary_layer);
     const Complex gamma = std::sqrt(series * shunt), z = series / gamma;
-    const Complex grown = std::exp(gamma * length), shrunk = 1.0 / grown;
-    const Complex sinh = 0.5 * (grown - shrunk);
-    cosh = 0.5 * (grown + shrunk);
-    over = z * sinh;
-    under = sinh / z;
+    const Complex exp_forward = std::exp(gamma * length), exp_backward = 1.0 / exp_forward;
+    const Complex sinh = 0.5 * (exp_forward - exp_backward);
+    cosh = 0.5 * (exp_forward + exp_backward);
+    z_sinh = z * sinh;
+    sinh_over_z = sinh / z;
   }
 };
 
@@ -43,110 +44,116 @@ Complex opening(Complex s, const Air& air, double radius) {
 }
 
 /// sin(x)/x
-double spread(double x) { return x < 1e-6 ? 1 : std::sin(x) / x; }
+double sinc(double x) { return x < 1e-6 ? 1 : std::sin(x) / x; }
 
 } // namespace
 
 HoleLattice::HoleLattice(const Woodwind& instrument, std::span<const double> closed) noexcept
     : instrument_(instrument), key_(instrument.lowest_key),
-      end_(instrument.place(instrument.lowest_key)) {
+      end_(instrument.position(instrument.lowest_key)) {
   start_ = end_;
   for (std::size_t i = 0; i < std::min(closed.size(), instrument.tone_holes()); ++i) {
     const Woodwind::Hole hole = instrument.tone_hole(i);
     const double radius = hole.radius * std::sqrt(std::clamp(1 - closed[i], 0.0, 1.0));
-    if (radius < kSmallest)
+    if (radius < kMinHoleRadius)
       continue;
     if (count_ == 0) {
       key_ = instrument.key_of(i);
-      start_ = hole.place;
+      start_ = hole.position;
     }
-    const double bore = instrument.radius(hole.place), ratio = radius / bore;
+    const double bore = instrument.radius(hole.position), ratio = radius / bore;
     const double inner =
         radius * (0.82 + ratio * (-0.193 + ratio * (-1.09 + ratio * (1.27 - 0.71 * ratio))));
     const double matching = radius * ratio / 8 * (1 + 0.207 * ratio * ratio * ratio);
-    const double along = -radius * square(ratio) /
-                         (1.78 / std::tanh(1.84 * hole.height / radius) + 0.940 + 0.540 * ratio +
-                          0.285 * square(ratio));
-    open_[count_++] = {hole.place, radius, hole.height + inner + matching, bore, along};
+    const double series_length = -radius * square(ratio) /
+                                 (1.78 / std::tanh(1.84 * hole.height / radius) + 0.940 +
+                                  0.540 * ratio + 0.285 * square(ratio));
+    open_holes_[count_++] = {hole.position, radius, hole.height + inner + matching, bore,
+                             series_length};
   }
 }
 
-HoleLattice::Flow HoleLattice::through_bore(Complex s, double from, double to,
-                                            Flow beyond) const noexcept {
+HoleLattice::PressureFlow HoleLattice::through_bore(Complex s, double from, double to,
+                                                    PressureFlow far_end) const noexcept {
   const Air air = air_at(20);
-  const int slices =
-      instrument_.apex > 0 ? std::max(1, static_cast<int>(std::ceil((to - from) / kSlice))) : 1;
+  const int slices = instrument_.apex > 0
+                         ? std::max(1, static_cast<int>(std::ceil((to - from) / kSliceLength)))
+                         : 1;
   for (int i = slices; i-- > 0;) {
     const Tube tube(s, air, instrument_.radius(from + (i + 0.5) / slices * (to - from)),
                     (to - from) / slices);
-    beyond = {tube.cosh * beyond.pressure + tube.over * beyond.flow,
-              tube.under * beyond.pressure + tube.cosh * beyond.flow};
+    far_end = {tube.cosh * far_end.pressure + tube.z_sinh * far_end.flow,
+               tube.sinh_over_z * far_end.pressure + tube.cosh * far_end.flow};
   }
-  return beyond;
+  return far_end;
 }
 
 HoleLattice::Response HoleLattice::at(double omega) const noexcept {
   const Air air = air_at(20);
   const Complex s(0, omega);
   struct Source {
-    double place;
+    double position;
     Complex flow;
     double load; // resistance
   };
   std::array<Source, Woodwind::kMaxToneHoles + 1> sources;
-  std::size_t heard = 0;
+  std::size_t source_count = 0;
 
   // The bell, from its mouth back to where it begins.
   const double bore = instrument_.radius(end_);
   const auto& last =
       instrument_.bell[static_cast<std::size_t>(std::max(0, instrument_.bell_corners - 1))];
   const Complex mouth = opening(s, air, bore * last.ratio);
-  Flow now{mouth, 1.0};
-  sources[heard++] = {end_ + last.distance, 1.0, mouth.real()};
+  PressureFlow state{mouth, 1.0};
+  sources[source_count++] = {end_ + last.distance, 1.0, mouth.real()};
   for (int k = instrument_.bell_corners - 1; k-- > 0;) {
     const auto& near = instrument_.bell[static_cast<std::size_t>(k)];
     const auto& far = instrument_.bell[static_cast<std::size_t>(k) + 1];
     const double length = far.distance - near.distance;
-    const int slices = std::max(1, static_cast<int>(std::ceil(length / kSlice)));
+    const int slices = std::max(1, static_cast<int>(std::ceil(length / kSliceLength)));
     for (int i = slices; i-- > 0;) {
       const double ratio = near.ratio + (i + 0.5) / slices * (far.ratio - near.ratio);
       const Tube tube(s, air, bore * ratio, length / slices);
-      now = {tube.cosh * now.pressure + tube.over * now.flow,
-             tube.under * now.pressure + tube.cosh * now.flow};
+      state = {tube.cosh * state.pressure + tube.z_sinh * state.flow,
+               tube.sinh_over_z * state.pressure + tube.cosh * state.flow};
     }
   }
-  double here = end_;
+  double current_position = end_;
   for (std::size_t k = count_; k-- > 0;) {
-    const Open& hole = open_[k];
-    now = through_bore(s, hole.place, here, now);
-    here = hole.place;
-    const Complex extra = s * air.density * hole.along / (2 * kPi * square(hole.bore));
-    now.pressure += extra * now.flow;
+    const OpenHole& hole = open_holes_[k];
+    state = through_bore(s, hole.position, current_position, state);
+    current_position = hole.position;
+    const Complex series_impedance =
+        s * air.density * hole.series_length / (2 * kPi * square(hole.bore));
+    state.pressure += series_impedance * state.flow;
     const Complex load = opening(s, air, hole.radius);
     const Tube chimney(s, air, hole.radius, hole.height);
-    const Complex out = now.pressure / (chimney.cosh * load + chimney.over);
-    sources[heard++] = {hole.place, out, load.real()};
-    now.flow += (chimney.under * load + chimney.cosh) * out;
-    now.pressure += extra * now.flow;
+    const Complex out = state.pressure / (chimney.cosh * load + chimney.z_sinh);
+    sources[source_count++] = {hole.position, out, load.real()};
+    state.flow += (chimney.sinh_over_z * load + chimney.cosh) * out;
+    state.pressure += series_impedance * state.flow;
   }
 
   const double radius = instrument_.radius(start_);
-  const double unit = kPi * square(radius) / (air.density * air.sound_speed);
-  const Complex bend = instrument_.apex > 0 ? air.sound_speed / (s * start_) : Complex(0);
-  const Complex admittance = now.flow / now.pressure / unit;
-  const Complex reflected = (1.0 + bend - admittance) / (admittance + 1.0 - bend);
-  const Complex scale = (1.0 + reflected) / now.pressure;
+  const double characteristic_admittance = kPi * square(radius) / (air.density * air.sound_speed);
+  const Complex wavefront_curvature =
+      instrument_.apex > 0 ? air.sound_speed / (s * start_) : Complex(0);
+  const Complex admittance = state.flow / state.pressure / characteristic_admittance;
+  const Complex reflected =
+      (1.0 + wavefront_curvature - admittance) / (admittance + 1.0 - wavefront_curvature);
+  const Complex scale = (1.0 + reflected) / state.pressure;
   // Each source's size is the root of its power, so that a wide opening sends out all it gets.
-  std::array<Complex, Woodwind::kMaxToneHoles + 1> sized;
+  std::array<Complex, Woodwind::kMaxToneHoles + 1> source_amplitudes;
   double total = 0;
-  for (std::size_t i = 0; i < heard; ++i) {
-    sized[i] =
+  for (std::size_t i = 0; i < source_count; ++i) {
+    source_amplitudes[i] =
         scale * sources[i].flow *
         std::sqrt(std::max(sources[i].load, 0.0) * air.density * air.sound_speed / (4 * kPi));
-    total += std::norm(sized[i]);
+    total += std::norm(source_amplitudes[i]);
     for (std::size_t j = 0; j < i; ++j)
-      total += 2 * spread(omega / air.sound_speed * std::abs(sources[i].place - sources[j].place)) *
-               (sized[i] * std::conj(sized[j])).real();
+      total += 2 *
+               sinc(omega / air.sound_speed * std::abs(sources[i].position - sources[j].position)) *
+               (source_amplitudes[i] * std::conj(source_amplitudes[j])).real();
   }
   return {reflected, std::sqrt(std::max(total, 0.0)) / radius};
 }

@@ -37,19 +37,20 @@ public:
   [[nodiscard]] Response at(double omega) const noexcept;
 
 private:
-  struct Flow { // for a unit flow at the far end
+  struct PressureFlow { // for a unit flow at the far end
     Complex pressure, flow;
   };
-  struct Open {
-    double place, radius, height, bore; // of the chimney, and of the bore beside it
-    double along;                       // series length of the T-section
+  struct OpenHole {
+    double position, radius, height, bore; // of the chimney, and of the bore beside it
+    double series_length;                  // series length of the T-section
   };
-  [[nodiscard]] Flow through_bore(Complex s, double from, double to, Flow beyond) const noexcept;
+  [[nodiscard]] PressureFlow through_bore(Complex s, double from, double to,
+                                          PressureFlow far_end) const noexcept;
 
   const Woodwind& instrument_;
   int key_ = 0;
   double start_ = 0, end_ = 0; // of the tube before the bell
-  std::array<Open, Woodwind::kMaxToneHoles> open_{};
+  std::array<OpenHole, Woodwind::kMaxToneHoles> open_holes_{};
   std::size_t count_ = 0; // from the reed down
 };
 

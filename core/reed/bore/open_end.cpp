@@ -12,15 +12,15 @@ namespace {
 using Complex = std::complex<double>;
 
 /// b_0 + b_1 x + b_2 x^2 over (1 - p_1 x)(1 - p_2 x), x = z^-1.
-DigitalOpenEnd with(double b0, double b1, double b2, double p1, double p2) {
+DigitalOpenEnd from_coefficients(double b0, double b1, double b2, double p1, double p2) {
   const double c2 = b1 + b0 * (p1 + p2);
   return {{p1, p2}, {b2 - b0 * p1 * p2 + c2 * p1, c2}, b0};
 }
 
 bool passive(const DigitalOpenEnd& end) {
-  constexpr int kPlaces = 64; // to the Nyquist frequency
-  for (int i = 1; i <= kPlaces; ++i)
-    if (std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / kPlaces))) > 1)
+  constexpr int kPoints = 64; // to the Nyquist frequency
+  for (int i = 1; i <= kPoints; ++i)
+    if (std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / kPoints))) > 1)
       return false;
   return true;
 }
@@ -30,9 +30,9 @@ DigitalOpenEnd bilinear(double radius) {
   const double zero = 2 * radius * OpenEnd::kNumerator;
   const double first = 2 * radius / OpenEnd::kFirstPole;
   const double second = 2 * radius / OpenEnd::kSecondPole;
-  const double over = -1 / ((1 + first) * (1 + second));
-  return with(over * (1 + zero), over * 2, over * (1 - zero), (first - 1) / (first + 1),
-              (second - 1) / (second + 1));
+  const double scale = -1 / ((1 + first) * (1 + second));
+  return from_coefficients(scale * (1 + zero), scale * 2, scale * (1 - zero),
+                           (first - 1) / (first + 1), (second - 1) / (second + 1));
 }
 
 } // namespace
@@ -43,23 +43,23 @@ DigitalOpenEnd DigitalOpenEnd::of(double radius, double period) noexcept {
   const double p2 = std::exp(-OpenEnd::kSecondPole / radius);
   // B(x) = B(1) + B'(1) (x - 1) + t (x - 1)^2 with B(1) = -A(1) and -B'(1)/A(1) = delay -
   // A'(1)/A(1) times -1.
-  const double at_one = (1 - p1) * (1 - p2), slope = 2 * p1 * p2 - p1 - p2;
+  const double dc_denominator = (1 - p1) * (1 - p2), slope = 2 * p1 * p2 - p1 - p2;
   const double delay = (OpenEnd::kFirst - OpenEnd::kNumerator) * radius; // samples
-  const double rise = -(at_one * delay + slope);
-  double above = 0, below = 0;
+  const double rise = -(dc_denominator * delay + slope);
+  double projection = 0, norm_squared = 0;
   for (int i = 1; i <= 8; ++i) {
     const double omega =
         std::min(2 * std::numbers::pi * kHighest * period, 0.9 * std::numbers::pi) * i / 8;
-    const Complex x = std::polar(1.0, -omega), gone = x - 1.0;
-    const Complex under = (1.0 - p1 * x) * (1.0 - p2 * x);
-    const Complex lacking =
-        OpenEnd::reflection({0, omega * radius}) - (-at_one + rise * gone) / under;
-    const Complex shape = gone * gone / under;
-    above += (std::conj(shape) * lacking).real();
-    below += std::norm(shape);
+    const Complex x = std::polar(1.0, -omega), x_minus_one = x - 1.0;
+    const Complex denominator = (1.0 - p1 * x) * (1.0 - p2 * x);
+    const Complex residual = OpenEnd::reflection({0, omega * radius}) -
+                             (-dc_denominator + rise * x_minus_one) / denominator;
+    const Complex shape = x_minus_one * x_minus_one / denominator;
+    projection += (std::conj(shape) * residual).real();
+    norm_squared += std::norm(shape);
   }
-  const double t = above / below;
-  const DigitalOpenEnd end = with(-at_one - rise + t, rise - 2 * t, t, p1, p2);
+  const double t = projection / norm_squared;
+  const DigitalOpenEnd end = from_coefficients(-dc_denominator - rise + t, rise - 2 * t, t, p1, p2);
   return passive(end) ? end : bilinear(radius);
 }
 

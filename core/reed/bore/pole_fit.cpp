@@ -12,13 +12,13 @@ using Complex = std::complex<double>;
 constexpr std::size_t kMaxPoles = 2 * Termination::kReflectionBlocks;
 constexpr std::size_t kMaxUnknowns = 2 * kMaxPoles + 1;
 constexpr std::size_t kMaxRows = 2 * kMaxResponsePoints + 1;
-constexpr int kRounds = 12;    // of moving the poles
-constexpr int kRootSteps = 60; // of Aberth's iteration
-constexpr double kReal = 1e-6; // |imaginary part|/|root| below which a root is real
+constexpr int kIterations = 12; // of moving the poles
+constexpr int kRootSteps = 60;  // of Aberth's iteration
+constexpr double kReal = 1e-6;  // |imaginary part|/|root| below which a root is real
 // A pole nearer to the frequency axis than the points are to each other, or beyond all of them,
 // approximates nothing and may reflect more than arrives.
-constexpr double kLeastDamping = 4e-3; // of the pole's size
-constexpr double kFastest = 2e5;       // rad/s
+constexpr double kMinDamping = 4e-3;      // of the pole's size
+constexpr double kMaxPoleMagnitude = 2e5; // rad/s
 
 /// Poles with the upper member of each pair before its conjugate.
 struct Poles {
@@ -32,8 +32,8 @@ struct Poles {
 class LeastSquares {
 public:
   explicit LeastSquares(std::size_t unknowns) : unknowns_(unknowns) {}
-  [[nodiscard]] double* row(double right) {
-    right_[rows_] = right;
+  [[nodiscard]] double* row(double rhs) {
+    rhs_[rows_] = rhs;
     return matrix_[rows_++].data();
   }
   /// An unknown that the equations do not tell from those before it (two poles at one place) is 0.
@@ -59,27 +59,27 @@ public:
       diagonal_[k] = 0;
       if (!(length > 1e-14))
         continue;
-      const double lead = matrix_[k][k], diagonal = lead > 0 ? -length : length;
-      matrix_[k][k] = lead - diagonal; // the reflection's vector stands in this column
-      const double factor = 1 / (diagonal * (lead - diagonal));
-      std::array<double, kMaxUnknowns> along{};
-      double right = 0;
+      const double pivot = matrix_[k][k], diagonal = pivot > 0 ? -length : length;
+      matrix_[k][k] = pivot - diagonal; // the reflection's vector stands in this column
+      const double factor = 1 / (diagonal * (pivot - diagonal));
+      std::array<double, kMaxUnknowns> projections{};
+      double rhs = 0;
       for (std::size_t i = k; i < rows_; ++i) {
         const double v = matrix_[i][k];
         for (std::size_t j = k + 1; j < unknowns_; ++j)
-          along[j] += v * matrix_[i][j];
-        right += v * right_[i];
+          projections[j] += v * matrix_[i][j];
+        rhs += v * rhs_[i];
       }
       for (std::size_t i = k; i < rows_; ++i) {
         const double v = factor * matrix_[i][k];
         for (std::size_t j = k + 1; j < unknowns_; ++j)
-          matrix_[i][j] += v * along[j];
-        right_[i] += v * right;
+          matrix_[i][j] += v * projections[j];
+        rhs_[i] += v * rhs;
       }
       diagonal_[k] = diagonal;
     }
     for (std::size_t k = unknowns_; k-- > 0;) {
-      double sum = right_[k];
+      double sum = rhs_[k];
       for (std::size_t j = k + 1; j < unknowns_; ++j)
         sum -= matrix_[k][j] * x[j];
       x[k] = diagonal_[k] != 0 ? sum / diagonal_[k] : 0;
@@ -92,7 +92,7 @@ public:
 private:
   std::size_t unknowns_, rows_ = 0;
   std::array<std::array<double, kMaxUnknowns>, kMaxRows> matrix_;
-  std::array<double, kMaxRows> right_;
+  std::array<double, kMaxRows> rhs_;
   std::array<double, kMaxUnknowns> diagonal_;
 };
 
@@ -134,16 +134,16 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
   const std::size_t n = poles.count;
   for (std::size_t k = 0; k < n; ++k) // off the axis and off the poles
     z[k] = poles.pole[k] * std::polar(1.0 + 1e-3, 0.01 + 1e-3 * static_cast<double>(k));
-  double moved = 1;
-  for (int step = 0; step < kRootSteps && moved > 1e-12; ++step) {
-    moved = 0;
+  double max_change = 1;
+  for (int step = 0; step < kRootSteps && max_change > 1e-12; ++step) {
+    max_change = 0;
     for (std::size_t k = 0; k < n; ++k) {
       Complex value = d, slope = 0, others = 0;
       for (std::size_t j = 0; j < n; ++j) {
-        const Complex under = 1.0 / (z[k] - poles.pole[j]);
-        value += residues[j] * z[k] * under;
-        slope -= residues[j] * poles.pole[j] * under * under;
-        others += under;
+        const Complex reciprocal = 1.0 / (z[k] - poles.pole[j]);
+        value += residues[j] * z[k] * reciprocal;
+        slope -= residues[j] * poles.pole[j] * reciprocal * reciprocal;
+        others += reciprocal;
         if (j != k)
           others -= 1.0 / (z[k] - z[j]);
       }
@@ -151,17 +151,17 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
       if (!(std::abs(change) < 1e300))
         return false;
       z[k] -= change;
-      moved = std::max(moved, std::abs(change) / std::abs(z[k]));
+      max_change = std::max(max_change, std::abs(change) / std::abs(z[k]));
     }
   }
-  if (!(moved < 1e-6))
+  if (!(max_change < 1e-6))
     return false;
   zeros.count = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const double size = std::abs(z[k]);
     const Complex left =
-        Complex(-std::max(std::abs(z[k].real()), kLeastDamping * size), z[k].imag()) *
-        std::min(1.0, kFastest / size);
+        Complex(-std::max(std::abs(z[k].real()), kMinDamping * size), z[k].imag()) *
+        std::min(1.0, kMaxPoleMagnitude / size);
     if (std::abs(z[k].imag()) <= kReal * std::abs(z[k])) {
       if (zeros.count < n)
         zeros.pole[zeros.count++] = left.real();
@@ -177,26 +177,26 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
 
 /// One round: the poles move to the zeros of sigma, where sigma H and sigma are sums over the poles
 /// of before.
-bool move_poles(std::span<const ResponsePoint> points, double at_zero, Poles& poles) {
+bool relocate_poles(std::span<const ResponsePoint> points, double dc_value, Poles& poles) {
   const std::size_t n = poles.count;
   LeastSquares equations(2 * n + 1);
   std::array<Complex, kMaxPoles> columns;
-  std::array<double, kMaxUnknowns> condition{}, x{};
+  std::array<double, kMaxUnknowns> relaxation_row{}, x{};
   double size = 0;
   for (const ResponsePoint& point : points) {
     basis({0, point.omega}, poles, columns);
     double* const real = equations.row(0);
     double* const imaginary = equations.row(0);
-    const auto put = [&](std::size_t at, Complex value) {
+    const auto set_entry = [&](std::size_t at, Complex value) {
       real[at] = point.weight * value.real();
       imaginary[at] = point.weight * value.imag();
     };
-    put(n, at_zero - point.response);
-    condition[n] += 1;
+    set_entry(n, dc_value - point.response);
+    relaxation_row[n] += 1;
     for (std::size_t k = 0; k < n; ++k) {
-      put(k, columns[k]);
-      put(n + 1 + k, -point.response * columns[k]);
-      condition[n + 1 + k] += columns[k].real();
+      set_entry(k, columns[k]);
+      set_entry(n + 1 + k, -point.response * columns[k]);
+      relaxation_row[n + 1 + k] += columns[k].real();
     }
     size += std::norm(point.weight * point.response);
   }
@@ -204,7 +204,7 @@ bool move_poles(std::span<const ResponsePoint> points, double at_zero, Poles& po
   size = std::sqrt(size) / number;
   double* const row = equations.row(size * number);
   for (std::size_t k = 0; k < 2 * n + 1; ++k)
-    row[k] = size * condition[k];
+    row[k] = size * relaxation_row[k];
   if (!equations.solve(std::span(x).first(2 * n + 1)))
     return false;
   Poles zeros;
@@ -216,9 +216,9 @@ bool move_poles(std::span<const ResponsePoint> points, double at_zero, Poles& po
 
 } // namespace
 
-std::complex<double> response_of(double at_zero, std::span<const Termination::Block> blocks,
+std::complex<double> response_of(double dc_value, std::span<const Termination::Block> blocks,
                                  Complex s) noexcept {
-  Complex sum = at_zero;
+  Complex sum = dc_value;
   for (const Termination::Block& block : blocks)
     if (block.oscillates) {
       const Complex pole(block.a, block.b), residue(block.c, block.d);
@@ -229,7 +229,7 @@ std::complex<double> response_of(double at_zero, std::span<const Termination::Bl
   return sum;
 }
 
-bool fit_poles(std::span<const ResponsePoint> points, double at_zero, double top,
+bool fit_poles(std::span<const ResponsePoint> points, double dc_value, double max_omega,
                std::span<Termination::Block> blocks) noexcept {
   Poles poles;
   const std::size_t pairs = std::min(blocks.size(), kMaxPoles / 2);
@@ -240,22 +240,22 @@ bool fit_poles(std::span<const ResponsePoint> points, double at_zero, double top
       return false;
   for (std::size_t k = 0; k < pairs; ++k) {
     const double share = static_cast<double>(k) / std::max(1.0, static_cast<double>(pairs) - 2);
-    const Complex start = k + 1 < pairs ? top / 4 * std::pow(4.0, share) * Complex(-0.15, 1)
+    const Complex start = k + 1 < pairs ? max_omega / 4 * std::pow(4.0, share) * Complex(-0.15, 1)
                                         : 2 * std::numbers::pi * Complex(-4000, 2000);
     poles.pole[poles.count++] = start;
     poles.pole[poles.count++] = std::conj(start);
   }
-  for (int round = 0; round < kRounds; ++round)
-    if (!move_poles(points, at_zero, poles))
+  for (int round = 0; round < kIterations; ++round)
+    if (!relocate_poles(points, dc_value, poles))
       break;
 
   LeastSquares equations(poles.count);
   std::array<Complex, kMaxPoles> columns;
   for (const ResponsePoint& point : points) {
     basis({0, point.omega}, poles, columns);
-    const Complex right = point.weight * (point.response - at_zero);
-    double* const real = equations.row(right.real());
-    double* const imaginary = equations.row(right.imag());
+    const Complex rhs = point.weight * (point.response - dc_value);
+    double* const real = equations.row(rhs.real());
+    double* const imaginary = equations.row(rhs.imag());
     for (std::size_t k = 0; k < poles.count; ++k) {
       real[k] = point.weight * columns[k].real();
       imaginary[k] = point.weight * columns[k].imag();
@@ -266,33 +266,34 @@ bool fit_poles(std::span<const ResponsePoint> points, double at_zero, double top
     return false;
   const auto residues = residues_of(poles, x);
   std::size_t block = 0;
-  double lone = 0, lone_residue = 0; // a real pole that waits for another
-  bool waits = false;
+  double single_pole = 0, single_residue = 0; // a real pole that waits for another
+  bool has_single = false;
   for (std::size_t k = 0; k < poles.count; ++k)
     if (poles.pairs(k)) {
       blocks[block++] = {true, poles.pole[k].real(), poles.pole[k].imag(), residues[k].real(),
                          residues[k].imag()};
       ++k;
-    } else if (waits) {
-      blocks[block++] = {false, lone, poles.pole[k].real(), lone_residue, residues[k].real()};
-      waits = false;
+    } else if (has_single) {
+      blocks[block++] = {false, single_pole, poles.pole[k].real(), single_residue,
+                         residues[k].real()};
+      has_single = false;
     } else {
-      lone = poles.pole[k].real();
-      lone_residue = residues[k].real();
-      waits = true;
+      single_pole = poles.pole[k].real();
+      single_residue = residues[k].real();
+      has_single = true;
     }
   return true;
 }
 
-double largest_response(double at_zero, std::span<const Termination::Block> blocks) noexcept {
+double largest_response(double dc_value, std::span<const Termination::Block> blocks) noexcept {
   constexpr int kPoints = 600;
   constexpr double kLowest = 0.1, kHighest = 1e7; // rad/s
   const auto size = [&](double logarithm) {
-    return std::abs(response_of(at_zero, blocks, {0, std::exp(logarithm)}));
+    return std::abs(response_of(dc_value, blocks, {0, std::exp(logarithm)}));
   };
   const double low = std::log(kLowest), step = (std::log(kHighest) - low) / kPoints;
-  double largest = std::abs(at_zero), before = largest, here = size(low);
-  const auto look = [&](double a, double b) { // golden section
+  double largest = std::abs(dc_value), before = largest, here = size(low);
+  const auto refine_peak = [&](double a, double b) { // golden section
     for (int k = 0; k < 24; ++k) {
       const double inner = b - 0.618034 * (b - a), outer = a + 0.618034 * (b - a);
       const bool lower = size(inner) > size(outer);
@@ -303,7 +304,7 @@ double largest_response(double at_zero, std::span<const Termination::Block> bloc
   for (int i = 1; i <= kPoints; ++i) {
     const double next = size(low + step * i);
     if (here >= before && here >= next)
-      look(low + step * (i - 2), low + step * i);
+      refine_peak(low + step * (i - 2), low + step * i);
     largest = std::max(largest, next);
     before = here;
     here = next;
@@ -312,7 +313,7 @@ double largest_response(double at_zero, std::span<const Termination::Block> bloc
     if (block.oscillates && std::abs(block.a) < 0.1 * std::abs(block.b)) {
       const double width = -2 * block.a / std::abs(block.b), at = std::log(std::abs(block.b));
       for (int k = -2; k < 2; ++k)
-        look(at + k * width, at + (k + 1) * width);
+        refine_peak(at + k * width, at + (k + 1) * width);
     }
   return largest;
 }

@@ -16,9 +16,9 @@ using Complex = std::complex<double>;
 template <class Size>
 std::array<double, 3> numerator(double slope, double period, const Size& size) {
   const double omega = std::min(2 * std::numbers::pi * 8e3 * period, 2.0);
-  const double back = 1 - std::cos(omega), wanted = size(omega, std::polar(1.0, -omega));
+  const double back = 1 - std::cos(omega), target = size(omega, std::polar(1.0, -omega));
   // |n_0 + n_1 x|^2 = slope^2 - 2 n_0 n_1 (1 - cos omega T).
-  const double product = (slope * slope - wanted * wanted / (2 * back)) / (2 * back);
+  const double product = (slope * slope - target * target / (2 * back)) / (2 * back);
   const double n0 = 0.5 * (slope + std::sqrt(std::max(0.0, slope * slope - 4 * product)));
   const double n1 = slope - n0;
   return {n0, n1 - n0, -n1};
@@ -48,17 +48,18 @@ RadiationConstants RadiationConstants::from(const Parameters& p, const BoreDesig
                              : p.input_radius;
   const double corner = cutoff * opening / speed; // over w_c
   // Its poles are w_c (-g +- sqrt(g^2 - 1)), g = 1/2Q.
-  const double turn = cutoff * period, damping = 0.5 / p.bell_quality;
-  const double fall = std::exp(-damping * turn), beside = 1 - damping * damping;
-  c.a1 = -2 * fall *
-         (beside >= 0 ? std::cos(turn * std::sqrt(beside)) : std::cosh(turn * std::sqrt(-beside)));
-  c.a2 = fall * fall;
-  const double over = 0.5 * p.input_radius;
-  const auto [b0, b1, b2] =
-      numerator(over * corner / turn * (1 + c.a1 + c.a2), period, [&](double omega, Complex back) {
-        const Complex s(0, omega / turn);
-        return over * std::abs(s * (s + corner) / (s * s + 2 * damping * s + 1.0) *
-                               (1.0 + back * (c.a1 + back * c.a2)));
+  const double angle = cutoff * period, damping = 0.5 / p.bell_quality;
+  const double decay = std::exp(-damping * angle), discriminant = 1 - damping * damping;
+  c.a1 = -2 * decay *
+         (discriminant >= 0 ? std::cos(angle * std::sqrt(discriminant))
+                            : std::cosh(angle * std::sqrt(-discriminant)));
+  c.a2 = decay * decay;
+  const double scale = 0.5 * p.input_radius;
+  const auto [b0, b1, b2] = numerator(
+      scale * corner / angle * (1 + c.a1 + c.a2), period, [&](double omega, Complex back) {
+        const Complex s(0, omega / angle);
+        return scale * std::abs(s * (s + corner) / (s * s + 2 * damping * s + 1.0) *
+                                (1.0 + back * (c.a1 + back * c.a2)));
       });
   c.b0 = b0, c.b1 = b1, c.b2 = b2;
   c.lead = (kHeatCapacityRatio + 1) / (2 * kHeatCapacityRatio * kAtmosphere * speed) *
@@ -66,9 +67,9 @@ RadiationConstants RadiationConstants::from(const Parameters& p, const BoreDesig
   return c;
 }
 
-RadiationConstants RadiationConstants::between(const RadiationConstants& from,
-                                               const RadiationConstants& to,
-                                               double share) noexcept {
+RadiationConstants RadiationConstants::interpolate(const RadiationConstants& from,
+                                                   const RadiationConstants& to,
+                                                   double share) noexcept {
   RadiationConstants c = to;
   for (double RadiationConstants::*member :
        {&RadiationConstants::b0, &RadiationConstants::b1, &RadiationConstants::b2,

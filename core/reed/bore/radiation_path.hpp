@@ -37,8 +37,8 @@ struct RadiationConstants {
   static RadiationConstants from(const Parameters& parameters, const BoreDesign& bore,
                                  double internal_rate) noexcept;
   /// A share of the way from one to another of the same kind.
-  static RadiationConstants between(const RadiationConstants& from, const RadiationConstants& to,
-                                    double share) noexcept;
+  static RadiationConstants interpolate(const RadiationConstants& from,
+                                        const RadiationConstants& to, double share) noexcept;
 };
 
 /// Computes it.
@@ -55,16 +55,16 @@ public:
     constants_ = constants;
   }
   void reset() noexcept {
-    wave_ = before_ = sound_ = last_ = 0;
+    wave1_ = wave2_ = sound1_ = sound2_ = 0;
     steepening_.reset();
   }
   /// Share of the returning wave b that counts: a - b for the plain end, else a alone.
-  [[nodiscard]] double returning_share() const noexcept { return constants_.plain ? 1 : 0; }
+  [[nodiscard]] double reflected_weight() const noexcept { return constants_.plain ? 1 : 0; }
   [[nodiscard]] bool sane() const noexcept {
-    return size(wave_) < 1e9 && size(sound_) < 1e9 && size(last_) < 1e9 && steepening_.sane();
+    return size(wave1_) < 1e9 && size(sound1_) < 1e9 && size(sound2_) < 1e9 && steepening_.sane();
   }
-  void quieten() noexcept {
-    for (double* value : {&wave_, &before_, &sound_, &last_})
+  void flush_denormals() noexcept {
+    for (double* value : {&wave1_, &wave2_, &sound1_, &sound2_})
       if (size(*value) < 1e-20)
         *value = 0;
   }
@@ -73,47 +73,47 @@ public:
 
   /// The way out of the bore, sample by sample; its state goes back into the path at the end of
   /// its life.
-  class Exit {
+  class OutputFilter {
   public:
-    [[gnu::always_inline]] explicit Exit(RadiationPath& path) noexcept
-        : path_(path), c_(path.constants_), wave_(path.wave_), before_(path.before_),
-          sound_(path.sound_), last_(path.last_) {}
-    Exit(const Exit&) = delete;
-    Exit& operator=(const Exit&) = delete;
-    [[gnu::always_inline]] ~Exit() {
-      path_.wave_ = wave_;
-      path_.before_ = before_;
-      path_.sound_ = sound_;
-      path_.last_ = last_;
+    [[gnu::always_inline]] explicit OutputFilter(RadiationPath& path) noexcept
+        : path_(path), c_(path.constants_), wave1_(path.wave1_), wave2_(path.wave2_),
+          sound1_(path.sound1_), sound2_(path.sound2_) {}
+    OutputFilter(const OutputFilter&) = delete;
+    OutputFilter& operator=(const OutputFilter&) = delete;
+    [[gnu::always_inline]] ~OutputFilter() {
+      path_.wave1_ = wave1_;
+      path_.wave2_ = wave2_;
+      path_.sound1_ = sound1_;
+      path_.sound2_ = sound2_;
     }
     /// From the wave at the end to the pressure at 1 m, Pa.
     [[gnu::always_inline]] double operator()(double wave) noexcept {
       const double sound =
-          ((c_.b0 * wave + c_.b1 * wave_) + (c_.b2 * before_ - c_.a2 * last_)) - c_.a1 * sound_;
-      before_ = wave_;
-      wave_ = wave;
-      last_ = sound_;
-      sound_ = sound;
+          ((c_.b0 * wave + c_.b1 * wave1_) + (c_.b2 * wave2_ - c_.a2 * sound2_)) - c_.a1 * sound1_;
+      wave2_ = wave1_;
+      wave1_ = wave;
+      sound2_ = sound1_;
+      sound1_ = sound;
       return sound;
     }
 
   private:
     RadiationPath& path_;
     RadiationConstants c_;
-    double wave_, before_, sound_, last_;
+    double wave1_, wave2_, sound1_, sound2_;
   };
 
   /// Replaces count <= kLongest samples of wave by the sound of a bore of that length, m.
   void run(double* wave, int count, double length) noexcept {
     if (steepens())
       steepening_.run(wave, count, constants_.lead * length);
-    Exit exit(*this);
+    OutputFilter output_filter(*this);
     for (int i = 0; i < count; ++i)
-      wave[i] = exit(wave[i]);
+      wave[i] = output_filter(wave[i]);
   }
 
   /// The first half of run() alone: what steepens on the way, before another filter lets it out.
-  void travel(double* wave, int count, double length) noexcept {
+  void steepen_wave(double* wave, int count, double length) noexcept {
     if (steepens())
       steepening_.run(wave, count, constants_.lead * length);
   }
@@ -122,8 +122,8 @@ private:
   static double size(double x) noexcept { return x < 0 ? -x : x; }
 
   RadiationConstants constants_{};
-  double wave_ = 0, before_ = 0, sound_ = 0,
-         last_ = 0; // the last wave, the one before; so the sound
+  double wave1_ = 0, wave2_ = 0, sound1_ = 0,
+         sound2_ = 0; // the last wave, the one before; so the sound
   Steepening steepening_{};
 };
 

@@ -20,14 +20,14 @@ RegisterVent RegisterVent::of(const Parameters& parameters) noexcept {
   const Air air = air_at(parameters.temperature);
   const double bore =
       parameters.input_radius *
-      (parameters.shape == BoreShape::kCone ? 1 + hole.place / parameters.apex_distance : 1);
+      (parameters.shape == BoreShape::kCone ? 1 + hole.position / parameters.apex_distance : 1);
   const double impedance = air.density * air.sound_speed / (kPi * bore * bore);
   const double area = kPi * hole.radius * hole.radius, omega = 2 * kPi * kFriction;
   const double friction = air.density * hole.height / area * 2 / hole.radius *
                           std::sqrt(kKinematicViscosity * omega / 2);
   const double length = hole.height + (kInner + OpenEnd::kLengthCorrection) * hole.radius;
   const double mass = air.density * length / area + friction / omega;
-  vent.place = hole.place;
+  vent.position = hole.position;
   vent.share = impedance / (impedance + 2 * friction);
   vent.corner = (impedance + 2 * friction) / (2 * mass);
   const double separation = kSeparation * air.density / (2 * area * area);

@@ -22,8 +22,8 @@ namespace tactus::reed {
 struct RegisterVent {
   static constexpr double kFriction = 600, kSeparation = 1.5;
 
-  double place = 0; // m, from the reed's end of the line
-  double share = 0; // H(0); 0: there is none
+  double position = 0; // m, from the reed's end of the line
+  double share = 0;    // H(0); 0: there is none
   double corner = 1;
   double separation = 0; // 4 N/Z_0^2 of q, times share: 1/Pa
 
@@ -35,11 +35,12 @@ struct RegisterVent {
   /// The round trip that a line without vent would have, for the same reflection below it, where
   /// `round_trip` is that of the line with it: `way` is what the way to the vent and back takes of
   /// a wave. Small waves.
-  [[nodiscard]] std::complex<double> left_out(std::complex<double> s,
-                                              std::complex<double> round_trip,
-                                              std::complex<double> way) const noexcept {
-    const std::complex<double> h = at(s), up = round_trip / way, below = (up + h) / (1.0 - h);
-    return way * below / (1.0 - h * (1.0 + below));
+  [[nodiscard]] std::complex<double> without_vent(std::complex<double> s,
+                                                  std::complex<double> round_trip,
+                                                  std::complex<double> vent_path) const noexcept {
+    const std::complex<double> h = at(s), at_reed = round_trip / vent_path,
+                               below = (at_reed + h) / (1.0 - h);
+    return vent_path * below / (1.0 - h * (1.0 + below));
   }
 };
 
@@ -63,11 +64,11 @@ public:
   void pass(Losses& losses, V* above, V* below, double open, double step, int count) noexcept {
     V q = q_;
     for (int i = 0; i < count; ++i) {
-      const V a = losses.arriving(above[i]), b = below[i];
-      const V drive = share_ * (a + b) + mass_ * q;
+      const V a = losses.incident(above[i]), b = below[i];
+      const V source = share_ * (a + b) + mass_ * q;
       const V root =
-          simd::square_root(resistance_ * resistance_ + separation_ * simd::absolute(drive));
-      q = V(2.0) * drive / (resistance_ + root);
+          simd::square_root(resistance_ * resistance_ + separation_ * simd::absolute(source));
+      q = V(2.0) * source / (resistance_ + root);
       const V out = V(open + step * i) * q;
       above[i] = b - out;
       below[i] = a - out;

@@ -97,26 +97,26 @@ public:
 
   /// The filter with its coefficients at hand for a stretch of samples; its state goes back into
   /// the filter at the end of its life.
-  class Stretch {
+  class BlockFilter {
   public:
-    [[gnu::always_inline]] Stretch(RoundTripFilter& filter, const RoundTrip& trip,
-                                   double returning_share) noexcept
+    [[gnu::always_inline]] BlockFilter(RoundTripFilter& filter, const RoundTrip& trip,
+                                       double reflected_weight) noexcept
         : filter_(filter), loss_(filter.loss_), loss_pole_(trip.loss_pole),
           loss_residue_(trip.loss_residue), first_(filter.end_[0]), second_(filter.end_[1]),
           first_pole_(trip.end.pole[0]), second_pole_(trip.end.pole[1]),
           first_input_(trip.end.input[0]), second_input_(trip.end.input[1]),
-          arriving_(trip.arriving_gain), direct_(trip.end.direct), share_(returning_share) {}
-    Stretch(const Stretch&) = delete;
-    Stretch& operator=(const Stretch&) = delete;
-    [[gnu::always_inline]] ~Stretch() {
+          incident_gain_(trip.incident_gain), direct_(trip.end.direct), share_(reflected_weight) {}
+    BlockFilter(const BlockFilter&) = delete;
+    BlockFilter& operator=(const BlockFilter&) = delete;
+    [[gnu::always_inline]] ~BlockFilter() {
       filter_.loss_ = loss_;
       filter_.end_ = {first_, second_};
     }
 
     /// From the delay line's output to what comes back, p-, and what reaches the open end and
-    /// leaves it (of the first lane): a - returning_share * b.
+    /// leaves it (of the first lane): a - reflected_weight * b.
     [[gnu::always_inline]] V operator()(const V& wave, double& leaving) noexcept {
-      const V at_end = arriving(wave), back = direct_ * at_end + second_;
+      const V at_end = incident(wave), back = direct_ * at_end + second_;
       second_ = second_pole_ * second_ + (second_input_ * at_end + first_);
       first_ = first_pole_ * first_ + first_input_ * at_end;
       leaving = static_cast<double>(simd::lane(at_end - share_ * back, 0));
@@ -124,17 +124,17 @@ public:
     }
 
     /// From the delay line's output to what arrives at the end, where another filter takes over.
-    [[gnu::always_inline]] V arriving(const V& wave) noexcept {
-      const V lost = wave + loss_.sum();
+    [[gnu::always_inline]] V incident(const V& wave) noexcept {
+      const V attenuated = wave + loss_.sum();
       loss_.step(loss_pole_, loss_residue_, wave);
-      return arriving_ * lost;
+      return incident_gain_ * attenuated;
     }
 
   private:
     RoundTripFilter& filter_;
     LossStates<V> loss_, loss_pole_, loss_residue_;
     V first_, second_, first_pole_, second_pole_, first_input_, second_input_;
-    V arriving_, direct_, share_;
+    V incident_gain_, direct_, share_;
   };
 
 private:

@@ -7,7 +7,7 @@ namespace tactus::reed {
 
 /// Plane waves of finite amplitude over some way, as weak-shock theory has them: a piece of the
 /// wave a(t) arrives earlier by its pressure, at
-///   tau = t - s(a),   s = lead * a, at most kReach either way,
+///   tau = t - s(a),   s = lead * a, at most kMaxShift either way,
 /// and where pieces overtake one another the wave breaks: a shock stands where it cuts off equal
 /// areas of the multivalued wave (Whitham, Linear and Nonlinear Waves, section 2.8).
 ///
@@ -25,7 +25,7 @@ namespace tactus::reed {
 class Steepening {
 public:
   /// Farthest that a piece may run ahead or lag, s.
-  static constexpr double kReach = 0.5e-3;
+  static constexpr double kMaxShift = 0.5e-3;
   static constexpr int kMaxRun = 64; // samples
 
   /// Allocates room for rates up to highest_rate, Hz.
@@ -34,7 +34,7 @@ public:
   void set_rate(double rate) noexcept;
   void reset() noexcept;
   /// Samples from the wave to where an unsteepened one comes out, half a sample included.
-  [[nodiscard]] double delay() const noexcept { return reach_ + kAhead + 1.5; }
+  [[nodiscard]] double delay() const noexcept { return max_shift_ + kLookAhead + 1.5; }
   /// False when what it was given was no number.
   [[nodiscard]] bool sane() const noexcept { return sane(potential_); }
 
@@ -43,30 +43,30 @@ public:
   void run(double* wave, int count, double lead) noexcept;
 
 private:
-  static constexpr int kPast = 5;  // samples before the run that the quadrature needs
-  static constexpr int kAhead = 3; // by which it is behind
+  static constexpr int kHistory = 5;   // samples before the run that the quadrature needs
+  static constexpr int kLookAhead = 3; // by which it is behind
 
-  [[nodiscard]] std::size_t slot(int place) const noexcept {
-    return static_cast<std::size_t>(first_ + place) & mask_;
+  [[nodiscard]] std::size_t slot(int node) const noexcept {
+    return static_cast<std::size_t>(first_ + node) & mask_;
   }
   static bool sane(double potential) noexcept { return potential < 1e300 && potential > -1e300; }
-  /// floor(time) of times not before -kReach.
+  /// floor(time) of times not before -kMaxShift.
   [[nodiscard]] int floor(double time) const noexcept {
-    return static_cast<int>(time + (reach_ + 1)) - (reach_ + 1);
+    return static_cast<int>(time + (max_shift_ + 1)) - (max_shift_ + 1);
   }
-  void cover(int place, double potential) noexcept {
-    double& there = grid_[slot(place)];
-    there = potential > there ? potential : there;
+  void raise_potential(int node, double potential) noexcept {
+    double& value_there = grid_[slot(node)];
+    value_there = potential > value_there ? potential : value_there;
   }
   void rebase(double& potential) noexcept;
 
   std::vector<double> grid_{}; // Psi at whole samples, a ring
   std::size_t mask_ = 0;
-  int first_ = 0; // slot of the last node's own time
-  int reach_ = 0; // whole samples, more than kReach
+  int first_ = 0;     // slot of the last node's own time
+  int max_shift_ = 0; // whole samples, more than kMaxShift
   double limit_ = 0, rate_ = 0;
-  double past_[kPast] = {};
-  double early_ = 0, potential_ = 0, lead_ = 0; // of the last node
+  double history_[kHistory] = {};
+  double shift_ = 0, potential_ = 0, lead_ = 0; // of the last node
 };
 
 } // namespace tactus::reed

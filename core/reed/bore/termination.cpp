@@ -19,8 +19,8 @@ Complex inverse(Complex z) { return std::conj(z) / std::norm(z); }
 
 /// r s/(s - p) and its derivative.
 Termination::Value term(Complex s, Complex pole, Complex residue) {
-  const Complex under = inverse(s - pole);
-  return {residue * s * under, -residue * pole * under * under};
+  const Complex reciprocal = inverse(s - pole);
+  return {residue * s * reciprocal, -residue * pole * reciprocal * reciprocal};
 }
 
 /// The values of a block's two terms.
@@ -34,7 +34,7 @@ std::array<Complex, 2> terms(const Termination::Block& block, Complex s) {
 } // namespace
 
 Termination::Value Termination::reflectance(Complex s) const noexcept {
-  Value sum{at_zero, 0};
+  Value sum{dc_value, 0};
   const auto add = [&](Complex pole, Complex residue) {
     const Value one = term(s, pole, residue);
     sum.value += one.value;
@@ -55,7 +55,7 @@ double Termination::length_correction() const noexcept {
   // R = R(0) exp(-2 s l/c) for long waves; looked at where the holes' friction is no longer all.
   constexpr double kOmega = 2 * 3.14159265358979 * 150;
   const Complex r = reflectance({0, kOmega}).value;
-  return -std::arg(r / at_zero) * air_at(20).sound_speed / (2 * kOmega) + extra_length;
+  return -std::arg(r / dc_value) * air_at(20).sound_speed / (2 * kOmega) + extra_length;
 }
 
 const Termination* fingering_for(BoreEnd end, double frequency_hz) noexcept {
@@ -72,22 +72,22 @@ namespace {
 
 /// One real number that a DigitalBlocks is free to choose: the part of its response that grows with
 /// it, for x = z^-1, either x/(1 - q x), or that and its mirror image with q*.
-struct Freedom {
+struct FreeParameter {
   enum class Kind { kReal, kEven, kOdd } kind;
-  Complex turn;     // q
-  double value = 0; // at first that of a sampled impulse response
+  Complex digital_pole; // q
+  double value = 0;     // at first that of a sampled impulse response
   [[nodiscard]] Complex at(Complex x) const {
-    const Complex one = x * inverse(1.0 - turn * x);
+    const Complex one = x * inverse(1.0 - digital_pole * x);
     if (kind == Kind::kReal)
       return one;
-    const Complex other = x * inverse(1.0 - std::conj(turn) * x);
+    const Complex other = x * inverse(1.0 - std::conj(digital_pole) * x);
     return kind == Kind::kEven ? one + other : Complex(0, 1) * (one - other);
   }
 };
 
 /// Solves the symmetric positive definite system a x = b, size by size, in place (Cholesky).
-template <std::size_t room>
-void solve(std::array<std::array<double, room>, room>& a, std::array<double, room>& b,
+template <std::size_t capacity>
+void solve(std::array<std::array<double, capacity>, capacity>& a, std::array<double, capacity>& b,
            std::size_t size) {
   for (std::size_t i = 0; i < size; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
@@ -111,76 +111,77 @@ void solve(std::array<std::array<double, room>, room>& a, std::array<double, roo
 
 template <int blocks>
 void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& analog,
-                                double at_zero, double rate, double speed_ratio,
+                                double dc_value, double rate, double speed_ratio,
                                 double gain) noexcept {
   const double period = speed_ratio / rate; // at 20 deg C
-  constexpr std::size_t kRoom = 2 * blocks;
-  std::array<Freedom, kRoom> free;
+  constexpr std::size_t kCapacity = 2 * blocks;
+  std::array<FreeParameter, kCapacity> free;
   std::size_t count = 0;
   for (const Termination::Block& block : analog)
     if (block.oscillates) {
-      const Complex pole(block.a, block.b), turn = std::exp(pole * period);
-      const Complex sampled = Complex(block.c, block.d) * pole * turn * period;
-      free[count++] = {Freedom::Kind::kEven, turn, sampled.real()};
-      free[count++] = {Freedom::Kind::kOdd, turn, sampled.imag()};
+      const Complex pole(block.a, block.b), digital_pole = std::exp(pole * period);
+      const Complex sampled = Complex(block.c, block.d) * pole * digital_pole * period;
+      free[count++] = {FreeParameter::Kind::kEven, digital_pole, sampled.real()};
+      free[count++] = {FreeParameter::Kind::kOdd, digital_pole, sampled.imag()};
     } else {
       for (const auto& [pole, residue] : {std::pair{block.a, block.c}, {block.b, block.d}})
         if (residue != 0) {
-          const double turn = std::exp(pole * period);
-          free[count++] = {Freedom::Kind::kReal, turn, residue * pole * turn * period};
+          const double digital_pole = std::exp(pole * period);
+          free[count++] = {FreeParameter::Kind::kReal, digital_pole,
+                           residue * pole * digital_pole * period};
         }
     }
 
   // Least squares of what the sampled impulse response lacks from 80 Hz to 12.5 kHz, and a little
   // of it from there to the Nyquist frequency. Nothing is lacking at 0 Hz: `direct` sees to that.
-  std::array<Complex, kRoom> at_one;
+  std::array<Complex, kCapacity> dc_response;
   for (std::size_t k = 0; k < count; ++k)
-    at_one[k] = free[k].at(1);
-  std::array<std::array<double, kRoom>, kRoom> normal{};
-  std::array<double, kRoom> change{};
+    dc_response[k] = free[k].at(1);
+  std::array<std::array<double, kCapacity>, kCapacity> normal{};
+  std::array<double, kCapacity> correction{};
   const double nyquist = std::numbers::pi / period;
   const auto add = [&](double omega, double weight) {
     const Complex s(0, omega), x = std::polar(1.0, -omega * period);
-    Complex lacking = 0;
+    Complex residual = 0;
     for (const Termination::Block& block : analog)
       for (const Complex& part : terms(block, s))
-        lacking += part;
-    if (at_zero == 0) // from 0 up all levels are heard
-      weight /= std::norm(lacking) + 1e-12;
-    std::array<Complex, kRoom> shape;
+        residual += part;
+    if (dc_value == 0) // from 0 up all levels are heard
+      weight /= std::norm(residual) + 1e-12;
+    std::array<Complex, kCapacity> shape;
     for (std::size_t k = 0; k < count; ++k) {
-      shape[k] = free[k].at(x) - at_one[k];
-      lacking -= free[k].value * shape[k];
+      shape[k] = free[k].at(x) - dc_response[k];
+      residual -= free[k].value * shape[k];
     }
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t j = 0; j <= k; ++j)
         normal[k][j] += weight * (std::conj(shape[k]) * shape[j]).real();
-      change[k] += weight * (std::conj(shape[k]) * lacking).real();
+      correction[k] += weight * (std::conj(shape[k]) * residual).real();
     }
   };
   const double lowest = 2 * std::numbers::pi * 80,
                highest = std::min(2 * std::numbers::pi * 12.5e3, 0.9 * nyquist);
-  constexpr int kPlaces = 36;
-  for (int i = 0; i < kPlaces; ++i)
-    add(lowest * std::pow(highest / lowest, i / (kPlaces - 1.0)), 1);
+  constexpr int kPoints = 36;
+  for (int i = 0; i < kPoints; ++i)
+    add(lowest * std::pow(highest / lowest, i / (kPoints - 1.0)), 1);
   for (int i = 1; i <= 8; ++i)
     add(highest * std::pow(0.98 * nyquist / highest, i / 8.0), 1e-3);
   // Where poles are slow or sharp, nothing may come out above 1.
-  constexpr int kSlowPlaces = 8;
-  for (int i = 0; i < kSlowPlaces; ++i)
-    add(lowest * std::pow(0.01, (i + 0.5) / kSlowPlaces), 10);
+  constexpr int kSlowPoints = 8;
+  for (int i = 0; i < kSlowPoints; ++i)
+    add(lowest * std::pow(0.01, (i + 0.5) / kSlowPoints), 10);
   for (const Termination::Block& block : analog)
     if (block.oscillates && block.b < highest)
       add(block.b, 1);
   for (std::size_t k = 0; k < count; ++k)
     normal[k][k] *= 1 + 1e-9; // poles may lie close together
-  solve(normal, change, count);
+  solve(normal, correction, count);
 
-  direct = gain * at_zero;
+  direct = gain * dc_value;
   std::size_t next = 0;
-  const auto take = [&] {
-    const double value = gain * (free[next].value + change[next]);
-    direct -= value * at_one[next].real();
+  const auto next_residue = [&] {
+    const double value = gain * (free[next].value + correction[next]);
+    direct -= value * dc_response[next].real();
     ++next;
     return value;
   };
@@ -189,49 +190,49 @@ void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& an
     if (block.oscillates) {
       // Of a state that turns by q: x + y = Re((1 - i) state), and its input is what makes that
       // twice the real part of the term.
-      const Complex turn = free[next].turn;
-      const double even = take(), odd = take();
+      const Complex digital_pole = free[next].digital_pole;
+      const double even = next_residue(), odd = next_residue();
       const Complex input = 2.0 * Complex(even, odd) / Complex(1, -1);
-      a[i] = e[i] = turn.real();
-      w[i] = turn.imag();
+      a[i] = e[i] = digital_pole.real();
+      w[i] = digital_pole.imag();
       g[i] = input.real();
       h[i] = input.imag();
     } else {
       a[i] = e[i] = w[i] = g[i] = h[i] = 0;
       if (block.c != 0) {
-        a[i] = free[next].turn.real();
-        g[i] = take();
+        a[i] = free[next].digital_pole.real();
+        g[i] = next_residue();
       }
       if (block.d != 0) {
-        e[i] = free[next].turn.real();
-        h[i] = take();
+        e[i] = free[next].digital_pole.real();
+        h[i] = next_residue();
       }
     }
   }
 
-  if (at_zero == 0)
+  if (dc_value == 0)
     return;
   // What little a reflectance may still come out above 1 by, above all at rates below 40 kHz.
-  double largest = 0;
-  const auto look = [&](double angle) {
-    largest = std::max(largest, std::norm(at(std::polar(1.0, -angle))));
+  double max_squared = 0;
+  const auto check_magnitude = [&](double angle) {
+    max_squared = std::max(max_squared, std::norm(at(std::polar(1.0, -angle))));
   };
-  const int dense = rate < 40e3 ? 400 : 60;
-  for (int i = 1; i <= dense; ++i)
-    look(std::numbers::pi * i / dense);
+  const int points = rate < 40e3 ? 400 : 60;
+  for (int i = 1; i <= points; ++i)
+    check_magnitude(std::numbers::pi * i / points);
   for (double angle = lowest * period; angle > 1e-3 * lowest * period; angle *= 0.7)
-    look(angle);
+    check_magnitude(angle);
   for (const Termination::Block& block : analog)
     if (block.oscillates)
       for (const double side : {-2.0, -1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0, 2.0})
-        look(std::min((block.b + side * block.a) * period, std::numbers::pi));
-  if (largest > 1) {
+        check_magnitude(std::min((block.b + side * block.a) * period, std::numbers::pi));
+  if (max_squared > 1) {
     // Between the places looked at there may be twice as much.
-    const double less = 1 / (1 + 2 * (std::sqrt(largest) - 1) + 1e-9);
-    direct *= less;
+    const double reduction = 1 / (1 + 2 * (std::sqrt(max_squared) - 1) + 1e-9);
+    direct *= reduction;
     for (std::size_t i = 0; i < analog.size(); ++i) {
-      g[i] *= less;
-      h[i] *= less;
+      g[i] *= reduction;
+      h[i] *= reduction;
     }
   }
 }

@@ -13,7 +13,7 @@ enum class BoreEnd { kOpen, kClarinet, kSaxophone, kOboe, kTrumpet, kTrombone };
 /// One fingering: what an arriving wave meets where the line ends, at the first open tone hole (or
 /// at the beginning of the bell): a lattice of open holes, what bore is left, the bell. As
 /// functions of s at 20 deg C,
-///   H(s) = at_zero + sum over the blocks' poles p and residues r of  r s/(s - p),
+///   H(s) = dc_value + sum over the blocks' poles p and residues r of  r s/(s - p),
 /// the reflectance R(s) and what is heard: the pressure at 1 m (root mean square over all
 /// directions) is (input radius in m) * T(s) times the arriving wave, referred to the bore's input.
 /// Lengths of air scale with its speed of sound, so that H(s c_20/c) holds at another temperature.
@@ -30,7 +30,7 @@ struct Termination {
   static constexpr int kReflectionBlocks = 6, kRadiationBlocks = 4; // even
 
   int key = 0;             // MIDI number of the note, as it sounds
-  double at_zero = -1;     // R(0)
+  double dc_value = -1;    // R(0)
   double extra_length = 0; // m: path that R leaves out, a pure delay there and back
   std::array<Block, kReflectionBlocks> reflection{};
   std::array<Block, kRadiationBlocks> radiation{}; // T(0) = 0
@@ -64,7 +64,7 @@ template <int blocks> struct DigitalBlocks {
   std::array<double, blocks> a{}, e{}, w{}, g{}, h{};
 
   /// rate in Hz; speed_ratio = c/c_20.
-  void set(const std::array<Termination::Block, blocks>& analog, double at_zero, double rate,
+  void set(const std::array<Termination::Block, blocks>& analog, double dc_value, double rate,
            double speed_ratio, double gain) noexcept;
   /// At exp(i 2 pi f/rate) = 1/back.
   [[nodiscard]] std::complex<double> at(std::complex<double> back) const noexcept {

@@ -23,7 +23,7 @@ constexpr Woodwind kClarinet{
     .bell = {{{0, 1}, {0.02, 1.15}, {0.06, 1.6}, {0.10, 2.6}, {0.125, 4.0}}},
     .bell_corners = 5,
     .vent = {0.11, 1.5e-3, 12e-3},
-    .overblown = 19};
+    .overblow_interval = 19};
 constexpr Woodwind kSaxophone{.lowest_key = 44,
                               .highest_key = 76,
                               .input_radius = 6.2e-3,
@@ -35,7 +35,7 @@ constexpr Woodwind kSaxophone{.lowest_key = 44,
                               .bell = {{{0, 1}, {0.06, 1.48}}},
                               .bell_corners = 2,
                               .vent = {0.16, 1.5e-3, 4e-3},
-                              .overblown = 12};
+                              .overblow_interval = 12};
 constexpr Woodwind kOboe{.lowest_key = 58,
                          .highest_key = 88,
                          .input_radius = 3e-3,
@@ -45,11 +45,11 @@ constexpr Woodwind kOboe{.lowest_key = 58,
                          .bell = {{{0, 1}, {0.04, 1.1}, {0.08, 1.4}}},
                          .bell_corners = 3,
                          .vent = {0.12, 0.6e-3, 5e-3},
-                         .overblown = 12};
+                         .overblow_interval = 12};
 
 } // namespace
 
-double Woodwind::place(double key) const noexcept {
+double Woodwind::position(double key) const noexcept {
   const double frequency = 440 * std::exp2((key - 69) / 12);
   return air_at(20).sound_speed / ((apex > 0 ? 2 : 4) * frequency) - kEndCorrection;
 }
@@ -61,7 +61,7 @@ double Woodwind::cutoff_at(int key) const noexcept {
 
 Woodwind::Hole Woodwind::tone_hole(std::size_t index) const noexcept {
   const int key = key_of(index);
-  const double here = place(key), spacing = place(key - 1) - here;
+  const double here = position(key), spacing = position(key - 1) - here;
   const double bore = radius(here);
   double ratio = 0.5;
   for (int i = 0; i < 50; ++i) {

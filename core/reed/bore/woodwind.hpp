@@ -17,7 +17,7 @@ struct Woodwind {
     double distance, ratio; // from the last hole's place; radius over the bore's there
   };
   struct Hole {
-    double place, radius, height; // place from the reed's end; of a cone from its apex
+    double position, radius, height; // place from the reed's end; of a cone from its apex
   };
   static constexpr int kBellCorners = 5;
   static constexpr std::size_t kMaxToneHoles = 32;
@@ -31,16 +31,16 @@ struct Woodwind {
   int cutoff_top = 127;   // up to this key's hole
   std::array<Corner, kBellCorners> bell{};
   int bell_corners = 0;
-  Hole vent{};        // the register vent; its place on the line, from the reed's end
-  int overblown = 19; // semitones from a fingering's note to the one with the vent open
+  Hole vent{};                // the register vent; its place on the line, from the reed's end
+  int overblow_interval = 19; // semitones from a fingering's note to the one with the vent open
 
   /// A note's first open hole; the lowest note's is the beginning of the bell.
-  [[nodiscard]] double place(double key) const noexcept;
+  [[nodiscard]] double position(double key) const noexcept;
   /// Cut-off of the lattice about the hole that a note opens first, Hz.
   [[nodiscard]] double cutoff_at(int key) const noexcept;
   /// Radius of the bore.
-  [[nodiscard]] double radius(double place) const noexcept {
-    return input_radius * (apex > 0 ? place / apex : 1);
+  [[nodiscard]] double radius(double position) const noexcept {
+    return input_radius * (apex > 0 ? position / apex : 1);
   }
   /// Tone holes are counted from the reed down: 0 belongs to the highest note.
   [[nodiscard]] std::size_t tone_holes() const noexcept {

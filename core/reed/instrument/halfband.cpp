@@ -23,9 +23,9 @@ template <int pairs> std::array<double, pairs> halfband_coefficients() noexcept 
   std::array<double, pairs> h{};
   double sum = 0;
   for (int j = 0; j < pairs; ++j) {
-    const double n = 2 * j + 1, place = n / (2 * pairs);
+    const double n = 2 * j + 1, position = n / (2 * pairs);
     const double sinc = (j % 2 == 0 ? 1 : -1) / (std::numbers::pi * n);
-    h[static_cast<std::size_t>(j)] = sinc * bessel(kBeta * std::sqrt(1 - place * place));
+    h[static_cast<std::size_t>(j)] = sinc * bessel(kBeta * std::sqrt(1 - position * position));
     sum += 2 * h[static_cast<std::size_t>(j)];
   }
   for (double& value : h)

@@ -10,50 +10,50 @@ template <int pairs> [[nodiscard]] std::array<double, pairs> halfband_coefficien
 
 /// Halves the sample rate of one signal, or of several side by side. Linear phase; delays by
 /// 2 pairs - 1 input samples.
-template <class V, int pairs, int longest> class Halfband {
+template <class V, int pairs, int max_count> class Halfband {
 public:
   void reset() noexcept { history_.fill(V(0.0)); }
 
   /// count outputs from 2 count inputs (2 count <= longest); output may be the input.
   void run(const V* input, V* output, int count) noexcept {
     for (int i = 0; i < 2 * count; ++i)
-      history_[static_cast<std::size_t>(kKept + i)] = input[i];
+      history_[static_cast<std::size_t>(kHistory + i)] = input[i];
     for (int n = 0; n < count; ++n) {
-      const V* middle = history_.data() + 2 * n + 2 * pairs - 1;
-      V sum = V(0.5) * middle[0];
+      const V* centre = history_.data() + 2 * n + 2 * pairs - 1;
+      V sum = V(0.5) * centre[0];
       for (int j = 0; j < pairs; ++j)
         sum += V(coefficients_[static_cast<std::size_t>(j)]) *
-               (middle[-2 * j - 1] + middle[2 * j + 1]);
+               (centre[-2 * j - 1] + centre[2 * j + 1]);
       output[n] = sum;
     }
-    for (int i = 0; i < kKept; ++i)
+    for (int i = 0; i < kHistory; ++i)
       history_[static_cast<std::size_t>(i)] = history_[static_cast<std::size_t>(2 * count + i)];
   }
 
 private:
-  static constexpr int kKept = 4 * pairs - 2;
+  static constexpr int kHistory = 4 * pairs - 2;
   std::array<double, pairs> coefficients_ = halfband_coefficients<pairs>();
-  std::array<V, kKept + longest> history_{};
+  std::array<V, kHistory + max_count> history_{};
 };
 
 /// From 4 times or twice the sample rate to the sample rate.
-template <class V, int longest> class Decimator {
+template <class V, int max_count> class Decimator {
 public:
   void reset() noexcept {
-    wide_.reset();
-    steep_.reset();
+    first_stage_.reset();
+    second_stage_.reset();
   }
 
   /// count outputs from oversampling * count inputs (at most longest), which are used up.
   void run(int oversampling, V* signal, V* output, int count) noexcept {
     if (oversampling == 4)
-      wide_.run(signal, signal, 2 * count);
-    steep_.run(signal, output, count);
+      first_stage_.run(signal, signal, 2 * count);
+    second_stage_.run(signal, output, count);
   }
 
 private:
-  Halfband<V, 4, longest> wide_{};
-  Halfband<V, 8, longest> steep_{};
+  Halfband<V, 4, max_count> first_stage_{};
+  Halfband<V, 8, max_count> second_stage_{};
 };
 
 } // namespace tactus::reed

@@ -9,7 +9,7 @@ namespace tactus::reed {
 namespace {
 
 /// Single-precision hosts slow down on denormals, too.
-template <class S> void send(const double* value, S* out, std::size_t count) noexcept {
+template <class S> void copy_output(const double* value, S* out, std::size_t count) noexcept {
   for (std::size_t i = 0; i < count; ++i)
     out[i] = static_cast<S>(std::abs(value[i]) < 1e-30 ? 0.0 : value[i]);
 }
@@ -19,9 +19,9 @@ constexpr double kHighestFrequency = 1e6;
 
 /// A control that is no number, or not finite, leaves the last good value. 0 and below are one
 /// wish.
-void follow(double& kept, double given) noexcept {
-  if (std::isfinite(given))
-    kept = std::clamp(given, 0.0, kHighestFrequency);
+void update_control(double& last_good, double value) noexcept {
+  if (std::isfinite(value))
+    last_good = std::clamp(value, 0.0, kHighestFrequency);
 }
 
 } // namespace
@@ -29,28 +29,28 @@ void follow(double& kept, double given) noexcept {
 /// Straight to the parameters' gain within ParameterGlide::kTime; at once before the first sample.
 void Instrument::move_gain() noexcept {
   const Parameters& p = bank_.parameters();
-  const double wanted = p.tune ? p.gain * p.played_gain : p.gain;
-  if (gain_due_) {
-    gain_ = wanted;
-    gain_due_ = false;
+  const double target_gain = p.tune ? p.gain * p.played_gain : p.gain;
+  if (gain_unset_) {
+    gain_ = target_gain;
+    gain_unset_ = false;
   }
   if (bank_.fades_out()) { // that which fades keeps its own
     gain_step_ = 0;
     return;
   }
-  if (wanted != gain_wanted_) {
-    gain_wanted_ = wanted;
-    gain_rate_ = (wanted - gain_) / gain_periods_;
+  if (target_gain != target_gain_) {
+    target_gain_ = target_gain;
+    gain_rate_ = (target_gain - gain_) / gain_periods_;
   }
-  const double rest = wanted - gain_;
-  gain_step_ = std::abs(rest) > 1.5 * std::abs(gain_rate_) ? gain_rate_ : rest;
-  gain_ = gain_step_ == rest ? wanted : gain_ + gain_step_;
+  const double remaining = target_gain - gain_;
+  gain_step_ = std::abs(remaining) > 1.5 * std::abs(gain_rate_) ? gain_rate_ : remaining;
+  gain_ = gain_step_ == remaining ? target_gain : gain_ + gain_step_;
 }
 
 void Instrument::prepare(double sample_rate, std::size_t) {
   sample_rate = std::clamp(sample_rate, 1000.0, 1e6);
   bank_.prepare(sample_rate);
-  gain_periods_ = ParameterGlide::kTime * sample_rate / kStretch + 1;
+  gain_periods_ = ParameterGlide::kTime * sample_rate / kBlock + 1;
 }
 
 bool Instrument::finger_holes(std::span<const double> closed) noexcept {
@@ -68,7 +68,7 @@ bool Instrument::finger_holes(std::span<const double> closed) noexcept {
 
 void Instrument::reset() noexcept {
   bank_.reset();
-  gain_due_ = true;
+  gain_unset_ = true;
   last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
 }
 
@@ -76,11 +76,11 @@ template <class S>
 void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
                          std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
                          std::span<S> bore_pressure, std::span<S> flow) noexcept {
-  std::array<double, kStretch> mouth, radiated, angle, bore, through;
+  std::array<double, kBlock> mouth, radiated, angle, bore, volume_flow;
   for (std::size_t done = 0; done < mouth_pressure.size();) {
     if (bank_.until_control() == 0) {
-      follow(reed_frequency_, static_cast<double>(reed_frequency[done]));
-      follow(bore_frequency_, static_cast<double>(bore_frequency[done]));
+      update_control(reed_frequency_, static_cast<double>(reed_frequency[done]));
+      update_control(bore_frequency_, static_cast<double>(bore_frequency[done]));
       // The lips go with the breath, not with what the tongue lets through.
       bank_.control(reed_frequency_, bore_frequency_, std::max(0.0, last_pressure_));
       move_gain();
@@ -94,32 +94,32 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
     }
     if (!usable)
       for (std::size_t i = 0; i < count; ++i) {
-        const double before = i == 0 ? last_pressure_ : mouth[i - 1];
+        const double previous = i == 0 ? last_pressure_ : mouth[i - 1];
         mouth[i] = mouth[i] == mouth[i] ? std::clamp(mouth[i], -kHighestPressure, kHighestPressure)
-                                        : before;
+                                        : previous;
       }
     last_pressure_ = mouth[count - 1];
-    bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
+    bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), volume_flow.data()},
               static_cast<int>(count));
     if (gain_step_ != 0) {
       const auto left = static_cast<double>(bank_.until_control());
       for (std::size_t i = 0; i < count; ++i)
-        radiated[i] *= gain_ - gain_step_ * (left + static_cast<double>(count - 1 - i)) / kStretch;
+        radiated[i] *= gain_ - gain_step_ * (left + static_cast<double>(count - 1 - i)) / kBlock;
     } else {
       for (std::size_t i = 0; i < count; ++i)
         radiated[i] *= gain_;
     }
     bool loud = false;
     for (std::size_t i = 0; i < count; ++i) {
-      loud |= std::abs(radiated[i]) > kClipped;
+      loud |= std::abs(radiated[i]) > kLinearLimit;
     }
     if (loud)
       for (std::size_t i = 0; i < count; ++i)
         radiated[i] = soft_clip(radiated[i]);
-    send(radiated.data(), sound.data() + done, count);
-    send(angle.data(), theta.data() + done, count);
-    send(bore.data(), bore_pressure.data() + done, count);
-    send(through.data(), flow.data() + done, count);
+    copy_output(radiated.data(), sound.data() + done, count);
+    copy_output(angle.data(), theta.data() + done, count);
+    copy_output(bore.data(), bore_pressure.data() + done, count);
+    copy_output(volume_flow.data(), flow.data() + done, count);
     done += count;
   }
 }

@@ -69,16 +69,16 @@ public:
                std::span<S> bore_pressure, std::span<S> flow) noexcept;
 
 private:
-  static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
+  static constexpr std::size_t kBlock = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
   // Copies of an instrument share it: what a bore ends in stays where it is.
   std::shared_ptr<HoleFingerings> fingerings_ = std::make_shared<HoleFingerings>();
   void move_gain() noexcept;
 
   double gain_ = 0, gain_step_ = 0;        // at the end of this control period, and the way there
-  double gain_wanted_ = 0, gain_rate_ = 0; // a control period
+  double target_gain_ = 0, gain_rate_ = 0; // a control period
   double gain_periods_ = 1;
-  bool gain_due_ = true; // not yet taken from the parameters
+  bool gain_unset_ = true; // not yet taken from the parameters
   double last_pressure_ = 0, reed_frequency_ = 0, bore_frequency_ = 0;
 };
 

@@ -23,10 +23,10 @@ void LengthTable::set(const Parameters& parameters) noexcept {
 }
 
 double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexcept {
-  if (!steps_[step].known || steps_[step].fingering != fingering) {
+  if (!steps_[step].computed || steps_[step].fingering != fingering) {
     const double f = kLowest * std::exp2(static_cast<double>(step) / kSteps);
-    const Playing playing = tuned(parameters_, f, reed_frequency_, fingering);
-    steps_[step] = {turns_of(parameters_, f, playing.length), true, fingering};
+    const PlayingSetup playing = tuned(parameters_, f, reed_frequency_, fingering);
+    steps_[step] = {round_trip_turns(parameters_, f, playing.length), true, fingering};
   }
   return steps_[step].turns;
 }
@@ -39,9 +39,10 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
     steps_ = {};
     reed_frequency_ = reed_frequency;
   }
-  if (const double alone = length_alone(parameters_, bore_frequency, fingering.end); alone > 0) {
-    turns_ = turns_of(parameters_, bore_frequency, alone);
-    return alone;
+  if (const double valve_length = valve_only_length(parameters_, bore_frequency, fingering.end);
+      valve_length > 0) {
+    turns_ = round_trip_turns(parameters_, bore_frequency, valve_length);
+    return valve_length;
   }
   const double at = std::clamp(kSteps * std::log2(bore_frequency / kLowest), 0.0,
                                static_cast<double>(kCount) - 2);
@@ -51,20 +52,21 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
   difference -= std::round(difference); // the step above may have taken another mode
   double turns = below + share * difference;
   if (parameters_.type == ValveType::kOpen) {
-    const double own = turns_of(parameters_, bore_frequency,
-                                wanted_length(parameters_, bore_frequency, fingering.end));
-    const double nearest = turns + std::round(own - turns);
+    const double nominal_turns = round_trip_turns(
+        parameters_, bore_frequency, nominal_length(parameters_, bore_frequency, fingering.end));
+    const double nearest = turns + std::round(nominal_turns - turns);
     turns += std::round(turns_ - turns);
-    const double most = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;
-    const bool beyond = fingering.end != nullptr && plays_tube(parameters_)
-                            ? !reaches(*brass_tube(parameters_.end), *fingering.end,
-                                       length_of(parameters_, bore_frequency, turns))
-                            : turns < kShort * own || turns > most * own;
+    const double max_ratio = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;
+    const bool beyond =
+        fingering.end != nullptr && uses_brass_tube(parameters_)
+            ? !within_tube_range(*brass_tube(parameters_.end), *fingering.end,
+                                 length_from_turns(parameters_, bore_frequency, turns))
+            : turns < kShort * nominal_turns || turns > max_ratio * nominal_turns;
     if (leap || beyond)
       turns = nearest;
   }
   turns_ = turns;
-  return length_of(parameters_, bore_frequency, turns);
+  return length_from_turns(parameters_, bore_frequency, turns);
 }
 
 } // namespace tactus::reed

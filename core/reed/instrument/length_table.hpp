@@ -33,7 +33,7 @@ private:
   static constexpr std::size_t kCount = 220;
   struct Step {
     double turns = 0; // of the round trip
-    bool known = false;
+    bool computed = false;
     Fingering fingering{}; // of the bore that it is right for
   };
 

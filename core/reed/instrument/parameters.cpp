@@ -80,7 +80,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   return p;
 }
 
-Parameters between(const Parameters& from, const Parameters& to, double share) noexcept {
+Parameters interpolate(const Parameters& from, const Parameters& to, double share) noexcept {
   Parameters p = to;
   for (double Parameters::*member : {&Parameters::rest_angle,     &Parameters::arm_length,
                                      &Parameters::mass,           &Parameters::reed_frequency,
@@ -113,7 +113,7 @@ bool within(double factor, std::initializer_list<Size> sizes, const Parameters& 
 
 } // namespace
 
-bool goes_on(const Parameters& a, const Parameters& b) noexcept {
+bool can_continue(const Parameters& a, const Parameters& b) noexcept {
   return a.type == b.type && a.shape == b.shape && a.tune == b.tune &&
          std::abs(a.embouchure_slope - b.embouchure_slope) <= kSlope &&
          oversampling_of(a) == oversampling_of(b) &&
@@ -126,7 +126,7 @@ bool goes_on(const Parameters& a, const Parameters& b) noexcept {
                 a, b);
 }
 
-bool near(const Parameters& a, const Parameters& b) noexcept {
+bool can_interpolate(const Parameters& a, const Parameters& b) noexcept {
   constexpr double kFactor = 1.25;
   constexpr double kCents = 100;
   if (a.type != b.type || a.shape != b.shape || a.end != b.end || a.flow != b.flow ||

@@ -101,16 +101,16 @@ struct Parameters {
 
 /// Parameters on the way from one set to another: every number a share of the way, words and
 /// switches as in `to`.
-[[nodiscard]] Parameters between(const Parameters& from, const Parameters& to,
-                                 double share) noexcept;
+[[nodiscard]] Parameters interpolate(const Parameters& from, const Parameters& to,
+                                     double share) noexcept;
 
 /// Whether an instrument that sounds can become the other one on the straight way of between()
 /// without a thump: no switch or word differs, nor what a 0 switches off, and no size is more than
 /// a quarter as large again.
-[[nodiscard]] bool near(const Parameters& a, const Parameters& b) noexcept;
+[[nodiscard]] bool can_interpolate(const Parameters& a, const Parameters& b) noexcept;
 /// Whether what sounds in one instrument can go on in the other: the same kind of valve, bore and
 /// player, and no size that holds energy more than twice as large.
-[[nodiscard]] bool goes_on(const Parameters& a, const Parameters& b) noexcept;
+[[nodiscard]] bool can_continue(const Parameters& a, const Parameters& b) noexcept;
 /// The note meant, Hz: that of the fingering, else the bore frequency as given.
 [[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;
 

@@ -5,10 +5,10 @@
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/bore/bore_line.hpp"
 #include "core/reed/bore/brass.hpp"
-#include "core/reed/bore/holed_end.hpp"
 #include "core/reed/bore/radiation_path.hpp"
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
+#include "core/reed/bore/tone_hole_end.hpp"
 #include "core/reed/instrument/halfband.hpp"
 #include "core/reed/instrument/parameter_glide.hpp"
 #include "core/reed/instrument/parameters.hpp"
@@ -55,14 +55,14 @@ public:
     if (sample_rate == sample_rate_)
       return;
     sample_rate_ = sample_rate;
-    line_.prepare(longest_delay(sample_rate * kMaxOversampling));
-    below_.prepare(longest_delay(sample_rate * kMaxOversampling));
+    line_.prepare(max_delay(sample_rate * kMaxOversampling));
+    below_.prepare(max_delay(sample_rate * kMaxOversampling));
     radiation_.prepare(sample_rate * kMaxOversampling);
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
-    at_once_ = kAtOnce * kControlPeriod / sample_rate;
+    max_immediate_step_ = kMaxImmediateRate * kControlPeriod / sample_rate;
     player_.prepare(sample_rate);
     glide_.prepare(sample_rate / kControlPeriod);
-    fresh_ = true;
+    starting_ = true;
     apply(parameters_);
     reset();
   }
@@ -71,18 +71,18 @@ public:
   /// 16 ms, and switches in a short fade (ParameterGlide); several side by side have them at once.
   /// The state goes on, within the new stops.
   void set(const Parameters& parameters) noexcept {
-    given_ = clamped(parameters);
-    const Parameters wanted = with_tube(given_);
-    if (kSeveral || fresh_ || !(sample_rate_ > 0))
-      return apply(wanted);
-    if (wanted == parameters_)
+    requested_ = clamped(parameters);
+    const Parameters target = with_brass_tube(requested_);
+    if (kSeveral || starting_ || !(sample_rate_ > 0))
+      return apply(target);
+    if (target == parameters_)
       return;
-    parameters_ = wanted;
+    parameters_ = target;
     glide_.begin(parameters_);
     if (!glide_.fades_out())
-      inform_player();
+      update_player();
   }
-  [[nodiscard]] const Parameters& parameters() const noexcept { return given_; }
+  [[nodiscard]] const Parameters& parameters() const noexcept { return requested_; }
   /// Holes fingered one by one (Player::finger).
   void finger(const Termination* holes, double vent = 0) noexcept { player_.finger(holes, vent); }
   /// What the player was asked for and does not play.
@@ -91,22 +91,22 @@ public:
   [[nodiscard]] double length() const noexcept { return length_to_; }
 
   void reset() noexcept {
-    fresh_ = true;
+    starting_ = true;
     phase_ = kControlPeriod;
     random_.seed(parameters_.seed);
     state_ = {};
     mouth_ = V(0.0);
     player_.reset();
-    loudest_ = 0;
-    glide_.full();
+    peak_pressure_ = 0;
+    glide_.end_silence();
     if (sample_rate_ > 0)
       apply(parameters_);
-    still_air();
+    clear_air();
   }
 
   /// reset() of one reed that sounds, without a click: the sound fades out, and it is blown anew.
   void restart() noexcept {
-    if (kSeveral || fresh_)
+    if (kSeveral || starting_)
       return reset();
     glide_.restart();
   }
@@ -124,76 +124,82 @@ public:
   void control(const V& reed_frequency, double bore_frequency, double breath = -1) noexcept {
     using simd::absolute, simd::any, simd::select;
     phase_ = 0;
-    quieten();
-    const bool quiet = !kSeveral && loudest_ < kQuiet && simd::lane(mouth_, 0) < kQuiet;
-    loudest_ = 0;
-    if (glide_.fade() || (quiet && glide_.fades_out()))
+    flush_denormals();
+    const bool silent =
+        !kSeveral && peak_pressure_ < kSilencePressure && simd::lane(mouth_, 0) < kSilencePressure;
+    peak_pressure_ = 0;
+    if (glide_.fade() || (silent && glide_.fades_out()))
       change();
-    if (quiet)
-      glide_.full();
+    if (silent)
+      glide_.end_silence();
     constexpr double kTwoPi = 2 * std::numbers::pi;
-    const V given = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)), reed_frequency,
-                           V(glide_.now().reed_frequency));
-    const Player::Hold& hold =
-        player_.control(bore_frequency, static_cast<double>(simd::lane(given, 0)), breath);
-    if (hold.end != design_.end()) {
-      design_.set_end(hold.end);
-      holes_.finger(hold.end);
+    const V nominal_frequency = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)),
+                                       reed_frequency, V(glide_.current().reed_frequency));
+    const Player::Configuration& configuration = player_.control(
+        bore_frequency, static_cast<double>(simd::lane(nominal_frequency, 0)), breath);
+    if (configuration.end != design_.end()) {
+      design_.set_end(configuration.end);
+      holes_.finger(configuration.end);
       trip_due_ = true;
     }
-    move_vent(hold.vent);
+    move_vent(configuration.vent);
     end_substeps();
     if (gliding_)
       radiation_.set(radiation_to_);
     gliding_ = false;
-    if (glide_.moves())
-      move_parameters(hold.valve);
-    else if (hold.valve_changed)
-      take(hold.valve);
-    if (hold.trim != trim_ || hold.valve_changed || gliding_)
-      trim(hold.trim, hold.length);
-    const V target = V(kTwoPi * hold.reed_scale) *
-                     simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
+    if (glide_.is_moving())
+      move_parameters(configuration.valve);
+    else if (configuration.valve_changed)
+      apply_valve(configuration.valve);
+    if (configuration.trim != trim_ || configuration.valve_changed || gliding_)
+      trim(configuration.trim, configuration.length);
+    const V target =
+        V(kTwoPi * configuration.reed_scale) *
+        simd::minimum(simd::maximum(nominal_frequency, V(1.0)), V(0.45 * sample_rate_));
     const bool played = player_.plays();
-    omega_from_ = fresh_ ? target : omega_to_;
-    omega_to_ = omega_from_ + followed(target - omega_from_, omega_from_, played);
+    omega_from_ = starting_ ? target : omega_to_;
+    omega_to_ = omega_from_ + slewed(target - omega_from_, omega_from_, played);
     omega_to_ = select(absolute(target - omega_to_) < V(1e-6) * target, target, omega_to_);
     const bool moving = any((omega_from_ < omega_to_) | (omega_to_ < omega_from_));
     const bool moved = reed_moves_;
     reed_moves_ = moving && !played && !valve_moves_;
     valve_moves_ = valve_moves_ || (moving && played);
-    if (!reed_moves_ && !valve_moves_ && (moved || steady_due_ || fresh_)) {
-      steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
+    if (!reed_moves_ && !valve_moves_ && (moved || steady_due_ || starting_)) {
+      steady_coefficients_ = ReedCoefficients<V>::at(constants_, omega_to_);
       steady_due_ = false;
     }
 
-    const double next =
-        fresh_ ? hold.length
-               : length_to_ +
-                     simd::lane(followed(V(hold.length - length_to_), V(length_to_), played), 0);
-    move_bore(std::abs(hold.length - next) < 1e-7 * hold.length ? hold.length : next);
-    if (fresh_)
+    const double next = starting_
+                            ? configuration.length
+                            : length_to_ + simd::lane(slewed(V(configuration.length - length_to_),
+                                                             V(length_to_), played),
+                                                      0);
+    set_bore_length(std::abs(configuration.length - next) < 1e-7 * configuration.length
+                        ? configuration.length
+                        : next);
+    if (starting_)
       delay_from_ = trip_.delay;
-    steepen_over(player_.note());
-    fresh_ = false;
+    update_steepening_length(player_.note());
+    starting_ = false;
   }
 
   /// Computes count <= until_control() samples; mouth pressures in Pa, finite, within +-50 kPa.
   void run(const V* mouth_pressure, const Outputs& out, int count) noexcept {
-    const int most = kChunk / oversampling_;
-    const double from = glide_.loudness_from(), to = glide_.loudness_to();
+    const int max_samples = kChunk / oversampling_;
+    const double from = glide_.fade_from(), to = glide_.fade_to();
     const int before = phase_;
     const auto share = [before](int i) { return (before + i + 1.0) / kControlPeriod; };
     std::array<V, kControlPeriod> breath;
     std::copy_n(mouth_pressure, count, breath.begin());
-    player_.breathe(breath.data(), count, kHighestPressure);
-    const double blown_from = glide_.breath_from(), blown_to = glide_.breath_to();
-    if (blown_from < 1 || blown_to < 1)
+    player_.apply_tongue(breath.data(), count, kHighestPressure);
+    const double breath_start = glide_.breath_gain_from(), breath_end = glide_.breath_gain_to();
+    if (breath_start < 1 || breath_end < 1)
       for (int i = 0; i < count; ++i)
-        breath[index(i)] = V(blown_from + (blown_to - blown_from) * share(i)) * breath[index(i)];
+        breath[index(i)] =
+            V(breath_start + (breath_end - breath_start) * share(i)) * breath[index(i)];
     mouth_pressure = breath.data();
     for (int done = 0; done < count;) {
-      const int samples = std::min(count - done, most);
+      const int samples = std::min(count - done, max_samples);
       chunk(mouth_pressure + done,
             {out.radiated + done, out.angle + done, out.bore_pressure + done, out.flow + done},
             samples);
@@ -202,10 +208,10 @@ public:
     }
     if (from < 1 || to < 1)
       for (int i = 0; i < count; ++i) {
-        const double loudness = from + (to - from) * share(i);
-        out.radiated[i] *= loudness;
+        const double fade_gain = from + (to - from) * share(i);
+        out.radiated[i] *= fade_gain;
         for (V* signal : {out.angle, out.bore_pressure, out.flow})
-          signal[i] = V(loudness) * signal[i];
+          signal[i] = V(fade_gain) * signal[i];
       }
   }
 
@@ -215,14 +221,15 @@ private:
   static constexpr int kMaxOversampling = 4;
   static constexpr double kSlewTime = 5e-3; // s
   static constexpr int kSubsteps = 4;       // of the valve, in a control period
-  static constexpr double kAtOnce = 25;     // 1/s: an octave in 30 ms is followed without delay
+  static constexpr double kMaxImmediateRate =
+      25; // 1/s: an octave in 30 ms is followed without delay
   /// Up to here noise is a share of the mouth pressure and even; it need not stop when the valve
   /// shuts, and costs a fraction of what the jet's own does.
   static constexpr double kFaintNoise = kSeveral ? 1e-3 : 1e-5;
-  static constexpr double kQuiet = 0.1;      // Pa in the bore and the mouth: nothing sounds
-  static constexpr double kVentTime = 5e-3;  // s
-  static constexpr double kBelowVent = 0.03; // m of line that it needs beyond it
-  static constexpr double kSilence = 1e-20;  // below, a state is nothing: denormals are dear
+  static constexpr double kSilencePressure = 0.1; // Pa in the bore and the mouth: nothing sounds
+  static constexpr double kVentTime = 5e-3;       // s
+  static constexpr double kMinLengthBelowVent = 0.03; // m of line that it needs beyond it
+  static constexpr double kDenormalLimit = 1e-20; // below, a state is nothing: denormals are dear
   using Signal = std::array<V, kChunk>;
 
   /// Takes over clamped parameters at once.
@@ -243,35 +250,35 @@ private:
     holes_.set(rate, design_.air().sound_speed / air_at(20).sound_speed, parameters_.input_radius);
     vent_ = RegisterVent::of(parameters_);
     vent_filter_.set(vent_, rate);
-    inform_player();
-    place_valve(old);
+    update_player();
+    reposition_valve(old);
     from_ = to_ = constants_;
     valve_moves_ = false;
-    steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
+    steady_coefficients_ = ReedCoefficients<V>::at(constants_, omega_to_);
     steady_due_ = trip_due_ = true;
     if (oversampling_ != before)
-      still_air();
-    length_to_ = std::clamp(length_to_, 5e-3, design_.longest());
-    move_bore(length_to_);
+      clear_air();
+    length_to_ = std::clamp(length_to_, 5e-3, design_.max_length());
+    set_bore_length(length_to_);
     delay_from_ = trip_.delay;
   }
 
   /// What has no way in between, when nothing is heard.
   void change() noexcept {
-    const bool anew = glide_.restarts() || !goes_on(glide_.parameters(), parameters_);
+    const bool restarted = glide_.restarts() || !can_continue(glide_.parameters(), parameters_);
     if (glide_.restarts()) {
       random_.seed(parameters_.seed);
       player_.reset();
     }
     apply(parameters_);
-    if (anew) {
+    if (restarted) {
       state_ = {};
-      still_air();
+      clear_air();
     }
-    glide_.proceed(anew);
+    glide_.proceed(restarted);
   }
 
-  void inform_player() noexcept {
+  void update_player() noexcept {
     BoreDesign bore;
     bore.set(parameters_, sample_rate_ * oversampling_);
     player_.set(parameters_, bore);
@@ -281,27 +288,27 @@ private:
   void move_parameters(const Parameters& target) noexcept {
     glide_.move(target);
     const double rate = sample_rate_ * oversampling_;
-    design_.set(glide_.now(), rate);
+    design_.set(glide_.current(), rate);
     trip_from_ = trip_;
     radiation_from_ = radiation_to_;
-    radiation_to_ = RadiationConstants::from(glide_.now(), design_, rate);
+    radiation_to_ = RadiationConstants::from(glide_.current(), design_, rate);
     trip_due_ = gliding_ = true;
-    hold_valve(glide_.now(), true);
+    set_valve(glide_.current(), true);
   }
 
   /// The valve stays where it was, unless the new stops or the new side are in its way.
-  void place_valve(const ValveConstants& old) noexcept {
-    if (fresh_) {
+  void reposition_valve(const ValveConstants& old) noexcept {
+    if (starting_) {
       state_ = {};
       return;
     }
     const double turn = old.direction * constants_.direction;
-    const V wanted =
+    const V target =
         V(turn) * (state_.deflection() + V(old.rest_opening)) - V(constants_.rest_opening);
     const V low(constants_.lowest), high(constants_.highest);
     state_.move(
-        simd::minimum(simd::maximum(wanted, low), high),
-        simd::select((wanted < low) | (wanted > high), V(0.0), V(turn) * state_.velocity()));
+        simd::minimum(simd::maximum(target, low), high),
+        simd::select((target < low) | (target > high), V(0.0), V(turn) * state_.velocity()));
     // A cone's flow goes on; a cup's, C dp/dt, grows with the cup.
     if (!(constants_.inertance_rate > 0) || !(old.inertance_rate > 0))
       state_.inertance_flow = V(0.0);
@@ -310,30 +317,31 @@ private:
           old.compliance_rate > 0
               ? state_.compliance_flow * V(constants_.compliance_rate / old.compliance_rate)
               : V(0.0);
-    state_.remember(constants_);
+    state_.update_port_history(constants_);
   }
 
   /// How far something goes within a control period towards what it is to be. What a player moves
   /// steadily is there in time, so that glides and vibrato do not lag behind; the rest of a leap
   /// takes its time.
-  [[nodiscard]] V followed(const V& way, const V& size, bool played) const noexcept {
-    const V part = V(slew_) * way;
+  [[nodiscard]] V slewed(const V& difference, const V& size, bool played) const noexcept {
+    const V part = V(slew_) * difference;
     if (!played)
       return part;
-    const V room = simd::minimum(simd::absolute(way), V(at_once_) * simd::absolute(size));
-    return simd::copy_sign(simd::maximum(simd::absolute(part), room), way);
+    const V room =
+        simd::minimum(simd::absolute(difference), V(max_immediate_step_) * simd::absolute(size));
+    return simd::copy_sign(simd::maximum(simd::absolute(part), room), difference);
   }
 
-  void take(const Parameters& valve) noexcept {
+  void apply_valve(const Parameters& valve) noexcept {
     glide_.follow(valve);
-    hold_valve(valve, player_.plays() && !fresh_);
+    set_valve(valve, player_.plays() && !starting_);
   }
 
   /// The valve is to be held so: at once, or in kSubsteps within this control period.
-  void hold_valve(const Parameters& valve, bool gently) noexcept {
+  void set_valve(const Parameters& valve, bool smoothly) noexcept {
     const ValveConstants held = ValveConstants::from(valve, design_, sample_rate_ * oversampling_);
     steady_due_ = true;
-    if (gently) {
+    if (smoothly) {
       from_ = constants_;
       to_ = held;
       valve_moves_ = true;
@@ -341,7 +349,7 @@ private:
     }
     const ValveConstants old = constants_;
     from_ = to_ = constants_ = held;
-    place_valve(old);
+    reposition_valve(old);
   }
 
   void end_substeps() noexcept {
@@ -351,19 +359,19 @@ private:
     steady_due_ = true;
     const ValveConstants old = constants_;
     from_ = constants_ = to_;
-    place_valve(old);
+    reposition_valve(old);
   }
 
   /// The valve as it is held in the middle of a part of the control period.
   void substep(int step) noexcept {
     const double share = (step + 0.5) / kSubsteps;
     const ValveConstants old = constants_;
-    constants_ = ValveConstants::between(from_, to_, share);
+    constants_ = ValveConstants::interpolate(from_, to_, share);
     if (constants_.rest_opening != old.rest_opening || constants_.lowest != old.lowest ||
         constants_.highest != old.highest || constants_.inertance_rate != old.inertance_rate ||
         constants_.compliance_rate != old.compliance_rate)
-      place_valve(old);
-    steady_ =
+      reposition_valve(old);
+    steady_coefficients_ =
         ReedCoefficients<V>::at(constants_, omega_from_ + V(share) * (omega_to_ - omega_from_));
   }
 
@@ -371,29 +379,29 @@ private:
   void trim(double logarithm, double length) noexcept {
     trim_ = logarithm;
     const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length) /
-                            (glide_.now().shape == BoreShape::kCone ? 2 : 4);
+                            (glide_.current().shape == BoreShape::kCone ? 2 : 4);
     trim_delay_ = 2 * acoustic * std::expm1(-logarithm) / design_.air().sound_speed * sample_rate_ *
                   oversampling_;
   }
 
-  void move_bore(double length) noexcept {
+  void set_bore_length(double length) noexcept {
     delay_from_ = trip_.delay;
     if (length != length_to_ || trip_due_) {
       length_to_ = length;
       trip_ = design_.round_trip(length);
-      own_delay_ = trip_.delay;
+      untrimmed_delay_ = trip_.delay;
       trip_due_ = false;
     }
     // A trim changes the delay alone: what it would change in the losses is inaudible.
-    trip_.delay = std::clamp(own_delay_ + trim_delay_, 3.0,
-                             static_cast<double>(longest_delay(sample_rate_ * oversampling_)));
+    trip_.delay = std::clamp(untrimmed_delay_ + trim_delay_, 3.0,
+                             static_cast<double>(max_delay(sample_rate_ * oversampling_)));
     if (divided_)
       divide();
   }
 
   /// The two parts of the bore on both sides of the vent.
   void divide() noexcept {
-    parts_ = design_.parts(trip_, length_to_, vent_.place);
+    parts_ = design_.parts(trip_, length_to_, vent_.position);
     // Some samples of the line are below the vent, whatever the bore's length.
     parts_.above.delay =
         std::clamp(parts_.above.delay, 3.0, std::max(3.0, std::min(delay_from_, trip_.delay) - 4));
@@ -402,32 +410,33 @@ private:
   /// The vent opens and closes within kVentTime. The line is in two parts from its first opening
   /// until what was sent while it was open has passed.
   void move_vent(double open) noexcept {
-    const bool has = vent_.share > 0 && !(parameters_.scalar_reflection > 0) &&
-                     length_to_ > vent_.place + kBelowVent;
-    const double wanted = has ? open : 0, step = kControlPeriod / (kVentTime * sample_rate_);
+    const bool vent_usable = vent_.share > 0 && !(parameters_.scalar_reflection > 0) &&
+                             length_to_ > vent_.position + kMinLengthBelowVent;
+    const double target = vent_usable ? open : 0,
+                 step = kControlPeriod / (kVentTime * sample_rate_);
     vent_from_ = vent_to_;
-    vent_to_ = fresh_ ? wanted : std::clamp(wanted, vent_to_ - step, vent_to_ + step);
-    if (fresh_)
+    vent_to_ = starting_ ? target : std::clamp(target, vent_to_ - step, vent_to_ + step);
+    if (starting_)
       vent_from_ = vent_to_;
-    shut_ = vent_from_ > 0 || vent_to_ > 0 ? 0 : shut_ + kControlPeriod;
+    samples_since_vent_ = vent_from_ > 0 || vent_to_ > 0 ? 0 : samples_since_vent_ + kControlPeriod;
     if (!divided_ && vent_to_ > 0) {
       divided_ = true;
       divide();
       below_.follow(line_, parts_.above.delay, static_cast<int>(trip_.delay) + 8);
       // Both parts' filters have the same poles: what is in them goes as the losses do.
       above_filter_ = filter_;
-      share_losses(parts_.above, trip_, parts_.below, trip_);
+      scale_losses(parts_.above, trip_, parts_.below, trip_);
       vent_filter_.reset();
-    } else if (divided_ && shut_ * oversampling_ > 2 * trip_.delay + kControlPeriod) {
+    } else if (divided_ && samples_since_vent_ * oversampling_ > 2 * trip_.delay + kControlPeriod) {
       divided_ = false;
-      share_losses({}, trip_, trip_, parts_.below);
+      scale_losses({}, trip_, trip_, parts_.below);
     }
   }
-  void share_losses(const RoundTrip& above, const RoundTrip& above_before, const RoundTrip& below,
+  void scale_losses(const RoundTrip& above, const RoundTrip& above_before, const RoundTrip& below,
                     const RoundTrip& below_before) noexcept {
-    const auto share = [](const RoundTrip& now, const RoundTrip& before) {
+    const auto share = [](const RoundTrip& current, const RoundTrip& before) {
       const double size = before.loss_residue[0];
-      return size != 0 ? now.loss_residue[0] / size : 0.0;
+      return size != 0 ? current.loss_residue[0] / size : 0.0;
     };
     const double more = share(above, above_before), less = share(below, below_before);
     above_filter_.each_loss([more](auto& value) { value = value * more; });
@@ -435,16 +444,16 @@ private:
   }
 
   /// What brassiness counts: the bore's own length, or a share of a player's wavelength.
-  void steepen_over(double note) noexcept {
+  void update_steepening_length(double note) noexcept {
     if (!(parameters_.steepening > 0) || !(note > 0)) {
       steepening_length_ = length_to_;
       return;
     }
     const double length = parameters_.steepening * design_.air().sound_speed / note;
-    steepening_length_ += (fresh_ ? 1 : slew_) * (length - steepening_length_);
+    steepening_length_ += (starting_ ? 1 : slew_) * (length - steepening_length_);
   }
 
-  void still_air() noexcept {
+  void clear_air() noexcept {
     line_.clear();
     below_.clear();
     filter_.reset();
@@ -460,25 +469,25 @@ private:
       decimator.reset();
   }
 
-  static void quieten(V& value) noexcept {
-    value = simd::select(simd::absolute(value) < V(kSilence), V(0.0), value);
+  static void flush_denormals(V& value) noexcept {
+    value = simd::select(simd::absolute(value) < V(kDenormalLimit), V(0.0), value);
   }
-  void quieten() noexcept {
-    for (V* value : {&state_.jet, &state_.carried, &state_.flow, &state_.inertance_flow,
-                     &state_.compliance_flow, &state_.past, &state_.place, &state_.speed,
-                     &state_.pressure, &state_.moved_by})
-      quieten(*value);
-    filter_.each([](auto& value) { quieten(value); });
+  void flush_denormals() noexcept {
+    for (V* value : {&state_.jet, &state_.jet_history, &state_.flow, &state_.inertance_flow,
+                     &state_.compliance_flow, &state_.port_history, &state_.position,
+                     &state_.base_velocity, &state_.base_pressure, &state_.pending_flow})
+      flush_denormals(*value);
+    filter_.each([](auto& value) { flush_denormals(value); });
     if (divided_) {
-      above_filter_.each([](auto& value) { quieten(value); });
-      vent_filter_.each([](V& value) { quieten(value); });
+      above_filter_.each([](auto& value) { flush_denormals(value); });
+      vent_filter_.each([](V& value) { flush_denormals(value); });
     }
-    radiation_.quieten();
+    radiation_.flush_denormals();
     if (holes_.active()) {
       holes_.proceed();
-      holes_.each([](V& value) { quieten(value); });
-      holes_.each_outside([](double& value) {
-        if (std::abs(value) < kSilence)
+      holes_.each([](V& value) { flush_denormals(value); });
+      holes_.each_radiation([](double& value) {
+        if (std::abs(value) < kDenormalLimit)
           value = 0;
       });
     }
@@ -506,11 +515,11 @@ private:
       decimators_[1].run(oversampling_, bore.data(), out.bore_pressure, samples);
       decimators_[2].run(oversampling_, flow.data(), out.flow, samples);
     }
-    if (player_.listens()) {
-      std::array<double, kChunk> heard;
+    if (player_.tracks_pitch()) {
+      std::array<double, kChunk> pitch_samples;
       for (int i = 0; i < samples; ++i)
-        heard[index(i)] = static_cast<double>(simd::lane(out.bore_pressure[i], 0));
-      player_.listen(heard.data(), samples);
+        pitch_samples[index(i)] = static_cast<double>(simd::lane(out.bore_pressure[i], 0));
+      player_.track_pitch(pitch_samples.data(), samples);
     }
   }
 
@@ -518,7 +527,7 @@ private:
   void advance(const V* mouth, const Outputs& out, int count) noexcept {
     std::array<double, kChunk> noise;
     Signal breath;
-    const double share = glide_.now().breath_noise;
+    const double share = glide_.current().breath_noise;
     const bool noisy = share > kFaintNoise;
     // The same power in each hertz at any rate.
     const double strength = share * std::sqrt(sample_rate_ * oversampling_ / 48e3);
@@ -526,44 +535,44 @@ private:
       for (int i = 0; i < count; ++i)
         noise[index(i)] = std::clamp(strength * random_.normal(), -0.9, 0.9);
     } else if (strength > 0) {
-      const double reach = strength * std::numbers::sqrt3;
+      const double amplitude = strength * std::numbers::sqrt3;
       for (int i = 0; i < count; ++i)
-        breath[index(i)] = mouth[i] * V(1 + reach * (2 * random_.uniform() - 1));
+        breath[index(i)] = mouth[i] * V(1 + amplitude * (2 * random_.uniform() - 1));
       mouth = breath.data();
     }
     for (int done = 0; done < count;) {
       const int phase = phase_ * oversampling_ + done;
       const double first = delay_from_ + phase / period() * (trip_.delay - delay_from_);
       const double above = divided_ ? parts_.above.delay : 0;
-      int room = line_.stretch(std::min(first, trip_.delay) - above);
+      int room = line_.max_block(std::min(first, trip_.delay) - above);
       if (divided_)
-        room = std::min({room, line_.stretch(above), below_.room()});
+        room = std::min({room, line_.max_block(above), below_.room()});
       const int part = std::min({count - done, room, line_.room()});
       V* wave = line_.next();
       BoreLine<V, kChunk>& last = divided_ ? below_ : line_; // to the bore's end
-      V* ending = last.next();
+      V* bore_end_wave = last.next();
       if (delay_from_ == trip_.delay)
-        last.read(first - above, kSilence, ending, part);
+        last.read(first - above, kDenormalLimit, bore_end_wave, part);
       else
-        last.read_moving(delay_from_ - above, trip_.delay - above, phase, period(), kSilence,
-                         ending, part);
+        last.read_moving(delay_from_ - above, trip_.delay - above, phase, period(), kDenormalLimit,
+                         bore_end_wave, part);
       if (gliding_)
-        travel_gliding(ending, out.radiated + done, phase, part);
+        travel_gliding(bore_end_wave, out.radiated + done, phase, part);
       else
-        travel(ending, divided_ ? parts_.below : trip_, out.radiated + done, part);
+        steepen_wave(bore_end_wave, divided_ ? parts_.below : trip_, out.radiated + done, part);
       if (divided_)
-        pass_vent(wave, ending, phase, part);
+        pass_vent(wave, bore_end_wave, phase, part);
       if (reed_moves_)
         for (int i = 0; i < part; ++i)
-          moving_[index(i)] = ReedCoefficients<V>::at(
+          moving_coefficients_[index(i)] = ReedCoefficients<V>::at(
               constants_, omega_from_ + V((phase + i + 1) / period()) * (omega_to_ - omega_from_));
       const int substep_size = valve_moves_ ? kControlPeriod / kSubsteps * oversampling_ : part;
       for (int i = 0; i < part;) {
-        const int into = valve_moves_ ? (phase + i) % substep_size : 0, at = done + i;
-        if (valve_moves_ && into == 0)
+        const int offset = valve_moves_ ? (phase + i) % substep_size : 0, at = done + i;
+        if (valve_moves_ && offset == 0)
           substep((phase + i) / substep_size);
-        const int size = std::min(part - i, substep_size - into);
-        step(reed_moves_ ? moving_.data() : &steady_, reed_moves_ ? 1 : 0,
+        const int size = std::min(part - i, substep_size - offset);
+        step(reed_moves_ ? moving_coefficients_.data() : &steady_coefficients_, reed_moves_ ? 1 : 0,
              {mouth + at, noisy ? noise.data() + at : nullptr, wave + i, out.angle + at,
               out.bore_pressure + at, out.flow + at},
              size);
@@ -573,7 +582,7 @@ private:
       done += part;
     }
     if (holes_.active()) {
-      radiation_.travel(out.radiated, count, steepening_length_);
+      radiation_.steepen_wave(out.radiated, count, steepening_length_);
       holes_.radiate(out.radiated, count);
     } else if (radiation_.steepens()) {
       radiation_.run(out.radiated, count, steepening_length_);
@@ -583,12 +592,12 @@ private:
 
   /// What the bore sends back, in place of what its end received, and what leaves it. Because the
   /// wave takes at least count samples through the bore, that is known before the valve moves.
-  [[gnu::noinline, gnu::flatten]] void travel(V* wave, const RoundTrip& trip, double* radiated,
-                                              int count) noexcept {
-    typename RoundTripFilter<V>::Stretch filter(filter_, trip, radiation_.returning_share());
+  [[gnu::noinline, gnu::flatten]] void steepen_wave(V* wave, const RoundTrip& trip,
+                                                    double* radiated, int count) noexcept {
+    typename RoundTripFilter<V>::BlockFilter filter(filter_, trip, radiation_.reflected_weight());
     if (holes_.active()) {
       for (int i = 0; i < count; ++i) {
-        wave[i] = filter.arriving(wave[i]);
+        wave[i] = filter.incident(wave[i]);
         radiated[i] = static_cast<double>(simd::lane(wave[i], 0));
       }
       holes_.reflect(wave, count);
@@ -596,11 +605,11 @@ private:
       for (int i = 0; i < count; ++i)
         wave[i] = filter(wave[i], radiated[i]);
     } else {
-      RadiationPath::Exit exit(radiation_);
+      RadiationPath::OutputFilter output_filter(radiation_);
       for (int i = 0; i < count; ++i) {
         double leaving;
         wave[i] = filter(wave[i], leaving);
-        radiated[i] = exit(leaving);
+        radiated[i] = output_filter(leaving);
       }
     }
   }
@@ -609,16 +618,17 @@ private:
   void travel_gliding(V* wave, double* radiated, int phase, int count) noexcept {
     for (int i = 0; i < count; ++i) {
       const double share = (phase + i + 1) / period();
-      radiation_.set(RadiationConstants::between(radiation_from_, radiation_to_, share));
-      travel(wave + i, divided_ ? parts_.below : RoundTrip::between(trip_from_, trip_, share),
-             radiated + i, 1);
+      radiation_.set(RadiationConstants::interpolate(radiation_from_, radiation_to_, share));
+      steepen_wave(wave + i,
+                   divided_ ? parts_.below : RoundTrip::interpolate(trip_from_, trip_, share),
+                   radiated + i, 1);
     }
   }
 
   /// What the line above the vent sends back, and what the line below it receives.
   [[gnu::noinline, gnu::flatten]] void pass_vent(V* wave, V* below, int phase, int count) noexcept {
-    line_.read(parts_.above.delay, kSilence, wave, count);
-    typename RoundTripFilter<V>::Stretch losses(above_filter_, parts_.above, 0);
+    line_.read(parts_.above.delay, kDenormalLimit, wave, count);
+    typename RoundTripFilter<V>::BlockFilter losses(above_filter_, parts_.above, 0);
     const double step = (vent_to_ - vent_from_) / period();
     vent_filter_.pass(losses, wave, below, vent_from_ + step * phase, step, count);
     below_.advance(count);
@@ -628,18 +638,18 @@ private:
             int count) noexcept {
     using Yes = std::true_type;
     using No = std::false_type;
-    const auto go = [&](auto swinging, auto paper, auto plain) {
+    const auto dispatch = [&](auto swinging, auto paper, auto plain) {
       step_valve<decltype(swinging)::value, decltype(paper)::value, decltype(plain)::value>(
           constants_, coefficients, stride, state_, signal, count);
     };
     if (constants_.swinging)
-      constants_.paper ? go(Yes{}, Yes{}, No{}) : go(Yes{}, No{}, No{});
+      constants_.paper ? dispatch(Yes{}, Yes{}, No{}) : dispatch(Yes{}, No{}, No{});
     else if (constants_.paper)
-      go(No{}, Yes{}, No{});
-    else if (constants_.bare() && stride == 0 && signal.noise == nullptr)
-      go(No{}, No{}, Yes{});
+      dispatch(No{}, Yes{}, No{});
+    else if (constants_.plain_port() && stride == 0 && signal.noise == nullptr)
+      dispatch(No{}, No{}, Yes{});
     else
-      go(No{}, No{}, No{});
+      dispatch(No{}, No{}, No{});
   }
 
   /// The paper's explicit flow and the force of the flow (mu) can feed energy in without bound,
@@ -658,7 +668,7 @@ private:
       }
       if (i < count)
         even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
-      loudest_ = std::max({loudest_, even, odd});
+      peak_pressure_ = std::max({peak_pressure_, even, odd});
       sane = !beyond(simd::maximum(even, odd), 1e9);
     } else { // lanes have masks, which do not wait
       const V limit(1e9);
@@ -674,7 +684,7 @@ private:
     for (V* signal : {out.angle, out.bore_pressure, out.flow})
       std::fill_n(signal, count, V(0.0));
     state_ = {};
-    still_air();
+    clear_air();
   }
 
   [[nodiscard]] double period() const noexcept {
@@ -682,35 +692,35 @@ private:
   }
   static std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
 
-  double sample_rate_ = 0, slew_ = 1, at_once_ = 0;
+  double sample_rate_ = 0, slew_ = 1, max_immediate_step_ = 0;
   int oversampling_ = 1, phase_ = kControlPeriod;
-  bool fresh_ = true, reed_moves_ = false, valve_moves_ = false, gliding_ = false, trip_due_ = true,
-       steady_due_ = true;
-  Parameters given_{}, parameters_{}; // the second with the tube that is played, if one is
+  bool starting_ = true, reed_moves_ = false, valve_moves_ = false, gliding_ = false,
+       trip_due_ = true, steady_due_ = true;
+  Parameters requested_{}, parameters_{}; // the second with the tube that is played, if one is
   BoreDesign design_{};
   ValveConstants constants_{};
   ValveConstants from_{}, to_{}; // while the player moves the valve
   RoundTrip trip_{}, trip_from_{};
   RadiationConstants radiation_from_{}, radiation_to_{};
   double length_to_ = 0.48, delay_from_ = 3;
-  double loudest_ = 0; // bore pressure since the last control period, Pa
+  double peak_pressure_ = 0; // bore pressure since the last control period, Pa
   double steepening_length_ = 0.48;
   V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0};
-  ReedCoefficients<V> steady_{};                     // while f_r stands
-  std::array<ReedCoefficients<V>, kChunk> moving_{}; // while it moves
+  ReedCoefficients<V> steady_coefficients_{};                     // while f_r stands
+  std::array<ReedCoefficients<V>, kChunk> moving_coefficients_{}; // while it moves
   ValveState<V> state_{};
   RoundTripFilter<V> filter_{};
   RadiationPath radiation_{};
   Player player_{};
   ParameterGlide glide_{};
-  double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
-  HoledEnd<V> holes_{};
+  double trim_ = 0, trim_delay_ = 0, untrimmed_delay_ = 3;
+  ToneHoleEnd<V> holes_{};
   RegisterVent vent_{};
   VentFilter<V> vent_filter_{};
   RoundTripFilter<V> above_filter_{}; // of the line above the vent
   BoreDesign::Parts parts_{};         // while it is divided there
   bool divided_ = false;
-  int shut_ = 0;                       // samples since the vent was open
+  int samples_since_vent_ = 0;         // samples since the vent was open
   double vent_from_ = 0, vent_to_ = 0; // share that is open
   BoreLine<V, kChunk> line_, below_;
   Decimator<double, kChunk> radiated_decimator_{};

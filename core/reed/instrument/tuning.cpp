@@ -18,10 +18,11 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
-constexpr double kPlaying = 1.5;       // times the threshold: where reeds are usually played,
+constexpr double kPlayingReeds = 1.5;  // times the threshold: where reeds are usually played,
 constexpr double kPlayingLips = 2.5;   // and lips
 constexpr double kShortestTube = 0.05; // m, that lips play on
-constexpr double kValveAlone = 0.75;   // below this share of the bore's lowest, it carries no note
+constexpr double kValveOnlyRatio =
+    0.75; // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
 struct Candidate {
@@ -36,7 +37,7 @@ public:
                      const Fingering& fingering)
       : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
         reed_frequency_(reed_frequency) {
-    bore_.describe(p);
+    bore_.set_geometry(p);
     bore_.set_end(fingering.end);
     const double area = kPi * p.input_radius * p.input_radius;
     const Air& air = bore_.air();
@@ -44,13 +45,13 @@ public:
     if (p.shape == BoreShape::kCone)
       lumped_ += area / (s_ * air.density * p.apex_distance);
     end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection) : bore_.end_reflection(s_);
-    wanted_ = wanted_length(p, frequency, fingering.end);
+    nominal_length_ = nominal_length(p, frequency, fingering.end);
     if (fingering.vented && !(p.scalar_reflection > 0)) {
       vent_ = RegisterVent::of(p);
-      to_vent_ = std::exp(-s_ * 2.0 * vent_.place / air.sound_speed -
-                          wall_loss(p, vent_.place, air.sound_speed) * std::sqrt(s_));
+      vent_round_trip_ = std::exp(-s_ * 2.0 * vent_.position / air.sound_speed -
+                                  wall_loss(p, vent_.position, air.sound_speed) * std::sqrt(s_));
       // The bore's second mode.
-      wanted_ = bore_.length_for(frequency / (p.shape == BoreShape::kCone ? 2 : 3));
+      nominal_length_ = bore_.length_for(frequency / (p.shape == BoreShape::kCone ? 2 : 3));
     }
   }
 
@@ -60,24 +61,24 @@ public:
     const Complex y = bore_.impedance() * (valve - lumped_);
     Complex round_trip = (1.0 - y) / (1.0 + y);
     if (vent_.share > 0)
-      round_trip = vent_.left_out(s_, round_trip, to_vent_);
+      round_trip = vent_.without_vent(s_, round_trip, vent_round_trip_);
     const double omega = s_.imag(), speed = bore_.air().sound_speed;
     // -omega 2L/c - G(L) sqrt(omega/2) = arg(round trip/R) - 2 pi n
     const double phase = std::arg(round_trip / end_);
-    double length = wanted_, loss = 0;
+    double length = nominal_length_, loss = 0;
     for (int i = 0; i < 3; ++i) {
       loss = parameters_.scalar_reflection > 0 ? 0 : wall_loss(parameters_, length, speed);
       const double friction = loss * std::sqrt(omega / 2);
-      const auto of_turn = [&](double n) {
+      const auto length_at_turn = [&](double n) {
         return (2 * kPi * n - phase - friction) * speed / (2 * omega);
       };
-      const double turn = (wanted_ * 2 * omega / speed + phase + friction) / (2 * kPi);
-      length = of_turn(std::round(turn));
+      const double turn = (nominal_length_ * 2 * omega / speed + phase + friction) / (2 * kPi);
+      length = length_at_turn(std::round(turn));
       if (length < 5e-3)
-        length = of_turn(std::round(turn) + 1);
+        length = length_at_turn(std::round(turn) + 1);
     }
-    const double loss_db = std::log(std::abs(end_)) - loss * std::sqrt(omega / 2);
-    return {length, loss_db - std::log(std::abs(round_trip))};
+    const double log_loss = std::log(std::abs(end_)) - loss * std::sqrt(omega / 2);
+    return {length, log_loss - std::log(std::abs(round_trip))};
   }
 
   [[nodiscard]] double highest_pressure() const {
@@ -89,12 +90,12 @@ private:
   LinearStability theory_;
   BoreDesign bore_;
   Complex s_, lumped_, end_;
-  double reed_frequency_, wanted_;
+  double reed_frequency_, nominal_length_;
   RegisterVent vent_{};
-  Complex to_vent_ = 1; // and back
+  Complex vent_round_trip_ = 1; // and back
 };
 
-double aim_of(const Parameters& parameters, double bore_frequency) {
+double aimed_frequency(const Parameters& parameters, double bore_frequency) {
   return bore_frequency * std::exp2(parameters.aim / 1200);
 }
 
@@ -105,8 +106,8 @@ double embouchure_at(const Parameters& parameters, double aimed) {
 }
 
 /// The player's lips for a note at `aimed` Hz, on the bore as given.
-Playing lips_for(const Parameters& parameters, double aimed) {
-  Playing playing{parameters, parameters.length};
+PlayingSetup lips_at(const Parameters& parameters, double aimed) {
+  PlayingSetup playing{parameters, parameters.length};
   Parameters& valve = playing.valve;
   valve.mass *= parameters.lip_mass;
   valve.rest_angle *= parameters.lip_opening;
@@ -119,18 +120,19 @@ Playing lips_for(const Parameters& parameters, double aimed) {
     playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
     valve.mass /= playing.reed_scale * playing.reed_scale;
   } else {
-    const double opened = std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
-    valve.rest_angle *= opened;
-    valve.mass /= opened;
+    const double opening_factor =
+        std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+    valve.rest_angle *= opening_factor;
+    valve.mass /= opening_factor;
   }
   valve = clamped(valve);
   return playing;
 }
 
 /// Semitones that a fingering sounds higher with the vent.
-int overblown(const Parameters& parameters) {
+int overblow_interval(const Parameters& parameters) {
   const Woodwind* const instrument = woodwind(parameters.end);
-  return instrument != nullptr ? instrument->overblown : 0;
+  return instrument != nullptr ? instrument->overblow_interval : 0;
 }
 
 } // namespace
@@ -139,35 +141,35 @@ Fingering standard_fingering(const Parameters& parameters, double bore_frequency
   const double quarter_tone = std::exp2(1.0 / 24);
   const bool vented = parameters.end != BoreEnd::kOpen && parameters.register_note > 0 &&
                       bore_frequency * quarter_tone >= parameters.register_note;
-  const double fingered =
-      vented ? bore_frequency * std::exp2(-overblown(parameters) / 12.0) : bore_frequency;
-  return {fingering_for(parameters.end, fingered), vented};
+  const double fingered_frequency =
+      vented ? bore_frequency * std::exp2(-overblow_interval(parameters) / 12.0) : bore_frequency;
+  return {fingering_for(parameters.end, fingered_frequency), vented};
 }
 
 double key_of(const Parameters& parameters, const Fingering& fingering) noexcept {
   return fingering.end == nullptr
              ? 0
-             : fingering.end->key + (fingering.vented ? overblown(parameters) : 0);
+             : fingering.end->key + (fingering.vented ? overblow_interval(parameters) : 0);
 }
 
-double wanted_length(const Parameters& parameters, double bore_frequency,
-                     const Termination* end) noexcept {
+double nominal_length(const Parameters& parameters, double bore_frequency,
+                      const Termination* end) noexcept {
   BoreDesign bore;
-  bore.describe(parameters);
+  bore.set_geometry(parameters);
   bore.set_end(end);
   if (parameters.type != ValveType::kOpen)
     return bore.length_for(bore_frequency);
-  if (end != nullptr && plays_tube(parameters)) {
+  if (end != nullptr && uses_brass_tube(parameters)) {
     const BrassTube& tube = *brass_tube(parameters.end);
-    const double semitones = usual_positions(tube, bore_frequency).semitones;
-    return tube.has_valves ? valve_length(tube, *end, usual_valves(static_cast<int>(semitones)))
+    const double semitones = standard_positions(tube, bore_frequency).semitones;
+    return tube.has_valves ? valve_length(tube, *end, standard_valves(static_cast<int>(semitones)))
                            : slide_length(tube, *end, 1 + semitones);
   }
   if (!(parameters.highest_mode > 0))
     return parameters.length;
   for (double mode = parameters.highest_mode; mode < 100; ++mode) {
-    const double quarters = parameters.shape == BoreShape::kCone ? mode : 2 * mode - 1;
-    const double length = bore.length_for(bore_frequency / quarters);
+    const double quarter_waves = parameters.shape == BoreShape::kCone ? mode : 2 * mode - 1;
+    const double length = bore.length_for(bore_frequency / quarter_waves);
     if (length > kShortestTube)
       return std::min(parameters.length, length);
   }
@@ -200,19 +202,21 @@ double tuned_length(const Parameters& parameters, double bore_frequency, double 
     break;
   }
   BoreDesign bore;
-  bore.describe(parameters);
-  return std::clamp(best.length, 5e-3, bore.longest());
+  bore.set_geometry(parameters);
+  return std::clamp(best.length, 5e-3, bore.max_length());
 }
 
-double turns_of(const Parameters& parameters, double bore_frequency, double length) noexcept {
-  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+double round_trip_turns(const Parameters& parameters, double bore_frequency,
+                        double length) noexcept {
+  const double omega = 2 * kPi * aimed_frequency(parameters, bore_frequency);
   const double speed = air_at(parameters.temperature).sound_speed;
   const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
   return (2 * omega * length / speed + loss * std::sqrt(omega / 2)) / (2 * kPi);
 }
 
-double length_of(const Parameters& parameters, double bore_frequency, double turns) noexcept {
-  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+double length_from_turns(const Parameters& parameters, double bore_frequency,
+                         double turns) noexcept {
+  const double omega = 2 * kPi * aimed_frequency(parameters, bore_frequency);
   const double speed = air_at(parameters.temperature).sound_speed;
   double length = parameters.length;
   for (int i = 0; i < 6; ++i) {
@@ -222,51 +226,53 @@ double length_of(const Parameters& parameters, double bore_frequency, double tur
   return length;
 }
 
-double length_alone(const Parameters& parameters, double bore_frequency,
-                    const Termination* end) noexcept {
+double valve_only_length(const Parameters& parameters, double bore_frequency,
+                         const Termination* end) noexcept {
   if (!(parameters.embouchure > 0))
     return 0;
   BoreDesign bore;
-  bore.describe(parameters);
+  bore.set_geometry(parameters);
   bore.set_end(end);
-  const double lowest = aim_of(parameters, bore_frequency) / kValveAlone;
+  const double lowest = aimed_frequency(parameters, bore_frequency) / kValveOnlyRatio;
   if (lowest <= bore.ideal_frequency(parameters.length))
     return parameters.length;
-  const double shorter = bore.length_for(lowest);
-  return parameters.shortest_tract > 0 && shorter >= parameters.shortest_tract ? shorter : 0;
+  const double raised_length = bore.length_for(lowest);
+  return parameters.shortest_tract > 0 && raised_length >= parameters.shortest_tract ? raised_length
+                                                                                     : 0;
 }
 
-Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept {
-  return lips_for(parameters, aim_of(parameters, bore_frequency));
+PlayingSetup player_lips(const Parameters& parameters, double bore_frequency) noexcept {
+  return lips_at(parameters, aimed_frequency(parameters, bore_frequency));
 }
 
-Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
+PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
+                   double reed_frequency) noexcept {
   return tuned(parameters, bore_frequency, reed_frequency,
                standard_fingering(parameters, bore_frequency));
 }
 
-Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency,
-              const Fingering& fingering) noexcept {
-  const double aimed = aim_of(parameters, bore_frequency);
-  Playing playing = lips_for(parameters, aimed);
+PlayingSetup tuned(const Parameters& parameters, double bore_frequency, double reed_frequency,
+                   const Fingering& fingering) noexcept {
+  const double aimed = aimed_frequency(parameters, bore_frequency);
+  PlayingSetup playing = lips_at(parameters, aimed);
   const Parameters& valve = playing.valve;
   playing.fingering = fingering;
   const double reed =
       parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
-  playing.length = length_alone(parameters, bore_frequency, fingering.end);
+  playing.length = valve_only_length(parameters, bore_frequency, fingering.end);
   if (!(playing.length > 0))
-    playing.length = tuned_length(valve, aimed, reed,
-                                  parameters.embouchure > 0 ? kPlayingLips : kPlaying, fingering);
+    playing.length = tuned_length(
+        valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlayingReeds, fingering);
   return playing;
 }
 
-Playing embouchure_for(const Parameters& parameters, double bore_frequency,
-                       double length_m) noexcept {
-  Playing playing{parameters, parameters.length};
-  const double meant = note_of(parameters, bore_frequency);
-  if (parameters.tune && meant > 0 && !(parameters.length_override > 0)) {
+PlayingSetup embouchure_for(const Parameters& parameters, double bore_frequency,
+                            double length_m) noexcept {
+  PlayingSetup playing{parameters, parameters.length};
+  const double requested = note_of(parameters, bore_frequency);
+  if (parameters.tune && requested > 0 && !(parameters.length_override > 0)) {
     const double note =
-        std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+        std::clamp(requested, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
     playing = player_lips(parameters, note);
     playing.fingering = standard_fingering(parameters, note);
   }

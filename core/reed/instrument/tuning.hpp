@@ -22,8 +22,8 @@ struct Fingering {
 /// Length of the bore, m, near which a note (Hz) is looked for: where its ideal lowest resonance
 /// lies. Lips choose a resonance of the instrument's own bore, or with Parameters::highest_mode one
 /// not above that, on a shorter bore.
-[[nodiscard]] double wanted_length(const Parameters& parameters, double bore_frequency,
-                                   const Termination* end = nullptr) noexcept;
+[[nodiscard]] double nominal_length(const Parameters& parameters, double bore_frequency,
+                                    const Termination* end = nullptr) noexcept;
 
 /// Length of the bore, m, with which the instrument's linear playing frequency is bore_frequency
 /// (Hz) at that reed frequency (Hz): the neutral oscillation exp(i 2 pi f_b t) of
@@ -38,7 +38,7 @@ struct Fingering {
                                   const Fingering& fingering = {}) noexcept;
 
 /// What a player chooses to sound a note.
-struct Playing {
+struct PlayingSetup {
   Parameters valve;      // the instrument with the player's lips
   double length;         // L, m
   double reed_scale = 1; // factor on the f_r that the instrument is given
@@ -53,36 +53,37 @@ struct Playing {
 /// and a half. With an embouchure (lips, folds, membranes) the valve also goes with the note: it is
 /// brought to embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass),
 /// so that threshold and opening stay what they were; f_r then bends it, its own value being no
-/// bend. A note well below the bore's lowest resonance is that valve's alone (length_alone()).
-[[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
-                            double reed_frequency, const Fingering& fingering) noexcept;
+/// bend. A note well below the bore's lowest resonance is that valve's alone (valve_only_length()).
+[[nodiscard]] PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
+                                 double reed_frequency, const Fingering& fingering) noexcept;
 /// The same with the fingering of the note, when the instrument has fingerings.
-[[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
-                            double reed_frequency) noexcept;
+[[nodiscard]] PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
+                                 double reed_frequency) noexcept;
 
 /// The round trip of a bore of that length, m, at the note bore_frequency (Hz), in turns: the delay
 /// and what the wall loss adds to it.
-[[nodiscard]] double turns_of(const Parameters& parameters, double bore_frequency,
-                              double length) noexcept;
+[[nodiscard]] double round_trip_turns(const Parameters& parameters, double bore_frequency,
+                                      double length) noexcept;
 /// The inverse: L in m, at least 5 mm.
-[[nodiscard]] double length_of(const Parameters& parameters, double bore_frequency,
-                               double turns) noexcept;
+[[nodiscard]] double length_from_turns(const Parameters& parameters, double bore_frequency,
+                                       double turns) noexcept;
 
 /// Length of the bore, m, whose lowest resonance lies so far above the note that this is the
 /// valve's alone: the parameters' own or, for high notes, one that the player shortens to
 /// Parameters::shortest_tract at most, as singers raise their first formant with the note
 /// (Joliveau, Smith & Wolfe, Nature 427, 2004). 0 where there is none: the bore has to sound the
 /// note.
-[[nodiscard]] double length_alone(const Parameters& parameters, double bore_frequency,
-                                  const Termination* end = nullptr) noexcept;
+[[nodiscard]] double valve_only_length(const Parameters& parameters, double bore_frequency,
+                                       const Termination* end = nullptr) noexcept;
 
 /// The lips of tuned(), without the search for a length: that is the parameters' own.
-[[nodiscard]] Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept;
+[[nodiscard]] PlayingSetup player_lips(const Parameters& parameters,
+                                       double bore_frequency) noexcept;
 
 /// The instrument as it is held for the note bore_frequency (Hz; 0: none) on a bore of that length:
 /// with `tune`, a note and no length of one's own the lips are those of tuned(), else the valve is
 /// as given. What the `ear` adds is left out.
-[[nodiscard]] Playing embouchure_for(const Parameters& parameters, double bore_frequency,
-                                     double length_m) noexcept;
+[[nodiscard]] PlayingSetup embouchure_for(const Parameters& parameters, double bore_frequency,
+                                          double length_m) noexcept;
 
 } // namespace tactus::reed

@@ -24,26 +24,26 @@ namespace tactus::reed {
 ///   m = k/|s_d|^2,  d = -2 m Re s_d,
 /// k as it is: static bending, resonance and decay are then those of the valve itself.
 template <class V> struct ReedCoefficients {
-  V stiffness{0.0};         // k
-  V momentum{0.0};          // 2 m/T
-  V port_impedance{0.0};    // Z
-  V pressure_by_force{0.0}; // Z w lambda_b Y
+  V stiffness{0.0};          // k
+  V momentum{0.0};           // 2 m/T
+  V port_impedance{0.0};     // Z
+  V pressure_per_force{0.0}; // Z w lambda_b Y
   // Way in one sample by the force on the valve, and less that by what flows into the port.
-  V way_by_force{0.0}; // T Y (1 - w lambda_b Z w lambda_b Y)
-  V way_by_flow{0.0};  // T w lambda_b Y Z
-  V velocity_by_flow{0.0};
+  V deflection_per_force{0.0}; // T Y (1 - w lambda_b Z w lambda_b Y)
+  V deflection_per_flow{0.0};  // T w lambda_b Y Z
+  V velocity_per_flow{0.0};
   // R = rho lambda/(theta T) + Z A over the path that the valve is on.
   V resistance_at_rest{0.0};
-  V resistance_by_place{0.0};    // Z w
-  V resistance_by_velocity{0.0}; // Z w T/2
-  V resistance_by_flow{0.0};     // less: by the flow that has moved the valve
+  V resistance_per_deflection{0.0}; // Z w
+  V resistance_per_velocity{0.0};   // Z w T/2
+  V resistance_per_flow{0.0};       // less: by the flow that has moved the valve
   // 2 rho times what drives the jet.
-  V drive_by_mouth{0.0};    // by p_m, less what its push on the valve does
-  V drive_by_source{0.0};   // less: by what flows into the port
-  V drive_by_bore{0.0};     // less: by p_b of the sample before, through cone and cup
-  V drive_by_place{0.0};    // k Z w lambda_b Y
-  V drive_by_velocity{0.0}; // less: 2m/T Z w lambda_b Y
-  V drive_by_flow{0.0};     // less: by the flow of the sample before, through all of these
+  V drive_per_mouth_pressure{0.0}; // by p_m, less what its push on the valve does
+  V drive_per_source{0.0};         // less: by what flows into the port
+  V drive_per_bore_pressure{0.0};  // less: by p_b of the sample before, through cone and cup
+  V drive_per_deflection{0.0};     // k Z w lambda_b Y
+  V drive_per_velocity{0.0};       // less: 2m/T Z w lambda_b Y
+  V drive_per_flow{0.0};           // less: by the flow of the sample before, through all of these
 
   static ReedCoefficients at(const ValveConstants& c, const V& omega) noexcept {
     ReedCoefficients r;
@@ -51,35 +51,37 @@ template <class V> struct ReedCoefficients {
     V mass(c.mass), damping = V(c.damping) * omega;
     if (!c.paper) {
       // (w T)^2, and the same times 1/4Q^2; beyond what the series is for it stays positive.
-      const V turn = (V(c.period) * omega) * (V(c.period) * omega), decay = V(c.decay) * turn;
-      const V farther =
-          V(1.0) + (turn - (decay + decay)) * V(1.0 / 6) + turn * turn * V(17.0 / 720);
-      const V faster = V(1.0) + turn * V(0.25) - decay * V(1.0 / 3);
-      mass = mass / simd::maximum(farther, V(0.5));
-      damping = V(c.damping / c.mass) * omega * mass * simd::maximum(faster, V(0.5));
+      const V omega_t_squared = (V(c.period) * omega) * (V(c.period) * omega),
+              decay = V(c.decay) * omega_t_squared;
+      const V mass_factor = V(1.0) + (omega_t_squared - (decay + decay)) * V(1.0 / 6) +
+                            omega_t_squared * omega_t_squared * V(17.0 / 720);
+      const V damping_factor = V(1.0) + omega_t_squared * V(0.25) - decay * V(1.0 / 3);
+      mass = mass / simd::maximum(mass_factor, V(0.5));
+      damping = V(c.damping / c.mass) * omega * mass * simd::maximum(damping_factor, V(0.5));
     }
     r.momentum = V(2 * c.rate) * mass;
     const V mobility = V(1.0) / (r.momentum + damping + V(0.5 * c.period) * r.stiffness);
     const V swept_mobility = V(c.swept_area) * mobility;
     r.port_impedance = V(1.0) / (V(c.port_admittance) + V(c.swept_area) * swept_mobility);
-    r.pressure_by_force = r.port_impedance * swept_mobility;
-    r.way_by_force = V(c.period) * (mobility - V(c.bore_area) * mobility * r.pressure_by_force);
-    r.way_by_flow = V(c.period * c.bore_area) * mobility * r.port_impedance;
-    r.velocity_by_flow = V(2 * c.rate) * r.way_by_flow;
+    r.pressure_per_force = r.port_impedance * swept_mobility;
+    r.deflection_per_force =
+        V(c.period) * (mobility - V(c.bore_area) * mobility * r.pressure_per_force);
+    r.deflection_per_flow = V(c.period * c.bore_area) * mobility * r.port_impedance;
+    r.velocity_per_flow = V(2 * c.rate) * r.deflection_per_flow;
     r.resistance_at_rest = V(c.inertia) + r.port_impedance * V(c.width * c.rest_opening + c.leak);
-    r.resistance_by_place = r.port_impedance * V(c.width);
-    r.resistance_by_velocity = r.port_impedance * V(0.5 * c.width * c.period);
-    r.resistance_by_flow =
-        r.resistance_by_place * r.way_by_flow + r.resistance_by_velocity * r.velocity_by_flow;
-    const V twice_density(2 * c.density), by_force = twice_density * r.pressure_by_force;
-    r.drive_by_mouth = twice_density - by_force * V(c.mouth_area);
-    r.drive_by_source = twice_density * r.port_impedance;
-    r.drive_by_bore = r.drive_by_source * V(2 * (c.compliance_rate - c.inertance_rate));
-    r.drive_by_place = by_force * r.stiffness;
-    r.drive_by_velocity = by_force * r.momentum;
-    r.drive_by_flow =
-        (r.drive_by_place * r.way_by_flow - r.drive_by_velocity * r.velocity_by_flow) +
-        r.drive_by_bore * r.port_impedance;
+    r.resistance_per_deflection = r.port_impedance * V(c.width);
+    r.resistance_per_velocity = r.port_impedance * V(0.5 * c.width * c.period);
+    r.resistance_per_flow = r.resistance_per_deflection * r.deflection_per_flow +
+                            r.resistance_per_velocity * r.velocity_per_flow;
+    const V twice_density(2 * c.density), drive_per_force = twice_density * r.pressure_per_force;
+    r.drive_per_mouth_pressure = twice_density - drive_per_force * V(c.mouth_area);
+    r.drive_per_source = twice_density * r.port_impedance;
+    r.drive_per_bore_pressure = r.drive_per_source * V(2 * (c.compliance_rate - c.inertance_rate));
+    r.drive_per_deflection = drive_per_force * r.stiffness;
+    r.drive_per_velocity = drive_per_force * r.momentum;
+    r.drive_per_flow = (r.drive_per_deflection * r.deflection_per_flow -
+                        r.drive_per_velocity * r.velocity_per_flow) +
+                       r.drive_per_bore_pressure * r.port_impedance;
     return r;
   }
 };
@@ -88,43 +90,43 @@ template <class V> struct ReedCoefficients {
 /// stand here but for the flow that moved them last (step_valve says why).
 template <class V> struct ValveState {
   V jet{0.0};             // mean of u over the last sample, m/s
-  V carried{0.0};         // (1 - 1/theta) u at that sample's beginning
+  V jet_history{0.0};     // (1 - 1/theta) u at that sample's beginning
   V flow{0.0};            // U = A u, mean over the last sample, m^3/s
   V inertance_flow{0.0};  // U_L of the cone
   V compliance_flow{0.0}; // U_C of the cup
-  V past{0.0};            // what cone and cup drive into the port, less 2 (2C/T - T/2M) p_b
+  V port_history{0.0};    // what cone and cup drive into the port, less 2 (2C/T - T/2M) p_b
 
-  V place{0.0}, speed{0.0}, pressure{0.0};
-  V moved_by{0.0};                                           // U, or 0 where it is in them
-  V way_by_flow{0.0}, velocity_by_flow{0.0}, impedance{0.0}; // what it did to them
-  V resistance_by_jet{0.0}, drive_by_jet{0.0};               // and, by u, to the next jet
+  V base_deflection{0.0}, base_velocity{0.0}, base_pressure{0.0};
+  V pending_flow{0.0};                                                // U, or 0 where it is in them
+  V deflection_per_flow{0.0}, velocity_per_flow{0.0}, impedance{0.0}; // what it did to them
+  V resistance_per_jet{0.0}, drive_per_jet{0.0};                      // and, by u, to the next jet
 
   /// x - x_0 along the valve's direction, m.
   [[nodiscard, gnu::always_inline]] V deflection() const noexcept {
-    return place - way_by_flow * moved_by;
+    return base_deflection - deflection_per_flow * pending_flow;
   }
   /// m/s
   [[nodiscard, gnu::always_inline]] V velocity() const noexcept {
-    return speed - velocity_by_flow * moved_by;
+    return base_velocity - velocity_per_flow * pending_flow;
   }
   /// p_b, Pa
   [[nodiscard, gnu::always_inline]] V bore_pressure() const noexcept {
-    return pressure + impedance * moved_by;
+    return base_pressure + impedance * pending_flow;
   }
   /// u now, m/s.
   [[nodiscard, gnu::always_inline]] V jet_velocity(const ValveConstants& c) const noexcept {
-    return carried + V(c.jet_gain) * jet;
+    return jet_history + V(c.jet_gain) * jet;
   }
   /// Puts the valve somewhere else; the air stays as it is.
   void move(const V& deflection, const V& velocity) noexcept {
-    pressure = bore_pressure();
-    place = deflection;
-    speed = velocity;
-    moved_by = resistance_by_jet = drive_by_jet = V(0.0);
+    base_pressure = bore_pressure();
+    base_deflection = deflection;
+    base_velocity = velocity;
+    pending_flow = resistance_per_jet = drive_per_jet = V(0.0);
   }
-  void remember(const ValveConstants& c) noexcept {
-    past = compliance_flow - inertance_flow -
-           V(c.compliance_rate - c.inertance_rate) * bore_pressure();
+  void update_port_history(const ValveConstants& c) noexcept {
+    port_history = compliance_flow - inertance_flow -
+                   V(c.compliance_rate - c.inertance_rate) * bore_pressure();
   }
 };
 
@@ -153,13 +155,13 @@ template <class V>
 /// Where one step would outrun the port (Z A T/rho > lambda), lambda counts as long as stability
 /// wants it.
 template <class V>
-[[nodiscard, gnu::always_inline]] inline V explicit_flow(const ValveConstants& c,
-                                                         const V& impedance, const V& area,
-                                                         const V& drop, const V& flow) noexcept {
+[[nodiscard, gnu::always_inline]] inline V
+explicit_flow(const ValveConstants& c, const V& impedance, const V& area, const V& pressure_drop,
+              const V& flow) noexcept {
   const V channel = simd::maximum(V(c.channel_length), impedance * area * V(c.period / c.density));
   const V size = simd::absolute(flow);
   const V loss = flow * size / (V(2.0) * channel * area + size * V(c.period) + V(1e-30));
-  return flow + V(c.period) * (drop * area / (channel * V(c.density)) - loss);
+  return flow + V(c.period) * (pressure_drop * area / (channel * V(c.density)) - loss);
 }
 
 /// Advances the valve by count internal samples. stride is 0 for constant coefficients, else 1.
@@ -187,41 +189,42 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
            ValveState<V>& state, const ValveSignals<V>& signal, int count) noexcept {
   using simd::absolute, simd::any, simd::copy_sign, simd::select;
   const V zero(0.0), one(1.0), half(0.5), tiny(1e-30);
-  const V period(c.period), rate(c.rate), twice_rate(2 * c.rate);
-  const V rest(c.rest_opening), width(c.width), leak(c.leak), inertia(c.inertia);
+  const V period(c.period), rate(c.rate), two_over_period(2 * c.rate);
+  const V rest_opening(c.rest_opening), width(c.width), leak(c.leak), inertia(c.inertia);
   const V rest_area(c.width * c.rest_opening + c.leak);
-  const V area_by_velocity(0.5 * c.width * c.period);
-  const V jet_gain(c.jet_gain), carrying(1 - c.jet_gain);
+  const V area_per_velocity(0.5 * c.width * c.period);
+  const V jet_gain(c.jet_gain), jet_history_gain(1 - c.jet_gain);
   const V lowest(c.lowest), highest(c.highest);
   const V mouth_area(c.mouth_area), half_density(0.5 * c.density);
   const V twice_density(2 * c.density), specific_volume(c.specific_volume), wave(c.wave_admittance),
       swept(c.swept_area);
-  const V drive_by_inertia(2 * c.density * c.inertia);
+  const V inertial_drive_per_jet(2 * c.density * c.inertia);
   const V rigid_impedance(c.rigid_impedance), restitution(c.restitution);
   const V angle_scale(c.angle_scale);
   const V inertance(c.inertance_rate), compliance(c.compliance_rate);
   const V echo(2 * (c.compliance_rate - c.inertance_rate));
-  const V memory(c.compliance_rate + c.inertance_rate);
-  const bool pushed_by_flow = !plain && c.flow_area > 0, moving = !plain && stride > 0;
+  const V history_admittance(c.compliance_rate + c.inertance_rate);
+  const bool has_flow_force = !plain && c.flow_area > 0, moving = !plain && stride > 0;
   const bool lumped = !plain && (c.inertance_rate > 0 || c.compliance_rate > 0);
   const bool noisy = !plain && signal.noise != nullptr;
 
-  ValveState<V> now = state;                                 // in registers
-  typename simd::LaneTraits<V>::MaskType lying{}, limited{}; // the valves that are below, and above
-  std::uint64_t held = 0;                                    // which they are; 0: none
+  ValveState<V> now = state; // in registers
+  typename simd::LaneTraits<V>::MaskType at_stop{},
+      at_limit{};               // the valves that are below, and above
+  std::uint64_t limit_bits = 0; // which they are; 0: none
 
   for (int i = 0; i < count; ++i) {
     const ReedCoefficients<V>& r = coefficients[plain ? 0 : i * stride];
     const V u = now.jet_velocity(c), x = now.deflection(), v = now.velocity();
     const V bore = now.bore_pressure();
-    const V returning = signal.wave[i];
+    const V incoming = signal.wave[i];
     V mouth = signal.mouth_pressure[i];
     if (noisy)
       mouth += V(signal.noise[i]) * half_density * u * u;
-    const V given = wave * returning + now.past;
+    const V driving_flow = wave * incoming + now.port_history;
 
     // Opening A and R over the predicted path, and the side it lies on.
-    const V travel = period * v, y = rest + x, next = y + travel;
+    const V predicted_travel = period * v, y = rest_opening + x, next = y + predicted_travel;
     V side(1.0), area, resistance;
     bool striking = false;
     if constexpr (swinging) {
@@ -230,7 +233,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       side = copy_sign(one, y + next);
       const auto crossing = (y * next) < zero;
       if (any(crossing)) {
-        const V distance = absolute(travel) + tiny;
+        const V distance = absolute(predicted_travel) + tiny;
         opening =
             select(crossing, half * (size * size + next_size * next_size) / distance, opening);
         side = select(crossing, (y + next) / distance, side); // (|y'| - |y|)/(y' - y)
@@ -238,126 +241,134 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       area = width * opening + leak;
       resistance = inertia + r.port_impedance * area;
     } else {
-      area = (rest_area + width * x) + area_by_velocity * v;
-      resistance = (r.resistance_at_rest +
-                    (r.resistance_by_place * now.place + r.resistance_by_velocity * now.speed)) -
-                   now.resistance_by_jet * now.jet;
+      area = (rest_area + width * x) + area_per_velocity * v;
+      resistance = (r.resistance_at_rest + (r.resistance_per_deflection * now.base_deflection +
+                                            r.resistance_per_velocity * now.base_velocity)) -
+                   now.resistance_per_jet * now.jet;
       const auto closing = next < zero;
       if (any(closing)) {
         striking = true;
-        area = select(closing, width * (half * y * y / (tiny - travel)) + leak, area);
+        area = select(closing, width * (half * y * y / (tiny - predicted_travel)) + leak, area);
         resistance = select(closing, inertia + r.port_impedance * area, resistance);
       }
       if (moving)
         resistance = inertia + r.port_impedance * area;
     }
     // 2 rho (p_m - h + (rho lambda/(theta T)) u)
-    V known = r.drive_by_mouth * mouth - r.drive_by_source * given;
+    V known_drive = r.drive_per_mouth_pressure * mouth - r.drive_per_source * driving_flow;
     V drive;
     if (moving) {
-      drive = (known + drive_by_inertia * u) +
-              ((r.drive_by_place * x - r.drive_by_velocity * v) - r.drive_by_bore * bore);
+      drive = (known_drive + inertial_drive_per_jet * u) +
+              ((r.drive_per_deflection * x - r.drive_per_velocity * v) -
+               r.drive_per_bore_pressure * bore);
     } else {
       if (lumped)
-        known -= r.drive_by_bore * now.pressure;
-      drive = ((known + drive_by_inertia * now.carried) +
-               (r.drive_by_place * now.place - r.drive_by_velocity * now.speed)) +
-              (drive_by_inertia * jet_gain - now.drive_by_jet) * now.jet;
+        known_drive -= r.drive_per_bore_pressure * now.base_pressure;
+      drive = ((known_drive + inertial_drive_per_jet * now.jet_history) +
+               (r.drive_per_deflection * now.base_deflection -
+                r.drive_per_velocity * now.base_velocity)) +
+              (inertial_drive_per_jet * jet_gain - now.drive_per_jet) * now.jet;
     }
-    V push = mouth_area * mouth, lift = zero, expected = zero; // the jet in the middle of the step
-    if (pushed_by_flow) {
-      lift = side * V(c.flow_area);
-      expected = c.paper ? u : u + half * (u - now.jet);
-      const V driven = lift * (mouth - (half_density * expected) * expected);
-      push += driven;
-      drive -= (twice_density * r.pressure_by_force) * driven;
+    V mouth_force = mouth_area * mouth, flow_force_area = zero,
+      predicted_jet = zero; // the jet in the middle of the step
+    if (has_flow_force) {
+      flow_force_area = side * V(c.flow_area);
+      predicted_jet = c.paper ? u : u + half * (u - now.jet);
+      const V bernoulli_force =
+          flow_force_area * (mouth - (half_density * predicted_jet) * predicted_jet);
+      mouth_force += bernoulli_force;
+      drive -= (twice_density * r.pressure_per_force) * bernoulli_force;
     }
 
-    const V source = lumped ? given + echo * bore : given;
-    V jet, through;
+    const V source = lumped ? driving_flow + echo * bore : driving_flow;
+    V jet, volume_flow;
     if constexpr (paper) {
-      through = explicit_flow(c, r.port_impedance, area, mouth - bore, now.flow);
-      jet = through / (area + V(1e-9));
+      volume_flow = explicit_flow(c, r.port_impedance, area, mouth - bore, now.flow);
+      jet = volume_flow / (area + V(1e-9));
     } else {
       jet = jet_velocity(resistance, drive, specific_volume);
     }
 
-    const V force = (r.momentum * v - r.stiffness * x) + push;
-    const V way = r.way_by_force * force - r.way_by_flow * source;
-    now.way_by_flow = r.way_by_flow;
-    now.velocity_by_flow = r.velocity_by_flow;
+    const V force = (r.momentum * v - r.stiffness * x) + mouth_force;
+    const V deflection_step = r.deflection_per_force * force - r.deflection_per_flow * source;
+    now.deflection_per_flow = r.deflection_per_flow;
+    now.velocity_per_flow = r.velocity_per_flow;
     now.impedance = r.port_impedance;
-    now.place = x + way;
-    now.speed = twice_rate * way - v;
-    now.pressure = r.port_impedance * source + r.pressure_by_force * force;
-    now.resistance_by_jet = r.resistance_by_flow * area;
-    now.drive_by_jet = r.drive_by_flow * area;
+    now.base_deflection = x + deflection_step;
+    now.base_velocity = two_over_period * deflection_step - v;
+    now.base_pressure = r.port_impedance * source + r.pressure_per_force * force;
+    now.resistance_per_jet = r.resistance_per_flow * area;
+    now.drive_per_jet = r.drive_per_flow * area;
     if constexpr (!paper)
-      through = area * jet;
-    if (pushed_by_flow) {
-      const V gained = half_density * lift * (expected * expected - jet * jet); // newtons
-      now.place += r.way_by_force * gained;
-      now.speed += twice_rate * r.way_by_force * gained;
-      now.pressure += r.pressure_by_force * gained;
+      volume_flow = area * jet;
+    if (has_flow_force) {
+      const V force_correction =
+          half_density * flow_force_area * (predicted_jet * predicted_jet - jet * jet); // newtons
+      now.base_deflection += r.deflection_per_force * force_correction;
+      now.base_velocity += two_over_period * r.deflection_per_force * force_correction;
+      now.base_pressure += r.pressure_per_force * force_correction;
     }
-    now.moved_by = through;
-    const auto hold = [&](const auto& beyond, const V& wall, auto allowed) {
+    now.pending_flow = volume_flow;
+    const auto apply_limit = [&](const auto& beyond, const V& wall, auto allowed_velocity) {
       const V contact = (wall - x) * rate;
-      const V held_open = rigid_impedance * (source + swept * contact);
-      V held_jet, held_through;
+      const V limited_pressure = rigid_impedance * (source + swept * contact);
+      V limited_jet, limited_flow;
       if constexpr (paper) {
-        held_through = explicit_flow(c, rigid_impedance, area, mouth - bore, now.flow);
-        held_jet = held_through / (area + V(1e-9));
+        limited_flow = explicit_flow(c, rigid_impedance, area, mouth - bore, now.flow);
+        limited_jet = limited_flow / (area + V(1e-9));
       } else {
-        held_jet =
-            jet_velocity(inertia + rigid_impedance * area,
-                         twice_density * ((mouth - held_open) + inertia * u), specific_volume);
-        held_through = area * held_jet;
+        limited_jet = jet_velocity(inertia + rigid_impedance * area,
+                                   twice_density * ((mouth - limited_pressure) + inertia * u),
+                                   specific_volume);
+        limited_flow = area * limited_jet;
       }
-      jet = select(beyond, held_jet, jet);
-      through = select(beyond, held_through, through);
-      now.place = select(beyond, wall, now.place);
-      now.speed = select(beyond, allowed(restitution * (contact + contact - v)), now.speed);
-      now.pressure = select(beyond, held_open + rigid_impedance * held_through, now.pressure);
-      now.moved_by = select(beyond, zero, now.moved_by);
-      now.resistance_by_jet = select(beyond, zero, now.resistance_by_jet);
-      now.drive_by_jet = select(beyond, zero, now.drive_by_jet);
+      jet = select(beyond, limited_jet, jet);
+      volume_flow = select(beyond, limited_flow, volume_flow);
+      now.base_deflection = select(beyond, wall, now.base_deflection);
+      now.base_velocity = select(beyond, allowed_velocity(restitution * (contact + contact - v)),
+                                 now.base_velocity);
+      now.base_pressure =
+          select(beyond, limited_pressure + rigid_impedance * limited_flow, now.base_pressure);
+      now.pending_flow = select(beyond, zero, now.pending_flow);
+      now.resistance_per_jet = select(beyond, zero, now.resistance_per_jet);
+      now.drive_per_jet = select(beyond, zero, now.drive_per_jet);
     };
     const V moved = now.deflection();
     const auto below = moved < lowest;
     const auto above = moved > highest;
     const std::uint64_t beyond = simd::bits(below) | std::uint64_t{simd::bits(above)} << 32;
-    if (striking || beyond != held) {
-      lying = below;
-      limited = above;
-      held = beyond;
+    if (striking || beyond != limit_bits) {
+      at_stop = below;
+      at_limit = above;
+      limit_bits = beyond;
       asm volatile(""); // keeps this a branch: moves under a mask would have to wait for it
     }
-    if (held != 0) {
-      const auto outward = [&](const V& rebound) { return simd::maximum(rebound, zero); };
-      const auto inward = [&](const V& rebound) { return simd::minimum(rebound, zero); };
+    if (limit_bits != 0) {
+      const auto opening_only = [&](const V& rebound) { return simd::maximum(rebound, zero); };
+      const auto closing_only = [&](const V& rebound) { return simd::minimum(rebound, zero); };
       if constexpr (std::is_same_v<V, double>) { // one valve: no mask at all
-        lying ? hold(true, lowest, outward) : hold(true, highest, inward);
+        at_stop ? apply_limit(true, lowest, opening_only)
+                : apply_limit(true, highest, closing_only);
       } else {
-        hold(lying, lowest, outward);
-        if (held >> 32 != 0)
-          hold(limited, highest, inward);
+        apply_limit(at_stop, lowest, opening_only);
+        if (limit_bits >> 32 != 0)
+          apply_limit(at_limit, highest, closing_only);
       }
     }
 
     const V next_bore = now.bore_pressure();
     if (lumped) {
-      now.past = -(now.compliance_flow + now.inertance_flow + memory * bore);
+      now.port_history = -(now.compliance_flow + now.inertance_flow + history_admittance * bore);
       now.inertance_flow += inertance * (next_bore + bore);
       now.compliance_flow = compliance * (next_bore - bore) - now.compliance_flow;
     }
-    now.carried = carrying * u;
+    now.jet_history = jet_history_gain * u;
     now.jet = jet;
-    now.flow = through;
-    signal.wave[i] = next_bore - returning;
-    signal.angle[i] = (now.deflection() + rest) * angle_scale;
+    now.flow = volume_flow;
+    signal.wave[i] = next_bore - incoming;
+    signal.angle[i] = (now.deflection() + rest_opening) * angle_scale;
     signal.bore_pressure[i] = next_bore;
-    signal.flow[i] = through;
+    signal.flow[i] = volume_flow;
   }
   state = now;
 }

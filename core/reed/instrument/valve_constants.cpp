@@ -53,8 +53,8 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   return c;
 }
 
-ValveConstants ValveConstants::between(const ValveConstants& from, const ValveConstants& to,
-                                       double share) noexcept {
+ValveConstants ValveConstants::interpolate(const ValveConstants& from, const ValveConstants& to,
+                                           double share) noexcept {
   ValveConstants c = to;
   for (double ValveConstants::*member : {&ValveConstants::rest_opening,
                                          &ValveConstants::lowest,

@@ -34,7 +34,7 @@ struct ValveConstants {
   double angle_scale = 1;     // theta = (deflection + rest opening) angle_scale
   bool swinging = false;
   /// Neither cone nor cup at the bore's input, and no push of the flow on the valve.
-  [[nodiscard]] bool bare() const noexcept {
+  [[nodiscard]] bool plain_port() const noexcept {
     return !(flow_area > 0) && !(inertance_rate > 0) && !(compliance_rate > 0);
   }
   bool paper = false; // FlowMethod::kPaper
@@ -43,8 +43,8 @@ struct ValveConstants {
                              double internal_rate) noexcept;
   /// A share of the way from one to another of the same rate: every number runs straight; words and
   /// switches are those of `to`.
-  static ValveConstants between(const ValveConstants& from, const ValveConstants& to,
-                                double share) noexcept;
+  static ValveConstants interpolate(const ValveConstants& from, const ValveConstants& to,
+                                    double share) noexcept;
 };
 
 } // namespace tactus::reed

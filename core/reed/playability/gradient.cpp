@@ -10,7 +10,7 @@
 namespace tactus::reed {
 ReedGradient::ReedGradient(Instructions instructions)
     : ensemble_(make_reed_ensemble(instructions)) {
-  ensemble_->judge_first(GradientStencil::kPoints);
+  ensemble_->set_active_lanes(GradientStencil::kPoints);
   guidance_.set(guidance_settings_);
 }
 
@@ -25,11 +25,13 @@ void ReedGradient::set(const Parameters& parameters) noexcept {
   ++revision_;
 }
 
-void ReedGradient::set(const PlayabilityParameters& judge) noexcept { ensemble_->set(judge); }
+void ReedGradient::set(const PlayabilityParameters& estimator) noexcept {
+  ensemble_->set(estimator);
+}
 
 void ReedGradient::set_range(const ControlRange& range) noexcept {
   range_ = range;
-  retune_ = true;
+  frequency_due_ = true;
   ++revision_;
 }
 
@@ -46,7 +48,7 @@ void ReedGradient::set_ceiling(double ceiling_n) noexcept {
   guidance_.set(guidance_settings_);
 }
 
-void ReedGradient::let_go() noexcept {
+void ReedGradient::release_force() noexcept {
   force_ = {};
   guidance_.reset();
   smoother_.reset();
@@ -54,9 +56,9 @@ void ReedGradient::let_go() noexcept {
 
 void ReedGradient::reset() noexcept {
   ensemble_->reset();
-  aimed_ = pushing_ = false;
+  targets_set_ = force_due_ = false;
   phase_ = 0;
-  let_go();
+  release_force();
 }
 
 void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
@@ -66,46 +68,47 @@ void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
     bore_frequency_ = std::clamp(bore_frequency, 0.0, BoreDesign::kHighestFrequency);
   if (std::isfinite(z) && z != z_) {
     z_ = z;
-    retune_ = true;
+    frequency_due_ = true;
   }
-  aim();
-  if (pushing_)
-    push();
-  pushing_ = !pushing_;
+  update_targets();
+  if (force_due_)
+    update_force();
+  force_due_ = !force_due_;
 }
 
 /// Pressures are on their way from the last targets to those of the hand's new place.
-void ReedGradient::aim() noexcept {
+void ReedGradient::update_targets() noexcept {
   const GradientStencil stencil(y_, z_, delta_);
-  const bool still = aimed_ && !retune_ && stencil.y == stencil_.y && stencil.z == stencil_.z;
-  if (still && resting_)
+  const bool unchanged =
+      targets_set_ && !frequency_due_ && stencil.y == stencil_.y && stencil.z == stencil_.z;
+  if (unchanged && hand_at_rest_)
     return;
-  if (stencil.z != stencil_.z || retune_) {
+  if (stencil.z != stencil_.z || frequency_due_) {
     // Three different places along z; the lanes beyond the stencil do as the hand does.
     reed_frequency_.fill(range_.frequency(stencil.z[0]));
     reed_frequency_[3] = range_.frequency(stencil.z[3]);
     reed_frequency_[4] = range_.frequency(stencil.z[4]);
   }
-  resting_ = still;
+  hand_at_rest_ = unchanged;
   stencil_ = stencil;
   for (std::size_t lane = 0; lane < target_.size(); ++lane) {
-    const double before = target_[lane];
+    const double previous = target_[lane];
     target_[lane] = range_.pressure(stencil.y[lane < stencil.y.size() ? lane : 0]);
-    const double start = aimed_ ? before : target_[lane];
+    const double start = targets_set_ ? previous : target_[lane];
     mouth_.start[lane] = start;
-    mouth_.slope[lane] = (target_[lane] - start) / static_cast<double>(kHold);
+    mouth_.slope[lane] = (target_[lane] - start) / static_cast<double>(kHandPeriod);
   }
-  retune_ = false;
-  aimed_ = true;
+  frequency_due_ = false;
+  targets_set_ = true;
 }
 
 /// Gradient and force for the next two readings of the hand.
-void ReedGradient::push() noexcept {
-  gradient_ = find_gradient();
-  const double elapsed_s = static_cast<double>(kForceHold) / sample_rate_;
+void ReedGradient::update_force() noexcept {
+  gradient_ = compute_gradient();
+  const double elapsed_s = static_cast<double>(kForcePeriod) / sample_rate_;
   if (mode_ == Mode::kGuide) {
-    force_ = guide_ != nullptr ? guidance_.advance(guide_->way, stencil_.y[0], stencil_.z[0],
-                                                   playability(), elapsed_s)
+    force_ = guide_ != nullptr ? guidance_.advance(guide_->distance_field, stencil_.y[0],
+                                                   stencil_.z[0], playability(), elapsed_s)
                                : guidance_.fade(elapsed_s);
   } else {
     force_ = smoother_.advance(
@@ -118,10 +121,10 @@ void ReedGradient::process(std::span<double> sound) noexcept {
   ensemble_->process(mouth_, reed_frequency_, bore_frequency_, sound.size(), sound);
   for (double& x : sound)
     x = soft_clip(parameters_.gain * x);
-  phase_ = (phase_ + sound.size()) % kHold;
+  phase_ = (phase_ + sound.size()) % kHandPeriod;
 }
 
-Gradient ReedGradient::find_gradient() const noexcept {
+Gradient ReedGradient::compute_gradient() const noexcept {
   const double y = stencil_.y[0], z = stencil_.z[0];
   if (mode_ == Mode::kReed) {
     std::array<double, GradientStencil::kPoints> f{};
@@ -133,8 +136,8 @@ Gradient ReedGradient::find_gradient() const noexcept {
     return {};
   if (mode_ == Mode::kGrowth)
     return guide_->height.gradient(y, z);
-  const Gradient away = guide_->way.slope(y, z);
-  return {-away.y, -away.z};
+  const Gradient slope = guide_->distance_field.slope(y, z);
+  return {-slope.y, -slope.z};
 }
 
 PlaneSettings ReedGradient::plane() const noexcept {

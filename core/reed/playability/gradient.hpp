@@ -32,7 +32,7 @@ public:
   /// Allocates; keeps the physical state when the rate is the same.
   void prepare(double sample_rate);
   void set(const Parameters& parameters) noexcept;
-  void set(const PlayabilityParameters& judge) noexcept;
+  void set(const PlayabilityParameters& estimator) noexcept;
   void set_range(const ControlRange& range) noexcept;
   /// 0 < delta <= 0.25, of the plane's side.
   void set_delta(double delta) noexcept { delta_ = delta; }
@@ -48,7 +48,9 @@ public:
   /// To be called before process() of that sample; see takes_hand().
   void move(double y, double z, double bore_frequency) noexcept;
   /// Samples until move() is read next; 0: now.
-  [[nodiscard]] std::size_t until_hand() const noexcept { return phase_ == 0 ? 0 : kHold - phase_; }
+  [[nodiscard]] std::size_t samples_until_hand() const noexcept {
+    return phase_ == 0 ? 0 : kHandPeriod - phase_;
+  }
   /// Advances sound.size() samples, at most those until the next reading of the hand. sound is that
   /// of greed~: gain times the pressure at 1 m, linear to 0.5, within +-1.
   void process(std::span<double> sound) noexcept;
@@ -62,7 +64,7 @@ public:
   /// On the hand, N, towards where it plays better; since the last step of the force.
   [[nodiscard]] const PlaneForce& force() const noexcept { return force_; }
   /// No force, as long as the hand is not read again.
-  void let_go() noexcept;
+  void release_force() noexcept;
 
   /// What a guide for the present instrument, note and range depends on.
   [[nodiscard]] PlaneSettings plane() const noexcept;
@@ -76,13 +78,13 @@ public:
   [[nodiscard]] Mode mode() const noexcept { return mode_; }
   [[nodiscard]] double ceiling() const noexcept { return guidance_settings_.ceiling_n; }
   [[nodiscard]] double force_gain() const noexcept { return force_gain_n_; }
-  static constexpr std::size_t kHold = 32;             // samples between readings of the hand
-  static constexpr std::size_t kForceHold = 2 * kHold; // and between steps of the force
+  static constexpr std::size_t kHandPeriod = 32; // samples between readings of the hand
+  static constexpr std::size_t kForcePeriod = 2 * kHandPeriod; // and between steps of the force
 
 private:
-  void aim() noexcept;
-  void push() noexcept;
-  [[nodiscard]] Gradient find_gradient() const noexcept;
+  void update_targets() noexcept;
+  void update_force() noexcept;
+  [[nodiscard]] Gradient compute_gradient() const noexcept;
 
   std::unique_ptr<ReedEnsemble> ensemble_;
   Parameters parameters_{};
@@ -94,8 +96,8 @@ private:
   ReedEnsemble::Pressure mouth_{};
   ReedEnsemble::PerLane target_{}, reed_frequency_{};
   std::size_t phase_ = 0;
-  bool aimed_ = false, retune_ = true, pushing_ = false;
-  bool resting_ = false; // the hand has not moved since the last reading, nor do the pressures
+  bool targets_set_ = false, frequency_due_ = true, force_due_ = false;
+  bool hand_at_rest_ = false; // the hand has not moved since the last reading, nor do the pressures
   unsigned revision_ = 0;
   const PlaneGuide* guide_ = nullptr;
   double sample_rate_ = 48000, force_gain_n_ = 0.3;

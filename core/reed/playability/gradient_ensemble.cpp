@@ -39,7 +39,7 @@ std::unique_ptr<ReedEnsemble> make_reed_ensemble(Instructions instructions) {
   case Instructions::kBaseline:
     break;
   }
-  return std::make_unique<EnsembleOf<simd::Lanes<float, ReedEnsemble::kLanes, simd::Baseline>>>();
+  return std::make_unique<LaneEnsemble<simd::Lanes<float, ReedEnsemble::kLanes, simd::Baseline>>>();
 }
 
 Instructions best_instructions() noexcept {

@@ -18,7 +18,7 @@ class ReedEnsemble {
 public:
   static constexpr std::size_t kLanes = 8;
   /// Longest stretch that process() takes.
-  static constexpr std::size_t kMostFrames = 64;
+  static constexpr std::size_t kMaxFrames = 64;
   using PerLane = std::array<double, kLanes>;
 
   virtual ~ReedEnsemble() = default;
@@ -27,7 +27,7 @@ public:
   virtual void set(const Parameters& parameters) noexcept = 0;
   virtual void set(const PlayabilityParameters& parameters) noexcept = 0;
   virtual void reset() noexcept = 0;
-  /// Advances frames <= kMostFrames samples. Mouth pressures go along straight lines: sample i has
+  /// Advances frames <= kMaxFrames samples. Mouth pressures go along straight lines: sample i has
   /// start + slope (first + i + 1). Reed and bore frequency are targets (0: the instrument's own).
   /// sound, as long as frames or empty, is the pressure that lane 0 radiates to 1 m, Pa.
   struct Pressure {
@@ -38,7 +38,7 @@ public:
                        std::size_t frames, std::span<double> sound) noexcept = 0;
 
   /// Only the first count lanes are judged from now on (all from the start).
-  virtual void judge_first(std::size_t count) noexcept = 0;
+  virtual void set_active_lanes(std::size_t count) noexcept = 0;
   /// theta, rad, and f_p of a lane as they are now. f_p is that of the paper's mode: lanes have no
   /// analysis of periodicity, which would cost more than the reeds and lag by 85 ms.
   [[nodiscard]] virtual double angle(std::size_t lane) const noexcept = 0;

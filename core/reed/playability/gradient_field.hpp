@@ -40,10 +40,11 @@ public:
 private:
   struct Cell {
     std::size_t corner;
-    double along_y, along_z;
+    double fraction_y, fraction_z;
   };
   [[nodiscard]] Cell cell(double y, double z) const noexcept;
-  [[nodiscard]] double blend(const std::vector<double>& nodes, const Cell& cell) const noexcept;
+  [[nodiscard]] double interpolate(const std::vector<double>& nodes,
+                                   const Cell& cell) const noexcept;
 
   std::size_t columns_ = 0, rows_ = 0;
   std::vector<double> values_, slope_y_, slope_z_;

@@ -10,7 +10,7 @@
 /// for a newer machine can end up in an older machine's path.
 namespace tactus::reed {
 
-template <class V> class EnsembleOf final : public ReedEnsemble {
+template <class V> class LaneEnsemble final : public ReedEnsemble {
   static_assert(simd::LaneTraits<V>::count == kLanes);
   using Scalar = typename simd::LaneTraits<V>::Scalar;
 
@@ -37,9 +37,9 @@ public:
       simd::set_lane(start, lane, static_cast<Scalar>(mouth.start[at]));
       simd::set_lane(slope, lane, static_cast<Scalar>(mouth.slope[at]));
     }
-    constexpr int kStretch = ReedBank<V>::kControlPeriod;
-    V pressure[kStretch + 1], angle[kStretch], bore[kStretch], flow[kStretch];
-    double unheard[kStretch];
+    constexpr int kBlock = ReedBank<V>::kControlPeriod;
+    V pressure[kBlock + 1], angle[kBlock], bore[kBlock], flow[kBlock];
+    double discarded[kBlock];
     for (int done = 0; done < static_cast<int>(frames);) {
       if (bank_.until_control() == 0)
         bank_.control(reed, bore_frequency);
@@ -54,7 +54,7 @@ public:
         odd += V(2.0);
         even += V(2.0);
       }
-      double* radiated = sound.empty() ? unheard : sound.data() + done;
+      double* radiated = sound.empty() ? discarded : sound.data() + done;
       bank_.run(pressure, {radiated, angle, bore, flow}, count);
       follower_.run(angle, count);
       angle_ = angle[count - 1];
@@ -63,8 +63,8 @@ public:
     }
   }
 
-  void judge_first(std::size_t count) noexcept override {
-    follower_.follow_first(static_cast<int>(std::clamp<std::size_t>(count, 1, kLanes)));
+  void set_active_lanes(std::size_t count) noexcept override {
+    follower_.set_active_lanes(static_cast<int>(std::clamp<std::size_t>(count, 1, kLanes)));
   }
   double angle(std::size_t lane) const noexcept override { return at(angle_, lane); }
   double bore_pressure(std::size_t lane) const noexcept override { return at(pressure_, lane); }

@@ -8,7 +8,7 @@ std::unique_ptr<ReedEnsemble> make_avx2_ensemble();
 std::unique_ptr<ReedEnsemble> make_avx2_ensemble() {
 #if defined(__AVX2__)
   using V = simd::Lanes<float, ReedEnsemble::kLanes, simd::Avx2>;
-  return std::unique_ptr<ReedEnsemble>(new EnsembleOf<V>);
+  return std::unique_ptr<ReedEnsemble>(new LaneEnsemble<V>);
 #else
   return nullptr;
 #endif

@@ -8,7 +8,7 @@ std::unique_ptr<ReedEnsemble> make_avx512_ensemble();
 std::unique_ptr<ReedEnsemble> make_avx512_ensemble() {
 #if defined(__AVX512VL__)
   using V = simd::Lanes<float, ReedEnsemble::kLanes, simd::Avx512>;
-  return std::unique_ptr<ReedEnsemble>(new EnsembleOf<V>);
+  return std::unique_ptr<ReedEnsemble>(new LaneEnsemble<V>);
 #else
   return nullptr;
 #endif

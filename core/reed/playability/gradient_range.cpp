@@ -17,10 +17,10 @@ ControlRange range_for(const Parameters& parameters) noexcept {
     highest = threshold.found ? 5.6 * threshold.mouth_pressure
                               : theory.highest_pressure(p.reed_frequency);
   }
-  constexpr double kStep = 100, kMost = 50e3;
+  constexpr double kStep = 100, kMaxPressure = 50e3;
   ControlRange range;
   range.highest_pressure =
-      std::clamp(kStep * std::round(std::min(highest, kMost) / kStep), kStep, kMost);
+      std::clamp(kStep * std::round(std::min(highest, kMaxPressure) / kStep), kStep, kMaxPressure);
   range.lowest_frequency = p.reed_frequency * (closed ? 0.4 : 0.25);
   range.highest_frequency = p.reed_frequency * (closed ? 1.4 : 2.75);
   return range;

@@ -28,7 +28,7 @@ public:
   void prepare(std::size_t columns, std::size_t rows);
   /// Forgets unfinished work and starts a map of the instrument as it is played (embouchure_for());
   /// allocation-free.
-  void begin(const Playing& playing, const ControlRange& range) noexcept;
+  void begin(const PlayingSetup& playing, const ControlRange& range) noexcept;
   /// Computes up to that many nodes; true when the map is finished. Each takes 20 to 150 us.
   bool advance(std::size_t nodes) noexcept;
   [[nodiscard]] bool ready() const noexcept { return ready_; }
@@ -46,9 +46,9 @@ private:
   std::optional<LinearStability> theory_;
   ControlRange range_{};
   double reed_scale_ = 1;
-  GradientField working_, growth_, height_;
-  std::vector<char> sounds_; // where a note starts, of the nodes at work
-  std::vector<double> squares_, line_;
+  GradientField in_progress_, growth_, height_;
+  std::vector<char> grows_; // where a note starts, of the nodes at work
+  std::vector<double> squared_distances_, scratch_;
   std::size_t next_ = 0;
   bool ready_ = false;
 };

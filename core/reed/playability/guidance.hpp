@@ -18,11 +18,11 @@ public:
   void set(double time_constant_s, double slew_n_per_s) noexcept;
   void reset(const PlaneForce& force = {}) noexcept { force_ = force; }
   /// The force elapsed_s > 0 later; what is not finite counts as no force.
-  PlaneForce advance(const PlaneForce& wanted, double elapsed_s) noexcept;
+  PlaneForce advance(const PlaneForce& target, double elapsed_s) noexcept;
 
 private:
   double time_constant_s_ = 30e-3, slew_n_per_s_ = 20;
-  double elapsed_s_ = 0, share_ = 0; // what the last step of this length covers of the way
+  double elapsed_s_ = 0, smoothing_gain_ = 0; // what the last step of this length covers of the way
   PlaneForce force_{};
 };
 

@@ -12,8 +12,8 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kSpacing = 1.0 / (GuidanceField::kNodes - 1);
-constexpr int kReach = 4; // of the blur, nodes: more than 3 standard deviations
-static_assert(kReach >= 3 * GuidanceField::kBlur / kSpacing);
+constexpr int kBlurRadius = 4; // of the blur, nodes: more than 3 standard deviations
+static_assert(kBlurRadius >= 3 * GuidanceField::kBlur / kSpacing);
 
 using Nodes = std::vector<double>;
 constexpr std::size_t kNodes = GuidanceField::kNodes;
@@ -22,9 +22,9 @@ constexpr std::size_t kNodes = GuidanceField::kNodes;
 Nodes distances(const std::vector<char>& plays, bool inside) {
   Nodes distance(plays.size());
   for (std::size_t n = 0; n < plays.size(); ++n)
-    distance[n] = (plays[n] != 0) == inside ? 0 : kFarSquared;
+    distance[n] = (plays[n] != 0) == inside ? 0 : kUnreachedSquared;
   Nodes line(kNodes);
-  spread_squares(distance, kNodes, kNodes, kSpacing, kSpacing, line);
+  distance_transform(distance, kNodes, kNodes, kSpacing, kSpacing, line);
   for (double& d : distance)
     d = std::sqrt(d);
   return distance;
@@ -33,33 +33,33 @@ Nodes distances(const std::vector<char>& plays, bool inside) {
 /// Along the lines of that stride. Beyond the plane's edge the values are mirrored through the edge
 /// (2 f(0) - f(j)), which leaves a slope as it is.
 void blur(Nodes& values, std::size_t stride) {
-  const std::size_t other = stride == 1 ? kNodes : 1;
+  const std::size_t line_stride = stride == 1 ? kNodes : 1;
   constexpr int last = static_cast<int>(kNodes) - 1;
-  std::array<double, kReach + 1> weight;
-  double weights = 0;
+  std::array<double, kBlurRadius + 1> weight;
+  double weight_sum = 0;
   for (std::size_t j = 0; j < weight.size(); ++j) {
     const double x = static_cast<double>(j) * kSpacing / GuidanceField::kBlur;
     weight[j] = std::exp(-0.5 * x * x);
-    weights += j == 0 ? weight[j] : 2 * weight[j];
+    weight_sum += j == 0 ? weight[j] : 2 * weight[j];
   }
   std::array<double, kNodes> line;
   for (std::size_t at = 0; at < kNodes; ++at) {
     const auto value = [&](int p) {
-      return values[at * other + static_cast<std::size_t>(p) * stride];
+      return values[at * line_stride + static_cast<std::size_t>(p) * stride];
     };
-    const auto beyond = [&](int p) {
+    const auto extended_value = [&](int p) {
       return p < 0      ? 2 * value(0) - value(-p)
              : p > last ? 2 * value(last) - value(2 * last - p)
                         : value(p);
     };
     for (int p = 0; p <= last; ++p) {
       double sum = 0;
-      for (int j = -kReach; j <= kReach; ++j)
-        sum += weight[static_cast<std::size_t>(std::abs(j))] * beyond(p + j);
-      line[static_cast<std::size_t>(p)] = sum / weights;
+      for (int j = -kBlurRadius; j <= kBlurRadius; ++j)
+        sum += weight[static_cast<std::size_t>(std::abs(j))] * extended_value(p + j);
+      line[static_cast<std::size_t>(p)] = sum / weight_sum;
     }
     for (std::size_t p = 0; p < kNodes; ++p)
-      values[at * other + p * stride] = line[p];
+      values[at * line_stride + p * stride] = line[p];
   }
 }
 

@@ -16,7 +16,8 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr int kNewtonSteps = 40;
 constexpr int kScanPoints = 4096;
 constexpr double kHighestPressure = 50e3;
-constexpr double kSlowest = 1e-4; // below this share of the range a root is no oscillation
+constexpr double kMinFrequencyRatio =
+    1e-4; // below this share of the range a root is no oscillation
 
 double square(double x) { return x * x; }
 
@@ -108,19 +109,19 @@ LinearStability::Value LinearStability::round_trip(Complex s) const noexcept {
     const double ratio = air_at(20).sound_speed / air_.sound_speed;
     const Termination::Value end = end_->reflectance(ratio * s);
     const double there = transit + 2 * end_->extra_length / air_.sound_speed;
-    const Complex way = std::exp(-there * s - loss_ * root);
-    return {end.value * way,
-            (ratio * end.derivative - end.value * (there + 0.5 * loss_ / root)) * way};
+    const Complex propagation = std::exp(-there * s - loss_ * root);
+    return {end.value * propagation,
+            (ratio * end.derivative - end.value * (there + 0.5 * loss_ / root)) * propagation};
   }
   const double scale = parameters_.end_radius / air_.sound_speed;
   const Complex j = s * scale;
   using End = OpenEnd;
-  const Complex over = 1.0 + End::kNumerator * j;
-  const Complex under = 1.0 + j * (End::kFirst + End::kSecond * j);
-  const Complex value = -over / under * std::exp(-transit * s - loss_ * root);
+  const Complex numerator = 1.0 + End::kNumerator * j;
+  const Complex denominator = 1.0 + j * (End::kFirst + End::kSecond * j);
+  const Complex value = -numerator / denominator * std::exp(-transit * s - loss_ * root);
   const Complex logarithmic =
-      scale * (End::kNumerator / over - (End::kFirst + 2 * End::kSecond * j) / under) - transit -
-      0.5 * loss_ / root;
+      scale * (End::kNumerator / numerator - (End::kFirst + 2 * End::kSecond * j) / denominator) -
+      transit - 0.5 * loss_ / root;
   return {value, value * logarithmic};
 }
 
@@ -198,7 +199,7 @@ LinearStability::Value LinearStability::characteristic(Complex s, const Valve& v
 }
 
 Mode LinearStability::refine(Complex start, const Valve& valve) const noexcept {
-  const double longest =
+  const double max_step =
       std::max(std::numbers::pi * air_.sound_speed / length_ / 8, std::abs(start.imag()) / 8);
   Complex s = start;
   for (int i = 0; i < kNewtonSteps; ++i) {
@@ -207,8 +208,8 @@ Mode LinearStability::refine(Complex start, const Valve& valve) const noexcept {
     const double size = std::abs(step);
     if (!(size < 1e300))
       return {};
-    if (size > longest)
-      step *= longest / size;
+    if (size > max_step)
+      step *= max_step / size;
     s -= step;
     if (s.imag() < 0)
       s = std::conj(s);
@@ -225,10 +226,10 @@ Mode LinearStability::mode_near(double mouth_pressure, double reed_frequency_hz,
 }
 
 Mode LinearStability::bore_resonance_near(double frequency_hz) const noexcept {
-  Valve shut; // no opening at all: only Y_in is left, times a jet factor without zeros
-  shut.free = false;
-  shut.jet = 1e6;
-  return refine({0, kTwoPi * frequency_hz}, shut);
+  Valve closed_valve; // no opening at all: only Y_in is left, times a jet factor without zeros
+  closed_valve.free = false;
+  closed_valve.jet = 1e6;
+  return refine({0, kTwoPi * frequency_hz}, closed_valve);
 }
 
 Mode LinearStability::dominant_mode(double mouth_pressure,
@@ -240,7 +241,7 @@ Mode LinearStability::dominant_mode(double mouth_pressure,
   const auto consider = [&](Complex start) {
     const Mode mode = refine(start, valve);
     const double frequency = kTwoPi * mode.frequency_hz;
-    if (mode.found && frequency > kSlowest * highest && frequency < 1.2 * highest &&
+    if (mode.found && frequency > kMinFrequencyRatio * highest && frequency < 1.2 * highest &&
         (!best.found || mode.growth_rate > best.growth_rate))
       best = mode;
   };

@@ -28,12 +28,12 @@ void PeriodicityAnalysis::prepare(double sample_rate, std::shared_ptr<RealTransf
   work_.assign(size, 0);
   difference_.assign(size / 2, 0);
   spectrum_.assign(size / 2 + 1, {});
-  other_.assign(size / 2 + 1, {});
+  half_frame_spectrum_.assign(size / 2 + 1, {});
   reset();
 }
 
 void PeriodicityAnalysis::reset() noexcept {
-  write_ = heard_ = since_ = 0;
+  write_ = filled_ = samples_since_frame_ = 0;
   result_ = {};
 }
 
@@ -42,11 +42,11 @@ bool PeriodicityAnalysis::tick(double sample) noexcept {
     return false;
   ring_[write_] = std::abs(sample) < 1e6 ? sample : 0;
   write_ = (write_ + 1) % ring_.size();
-  heard_ = std::min(heard_ + 1, ring_.size());
-  if (++since_ < ring_.size() / 4)
+  filled_ = std::min(filled_ + 1, ring_.size());
+  if (++samples_since_frame_ < ring_.size() / 4)
     return false;
-  since_ = 0;
-  if (heard_ < ring_.size())
+  samples_since_frame_ = 0;
+  if (filled_ < ring_.size())
     return false;
   analyse();
   return true;
@@ -59,10 +59,10 @@ void PeriodicityAnalysis::difference() noexcept {
   std::copy_n(frame_.begin(), half, work_.begin());
   std::fill(work_.begin() + static_cast<std::ptrdiff_t>(half), work_.end(), 0.0);
   transform_->forward(frame_, spectrum_);
-  transform_->forward(work_, other_);
+  transform_->forward(work_, half_frame_spectrum_);
   for (std::size_t k = 0; k < spectrum_.size(); ++k)
-    other_[k] = spectrum_[k] * std::conj(other_[k]);
-  transform_->inverse(other_, work_);
+    half_frame_spectrum_[k] = spectrum_[k] * std::conj(half_frame_spectrum_[k]);
+  transform_->inverse(half_frame_spectrum_, work_);
   double first = 0;
   for (std::size_t j = 0; j < half; ++j)
     first += frame_[j] * frame_[j];
@@ -109,15 +109,15 @@ void PeriodicityAnalysis::analyse() noexcept {
     if (difference_[lag] < difference_[best])
       best = lag;
   }
-  const double left = difference_[best - 1], here = difference_[best],
+  const double left = difference_[best - 1], centre = difference_[best],
                right = difference_[best + 1];
-  const double curvature = left - 2 * here + right;
+  const double curvature = left - 2 * centre + right;
   const double shift = curvature > 0 ? std::clamp(0.5 * (left - right) / curvature, -1.0, 1.0) : 0;
-  const double least = std::clamp(here - 0.25 * (left - right) * shift, 0.0, 1.0);
+  const double minimum = std::clamp(centre - 0.25 * (left - right) * shift, 0.0, 1.0);
   result_.frequency_hz = sample_rate_ / (static_cast<double>(best) + shift);
-  result_.periodicity = 1 - least;
-  const double odds = std::max(result_.periodicity, 1e-9) / std::max(least, 1e-9);
-  result_.harmonicity_db = 10 * std::log10(odds);
+  result_.periodicity = 1 - minimum;
+  const double harmonics_to_noise = std::max(result_.periodicity, 1e-9) / std::max(minimum, 1e-9);
+  result_.harmonicity_db = 10 * std::log10(harmonics_to_noise);
 
   for (std::size_t j = 0; j < size; ++j)
     work_[j] = frame_[j] * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(j) /

@@ -53,8 +53,8 @@ private:
   double sample_rate_ = 0;
   std::shared_ptr<RealTransform> transform_;
   std::vector<double> ring_, frame_, work_, difference_;
-  std::vector<std::complex<double>> spectrum_, other_;
-  std::size_t write_ = 0, heard_ = 0, since_ = 0;
+  std::vector<std::complex<double>> spectrum_, half_frame_spectrum_;
+  std::size_t write_ = 0, filled_ = 0, samples_since_frame_ = 0;
   Periodicity result_{};
 };
 

@@ -53,7 +53,7 @@ public:
     pole_ = std::exp(-2 * std::numbers::pi * parameters.highpass_hz / sample_rate_);
     attack_ = std::exp(-1 / (parameters.attack_s * sample_rate_));
     release_ = std::exp(-1 / (parameters.release_s * sample_rate_));
-    hop_ = static_cast<int>(std::lround(sample_rate_ * kHop));
+    hop_ = static_cast<int>(std::lround(sample_rate_ * kHopTime));
     if (hop_ < 1)
       hop_ = 1;
     const double hops = parameters.window_s * sample_rate_ / hop_;
@@ -62,7 +62,7 @@ public:
       window_ = window;
       clear_counts();
     }
-    rate_of_one_ = sample_rate_ / (static_cast<double>(window_) * hop_);
+    rate_per_crossing_ = sample_rate_ / (static_cast<double>(window_) * hop_);
     mean_gain_ = 1 - std::exp(-hop_ / (kMeanTime * sample_rate_));
   }
 
@@ -70,8 +70,8 @@ public:
     primed_ = false;
     high_ = envelope_ = last_ = V(0.0);
     armed_ = V(0.0) > V(0.0);
-    now_ = 0;
-    place_ = 0;
+    sample_index_ = 0;
+    hop_position_ = 0;
     clear_counts();
     for (int i = 0; i < lanes; ++i) {
       crossings_[i] = 0;
@@ -81,7 +81,7 @@ public:
   }
 
   /// Only the first 1 <= count <= lanes are followed; the others' playability means nothing.
-  void follow_first(int count) noexcept { followed_ = count; }
+  void set_active_lanes(int count) noexcept { active_lanes_ = count; }
 
   /// The next angle, rad.
   void tick(const V& angle) noexcept { run(&angle, 1); }
@@ -92,13 +92,13 @@ public:
       last_ = usable(angles[0], last_);
     }
     while (count > 0) {
-      const int part = count < hop_ - place_ ? count : hop_ - place_;
-      follow(angles, part);
+      const int part = count < hop_ - hop_position_ ? count : hop_ - hop_position_;
+      process_hop(angles, part);
       angles += part;
       count -= part;
-      place_ += part;
-      if (place_ == hop_) {
-        place_ = 0;
+      hop_position_ += part;
+      if (hop_position_ == hop_) {
+        hop_position_ = 0;
         end_hop();
       }
     }
@@ -117,7 +117,7 @@ public:
   }
   /// C.
   [[nodiscard]] double crossing_penalty(int i = 0) const noexcept {
-    double high = (rate_[i] - kHighestRate) / kHighestRateWidth;
+    double high = (rate_[i] - kMaxRate) / kMaxRateWidth;
     high = high < 0 ? 0 : high > 1 ? 1 : high;
     const double sudden = jump(i);
     return sudden > high ? sudden : high;
@@ -127,11 +127,11 @@ public:
   [[nodiscard]] double interval_variation(int i = 0) const noexcept {
     double sum = 0, squares = 0;
     int n = 0;
-    const std::uint32_t available = crossings_[i] < kTimes ? crossings_[i] : kTimes;
+    const std::uint32_t available = crossings_[i] < kMaxTimes ? crossings_[i] : kMaxTimes;
     for (std::uint32_t k = 1; k < available; ++k) {
-      const double end = times_[i][(crossings_[i] - k) % kTimes];
-      const double start = times_[i][(crossings_[i] - k - 1) % kTimes];
-      if (static_cast<double>(now_) - start > kMeanTime * sample_rate_)
+      const double end = times_[i][(crossings_[i] - k) % kMaxTimes];
+      const double start = times_[i][(crossings_[i] - k - 1) % kMaxTimes];
+      if (static_cast<double>(sample_index_) - start > kMeanTime * sample_rate_)
         break;
       sum += end - start;
       squares += (end - start) * (end - start);
@@ -160,29 +160,29 @@ public:
   [[nodiscard]] const PlayabilityParameters& parameters() const noexcept { return parameters_; }
 
 private:
-  static constexpr double kHop = 0.5e-3;   // s between updates of the counts
-  static constexpr int kMaxHops = 500;     // the longest window, in hops
-  static constexpr double kMeanTime = 0.5; // s
+  static constexpr double kHopTime = 0.5e-3; // s between updates of the counts
+  static constexpr int kMaxHops = 500;       // the longest window, in hops
+  static constexpr double kMeanTime = 0.5;   // s
   // greed~'s highest f_b, which a periodic reed crosses no more often; and the width of H's ramp.
   // White noise at 44.1 kHz and above crosses 8000 times a second or more with hysteresis 0.2.
-  static constexpr double kHighestRate = 4000, kHighestRateWidth = 2000; // Hz
+  static constexpr double kMaxRate = 4000, kMaxRateWidth = 2000; // Hz
   static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
-  static constexpr std::uint32_t kTimes = 17;
+  static constexpr std::uint32_t kMaxTimes = 17;
 
-  static V usable(const V& angle, const V& otherwise) noexcept {
-    return simd::select(simd::absolute(angle) < V(1e6), angle, otherwise);
+  static V usable(const V& angle, const V& fallback) noexcept {
+    return simd::select(simd::absolute(angle) < V(1e6), angle, fallback);
   }
 
   /// Samples of one hop.
-  void follow(const V* angles, int count) noexcept {
+  void process_hop(const V* angles, int count) noexcept {
     using namespace simd;
     const V pole(pole_), attack(attack_), release(release_);
     const V rising(1 - attack_), falling(1 - release_);
-    const V hysteresis(parameters_.hysteresis), least(1e-9);
-    const bool quick_attack = attack_ <= release_;
+    const V hysteresis(parameters_.hysteresis), min_threshold(1e-9);
+    const bool attack_is_faster = attack_ <= release_;
     V last = last_, high = high_, envelope = envelope_;
     auto armed = armed_;
-    const std::uint32_t followed = (1u << followed_) - 1;
+    const std::uint32_t lane_mask = (1u << active_lanes_) - 1;
     for (int i = 0; i < count; ++i) {
       const V angle = lanes == 1 ? usable(angles[i], last) : angles[i], before = high;
       high = angle - last + pole * high;
@@ -191,56 +191,59 @@ private:
       // Of the two, the quicker one lies further on the way to |t~|: no need to ask where that is.
       const V rise = rising * size + attack * envelope;
       const V fall = falling * size + release * envelope;
-      envelope = quick_attack ? maximum(rise, fall) : minimum(rise, fall);
-      const V h = hysteresis * envelope + least;
+      envelope = attack_is_faster ? maximum(rise, fall) : minimum(rise, fall);
+      const V h = hysteresis * envelope + min_threshold;
       const auto above = high > h;
       armed = armed | (high < -h);
       const typename LaneTraits<V>::MaskType crossing = armed & above;
       armed = armed & !above;
       if constexpr (lanes == 1) {
         if (crossing)
-          note(0, before, high, h, i);
+          record_crossing(0, before, high, h, i);
       } else {
-        const std::uint32_t crossed = bits(crossing) & followed;
+        const std::uint32_t crossed = bits(crossing) & lane_mask;
         if (crossed != 0) [[unlikely]]
           for (int k = 0; crossed >> k != 0; ++k)
             if ((crossed >> k & 1) != 0)
-              note(k, static_cast<double>(lane(before, k)), static_cast<double>(lane(high, k)),
-                   static_cast<double>(lane(h, k)), i);
+              record_crossing(k, static_cast<double>(lane(before, k)),
+                              static_cast<double>(lane(high, k)), static_cast<double>(lane(h, k)),
+                              i);
       }
     }
     last_ = last;
     high_ = high;
     envelope_ = envelope;
     armed_ = armed;
-    now_ += count;
+    sample_index_ += count;
   }
 
-  /// Notes when a lane's crossing happened, offset samples after now_.
-  [[gnu::noinline]] void note(int i, double from, double to, double level, int offset) noexcept {
+  /// Notes when a lane's crossing happened, offset samples after sample_index_.
+  [[gnu::noinline]] void record_crossing(int i, double from, double to, double level,
+                                         int offset) noexcept {
     const double part = to > from ? (level - from) / (to - from) : 1;
-    times_[i][crossings_[i] % kTimes] = static_cast<double>(now_ + offset) + (part > 0 ? part : 0);
+    times_[i][crossings_[i] % kMaxTimes] =
+        static_cast<double>(sample_index_ + offset) + (part > 0 ? part : 0);
     ++crossings_[i];
     ++counts_[i][hop_index_];
   }
 
   void end_hop() noexcept {
     hop_index_ = hop_index_ + 1 < window_ ? hop_index_ + 1 : 0;
-    for (int i = 0; i < followed_; ++i) {
+    for (int i = 0; i < active_lanes_; ++i) {
       // What was counted in the hop that ended comes in, the oldest hop goes out.
       const int ended = hop_index_ > 0 ? hop_index_ - 1 : window_ - 1;
       total_[i] += counts_[i][ended];
-      rate_[i] = total_[i] * rate_of_one_;
+      rate_[i] = total_[i] * rate_per_crossing_;
       total_[i] -= counts_[i][hop_index_];
       counts_[i][hop_index_] = 0;
       if (envelope(i) < kAudible * parameters_.reference_rad) {
         sounding_[i] = 0;
       } else if (++sounding_[i] > window_) {
-        const int heard = sounding_[i] - window_;
-        const double gain = heard * mean_gain_ < 1 ? 1.0 / heard : mean_gain_;
-        mean_[i] = heard == 1 ? rate_[i] : mean_[i] + gain * (rate_[i] - mean_[i]);
-        if (sounding_[i] > kLongest)
-          sounding_[i] = kLongest;
+        const int counted_hops = sounding_[i] - window_;
+        const double gain = counted_hops * mean_gain_ < 1 ? 1.0 / counted_hops : mean_gain_;
+        mean_[i] = counted_hops == 1 ? rate_[i] : mean_[i] + gain * (rate_[i] - mean_[i]);
+        if (sounding_[i] > kMaxSoundingHops)
+          sounding_[i] = kMaxSoundingHops;
       }
       if (envelope(i) < 1e-20) {
         simd::set_lane(envelope_, i, Scalar(0));
@@ -259,20 +262,20 @@ private:
     }
   }
 
-  static constexpr int kLongest = 1 << 20; // hops, where counting of sound stops
+  static constexpr int kMaxSoundingHops = 1 << 20; // hops, where counting of sound stops
   PlayabilityParameters parameters_{};
   double sample_rate_ = 0;
-  double pole_ = 0, attack_ = 0, release_ = 0, mean_gain_ = 0, rate_of_one_ = 0;
-  int hop_ = 24, window_ = 0, place_ = 0, hop_index_ = 0;
-  int followed_ = lanes;
+  double pole_ = 0, attack_ = 0, release_ = 0, mean_gain_ = 0, rate_per_crossing_ = 0;
+  int hop_ = 24, window_ = 0, hop_position_ = 0, hop_index_ = 0;
+  int active_lanes_ = lanes;
   bool primed_ = false;
   V last_{0.0}, high_{0.0}, envelope_{0.0};
   typename simd::LaneTraits<V>::MaskType armed_{};
-  std::int64_t now_ = 0;
+  std::int64_t sample_index_ = 0;
   std::uint16_t counts_[lanes][kMaxHops] = {};
   std::uint32_t crossings_[lanes] = {};
   int total_[lanes] = {}, sounding_[lanes] = {};
-  double times_[lanes][kTimes] = {}, rate_[lanes] = {}, mean_[lanes] = {};
+  double times_[lanes][kMaxTimes] = {}, rate_[lanes] = {}, mean_[lanes] = {};
 };
 
 } // namespace tactus::reed

@@ -10,7 +10,7 @@ void PlayabilityMap::begin(const PlayabilityMapSettings& settings, std::size_t c
   settings_ = settings;
   field_.resize(columns, rows);
   ensemble_->set(settings.parameters);
-  ensemble_->set(settings.judge);
+  ensemble_->set(settings.estimator);
   ensemble_->prepare(settings.sample_rate);
   ensemble_->process({}, {}, settings.bore_frequency, 1, {}); // lets it choose its length
   length_ = ensemble_->length();
@@ -34,28 +34,28 @@ std::size_t PlayabilityMap::advance(std::size_t first) noexcept {
   const std::size_t ramp = std::max<std::size_t>(frames(kRamp), 1);
 
   ensemble_->reset();
-  std::size_t heard = 0;
+  std::size_t averaged_blocks = 0;
   ReedEnsemble::Pressure mouth;
   for (std::size_t lane = 0; lane < pressure.size(); ++lane)
     mouth.slope[lane] = pressure[lane] / static_cast<double>(ramp);
-  for (std::size_t at = 0; at < total;) {
-    const std::size_t stop = at < ramp ? ramp : total;
-    const std::size_t count = std::min(ReedEnsemble::kMostFrames, stop - at);
-    at += count;
+  for (std::size_t sample = 0; sample < total;) {
+    const std::size_t next_break = sample < ramp ? ramp : total;
+    const std::size_t count = std::min(ReedEnsemble::kMaxFrames, next_break - sample);
+    sample += count;
     ensemble_->process(mouth, frequency, settings_.bore_frequency, count, {});
-    if (at == ramp)
+    if (sample == ramp)
       mouth.slope.fill(0);
-    mouth.start = at < ramp ? mouth.start : pressure;
-    mouth.first = at < ramp ? at : 0;
-    if (at <= settle)
+    mouth.start = sample < ramp ? mouth.start : pressure;
+    mouth.first = sample < ramp ? sample : 0;
+    if (sample <= settle)
       continue;
-    ++heard;
+    ++averaged_blocks;
     for (std::size_t lane = 0; lane < sum.size(); ++lane)
       sum[lane] += ensemble_->playability(lane);
   }
   for (std::size_t node = first; node < end; ++node)
     field_.node(node % field_.columns(), node / field_.columns()) =
-        sum[node - first] / static_cast<double>(heard);
+        sum[node - first] / static_cast<double>(averaged_blocks);
   return end;
 }
 

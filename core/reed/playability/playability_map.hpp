@@ -14,7 +14,7 @@ struct PlayabilityMapSettings {
   Parameters parameters{};
   double bore_frequency = 0; // f_b, Hz; 0: the instrument's own length
   ControlRange range{};
-  PlayabilityParameters judge{};
+  PlayabilityParameters estimator{};
   double sample_rate = 48000;
   double settle_s = 0.5; // from rest, before one listens
   double listen_s = 0.2; // over which f_p is averaged

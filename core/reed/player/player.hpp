@@ -4,8 +4,8 @@
 #include "core/reed/bore/bore_design.hpp"
 #include "core/reed/instrument/length_table.hpp"
 #include "core/reed/instrument/parameters.hpp"
-#include "core/reed/player/ear.hpp"
 #include "core/reed/player/tongue.hpp"
+#include "core/reed/player/tuning_controller.hpp"
 
 #include <array>
 #include <cstddef>
@@ -23,17 +23,17 @@ struct Refusal {
 /// lips for the note (tuning.hpp) and corrects what is heard out of tune (ear.hpp).
 ///
 /// With breath_reference the lips also follow the mouth pressure p: with r = p/breath_reference,
-/// smoothed (3 ms up, 60 ms down) and within kSoftest..kLoudest, theta_0 goes as r^breath_opening,
-/// stiffness and mass as r^breath_tension. With both 1/2 the jet's flow w x sqrt(2 dp/rho) and the
-/// valve's force k x_0 grow as p, so that valve and linear bore behave alike at every pressure, but
-/// for the channel's inertance and the swept flow; with less the ratio p/P_M grows with p, as from
-/// a soft reed to a beating one.
+/// smoothed (3 ms up, 60 ms down) and within kMinBreathRatio..kMaxBreathRatio, theta_0 goes as
+/// r^breath_opening, stiffness and mass as r^breath_tension. With both 1/2 the jet's flow w x
+/// sqrt(2 dp/rho) and the valve's force k x_0 grow as p, so that valve and linear bore behave alike
+/// at every pressure, but for the channel's inertance and the swept flow; with less the ratio p/P_M
+/// grows with p, as from a soft reed to a beating one.
 ///
 /// A note below lowest_note or above highest_note (with half a semitone to spare) is refused: the
 /// last good note goes on, or the nearest one when there has been none.
 ///
 /// Where the instrument has settled on another register, which no trim brings back, the player
-/// stops the air with the tongue and begins the note anew, up to kTries times.
+/// stops the air with the tongue and begins the note anew, up to kMaxAttempts times.
 ///
 /// The tongue lets a breath go with a burst (tongue.hpp) that brings the valve to the share of its
 /// closing pressure from which its notes grow fastest: 1 + burst goes as P_M/p, which is
@@ -44,11 +44,12 @@ struct Refusal {
 /// Called once per control period of Ear::kPeriod samples. Nothing here allocates.
 class Player {
 public:
-  static constexpr double kSoftest = 0.1, kLoudest = 10; ///< bounds of p/breath_reference
-  static constexpr int kTries = 3;
+  static constexpr double kMinBreathRatio = 0.1,
+                          kMaxBreathRatio = 10; ///< bounds of p/breath_reference
+  static constexpr int kMaxAttempts = 3;
 
   /// How the instrument is held.
-  struct Hold {
+  struct Configuration {
     Parameters valve{};               ///< the valve with the player's lips
     double length = 0.48;             ///< L, m
     double reed_scale = 1;            ///< factor on the f_r that the instrument is given
@@ -69,12 +70,13 @@ public:
   void finger(const Termination* holes, double vent = 0) noexcept {
     holes_ = holes;
     holes_vent_ = vent;
-    due_ = true;
+    update_due_ = true;
   }
 
   /// Due once per control period: f_b in Hz (not above 0: the parameters' length), f_r in Hz, p_m
   /// in Pa (below 0, or no number: the lips stay as at breath_reference).
-  const Hold& control(double bore_frequency, double reed_frequency, double mouth_pressure) noexcept;
+  const Configuration& control(double bore_frequency, double reed_frequency,
+                               double mouth_pressure) noexcept;
   /// Whether a player plays a note: valve and bore then follow the hold at once.
   [[nodiscard]] bool plays() const noexcept { return plays_; }
   /// The note that the player plays, Hz, which is not f_b where that is refused or `fingering` set;
@@ -82,10 +84,10 @@ public:
   [[nodiscard]] double note() const noexcept { return note_; }
   [[nodiscard]] const Refusal& refusal() const noexcept { return refusal_; }
   /// Whether the player wants to hear the bore pressure (listen()).
-  [[nodiscard]] bool listens() const noexcept { return listens_; }
+  [[nodiscard]] bool tracks_pitch() const noexcept { return tracks_pitch_; }
   /// The samples of bore pressure since, Pa; at most Ear::kPeriod between two calls of control().
-  void listen(const double* bore_pressure, int count) noexcept {
-    ear_.listen(bore_pressure, count);
+  void track_pitch(const double* bore_pressure, int count) noexcept {
+    tuning_controller_.track_pitch(bore_pressure, count);
   }
 
   /// The note is tongued: the breath stops for some 5 ms and comes back at once.
@@ -93,10 +95,10 @@ public:
   /// The next samples of mouth pressure, Pa, become what the tongue makes of them, at most
   /// `highest`; count is at most Ear::kPeriod. V as in ReedBank: of several breaths side by side
   /// the tongue goes by the first.
-  template <class V> void breathe(V* mouth_pressure, int count, double highest) noexcept {
+  template <class V> void apply_tongue(V* mouth_pressure, int count, double highest) noexcept {
     if (!plays_)
       return;
-    std::array<double, Ear::kPeriod> pressure, factor;
+    std::array<double, TuningController::kPeriod> pressure, factor;
     for (int i = 0; i < count; ++i)
       pressure[static_cast<std::size_t>(i)] = static_cast<double>(simd::lane(mouth_pressure[i], 0));
     if (tongue_.factors(pressure.data(), factor.data(), count))
@@ -106,38 +108,38 @@ public:
   }
 
 private:
-  [[nodiscard]] double playable(double frequency) noexcept;
-  void choose(double reed_frequency) noexcept;
-  [[nodiscard]] double held_tube() const noexcept;
+  [[nodiscard]] double accept_note(double frequency) noexcept;
+  void choose_configuration(double reed_frequency) noexcept;
+  [[nodiscard]] double fixed_tube_length() const noexcept;
   void finger(double frequency, bool leap) noexcept;
-  void hold_holes() noexcept;
+  void use_open_holes() noexcept;
   void set_trim(double logarithm, bool moved) noexcept;
   [[nodiscard]] double burst() const noexcept;
   bool follow_breath(double mouth_pressure) noexcept;
-  void hold_valve() noexcept;
-  void begin_anew(double reed_frequency) noexcept;
+  void update_lips() noexcept;
+  void retry_note(double reed_frequency) noexcept;
 
   Parameters parameters_{};
   BoreDesign bore_{};
   LengthTable lengths_{};
-  Ear ear_{};
+  TuningController tuning_controller_{};
   Tongue tongue_{};
-  Hold hold_{};
+  Configuration configuration_{};
   double bore_frequency_ = 0; // as given
   double note_ = 0;           // f_b played, Hz; 0: none yet
   const Termination* holes_ = nullptr;
   double holes_vent_ = 0;
   Fingering fingering_{}; // of the note
   Parameters lips_{};     // for the note, at breath_reference
-  BoreEnd fingered_for_ = BoreEnd::kOpen;
-  double breath_ = 1;          // p/breath_reference, smoothed and bounded
-  double rise_ = 1, fall_ = 1; // of the smoothing, per control period
-  double firmness_ = 1;        // P_M/p, relative to that at breath_reference
-  double own_scale_ = 1;       // of f_r: the choice for the note, without the ear's trim
+  BoreEnd fingering_end_ = BoreEnd::kOpen;
+  double breath_ = 1;                    // p/breath_reference, smoothed and bounded
+  double rise_gain_ = 1, fall_gain_ = 1; // of the smoothing, per control period
+  double relative_closing_pressure_ = 1; // P_M/p, relative to that at breath_reference
+  double note_reed_scale_ = 1;           // of f_r: the choice for the note, without the ear's trim
   Refusal refusal_{};
-  bool refuses_ = false;
-  int tries_ = 0; // begun anew so often
-  bool due_ = true, plays_ = false, listens_ = false;
+  bool refusing_ = false;
+  int attempts_ = 0; // begun anew so often
+  bool update_due_ = true, plays_ = false, tracks_pitch_ = false;
 };
 
 } // namespace tactus::reed

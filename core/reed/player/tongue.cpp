@@ -6,88 +6,90 @@ namespace tactus::reed {
 
 bool Tongue::factors(const double* mouth_pressure, double* factor, int count) noexcept {
   int i = 0;
-  if (state_ == State::kOpen && open_ == 1 && extra_ == 0 && !articulation_)
-    while (i < count && mouth_pressure[i] >= kStill)
+  if (state_ == State::kOpen && opening_ == 1 && burst_excess_ == 0 && !articulation_due_)
+    while (i < count && mouth_pressure[i] >= kMinPressure)
       ++i;
   if (i > 0)
-    since_ = 0;
+    samples_in_state_ = 0;
   if (i == count)
     return false;
   std::fill_n(factor, i, 1.0);
   for (; i < count; ++i)
-    factor[i] = next(mouth_pressure[i]);
+    factor[i] = next_factor(mouth_pressure[i]);
   return true;
 }
 
 /// What the next sample of this pressure is multiplied by.
-double Tongue::next(double pressure) noexcept {
+double Tongue::next_factor(double pressure) noexcept {
   switch (state_) {
-  case State::kResting:
-    since_ = pressure < kStill ? since_ + (since_ < samples(kRest) ? 1 : 0) : -1;
-    if (since_ >= 0) {
-      articulation_ = false; // there is nothing to stop
-      stop_ = 0;
+  case State::kNoBreath:
+    samples_in_state_ = pressure < kMinPressure
+                            ? samples_in_state_ + (samples_in_state_ < samples(kRestTime) ? 1 : 0)
+                            : -1;
+    if (samples_in_state_ >= 0) {
+      articulation_due_ = false; // there is nothing to stop
+      min_stop_samples_ = 0;
       return 1;
     }
-    hold();
-    if (!(burst_ > 0) && !articulation_) { // a breath that goes on is not stopped later
+    begin_hold();
+    if (!(burst_ > 0) && !articulation_due_) { // a breath that goes on is not stopped later
       state_ = State::kOpen;
-      since_ = 0;
-      open_ = 1;
+      samples_in_state_ = 0;
+      opening_ = 1;
       return 1;
     }
     [[fallthrough]];
-  case State::kHolding:
-    return holding(pressure);
+  case State::kBlocked:
+    return process_blocked(pressure);
   case State::kClosing:
-    open_ = std::max(0.0, open_ - 1 / (kOpening * sample_rate_));
-    if (open_ == 0)
-      hold();
-    return share();
+    opening_ = std::max(0.0, opening_ - 1 / (kOpeningTime * sample_rate_));
+    if (opening_ == 0)
+      begin_hold();
+    return opening_gain();
   default:
-    return speaking(pressure);
+    return process_open(pressure);
   }
 }
 
-void Tongue::hold() noexcept {
-  state_ = State::kHolding;
-  since_ = 0;
-  before_ = extra_ = open_ = 0;
+void Tongue::begin_hold() noexcept {
+  state_ = State::kBlocked;
+  samples_in_state_ = 0;
+  previous_pressure_ = burst_excess_ = opening_ = 0;
 }
 
-double Tongue::holding(double pressure) noexcept {
-  ++since_;
-  if (since_ % samples(kLook) != 0)
+double Tongue::process_blocked(double pressure) noexcept {
+  ++samples_in_state_;
+  if (samples_in_state_ % samples(kRiseWindow) != 0)
     return 0;
-  const double rise = pressure - before_;
-  const bool slow = rise < kSteepest * kLook && pressure < 10 * kSteepest * kLook;
-  before_ = pressure;
-  if (since_ < stop_)
+  const double rise = pressure - previous_pressure_;
+  const bool slow = rise < kMaxSlowRise * kRiseWindow && pressure < 10 * kMaxSlowRise * kRiseWindow;
+  previous_pressure_ = pressure;
+  if (samples_in_state_ < min_stop_samples_)
     return 0;
-  if (slow || rise < 0.05 * pressure || since_ >= samples(kHold)) {
+  if (slow || rise < 0.05 * pressure || samples_in_state_ >= samples(kMaxHoldTime)) {
     state_ = State::kOpen;
-    extra_ = slow ? 0 : burst_;
-    since_ = stop_ = 0;
-    articulation_ = false;
+    burst_excess_ = slow ? 0 : burst_;
+    samples_in_state_ = min_stop_samples_ = 0;
+    articulation_due_ = false;
   }
   return 0;
 }
 
-double Tongue::speaking(double pressure) noexcept {
-  open_ = std::min(1.0, open_ + 1 / (kOpening * sample_rate_));
-  extra_ = extra_ > kNothing ? extra_ * decay_ : 0;
-  since_ = pressure < kStill ? since_ + 1 : 0;
-  if (since_ >= samples(kRest)) {
-    state_ = State::kResting;
-  } else if (articulation_) {
-    articulation_ = false;
+double Tongue::process_open(double pressure) noexcept {
+  opening_ = std::min(1.0, opening_ + 1 / (kOpeningTime * sample_rate_));
+  burst_excess_ = burst_excess_ > kNegligible ? burst_excess_ * decay_ : 0;
+  samples_in_state_ = pressure < kMinPressure ? samples_in_state_ + 1 : 0;
+  if (samples_in_state_ >= samples(kRestTime)) {
+    state_ = State::kNoBreath;
+  } else if (articulation_due_) {
+    articulation_due_ = false;
     state_ = State::kClosing;
   }
-  return share() * (1 + extra_);
+  return opening_gain() * (1 + burst_excess_);
 }
 
-double Tongue::share() const noexcept {
-  return open_ < 1 ? 0.5 - 0.5 * std::cos(std::numbers::pi * open_) : 1;
+double Tongue::opening_gain() const noexcept {
+  return opening_ < 1 ? 0.5 - 0.5 * std::cos(std::numbers::pi * opening_) : 1;
 }
 
 } // namespace tactus::reed

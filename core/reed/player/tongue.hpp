@@ -31,16 +31,16 @@ public:
   /// 0: none, the tongue only stops the breath when asked to; 1: doubles the pressure at first.
   void set_burst(double burst) noexcept { burst_ = burst; }
   void reset() noexcept {
-    state_ = State::kResting;
-    since_ = samples(kRest);
-    before_ = extra_ = open_ = 0;
-    articulation_ = false;
-    stop_ = 0;
+    state_ = State::kNoBreath;
+    samples_in_state_ = samples(kRestTime);
+    previous_pressure_ = burst_excess_ = opening_ = 0;
+    articulation_due_ = false;
+    min_stop_samples_ = 0;
   }
   /// Stops the breath for `seconds`, or some 5 ms (up to 14 while it rises), and lets it go.
   void articulate(double seconds = 0) noexcept {
-    articulation_ = true;
-    stop_ = std::max(stop_, samples(seconds));
+    articulation_due_ = true;
+    min_stop_samples_ = std::max(min_stop_samples_, samples(seconds));
   }
 
   /// For the next samples of mouth pressure, Pa, what it is to be multiplied by. Returns whether
@@ -48,28 +48,29 @@ public:
   bool factors(const double* mouth_pressure, double* factor, int count) noexcept;
 
 private:
-  enum class State { kResting, kHolding, kClosing, kOpen };
-  static constexpr double kBurstTime = 0.025, kOpening = 1.5e-3, kRest = 5e-3; // s
-  static constexpr double kHold = 12e-3, kLook = 2e-3;                         // s
-  static constexpr double kStill = 1;                                          // Pa: no breath
-  static constexpr double kNothing = 1e-6;                                     // of p_m
-  static constexpr double kSteepest = 4e3; // Pa/s that need no tongue
+  enum class State { kNoBreath, kBlocked, kClosing, kOpen };
+  static constexpr double kBurstTime = 0.025, kOpeningTime = 1.5e-3, kRestTime = 5e-3; // s
+  static constexpr double kMaxHoldTime = 12e-3, kRiseWindow = 2e-3;                    // s
+  static constexpr double kMinPressure = 1;   // Pa: no breath
+  static constexpr double kNegligible = 1e-6; // of p_m
+  static constexpr double kMaxSlowRise = 4e3; // Pa/s that need no tongue
 
   [[nodiscard]] int samples(double seconds) const noexcept {
     return static_cast<int>(seconds * sample_rate_);
   }
 
-  double next(double pressure) noexcept;
-  void hold() noexcept;
-  double holding(double pressure) noexcept;
-  double speaking(double pressure) noexcept;
-  [[nodiscard]] double share() const noexcept;
+  double next_factor(double pressure) noexcept;
+  void begin_hold() noexcept;
+  double process_blocked(double pressure) noexcept;
+  double process_open(double pressure) noexcept;
+  [[nodiscard]] double opening_gain() const noexcept;
 
   double sample_rate_ = 0, burst_ = 0, decay_ = 1;
-  State state_ = State::kResting;
-  int since_ = 0, stop_ = 0; // samples: in this state; that the breath is stopped at least
-  double before_ = 0, extra_ = 0, open_ = 0;
-  bool articulation_ = false;
+  State state_ = State::kNoBreath;
+  int samples_in_state_ = 0,
+      min_stop_samples_ = 0; // samples: in this state; that the breath is stopped at least
+  double previous_pressure_ = 0, burst_excess_ = 0, opening_ = 0;
+  bool articulation_due_ = false;
 };
 
 } // namespace tactus::reed

@@ -23,17 +23,17 @@
 namespace {
 
 using tactus::petsc::fail;
-using tactus::petsc::tell;
+using tactus::petsc::report_progress;
 
 struct Counted {
-  double found_before = 0, wanted = 1;
+  double found_before = 0, requested = 1;
 };
 
 PetscErrorCode monitor(EPS, PetscInt, PetscInt found, PetscScalar*, PetscScalar*, PetscReal*,
                        PetscInt, void* context) {
   const auto* counted = static_cast<const Counted*>(context);
-  const double share = (counted->found_before + static_cast<double>(found)) / counted->wanted;
-  tell(std::min(.99, share), "finding modes");
+  const double share = (counted->found_before + static_cast<double>(found)) / counted->requested;
+  report_progress(std::min(.99, share), "finding modes");
   return 0;
 }
 
@@ -79,7 +79,7 @@ struct Pair {
 /// Whether a vector of unit length in M is none that the first `known` pairs span: rounding lets
 /// deflated ones return.
 PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t known, Vec vector,
-                        bool& fresh) {
+                        bool& is_new) {
   Vec weighted = nullptr;
   PetscCall(VecDuplicate(vector, &weighted));
   PetscCall(MatMult(mass, vector, weighted));
@@ -91,15 +91,15 @@ PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t kn
     within += along * along;
   }
   PetscCall(VecDestroy(&weighted));
-  fresh = within < .5 * length;
+  is_new = within < .5 * length;
   return 0;
 }
 
 /// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `wanted` of them at least. The factor
 /// goes when it returns: two at once, this one and that of the count, would be the peak.
 PetscErrorCode seek(Mat stiffness, Mat mass, PetscReal shift, const std::vector<Vec>& rigid,
-                    std::vector<Pair>& pairs, PetscInt wanted, Counted& counted) {
-  tell(0, "factorising");
+                    std::vector<Pair>& pairs, PetscInt requested, Counted& counted) {
+  report_progress(0, "factorising");
   EPS solver = nullptr;
   ST transform = nullptr;
   KSP linear = nullptr;
@@ -123,7 +123,7 @@ PetscErrorCode seek(Mat stiffness, Mat mass, PetscReal shift, const std::vector<
     PetscCall(
         EPSSetDeflationSpace(solver, static_cast<PetscInt>(deflated.size()), deflated.data()));
   counted.found_before = static_cast<double>(pairs.size());
-  PetscCall(EPSSetDimensions(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(EPSSetDimensions(solver, requested, PETSC_DEFAULT, PETSC_DEFAULT));
   PetscCall(EPSSolve(solver));
   PetscInt found = 0;
   PetscCall(EPSGetConverged(solver, &found));
@@ -132,9 +132,9 @@ PetscErrorCode seek(Mat stiffness, Mat mass, PetscReal shift, const std::vector<
     Pair pair{};
     PetscCall(MatCreateVecs(mass, &pair.vector, nullptr));
     PetscCall(EPSGetEigenpair(solver, k, &pair.value, nullptr, pair.vector, nullptr));
-    bool fresh = false;
-    PetscCall(is_fresh(mass, pairs, known, pair.vector, fresh));
-    if (fresh)
+    bool is_new = false;
+    PetscCall(is_fresh(mass, pairs, known, pair.vector, is_new));
+    if (is_new)
       pairs.push_back(pair);
     else
       PetscCall(VecDestroy(&pair.vector));
@@ -190,7 +190,7 @@ PetscErrorCode run(char** words) {
   PetscCall(PetscOptionsStringToInt(words[6], &rigid_count));
   PetscCall(PetscOptionsStringToReal(words[7], &shift));
 
-  tell(0, "reading the matrices");
+  report_progress(0, "reading the matrices");
   Mat stiffness = nullptr, mass = nullptr;
   PetscViewer source = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
@@ -211,7 +211,7 @@ PetscErrorCode run(char** words) {
     PetscCall(PetscViewerDestroy(&source));
   }
 
-  Counted counted{.wanted = static_cast<double>(count)};
+  Counted counted{.requested = static_cast<double>(count)};
   std::vector<Pair> pairs;
   PetscInt missing = count;
   for (int attempt = 0; attempt < 4 && missing > 0; ++attempt) {
@@ -224,7 +224,7 @@ PetscErrorCode run(char** words) {
       missing = count - static_cast<PetscInt>(pairs.size());
       continue;
     }
-    tell(0, "counting the modes again");
+    report_progress(0, "counting the modes again");
     std::size_t last = 0;
     const PetscReal sigma = gap_above(pairs, static_cast<std::size_t>(count), last);
     PetscInt below = 0;
@@ -235,7 +235,7 @@ PetscErrorCode run(char** words) {
     return fail("SLEPc's modes are not the lowest " + std::to_string(count) + ": " +
                 std::to_string(missing) + " are missing by the matrix's inertia");
 
-  tell(0, "writing the modes");
+  report_progress(0, "writing the modes");
   PetscCall(write(pairs, words[3], words[4]));
   for (Pair& pair : pairs)
     PetscCall(VecDestroy(&pair.vector));
@@ -245,9 +245,9 @@ PetscErrorCode run(char** words) {
   PetscCall(MatDestroy(&mass));
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  double own = 1024. * static_cast<double>(usage.ru_maxrss), most = 0;
-  MPI_Reduce(&own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, PETSC_COMM_WORLD);
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "peak %.0f\n", most));
+  double own = 1024. * static_cast<double>(usage.ru_maxrss), max_bytes = 0;
+  MPI_Reduce(&own, &max_bytes, 1, MPI_DOUBLE, MPI_MAX, 0, PETSC_COMM_WORLD);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "peak %.0f\n", max_bytes));
   return 0;
 }
 

@@ -23,7 +23,7 @@
 namespace {
 
 using tactus::petsc::fail;
-using tactus::petsc::tell;
+using tactus::petsc::report_progress;
 
 struct Goal {
   double tolerance = 0, size = 0, first = 0;
@@ -35,7 +35,8 @@ PetscErrorCode monitor(KSP, PetscInt iteration, PetscReal residual, void* contex
     goal->first = std::max(residual, goal->size);
   const double whole = std::log(goal->tolerance * goal->size / goal->first);
   if (whole < 0 && residual > 0)
-    tell(std::clamp(std::log(residual / goal->first) / whole, 0., .99), "conjugate gradients");
+    report_progress(std::clamp(std::log(residual / goal->first) / whole, 0., .99),
+                    "conjugate gradients");
   return 0;
 }
 
@@ -43,7 +44,7 @@ PetscErrorCode run(char** words) {
   Goal goal;
   PetscCall(PetscOptionsStringToReal(words[4], &goal.tolerance));
 
-  tell(0, "reading the equations");
+  report_progress(0, "reading the equations");
   Mat stiffness = nullptr;
   PetscViewer source = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
@@ -61,7 +62,7 @@ PetscErrorCode run(char** words) {
   }
   PetscCall(PetscViewerDestroy(&source));
 
-  tell(0, "building the levels");
+  report_progress(0, "building the levels");
   MatNullSpace rigid = nullptr;
   PetscCall(MatNullSpaceCreateRigidBody(nodes, &rigid));
   PetscCall(MatSetNearNullSpace(stiffness, rigid));
@@ -99,7 +100,7 @@ PetscErrorCode run(char** words) {
     return fail(text);
   }
 
-  tell(1, "writing the displacement");
+  report_progress(1, "writing the displacement");
   PetscViewer target = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[3], FILE_MODE_WRITE, &target));
   PetscCall(PetscViewerBinarySetSkipInfo(target, PETSC_TRUE));

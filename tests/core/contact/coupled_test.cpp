@@ -1,4 +1,4 @@
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
@@ -101,11 +101,11 @@ TEST_CASE("a mass on three modes leaves with the speed, at the time and the soun
     constexpr double kRate = 44100;
     constexpr int kSamples = 1323; // 30 ms
     const ImpactLaw law{stiffness, 1.5, .3};
-    TouchedBody body(3, 1);
+    ExcitedBody body(3, 1);
     body.prepare(kRate);
     body.set_modes(modes(kThree));
     body.set_impact(0, law, .05);
-    body.throw_mass(0, 0, 1);
+    body.launch_mass(0, 0, 1);
     Reference exact(law, .05, 1);
     constexpr int kFine = 200;
     double error = 0, signal = 0, before = body.energy();
@@ -117,7 +117,7 @@ TEST_CASE("a mass on three modes leaves with the speed, at the time and the soun
         exact.step(1 / (kRate * kFine));
       if (n + 1 < 1e-3 * end_ms * kRate)
         continue;
-      error += std::pow(body.hear() - exact.surface_velocity(), 2);
+      error += std::pow(body.pickup_velocity() - exact.surface_velocity(), 2);
       signal += std::pow(exact.surface_velocity(), 2);
     }
     // The reference itself, and then the object.
@@ -140,13 +140,13 @@ TEST_CASE("restitution follows from mu v alone, over three decades and any mass 
     };
     for (const auto& [mass, stiffness, exponent, speed] :
          {Kind{.01, 1e4, 1.5, 1}, Kind{1, 1e5, 2.5, .2}, Kind{.1, 2e4, 1, 3}}) {
-      TouchedBody wall(0, 1);
+      ExcitedBody wall(0, 1);
       wall.prepare(44100);
       wall.set_impact(0, {stiffness, exponent, mu_v / speed}, mass);
-      wall.throw_mass(0, 0, speed);
-      for (int n = 0; n < 200000 && wall.exciter(0).blows == 0; ++n)
+      wall.launch_mass(0, 0, speed);
+      for (int n = 0; n < 200000 && wall.exciter(0).impact_count == 0; ++n)
         wall.step();
-      REQUIRE(wall.exciter(0).blows == 1);
+      REQUIRE(wall.exciter(0).impact_count == 1);
       CHECK(wall.exciter(0).last.duration_s * 44100 >= 4);
       CAPTURE(mu_v);
       CHECK(-wall.exciter(0).velocity_m_per_s / speed == approx(restitution(mu_v)).epsilon(1e-3));
@@ -166,21 +166,22 @@ TEST_CASE("a free mode keeps its frequency and decay time at any rate and step")
     for (const unsigned steps : {1U, 8U, 64U})
       for (const double share : {0.001, 0.1, 0.3, 0.48}) {
         const double t60 = 0.05, d = kNepers / t60;
-        TouchedBody body(1, 1);
+        ExcitedBody body(1, 1);
         body.prepare(rate);
-        body.set_least_steps(steps);
+        body.set_min_steps(steps);
         body.set_modes(std::array{Mode{share * rate, t60, 0.25}});
-        body.knock_body(0, 1);
+        body.apply_impulse(0, 1);
         // Every sum of exp((-d +- j omega) t) satisfies this, and nothing else does.
         const double radius = std::exp(-d / rate), turn = 2 * radius * std::cos(2 * kPi * share);
-        double two_ago = body.hear(), worst = 0;
+        double two_ago = body.pickup_velocity(), worst = 0;
         CHECK(two_ago == approx(4));
         body.step();
-        double ago = body.hear();
+        double ago = body.pickup_velocity();
         for (int n = 1; n <= 400; ++n) {
           body.step();
-          worst = std::max(worst, std::abs(body.hear() - turn * ago + radius * radius * two_ago));
-          two_ago = std::exchange(ago, body.hear());
+          worst = std::max(
+              worst, std::abs(body.pickup_velocity() - turn * ago + radius * radius * two_ago));
+          two_ago = std::exchange(ago, body.pickup_velocity());
         }
         CAPTURE(rate);
         CAPTURE(steps);
@@ -201,15 +202,15 @@ TEST_CASE("4000 random masses on random bodies never gain energy and stay finite
            log_random(source, 1e-3, 10)};
       shape.push_back(random(source, -1, 1));
     }
-    TouchedBody body(8, 1);
+    ExcitedBody body(8, 1);
     body.prepare(rate);
     body.set_modes(list);
-    body.set_place(0, shape);
+    body.set_contact_shape(0, shape);
     body.set_impact(0,
                     {log_random(source, 1e2, 1e15), random(source, 1, 3.5),
                      source() % 3 ? log_random(source, 1e-3, 10) : 0},
                     log_random(source, 1e-4, 10));
-    body.throw_mass(0, 0, log_random(source, 1e-3, 10));
+    body.launch_mass(0, 0, log_random(source, 1e-3, 10));
     const double whole = body.energy();
     double before = whole;
     for (int n = 0; n < 200; ++n) {
@@ -218,7 +219,7 @@ TEST_CASE("4000 random masses on random bodies never gain energy and stay finite
       before = body.energy();
     }
     REQUIRE(std::isfinite(before));
-    REQUIRE(std::isfinite(body.hear()));
+    REQUIRE(std::isfinite(body.pickup_velocity()));
   }
   MESSAGE("largest relative growth of energy in a sample: ", worst);
   CHECK(worst < 1e-12);

@@ -1,4 +1,4 @@
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
@@ -26,8 +26,8 @@ struct Belt {
   double mass_kg, frequency_hz, decay_per_s, speed_m_per_s;
 };
 
-TouchedBody body_of(const Belt& belt) {
-  TouchedBody body(1, 1);
+ExcitedBody make_body(const Belt& belt) {
+  ExcitedBody body(1, 1);
   body.prepare(kRate);
   body.set_modes(std::array{Mode{belt.frequency_hz, kNepers / belt.decay_per_s, belt.mass_kg}});
   body.set_friction(0, belt.law);
@@ -36,7 +36,7 @@ TouchedBody body_of(const Belt& belt) {
 }
 
 /// The law itself, written as in Dupont et al.
-struct Exact {
+struct ReferenceIntegration {
   const Belt& belt;
   double q = 0, u = 0, z = 0;
 
@@ -61,14 +61,14 @@ struct Exact {
             (f.static_coefficient - f.dynamic_coefficient) * std::exp(-r * r)) /
            f.stiffness_n_per_m;
   }
-  void slope(double place, double speed, double bend, double* k) const {
+  void slope(double position, double speed, double bend, double* k) const {
     const double v = belt.speed_m_per_s - speed, omega = 2 * kPi * belt.frequency_hz;
     const double growth = v - alpha(v, bend) * std::abs(v) * bend / steady(v);
     const double force = belt.law.stiffness_n_per_m * bend + belt.law.damping_ns_per_m * growth +
                          belt.law.viscosity_ns_per_m * v;
     k[0] = speed;
     k[1] = force / belt.mass_kg - 2 * belt.decay_per_s * speed -
-           (omega * omega + belt.decay_per_s * belt.decay_per_s) * place;
+           (omega * omega + belt.decay_per_s * belt.decay_per_s) * position;
     k[2] = growth;
   }
   void step(double h) {
@@ -83,25 +83,25 @@ struct Exact {
   }
 };
 
-struct Heard {
+struct Measured {
   double frequency_hz = 0, rms = 0;
 };
 
 /// Of the second half: rms about the mean, and the rate of passages upwards through it.
-Heard measure(const std::vector<double>& signal) {
+Measured measure(const std::vector<double>& signal) {
   const std::size_t from = signal.size() / 2, count = signal.size() - from;
   double mean = 0, square = 0;
   for (std::size_t n = from; n < signal.size(); ++n)
     mean += signal[n] / static_cast<double>(count);
   for (std::size_t n = from; n < signal.size(); ++n)
     square += (signal[n] - mean) * (signal[n] - mean) / static_cast<double>(count);
-  Heard heard{0, std::sqrt(square)};
+  Measured output{0, std::sqrt(square)};
   double first = -1, last = -1;
   int passages = 0;
   bool armed = false;
   for (std::size_t n = from + 1; n < signal.size(); ++n) {
     const double now = signal[n] - mean, before = signal[n - 1] - mean;
-    armed = armed || now < -0.3 * heard.rms;
+    armed = armed || now < -0.3 * output.rms;
     if (!armed || before >= 0 || now < 0)
       continue;
     armed = false;
@@ -111,8 +111,8 @@ Heard measure(const std::vector<double>& signal) {
     ++passages;
   }
   if (passages > 1)
-    heard.frequency_hz = kRate * (passages - 1) / (last - first);
-  return heard;
+    output.frequency_hz = kRate * (passages - 1) / (last - first);
+  return output;
 }
 
 } // namespace
@@ -133,44 +133,44 @@ TEST_CASE("rubbed oscillators speak with the pitch and strength of the law") {
       {{400, {.7, .35, .05, .7, 1e8, 2000, 5}, 1, 90, 10, .03}, 27.254, .07581},
   };
   for (const Row& row : rows) {
-    TouchedBody body = body_of(row.belt);
+    ExcitedBody body = make_body(row.belt);
     std::vector<double> signal;
-    double least = 0, before = 0, gained = 0;
+    double minimum = 0, before = 0, gained = 0;
     for (int n = 0; n < 44100; ++n) {
       body.step();
       // All that comes in is the work of the belt.
       gained =
           std::max(gained, body.energy() - before - body.force(0) * row.belt.speed_m_per_s / kRate);
       before = body.energy();
-      signal.push_back(body.hear());
-      least = std::min(least, body.exciter(0).dissipated_j);
+      signal.push_back(body.pickup_velocity());
+      minimum = std::min(minimum, body.exciter(0).dissipated_j);
     }
-    const Heard heard = measure(signal);
-    MESSAGE(heard.frequency_hz, " Hz (", 100 * (heard.frequency_hz / row.frequency_hz - 1),
-            " %), rms ", heard.rms, " (", 100 * (heard.rms / row.rms - 1), " %)");
-    CHECK(heard.frequency_hz == approx(row.frequency_hz).epsilon(1e-3));
-    CHECK(heard.rms == approx(row.rms).epsilon(5e-3));
+    const Measured output = measure(signal);
+    MESSAGE(output.frequency_hz, " Hz (", 100 * (output.frequency_hz / row.frequency_hz - 1),
+            " %), rms ", output.rms, " (", 100 * (output.rms / row.rms - 1), " %)");
+    CHECK(output.frequency_hz == approx(row.frequency_hz).epsilon(1e-3));
+    CHECK(output.rms == approx(row.rms).epsilon(5e-3));
     CHECK(gained < 1e-12 * row.belt.normal_n * row.belt.speed_m_per_s / kRate);
-    CHECK(least >= -1e-12 * row.belt.normal_n * row.belt.speed_m_per_s / kRate);
+    CHECK(minimum >= -1e-12 * row.belt.normal_n * row.belt.speed_m_per_s / kRate);
   }
 }
 
 TEST_CASE("the table of rubbed oscillators holds beside our own integration") {
   const Belt belt{5, {.8, .3, .05, .1, 1e4, 5, .2}, .02, 250, 8, .05};
-  Exact exact{belt};
+  ReferenceIntegration exact{belt};
   std::vector<double> signal;
   for (int n = 0; n < 44100; ++n) {
     for (int i = 0; i < 40; ++i)
       exact.step(1 / (kRate * 40));
     signal.push_back(exact.u);
   }
-  const Heard heard = measure(signal);
-  CHECK(heard.frequency_hz == approx(248.254).epsilon(1e-4));
-  CHECK(heard.rms == approx(.04494).epsilon(1e-3));
+  const Measured output = measure(signal);
+  CHECK(output.frequency_hz == approx(248.254).epsilon(1e-4));
+  CHECK(output.rms == approx(.04494).epsilon(1e-3));
 }
 
 TEST_CASE("1296 rubbed bodies stay bounded and friction only dissipates") {
-  double least = 0;
+  double minimum = 0;
   for (const double stiffness : {1e3, 1e5, 1e7, 1e9})
     for (const double damping : {0.0, 1.0, 100.0, 1e4})
       for (const double normal : {1.0, 50.0, 1000.0})
@@ -179,19 +179,20 @@ TEST_CASE("1296 rubbed bodies stay bounded and friction only dissipates") {
             for (const double frequency : {50.0, 800.0, 8000.0}) {
               const Belt belt{normal, {.8, .3, .1, .5, stiffness, damping, .3}, mass, frequency, 10,
                               speed};
-              TouchedBody body = body_of(belt);
+              ExcitedBody body = make_body(belt);
               // The strongest steady force, at the mode's own impedance, and the belt's speed.
               const double bound = 100 * (speed + 0.8 * normal / (mass * 2 * kPi * frequency));
               double highest = 0;
               for (int n = 0; n < 2205; ++n) {
                 body.step();
-                highest = std::max(highest, std::abs(body.hear()));
-                least = std::min(least, body.exciter(0).dissipated_j * kRate / (normal * speed));
+                highest = std::max(highest, std::abs(body.pickup_velocity()));
+                minimum =
+                    std::min(minimum, body.exciter(0).dissipated_j * kRate / (normal * speed));
               }
               CHECK(highest < bound);
             }
-  MESSAGE("least dissipation over F_n v: ", least);
-  CHECK(least > -1e-9);
+  MESSAGE("least dissipation over F_n v: ", minimum);
+  CHECK(minimum > -1e-9);
 }
 
 TEST_CASE("a bowed string takes the steps that its bristles need, and sounds as with the finest") {
@@ -204,16 +205,16 @@ TEST_CASE("a bowed string takes the steps that its bristles need, and sounds as 
     modes.push_back({kHz * n, 2 / (1 + n * n / 36.), kModalMass});
     shape.push_back(std::sin(n * std::numbers::pi * kBeta));
   }
-  const auto fundamental = [&](double force, unsigned least_steps) {
-    TouchedBody body(modes.size());
+  const auto fundamental = [&](double force, unsigned min_steps) {
+    ExcitedBody body(modes.size());
     body.prepare(48000);
     body.set_modes(modes);
-    body.set_place(0, shape);
-    body.set_ear(0, shape);
+    body.set_contact_shape(0, shape);
+    body.set_pickup(0, shape);
     FrictionLaw law;
     law.viscosity_ns_per_m = 0;
     body.set_friction(0, law);
-    body.set_least_steps(least_steps);
+    body.set_min_steps(min_steps);
     for (std::size_t n = 0; n < modes.size(); ++n) // set off in Helmholtz' motion
       body.set_modal_velocity(n, -2 * kSpeed /
                                      (static_cast<double>(n + 1) * std::numbers::pi * kBeta));
@@ -224,7 +225,8 @@ TEST_CASE("a bowed string takes the steps that its bristles need, and sounds as 
       body.step();
       CHECK(body.steps() >= 4);
       if (n >= kFrom)
-        sum += body.hear() * (1 - std::cos(2 * std::numbers::pi * n / (kCount - kFrom))) *
+        sum += body.pickup_velocity() *
+               (1 - std::cos(2 * std::numbers::pi * n / (kCount - kFrom))) *
                std::polar(1.0, -2 * std::numbers::pi * kHz * n / 48000);
     }
     return 2 * std::abs(sum) / (kCount - kFrom);

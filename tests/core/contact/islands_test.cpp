@@ -1,5 +1,5 @@
 #include "core/contact/contact_islands.hpp"
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/dsp/random.hpp"
 #include "tests/approx.hpp"
 
@@ -62,8 +62,8 @@ Part random_part(std::mt19937& source, std::size_t modes, std::size_t strikers, 
 
 /// Bodies in one list of modes, which are its parts one after another or, `interleaved`, mode by
 /// mode in turn; `slots` names the slot of each striker of the first part, then the second...
-std::unique_ptr<TouchedBody> together(const std::vector<Part>& parts, bool interleaved,
-                                      const std::vector<std::size_t>& slots) {
+std::unique_ptr<ExcitedBody> combined_body(const std::vector<Part>& parts, bool interleaved,
+                                           const std::vector<std::size_t>& slots) {
   std::vector<std::vector<std::size_t>> at(parts.size());
   std::vector<Mode> modes;
   const auto take = [&](std::size_t part) {
@@ -80,24 +80,24 @@ std::unique_ptr<TouchedBody> together(const std::vector<Part>& parts, bool inter
       for (std::size_t k = 0; k < parts[p].modes.size(); ++k)
         take(p);
   }
-  auto body = std::make_unique<TouchedBody>(modes.size(), slots.size(), parts.size());
+  auto body = std::make_unique<ExcitedBody>(modes.size(), slots.size(), parts.size());
   body->prepare(48000);
   body->set_modes(modes);
   std::size_t next = 0;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    std::vector<double> ear(modes.size(), 0.0);
+    std::vector<double> pickup(modes.size(), 0.0);
     for (const std::size_t k : at[p])
-      ear[k] = 1;
-    body->set_ear(p, ear);
+      pickup[k] = 1;
+    body->set_pickup(p, pickup);
     for (const Part::Striker& s : parts[p].strikers) {
       const std::size_t slot = slots[next++];
       std::vector<double> shape(modes.size(), 0.0);
       for (std::size_t k = 0; k < s.shape.size(); ++k)
         shape[at[p][k]] = s.shape[k];
-      body->set_place(slot, shape);
+      body->set_contact_shape(slot, shape);
       body->set_impact(slot, s.law, s.mass_kg);
-      body->throw_mass(slot, s.gap_m, s.speed_m_per_s);
-      body->push_mass(slot, s.push_n);
+      body->launch_mass(slot, s.gap_m, s.speed_m_per_s);
+      body->set_mass_force(slot, s.push_n);
     }
   }
   return body;
@@ -127,13 +127,13 @@ std::vector<Part> mixed(std::mt19937& source, double softest, double stiffest) {
 } // namespace
 
 TEST_CASE("contacts are divided by the modes that they share, directly or by way of others") {
-  PlaceModes places(10, 6);
-  places.set(0, std::array{1., 0., 1., 0., 0., 0., 0., 0., 0., 0.});
-  places.set(1, std::array{0., 1., 0., 0., 0., 0., 0., 0., 0., 0.});
-  places.set(2, std::array{0., 0., 0., 1., 0., 0., 0., 0., 0., 1e-300});
-  places.set(3, std::array{0., 0., 1., 1., 0., 0., 0., 0., 0., 0.});
-  places.set(4, std::array{0., 0., 0., 0., 0., 0., 0., 0., 0., 0.});
-  places.set(5, std::array{0., -1., 0., 0., 0., 0., 0., 0., 0., 0.});
+  PointModes points(10, 6);
+  points.set(0, std::array{1., 0., 1., 0., 0., 0., 0., 0., 0., 0.});
+  points.set(1, std::array{0., 1., 0., 0., 0., 0., 0., 0., 0., 0.});
+  points.set(2, std::array{0., 0., 0., 1., 0., 0., 0., 0., 0., 1e-300});
+  points.set(3, std::array{0., 0., 1., 1., 0., 0., 0., 0., 0., 0.});
+  points.set(4, std::array{0., 0., 0., 0., 0., 0., 0., 0., 0., 0.});
+  points.set(5, std::array{0., -1., 0., 0., 0., 0., 0., 0., 0., 0.});
   Islands islands(10, 6);
   const auto slots = [&](std::size_t k) {
     return std::vector(islands.slots(k).begin(), islands.slots(k).end());
@@ -142,7 +142,7 @@ TEST_CASE("contacts are divided by the modes that they share, directly or by way
     return std::vector(islands.modes(k).begin(), islands.modes(k).end());
   };
   for (int again = 0; again < 2; ++again) {
-    places.divide(std::array<std::size_t, 6>{2, 1, 0, 4, 5, 3}, islands);
+    points.divide(std::array<std::size_t, 6>{2, 1, 0, 4, 5, 3}, islands);
     REQUIRE(islands.size() == 3);
     CHECK(slots(0) == std::vector<std::size_t>{2, 0, 3}); // 2 and 0 by way of 3
     CHECK(modes(0) == std::vector<std::uint32_t>{0, 2, 3, 9});
@@ -150,7 +150,7 @@ TEST_CASE("contacts are divided by the modes that they share, directly or by way
     CHECK(modes(1) == std::vector<std::uint32_t>{1});
     CHECK(slots(2) == std::vector<std::size_t>{4});
     CHECK(modes(2).empty());
-    places.divide(std::array<std::size_t, 2>{0, 2}, islands); // without 3 they are apart
+    points.divide(std::array<std::size_t, 2>{0, 2}, islands); // without 3 they are apart
     CHECK(islands.size() == 2);
   }
 }
@@ -163,14 +163,14 @@ TEST_CASE("bodies in one list of modes do what each does alone") {
     const bool same_steps = set % 3 < 2;
     const std::vector<Part> parts = mixed(source, 1e4, same_steps ? 1e8 : 1e12);
     for (const bool interleaved : {false, true}) {
-      auto all = together(parts, interleaved, in_order(strikers(parts)));
-      std::vector<std::unique_ptr<TouchedBody>> alone;
+      auto all = combined_body(parts, interleaved, in_order(strikers(parts)));
+      std::vector<std::unique_ptr<ExcitedBody>> alone;
       for (const Part& part : parts)
-        alone.push_back(together({part}, false, in_order(part.strikers.size())));
+        alone.push_back(combined_body({part}, false, in_order(part.strikers.size())));
       if (same_steps) {
-        all->set_least_steps(16);
+        all->set_min_steps(16);
         for (auto& body : alone)
-          body->set_least_steps(16);
+          body->set_min_steps(16);
       }
       std::vector<double> worst(parts.size(), 0), loudest(parts.size(), 0);
       for (int n = 0; n < (same_steps ? 400 : 120); ++n) {
@@ -178,8 +178,9 @@ TEST_CASE("bodies in one list of modes do what each does alone") {
         CHECK((!same_steps || all->steps() == 16));
         for (std::size_t p = 0; p < parts.size(); ++p) {
           alone[p]->step();
-          worst[p] = std::max(worst[p], std::abs(all->hear(p) - alone[p]->hear()));
-          loudest[p] = std::max(loudest[p], std::abs(alone[p]->hear()));
+          worst[p] =
+              std::max(worst[p], std::abs(all->pickup_velocity(p) - alone[p]->pickup_velocity()));
+          loudest[p] = std::max(loudest[p], std::abs(alone[p]->pickup_velocity()));
         }
       }
       for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -197,13 +198,13 @@ TEST_CASE("forces, outer forces and impulses of bodies in one list are those of 
   std::mt19937 source(31);
   for (const bool impulses : {false, true}) {
     const std::vector<Part> parts = mixed(source, impulses ? 1e17 : 1e4, impulses ? 1e18 : 1e7);
-    auto all = together(parts, false, in_order(strikers(parts)));
-    std::vector<std::unique_ptr<TouchedBody>> alone;
+    auto all = combined_body(parts, false, in_order(strikers(parts)));
+    std::vector<std::unique_ptr<ExcitedBody>> alone;
     for (const Part& part : parts)
-      alone.push_back(together({part}, false, in_order(part.strikers.size())));
-    all->set_least_steps(8);
+      alone.push_back(combined_body({part}, false, in_order(part.strikers.size())));
+    all->set_min_steps(8);
     for (auto& body : alone)
-      body->set_least_steps(8);
+      body->set_min_steps(8);
     // The first striker of some is a surface that rubs, either way.
     for (std::size_t p = 0, slot = 0; p < parts.size(); slot += parts[p++].strikers.size())
       if (!impulses && p % 2 == 0) {
@@ -218,8 +219,8 @@ TEST_CASE("forces, outer forces and impulses of bodies in one list are those of 
       for (std::size_t p = 0, slot = 0; p < parts.size(); slot += parts[p++].strikers.size())
         if (!impulses) {
           const double force = 30 * std::sin(.2 * n + static_cast<double>(p));
-          all->push_body(slot, force);
-          alone[p]->push_body(0, force);
+          all->apply_force(slot, force);
+          alone[p]->apply_force(0, force);
         }
       all->step();
       for (std::size_t p = 0, slot = 0; p < parts.size(); ++p) {
@@ -253,10 +254,10 @@ TEST_CASE("bodies ring on beside one that is touched, and while others come and 
     parts.push_back(random_part(source, 1, 1, 1e4, 2e4));
     parts.back().strikers[0] = {{}, .1, 50, 0, 0, {1}};
   }
-  auto all = together(parts, false, in_order(strikers(parts)));
-  std::vector<std::unique_ptr<TouchedBody>> alone;
+  auto all = combined_body(parts, false, in_order(strikers(parts)));
+  std::vector<std::unique_ptr<ExcitedBody>> alone;
   for (std::size_t p = 0; p < 4; ++p)
-    alone.push_back(together({parts[p]}, false, in_order(parts[p].strikers.size())));
+    alone.push_back(combined_body({parts[p]}, false, in_order(parts[p].strikers.size())));
   for (std::size_t k = 0; k < 20; ++k)
     for (const std::size_t p : {0UL, 2UL}) {
       all->set_modal_velocity((p == 0 ? 0 : 30) + k, .1);
@@ -268,15 +269,16 @@ TEST_CASE("bodies ring on beside one that is touched, and while others come and 
   bool touching = false;
   for (int n = 0; n < 3000; ++n) {
     if (n % 300 == 0) {
-      all->throw_mass(2, 1e-4, .2);
-      alone[3]->throw_mass(0, 1e-4, .2);
+      all->launch_mass(2, 1e-4, .2);
+      alone[3]->launch_mass(0, 1e-4, .2);
     }
     all->step();
     CHECK(all->steps() == 1);
     for (std::size_t p = 0; p < 4; ++p) {
       alone[p]->step();
-      worst[p] = std::max(worst[p], std::abs(all->hear(p) - alone[p]->hear()));
-      loudest[p] = std::max(loudest[p], std::abs(alone[p]->hear()));
+      worst[p] =
+          std::max(worst[p], std::abs(all->pickup_velocity(p) - alone[p]->pickup_velocity()));
+      loudest[p] = std::max(loudest[p], std::abs(alone[p]->pickup_velocity()));
     }
     force_error = std::max(force_error, std::abs(all->force(2) - alone[3]->force(0)));
     strongest = std::max(strongest, all->force(2));
@@ -301,7 +303,7 @@ TEST_CASE("the work of a sample is bounded however many islands want fine steps"
     parts.back().modes[0].mass_kg = .01;
     parts.back().strikers[0] = {{1e11, 1.5, .1}, .01, 0, 1, 0, {1}};
   }
-  const auto finest = [](TouchedBody& body) {
+  const auto max_steps = [](ExcitedBody& body) {
     unsigned steps = 0;
     double before = body.energy(), worst = 0;
     for (int n = 0; n < 100; ++n) {
@@ -313,11 +315,11 @@ TEST_CASE("the work of a sample is bounded however many islands want fine steps"
     CHECK(worst < 1e-12);
     return steps;
   };
-  auto crowd = together(parts, false, in_order(300));
-  CHECK(finest(*crowd) == 4); // 300 contacts of 64 products each, of 2^17
+  auto crowd = combined_body(parts, false, in_order(300));
+  CHECK(max_steps(*crowd) == 4); // 300 contacts of 64 products each, of 2^17
   parts.resize(2);
-  auto two = together(parts, false, in_order(2));
-  CHECK(finest(*two) >= 16);
+  auto two = combined_body(parts, false, in_order(2));
+  CHECK(max_steps(*two) >= 16);
 }
 
 TEST_CASE("an island takes no finer steps because another does") {
@@ -328,20 +330,20 @@ TEST_CASE("an island takes no finer steps because another does") {
   Part hard = random_part(source, 7, 2, 1e12, 1e13);
   for (Part::Striker& s : hard.strikers)
     s.gap_m = 0;
-  auto calm = together({soft, pair, other}, false, in_order(4));
-  auto both = together({soft, pair, other, hard}, false, in_order(6));
-  unsigned finest_calm = 0, finest = 0;
+  auto without_stiff_part = combined_body({soft, pair, other}, false, in_order(4));
+  auto both = combined_body({soft, pair, other, hard}, false, in_order(6));
+  unsigned max_steps_without = 0, max_steps = 0;
   bool same = true;
   for (int n = 0; n < 300; ++n) {
-    calm->step();
+    without_stiff_part->step();
     both->step();
-    finest_calm = std::max(finest_calm, calm->steps());
-    finest = std::max(finest, both->steps());
+    max_steps_without = std::max(max_steps_without, without_stiff_part->steps());
+    max_steps = std::max(max_steps, both->steps());
     for (std::size_t i = 0; i < 4; ++i)
-      same = same && calm->force(i) == both->force(i);
+      same = same && without_stiff_part->force(i) == both->force(i);
   }
-  CHECK(finest_calm <= 2);
-  CHECK(finest == 64);
+  CHECK(max_steps_without <= 2);
+  CHECK(max_steps == 64);
   CHECK(same);
 }
 
@@ -350,9 +352,9 @@ TEST_CASE("islands whose contacts change slots give the same bits") {
   for (int set = 0; set < 4; ++set) {
     const std::vector<Part> parts = mixed(source, 1e4, 1e11);
     std::vector<std::size_t> slots = in_order(strikers(parts));
-    auto one = together(parts, set % 2, slots);
+    auto one = combined_body(parts, set % 2, slots);
     std::shuffle(slots.begin(), slots.end(), source);
-    auto other = together(parts, set % 2, slots);
+    auto other = combined_body(parts, set % 2, slots);
     bool same = true;
     for (int n = 0; n < 1500; ++n) {
       one->step();
@@ -371,7 +373,7 @@ TEST_CASE("islands at different levels, with friction, never gain energy") {
     for (Part& part : parts)
       for (Part::Striker& s : part.strikers)
         s.push_n = 0;
-    auto body = together(parts, set % 2, in_order(strikers(parts)));
+    auto body = combined_body(parts, set % 2, in_order(strikers(parts)));
     for (const std::size_t i : {0UL, 5UL, 8UL}) {
       body->set_friction(
           i, {.8, .3, .1, .5, log_random(source, 1e3, 1e8), log_random(source, 1, 1e3), .5, 1});
@@ -379,10 +381,10 @@ TEST_CASE("islands at different levels, with friction, never gain energy") {
     }
     const double whole = body->energy();
     double before = whole, worst = 0;
-    unsigned finest = 0;
+    unsigned max_steps = 0;
     for (int n = 0; n < 800; ++n) {
       body->step();
-      finest = std::max(finest, body->steps());
+      max_steps = std::max(max_steps, body->steps());
       worst = std::max(worst, (body->energy() - before) / whole);
       before = body->energy();
     }
@@ -404,7 +406,7 @@ TEST_CASE("rigid chains in one list keep their momentum while links meet and par
       modes.push_back({300 * order + 11 * static_cast<double>(bar), 1e4, mass / 4});
   }
   const std::array<std::array<std::size_t, 5>, 2> chains{{{0, 2, 4, 6, 8}, {1, 3, 5, 7, 9}}};
-  TouchedBody body(modes.size(), 8, kBars);
+  ExcitedBody body(modes.size(), 8, kBars);
   body.prepare(48000);
   body.set_modes(modes);
   const std::array<double, kOf> middle{1, -.6, .6, -.6};
@@ -416,14 +418,14 @@ TEST_CASE("rigid chains in one list keep their momentum while links meet and par
         shape[chain[i] * kOf + k] = -middle[k];
         shape[chain[i + 1] * kOf + k] = middle[k];
       }
-      body.set_place(link, shape);
+      body.set_contact_shape(link, shape);
       body.set_held(link, {3e8, 1.5, 0});
-      body.throw_mass(link, 1e-4 * static_cast<double>(1 + link % 3), 0);
+      body.launch_mass(link, 1e-4 * static_cast<double>(1 + link % 3), 0);
     }
   for (std::size_t bar = 0; bar < kBars; ++bar) {
     std::vector<double> shape(modes.size(), 0.0);
     shape[bar * kOf] = 1;
-    body.set_ear(bar, shape);
+    body.set_pickup(bar, shape);
   }
   body.set_modal_velocity(0, 1.5);
   body.set_modal_velocity(8 * kOf, -.5);
@@ -432,12 +434,12 @@ TEST_CASE("rigid chains in one list keep their momentum while links meet and par
   const auto momentum = [&](const std::array<std::size_t, 5>& chain) {
     double sum = 0;
     for (const std::size_t bar : chain)
-      sum += modes[bar * kOf].mass_kg * body.hear(bar);
+      sum += modes[bar * kOf].mass_kg * body.pickup_velocity(bar);
     return sum;
   };
   const double first = momentum(chains[0]), second = momentum(chains[1]), energy = body.energy();
   double before = energy, growth = 0, drift = 0;
-  std::size_t most = 0;
+  std::size_t maximum = 0;
   for (int n = 0; n < 48000; ++n) {
     body.step();
     growth = std::max(growth, body.energy() - before);
@@ -447,14 +449,14 @@ TEST_CASE("rigid chains in one list keep their momentum while links meet and par
     std::size_t touching = 0;
     for (std::size_t i = 0; i < 8; ++i)
       touching += body.force(i) > 0;
-    most = std::max(most, touching);
+    maximum = std::max(maximum, touching);
   }
   CHECK(growth < 1e-13 * energy);
   CHECK(drift < 1e-12);
   CHECK(before == approx(energy).epsilon(1e-2));
-  CHECK(most >= 3);
+  CHECK(maximum >= 3);
   for (std::size_t i = 0; i < 8; ++i)
-    CHECK(body.exciter(i).blows > 0);
+    CHECK(body.exciter(i).impact_count > 0);
 }
 
 TEST_CASE(
@@ -475,38 +477,38 @@ TEST_CASE(
     for (std::size_t i = 0; i < counts[e / kEach]; ++i)
       shape.back().push_back(0.1 + random.uniform());
   }
-  const auto touch = [&](TouchedBody& body, std::size_t slot, std::size_t e) {
+  const auto touch = [&](ExcitedBody& body, std::size_t slot, std::size_t e) {
     if (e == 3) {
       body.set_friction(slot, {0.8, 0.3, 0.1, 0.5, 1e5, 5, 0.4});
       body.rub(slot, 5, 0.1);
     } else if (e != 1) { // one body has one contact, the others two
       body.set_impact(slot, {1e7, 1.5, 0.2}, 0.01);
-      body.throw_mass(slot, 1e-4, 0.2 + 0.1 * static_cast<double>(e));
-      body.push_mass(slot, 3);
+      body.launch_mass(slot, 1e-4, 0.2 + 0.1 * static_cast<double>(e));
+      body.set_mass_force(slot, 3);
     }
   };
   for (const bool baseline : {false, true}) {
-    TouchedBody all(kAll, 3 * kEach);
-    std::vector<TouchedBody> apart;
+    ExcitedBody all(kAll, 3 * kEach);
+    std::vector<ExcitedBody> apart;
     all.set_modes(modes);
     if (baseline)
       all.use_baseline();
     for (std::size_t b = 0, first = 0; b < 3; first += counts[b++]) {
-      TouchedBody& one = apart.emplace_back(counts[b], kEach);
+      ExcitedBody& one = apart.emplace_back(counts[b], kEach);
       one.set_modes({modes.data() + first, counts[b]});
-      one.set_least_steps(64);
+      one.set_min_steps(64);
       for (std::size_t c = 0; c < kEach; ++c) {
         const std::size_t e = kEach * b + c;
         std::vector<double> full(kAll, 0.0);
         std::copy(shape[e].begin(), shape[e].end(),
                   full.begin() + static_cast<std::ptrdiff_t>(first));
-        one.set_place(c, shape[e]);
-        all.set_place(e, full);
+        one.set_contact_shape(c, shape[e]);
+        all.set_contact_shape(e, full);
         touch(one, c, e);
         touch(all, e, e);
       }
     }
-    all.set_least_steps(64);
+    all.set_min_steps(64);
     double largest = 0, difference = 0;
     for (int n = 0; n < 900; ++n) {
       if (n == 600)
@@ -515,23 +517,23 @@ TEST_CASE(
           apart[1].clear(c);
         }
       if (n > 100 && n % 50 < 5) {
-        all.knock_body(0, 0.002);
-        apart[0].knock_body(0, 0.002);
-        all.knock_body(4, 0.002);
-        apart[2].knock_body(0, 0.002);
+        all.apply_impulse(0, 0.002);
+        apart[0].apply_impulse(0, 0.002);
+        all.apply_impulse(4, 0.002);
+        apart[2].apply_impulse(0, 0.002);
       }
       if (n > 100 && n % 50 > 30 && n % 3 == 0) {
-        all.push_body(0, 2);
-        apart[0].push_body(0, 2);
+        all.apply_force(0, 2);
+        apart[0].apply_force(0, 2);
       }
       all.step();
-      double heard = 0;
-      for (TouchedBody& one : apart) {
+      double output = 0;
+      for (ExcitedBody& one : apart) {
         one.step();
-        heard += one.hear();
+        output += one.pickup_velocity();
       }
-      largest = std::max(largest, std::abs(heard));
-      difference = std::max(difference, std::abs(heard - all.hear()));
+      largest = std::max(largest, std::abs(output));
+      difference = std::max(difference, std::abs(output - all.pickup_velocity()));
       for (std::size_t e = 0; e < 3 * kEach; ++e)
         REQUIRE(std::abs(all.force(e) - apart[e / kEach].force(e % kEach)) < 1e-6);
     }

@@ -29,25 +29,26 @@ TEST_CASE("a contact pressed slowly in and out stores the work of its law, and g
       constexpr int kSteps = 2000;
       constexpr double kDeepest = 2e-4, h = 1 / kRate;
       double x = -1e-9, work = 0, worst = 0, force_error = 0;
-      const double most = law.work(kDeepest), strongest = law.force(kDeepest, 0);
+      const double maximum = law.work(kDeepest), strongest = law.force(kDeepest, 0);
       for (int n = 0; n < 2 * kSteps; ++n) {
-        const double way = (n < kSteps ? kDeepest : -kDeepest) / kSteps, rate = way / h;
+        const double compression = (n < kSteps ? kDeepest : -kDeepest) / kSteps,
+                     rate = compression / h;
         double force = 0;
-        if (Impact::meets(x, rate, h)) {
+        if (Impact::in_contact(x, rate, h)) {
           const LinearForce f = impact.enter_step(x, rate, h);
           force = f.offset_n + f.slope_ns_per_m * rate;
           impact.pass_step(rate, h);
         }
-        work += force * way;
+        work += force * compression;
         if (x > .05 * kDeepest)
-          force_error = std::max(force_error, std::abs(force - law.force(x + .5 * way, 0)));
-        x += way;
+          force_error = std::max(force_error, std::abs(force - law.force(x + .5 * compression, 0)));
+        x += compression;
         impact.leave_step(x);
-        worst = std::max(worst, std::abs(impact.stored_j() + impact.bank_j() - work));
+        worst = std::max(worst, std::abs(impact.stored_j() + impact.energy_account_j() - work));
         if (n % 100 == 50)
           CHECK(impact.stored_j() == approx(law.work(x)).epsilon(1e-3));
       }
-      CHECK(worst < 1e-9 * most);
+      CHECK(worst < 1e-9 * maximum);
       CHECK(force_error < 1e-3 * strongest);
       CHECK(!impact.touching());
     }
@@ -177,7 +178,7 @@ TEST_CASE("what an exciter is told to do changes its velocities against the body
   CHECK(e.approach_m_per_s == approx(.5));
   CHECK(e.mean_velocity_m_per_s == approx(.4));
   e.move_at(-1e9); // as fast as anything goes here
-  CHECK(e.velocity_m_per_s == -kFastest);
+  CHECK(e.velocity_m_per_s == -kMaxSpeed);
   Exciter rubbing;
   rubbing.kind = Exciter::Kind::kFriction;
   rubbing.rubbing_m_per_s = -.1;
@@ -189,7 +190,7 @@ TEST_CASE("what an exciter is told to do changes its velocities against the body
   CHECK(rubbing.approach_m_per_s == approx(.7));
   CHECK(rubbing.mean_velocity_m_per_s == approx(.8));
   rubbing.rub(1e30, std::nan(""));
-  CHECK(rubbing.normal_force_n == kMostForce);
+  CHECK(rubbing.normal_force_n == kMaxForce);
   CHECK(rubbing.rubbing_m_per_s == 0);
 }
 
@@ -200,11 +201,11 @@ TEST_CASE("bristles get steps of .4 rad of their own swing, eight a sample at mo
   law.stiffness_n_per_m = 1e6;
   e.friction.set(law);
   for (const double mobility : {1e-3, .1, 10., 200.}) {
-    e.quick_mobility = mobility;
+    e.impulse_mobility = mobility;
     const double angle = std::sqrt(1e6 * mobility) / kRate;
     CHECK(e.rubbing_steps(1 / kRate) == approx(std::min(angle / .4, 8.)));
   }
-  e.quick_mobility = 1e6;
+  e.impulse_mobility = 1e6;
   CHECK(e.rubbing_steps(1 / kRate) == 8);
 }
 
@@ -218,12 +219,12 @@ TEST_CASE("a contact's energy is its striker's and what it stores; a held strike
   e.held = true;
   CHECK(e.energy() == 0);
   // What it is judged by: from half of it to a tenth more.
-  e.judged_j = 2;
-  CHECK(e.judged(2));
-  CHECK(e.judged(2.19));
-  CHECK(!e.judged(2.21));
-  CHECK(e.judged(1.01));
-  CHECK(!e.judged(.99));
+  e.level_energy_j = 2;
+  CHECK(e.level_valid(2));
+  CHECK(e.level_valid(2.19));
+  CHECK(!e.level_valid(2.21));
+  CHECK(e.level_valid(1.01));
+  CHECK(!e.level_valid(.99));
 }
 
 TEST_CASE("one contact alone takes the force that its own change of velocity leaves it") {
@@ -236,6 +237,6 @@ TEST_CASE("one contact alone takes the force that its own change of velocity lea
   CHECK(t.mean == approx(.7 - .05 * t.force));
   t.solve(0);
   CHECK(t.force == approx(17));
-  CHECK(continued(2, 1) == 2.5);
+  CHECK(extrapolate_velocity(2, 1) == 2.5);
   CHECK(expected(2, 1) == 1.5);
 }

@@ -1,4 +1,4 @@
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
@@ -17,15 +17,15 @@ namespace {
 
 constexpr double kRate = 48000;
 const std::vector<Mode> kModes{{300, .5, .4}, {910, .3, .3}, {2230, .2, .5}};
-const std::vector<double> kHere{1, -.6, .8}, kThere{.7, .9, -.4};
+const std::vector<double> kShapeA{1, -.6, .8}, kShapeB{.7, .9, -.4};
 
-TouchedBody body_of(std::size_t exciters) {
-  TouchedBody body(kModes.size(), exciters, 1);
+ExcitedBody make_body(std::size_t exciters) {
+  ExcitedBody body(kModes.size(), exciters, 1);
   body.prepare(kRate);
   body.set_modes(kModes);
-  body.set_place(0, kHere);
+  body.set_contact_shape(0, kShapeA);
   if (exciters > 1)
-    body.set_place(1, kThere);
+    body.set_contact_shape(1, kShapeB);
   return body;
 }
 
@@ -105,23 +105,23 @@ TEST_CASE("friction's ranges hold, and what has been released bends from nothing
 
 TEST_CASE("a force from outside moves the body as if nothing were near, or two masses that do not "
           "touch") {
-  TouchedBody alone = body_of(2), beside = body_of(2);
+  ExcitedBody alone = make_body(2), beside = make_body(2);
   for (const std::size_t slot : {0UL, 1UL}) {
     beside.set_impact(slot, {1e7, 1.5, 0}, .02);
-    beside.throw_mass(slot, 2e-6,
-                      0); // near: within two samples of a moving surface, and never reached
+    beside.launch_mass(slot, 2e-6,
+                       0); // near: within two samples of a moving surface, and never reached
   }
   double apart = 0, size = 0;
   for (int n = 0; n < 400; ++n) {
     const double force = 1e-3 * std::sin(.05 * n);
-    alone.push_body(0, force);
-    beside.push_body(0, force);
-    alone.push_body(1, -.5 * force);
-    beside.push_body(1, -.5 * force);
+    alone.apply_force(0, force);
+    beside.apply_force(0, force);
+    alone.apply_force(1, -.5 * force);
+    beside.apply_force(1, -.5 * force);
     alone.step();
     beside.step();
-    apart = std::max(apart, std::abs(alone.hear() - beside.hear()));
-    size = std::max(size, std::abs(alone.hear()));
+    apart = std::max(apart, std::abs(alone.pickup_velocity() - beside.pickup_velocity()));
+    size = std::max(size, std::abs(alone.pickup_velocity()));
   }
   CHECK(beside.force(0) == 0);
   CHECK(size > 1e-7);
@@ -129,16 +129,16 @@ TEST_CASE("a force from outside moves the body as if nothing were near, or two m
 }
 
 TEST_CASE("two contacts too short for steps are impulses, at one moment") {
-  TouchedBody body = body_of(2);
+  ExcitedBody body = make_body(2);
   for (const std::size_t slot : {0UL, 1UL}) {
     body.set_impact(slot, {1e17, 1.5, .2}, .01);
-    body.throw_mass(slot, 1e-6, 1);
+    body.launch_mass(slot, 1e-6, 1);
   }
   const double before = body.energy();
   for (int n = 0; n < 4; ++n)
     body.step();
   for (const std::size_t slot : {0UL, 1UL}) {
-    CHECK(body.exciter(slot).blows >= 1);
+    CHECK(body.exciter(slot).impact_count >= 1);
     CHECK(body.exciter(slot).last.duration_s == 0);
     CHECK(body.exciter(slot).last.impulse_ns > 0);
     CHECK(body.exciter(slot).velocity_m_per_s < .5);
@@ -148,16 +148,16 @@ TEST_CASE("two contacts too short for steps are impulses, at one moment") {
 }
 
 TEST_CASE("a mass flies no further than a kilometre, and falls back from there") {
-  TouchedBody body = body_of(1);
+  ExcitedBody body = make_body(1);
   body.set_impact(0, {1e6, 1.5, 0}, .1);
-  body.throw_mass(0, 500, -9000);
+  body.launch_mass(0, 500, -9000);
   for (int n = 0; n < 48000; ++n)
     body.step();
-  CHECK(body.exciter(0).place_m == -1000);
+  CHECK(body.exciter(0).position_m == -1000);
   CHECK(body.exciter(0).velocity_m_per_s == 0);
-  body.push_mass(0, 1e3); // 1e4 m/s^2, but no faster than 1e4 m/s
+  body.set_mass_force(0, 1e3); // 1e4 m/s^2, but no faster than 1e4 m/s
   int samples = 0;
-  while (body.exciter(0).blows == 0 && samples < 96000) {
+  while (body.exciter(0).impact_count == 0 && samples < 96000) {
     body.step();
     ++samples;
   }
@@ -167,10 +167,10 @@ TEST_CASE("a mass flies no further than a kilometre, and falls back from there")
 TEST_CASE("masses that come and go leave the others alone") {
   // One mass held on the body by a force; another strikes elsewhere and leaves, is taken away, is
   // thrown again: the first is at its depth afterwards.
-  TouchedBody body = body_of(2);
+  ExcitedBody body = make_body(2);
   body.set_impact(0, {1e6, 1.5, .5}, .05);
-  body.throw_mass(0, 0, 0);
-  body.push_mass(0, 2);
+  body.launch_mass(0, 0, 0);
+  body.set_mass_force(0, 2);
   for (int n = 0; n < 96000; ++n)
     body.step();
   const double rest = body.exciter(0).depth_m;
@@ -178,10 +178,10 @@ TEST_CASE("masses that come and go leave the others alone") {
   CHECK(rest == approx(std::pow(2e-6, 2. / 3)).epsilon(1e-3));
   for (int round = 0; round < 3; ++round) {
     body.set_impact(1, {1e8, 1.5, .1}, .01);
-    body.throw_mass(1, 1e-4, .5);
+    body.launch_mass(1, 1e-4, .5);
     for (int n = 0; n < 4000; ++n)
       body.step();
-    CHECK(body.exciter(1).blows > 0);
+    CHECK(body.exciter(1).impact_count > 0);
     body.clear(1);
     CHECK(body.force(1) == 0);
     for (int n = 0; n < 96000; ++n)
@@ -192,22 +192,22 @@ TEST_CASE("masses that come and go leave the others alone") {
 }
 
 TEST_CASE("steps grow fine under a hard strike and coarse again after it") {
-  TouchedBody body = body_of(1);
+  ExcitedBody body = make_body(1);
   body.set_impact(0, {1e10, 1.5, .1}, .02);
-  body.throw_mass(0, 1e-4, 2);
-  unsigned most = 0;
+  body.launch_mass(0, 1e-4, 2);
+  unsigned maximum = 0;
   for (int n = 0; n < 200; ++n) {
     body.step();
-    most = std::max(most, body.steps());
+    maximum = std::max(maximum, body.steps());
   }
-  CHECK(most >= 8);
+  CHECK(maximum >= 8);
   for (int n = 0; n < 2000; ++n)
     body.step();
   CHECK(body.steps() == 1);
-  body.set_least_steps(8);
+  body.set_min_steps(8);
   body.step();
   CHECK(body.steps() == 8);
-  body.set_least_steps(1000);
+  body.set_min_steps(1000);
   body.step();
   CHECK(body.steps() == 64);
 }

@@ -1,6 +1,6 @@
 // What messages do to a touched body, to the number: impulses, forces, places, modes, and what they
 // are held within.
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
@@ -21,8 +21,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
                  kInfinity = std::numeric_limits<double>::infinity();
 
 /// A block of so many kg that nothing holds.
-TouchedBody block(double mass_kg, std::size_t exciters = 1) {
-  TouchedBody body(1, exciters, 1);
+ExcitedBody block(double mass_kg, std::size_t exciters = 1) {
+  ExcitedBody body(1, exciters, 1);
   body.prepare(kRate);
   const Mode rigid{0, 1, mass_kg};
   body.set_modes({&rigid, 1});
@@ -33,67 +33,67 @@ TouchedBody block(double mass_kg, std::size_t exciters = 1) {
 
 TEST_CASE("a knock gives a block its impulse over its mass, and its place's shape of it") {
   for (const double impulse : {1., -1., .25, 0.}) {
-    TouchedBody body = block(2);
-    body.knock_body(0, impulse);
-    CHECK(body.hear() == approx(impulse / 2));
+    ExcitedBody body = block(2);
+    body.apply_impulse(0, impulse);
+    CHECK(body.pickup_velocity() == approx(impulse / 2));
     CHECK(body.energy() == approx(impulse * impulse / 4));
     CHECK(body.active() == (impulse != 0));
     body.step();
-    CHECK(body.hear() == approx(impulse / 2));
+    CHECK(body.pickup_velocity() == approx(impulse / 2));
   }
-  TouchedBody body = block(2);
+  ExcitedBody body = block(2);
   const double shape = 3;
-  body.set_place(0, {&shape, 1});
-  body.knock_body(0, 1);
-  CHECK(body.hear() == approx(1.5));
-  body.knock_body(1, 1); // there is no such slot
-  body.knock_body(0, kNan);
-  CHECK(body.hear() == approx(1.5));
+  body.set_contact_shape(0, {&shape, 1});
+  body.apply_impulse(0, 1);
+  CHECK(body.pickup_velocity() == approx(1.5));
+  body.apply_impulse(1, 1); // there is no such slot
+  body.apply_impulse(0, kNan);
+  CHECK(body.pickup_velocity() == approx(1.5));
 }
 
 TEST_CASE("a force on the body acts for one sample, and forces of a sample add up") {
   for (const double force : {1., -1., 3.}) {
-    TouchedBody body = block(2, 2);
+    ExcitedBody body = block(2, 2);
     const double shape = .5;
-    body.set_place(1, {&shape, 1});
-    body.push_body(0, force);
-    body.push_body(1, 4);
-    body.push_body(2, 1e6); // there is no such slot
+    body.set_contact_shape(1, {&shape, 1});
+    body.apply_force(0, force);
+    body.apply_force(1, 4);
+    body.apply_force(2, 1e6); // there is no such slot
     for (int n = 0; n < 3; ++n) {
       body.step();
-      CHECK(body.hear() == approx((force + 2) / 2 / kRate));
+      CHECK(body.pickup_velocity() == approx((force + 2) / 2 / kRate));
     }
   }
 }
 
 TEST_CASE("a force on a mass lasts until it is changed") {
-  TouchedBody body = block(1);
+  ExcitedBody body = block(1);
   body.set_impact(0, {}, .5);
-  body.throw_mass(0, 1, 0);
-  body.push_mass(0, -1);
+  body.launch_mass(0, 1, 0);
+  body.set_mass_force(0, -1);
   for (int n = 0; n < 480; ++n)
     body.step();
   CHECK(body.exciter(0).velocity_m_per_s == approx(-2 * 480 / kRate));
-  CHECK(body.exciter(0).place_m == approx(-1 - .5 * 2 * 480 * 480 / kRate / kRate));
-  body.push_mass(0, 0);
+  CHECK(body.exciter(0).position_m == approx(-1 - .5 * 2 * 480 * 480 / kRate / kRate));
+  body.set_mass_force(0, 0);
   body.step();
   CHECK(body.exciter(0).velocity_m_per_s == approx(-2 * 480 / kRate));
 }
 
 TEST_CASE("a mode that is set going moves with that velocity, decaying as it says") {
-  TouchedBody body(3, 1, 1);
+  ExcitedBody body(3, 1, 1);
   body.prepare(kRate);
   const std::array<Mode, 3> modes{{{200, .5, .1}, {700, .2, .4}, {30000, 1, 1}}};
   body.set_modes(modes);
   body.set_modal_velocity(0, 1);
-  CHECK(body.hear() == approx(1));
+  CHECK(body.pickup_velocity() == approx(1));
   CHECK(body.energy() == approx(.5 * .1));
   body.set_modal_velocity(1, -2);
-  CHECK(body.hear() == approx(-1));
+  CHECK(body.pickup_velocity() == approx(-1));
   CHECK(body.energy() == approx(.5 * .1 + .5 * .4 * 4));
   body.set_modal_velocity(2, 5); // beyond what can be heard
   body.set_modal_velocity(3, 5);
-  CHECK(body.hear() == approx(-1));
+  CHECK(body.pickup_velocity() == approx(-1));
   const double before = body.energy();
   for (int n = 0; n < 9600; ++n)
     body.step();
@@ -105,12 +105,12 @@ TEST_CASE("a mode that is set going moves with that velocity, decaying as it say
   // Set anew while it is bent: the velocity is what was asked for, whatever the decay.
   body.set_modal_velocity(0, 0);
   body.set_modal_velocity(1, 0);
-  CHECK(std::abs(body.hear()) < 1e-15);
+  CHECK(std::abs(body.pickup_velocity()) < 1e-15);
   CHECK(body.energy() > 0);
 }
 
 TEST_CASE("new frequencies, decays, masses and rates leave each mode's two energies alone") {
-  TouchedBody body(2, 1, 1);
+  ExcitedBody body(2, 1, 1);
   body.prepare(kRate);
   std::array<Mode, 2> modes{{{150, .02, .1}, {460, .5, .3}}};
   body.set_modes(modes);
@@ -119,12 +119,13 @@ TEST_CASE("new frequencies, decays, masses and rates leave each mode's two energ
   for (int n = 0; n < 77; ++n)
     body.step();
   const auto kinetic = [&](std::size_t k) {
-    const double v = body.body().real[k] - body.body().slowing[k] * body.body().imaginary[k];
+    const double v =
+        body.body().real[k] - body.body().decay_over_omega[k] * body.body().imaginary[k];
     return .5 * v * v;
   };
   const auto elastic = [&](std::size_t k) {
     const double q = body.body().imaginary[k] * body.body().displacement[k],
-                 w = 1 / body.body().displacement[k], d = w * body.body().slowing[k];
+                 w = 1 / body.body().displacement[k], d = w * body.body().decay_over_omega[k];
     return .5 * (w * w + d * d) * q * q;
   };
   std::array<double, 4> before{};
@@ -141,14 +142,15 @@ TEST_CASE("new frequencies, decays, masses and rates leave each mode's two energ
   body.set_modes(modes);
   same();
   CHECK(1 / body.body().displacement[0] == approx(2 * std::numbers::pi * 300));
-  CHECK(body.body().slowing[0] == approx(kSixtyDecibels / .004 / (2 * std::numbers::pi * 300)));
+  CHECK(body.body().decay_over_omega[0] ==
+        approx(kSixtyDecibels / .004 / (2 * std::numbers::pi * 300)));
   body.prepare(96000);
   same();
   CHECK(body.energy() == approx(before[0] + before[1] + before[2] + before[3]));
 }
 
 TEST_CASE("numbers of modes and rates are held within their ranges, and nonsense is the usual") {
-  TouchedBody body(4, 1, 1);
+  ExcitedBody body(4, 1, 1);
   body.prepare(1e8);
   CHECK(body.body().sample_rate() == 1e7);
   body.prepare(1);
@@ -162,9 +164,9 @@ TEST_CASE("numbers of modes and rates are held within their ranges, and nonsense
     return 1 / (2 * std::numbers::pi * body.body().displacement[k]);
   };
   const auto t60 = [&](std::size_t k) {
-    return kSixtyDecibels * body.body().displacement[k] / body.body().slowing[k];
+    return kSixtyDecibels * body.body().displacement[k] / body.body().decay_over_omega[k];
   };
-  const auto mass = [&](std::size_t k) { return std::pow(body.body().per_root_mass(k), -2); };
+  const auto mass = [&](std::size_t k) { return std::pow(body.body().inverse_sqrt_mass(k), -2); };
   CHECK(frequency(0) == approx(1e-3));
   CHECK(t60(0) == approx(1e4));
   CHECK(mass(0) == approx(1e-6));
@@ -173,50 +175,50 @@ TEST_CASE("numbers of modes and rates are held within their ranges, and nonsense
   CHECK(mass(1) == approx(Mode{}.mass_kg));
   CHECK(t60(2) == approx(1e-4));
   CHECK(mass(2) == approx(1e9));
-  CHECK(body.body().slowing[3] == 0);
+  CHECK(body.body().decay_over_omega[3] == 0);
   CHECK(mass(3) == approx(2));
 }
 
 TEST_CASE("modes of .49 of the sample rate and above are left out, below they sound") {
-  TouchedBody body(2, 1, 1);
+  ExcitedBody body(2, 1, 1);
   body.prepare(kRate);
   const std::array<Mode, 2> modes{{{.489 * kRate, 1, 1}, {.4901 * kRate, 1, 1}}};
   body.set_modes(modes);
-  CHECK(body.body().per_root_mass(0) > 0);
-  CHECK(body.body().per_root_mass(1) == 0);
-  body.knock_body(0, 1);
-  CHECK(body.hear() == approx(1)); // of one mode alone
+  CHECK(body.body().inverse_sqrt_mass(0) > 0);
+  CHECK(body.body().inverse_sqrt_mass(1) == 0);
+  body.apply_impulse(0, 1);
+  CHECK(body.pickup_velocity() == approx(1)); // of one mode alone
 }
 
 TEST_CASE("a mass over another place meets the surface as one that was thrown there") {
   const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
   const std::array<double, 2> first{1, .2}, second{-.7, -1.3};
   const auto play = [&](bool thrown) {
-    TouchedBody body(2, 2, 1); // the other slot keeps this one from being the only one
+    ExcitedBody body(2, 2, 1); // the other slot keeps this one from being the only one
     body.prepare(kRate);
     body.set_modes(modes);
-    body.set_place(0, first);
+    body.set_contact_shape(0, first);
     body.set_impact(0, {1e7, 1.5, .1}, .01);
     body.set_impact(1, {1e7, 1.5, .1}, .01);
-    body.throw_mass(1, .5, 0);
-    body.throw_mass(0, 1.2e-5, .6);
+    body.launch_mass(1, .5, 0);
+    body.launch_mass(0, 1.2e-5, .6);
     body.set_modal_velocity(1, 1);
     body.step();
     CHECK(body.exciter(0).near);
     CHECK(body.force(0) == 0);
-    body.set_place(0, second);
+    body.set_contact_shape(0, second);
     const Exciter& e = body.exciter(0);
     CHECK(e.depth_m < 0); // it arrives within the next sample
     if (thrown)
-      body.throw_mass(0, -e.depth_m, e.velocity_m_per_s);
-    std::vector<double> heard;
+      body.launch_mass(0, -e.depth_m, e.velocity_m_per_s);
+    std::vector<double> output;
     for (int n = 0; n < 60; ++n) {
       body.step();
-      heard.push_back(body.hear());
-      heard.push_back(body.force(0));
+      output.push_back(body.pickup_velocity());
+      output.push_back(body.force(0));
     }
-    CHECK(body.exciter(0).blows > 0);
-    return heard;
+    CHECK(body.exciter(0).impact_count > 0);
+    return output;
   };
   const auto moved = play(false), thrown = play(true);
   for (std::size_t n = 0; n < moved.size(); ++n) {
@@ -226,30 +228,30 @@ TEST_CASE("a mass over another place meets the surface as one that was thrown th
 }
 
 TEST_CASE("an ear hears its own shape, and slots that there are none of change nothing") {
-  TouchedBody body(2, 2, 2);
+  ExcitedBody body(2, 2, 2);
   body.prepare(kRate);
   const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
   body.set_modes(modes);
   const std::array<double, 2> left{1, -2};
   const double only = 3;
-  body.set_ear(0, left);
-  body.set_ear(1, {&only, 1}); // the missing number is 0
-  body.set_ear(2, left);
+  body.set_pickup(0, left);
+  body.set_pickup(1, {&only, 1}); // the missing number is 0
+  body.set_pickup(2, left);
   body.set_modal_velocity(0, 1);
   body.set_modal_velocity(1, .5);
-  CHECK(std::abs(body.hear(0)) < 1e-12);
-  CHECK(body.hear(1) == approx(3));
+  CHECK(std::abs(body.pickup_velocity(0)) < 1e-12);
+  CHECK(body.pickup_velocity(1) == approx(3));
   const double energy = body.energy();
-  body.set_place(2, left);
+  body.set_contact_shape(2, left);
   body.set_impact(2, {}, 1);
   body.set_held(2, {});
   body.set_friction(2, {});
   body.clear(2);
-  body.throw_mass(2, 0, 1);
-  body.throw_mass(0, 0, 1); // nothing is in the slot
-  body.lead(2, 1);
-  body.lead(0, 1);
-  body.push_mass(2, 1);
+  body.launch_mass(2, 0, 1);
+  body.launch_mass(0, 0, 1); // nothing is in the slot
+  body.set_held_velocity(2, 1);
+  body.set_held_velocity(0, 1);
+  body.set_mass_force(2, 1);
   body.rub(2, 1, 1);
   body.seed(2, 1);
   CHECK(body.energy() == energy);
@@ -258,15 +260,15 @@ TEST_CASE("an ear hears its own shape, and slots that there are none of change n
 }
 
 TEST_CASE("a heavier mass is no faster than its energy, a lighter one keeps its speed") {
-  TouchedBody body = block(1);
+  ExcitedBody body = block(1);
   body.set_impact(0, {}, .1);
-  body.throw_mass(0, 1, -2);
+  body.launch_mass(0, 1, -2);
   body.set_impact(0, {}, .4);
   CHECK(body.exciter(0).velocity_m_per_s == approx(-1));
   CHECK(body.energy() == approx(.5 * .1 * 4));
   body.set_impact(0, {}, .1);
   CHECK(body.exciter(0).velocity_m_per_s == approx(-1));
-  CHECK(body.exciter(0).place_m == approx(-1));
+  CHECK(body.exciter(0).position_m == approx(-1));
   body.set_impact(0, {}, kNan);
   CHECK(body.exciter(0).mass_kg == .01);
   body.set_impact(0, {}, 0);
@@ -277,44 +279,44 @@ TEST_CASE("a heavier mass is no faster than its energy, a lighter one keeps its 
 
 TEST_CASE("after a reset all is at rest, masses a metre away, and sounds as the first time") {
   const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
-  TouchedBody body(2, 3, 1);
+  ExcitedBody body(2, 3, 1);
   body.prepare(kRate);
   body.set_modes(modes);
   const auto play = [&] {
     body.set_impact(0, {1e7, 1.5, .1}, .01);
-    body.throw_mass(0, 1e-5, .6);
+    body.launch_mass(0, 1e-5, .6);
     body.set_friction(1, {});
     body.rub(1, 2, .1);
     body.set_held(2, {1e5, 1, 0});
-    std::vector<double> heard;
+    std::vector<double> output;
     for (int n = 0; n < 200; ++n) {
       if (n == 100)
-        body.push_body(0, 5);
+        body.apply_force(0, 5);
       body.step();
-      heard.push_back(body.hear());
+      output.push_back(body.pickup_velocity());
     }
-    return heard;
+    return output;
   };
   const auto first = play();
-  CHECK(body.exciter(0).blows > 0);
+  CHECK(body.exciter(0).impact_count > 0);
   CHECK(body.exciter(1).friction.stored_j() > 0);
-  body.push_body(0, 1); // not yet in a step
+  body.apply_force(0, 1); // not yet in a step
   body.reset();
   CHECK(body.energy() == 0);
-  CHECK(body.hear() == 0);
+  CHECK(body.pickup_velocity() == 0);
   CHECK(!body.active());
   for (const std::size_t slot : {0UL, 2UL}) {
-    CHECK(body.exciter(slot).place_m == -1);
+    CHECK(body.exciter(slot).position_m == -1);
     CHECK(body.exciter(slot).depth_m == -1);
     CHECK(body.exciter(slot).velocity_m_per_s == 0);
   }
-  CHECK(body.exciter(0).blows == 0);
+  CHECK(body.exciter(0).impact_count == 0);
   CHECK(body.exciter(0).last.impulse_ns == 0);
   CHECK(body.force(0) == 0);
   CHECK(body.force(1) == 0);
   body.rub(1, 0, 0);
   body.step();
-  CHECK(body.hear() == 0);
+  CHECK(body.pickup_velocity() == 0);
   CHECK(body.steps() == 1);
   body.reset();
   body.seed(1, 2);
@@ -326,17 +328,17 @@ TEST_CASE("after a reset all is at rest, masses a metre away, and sounds as the 
 TEST_CASE("what moves the body during a contact is felt by it at once, and no energy comes of it") {
   // A mass that lies on a lossless contact and a body without decay worth the name.
   for (const bool knocked : {false, true}) {
-    TouchedBody body(2, 1, 1);
+    ExcitedBody body(2, 1, 1);
     body.prepare(kRate);
     const std::array<Mode, 2> modes{{{300, 1e4, .05}, {800, 1e4, .08}}};
     body.set_modes(modes);
     body.set_impact(0, {1e6, 1.5, 0}, .05);
-    body.throw_mass(0, 0, .4);
+    body.launch_mass(0, 0, .4);
     for (int n = 0; n < 5; ++n)
       body.step();
     REQUIRE(body.exciter(0).impact.touching());
     if (knocked)
-      body.knock_body(0, .01);
+      body.apply_impulse(0, .01);
     else
       body.set_modal_velocity(1, -.5);
     const double energy = body.energy();
@@ -349,7 +351,7 @@ TEST_CASE("what moves the body during a contact is felt by it at once, and no en
 }
 
 TEST_CASE("a light string gets its bristles' steps, after a reset as well") {
-  TouchedBody body(1, 2, 1);
+  ExcitedBody body(1, 2, 1);
   body.prepare(kRate);
   const Mode light{300, 1, 1e-3};
   body.set_modes({&light, 1});
@@ -367,7 +369,7 @@ TEST_CASE("a light string gets its bristles' steps, after a reset as well") {
   body.clear(0);
   for (const double stiffness : {1e11, 1e3}) {
     body.set_impact(1, {stiffness, 1.5, 0}, .01);
-    body.throw_mass(1, 0, 1);
+    body.launch_mass(1, 0, 1);
     body.step();
     CHECK((body.steps() > 1) == (stiffness > 1e6));
     body.reset();
@@ -379,13 +381,13 @@ TEST_CASE("a light string gets its bristles' steps, after a reset as well") {
 TEST_CASE("a contact that turns by more than half a radian in a 64th of a sample is an impulse") {
   for (const double radians : {.1, .48, .52, 3.}) {
     CAPTURE(radians);
-    TouchedBody body = block(1e9);
+    ExcitedBody body = block(1e9);
     const double rate = radians * 64 * kRate, mass = .01;
     body.set_impact(0, {rate * rate * mass, 1, 0}, mass);
-    body.throw_mass(0, 0, 1);
+    body.launch_mass(0, 0, 1);
     for (int n = 0; n < 3; ++n)
       body.step();
-    REQUIRE(body.exciter(0).blows == 1);
+    REQUIRE(body.exciter(0).impact_count == 1);
     CHECK((body.exciter(0).last.duration_s == 0) == (radians > .5));
     CHECK(body.exciter(0).velocity_m_per_s == approx(-1).epsilon(.01));
     CHECK(body.exciter(0).last.impulse_ns == approx(2 * mass).epsilon(.01));

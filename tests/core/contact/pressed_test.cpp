@@ -1,5 +1,5 @@
 // Contacts that are stepped four at a time go on as each of them would alone.
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/dsp/random.hpp"
 
 #include <algorithm>
@@ -15,9 +15,10 @@ namespace {
 constexpr double kRate = 48000;
 
 /// Pebbles of one mode each, laws of all powers; and a mass far away from another mode.
-class Pebbles {
+class SingleModeImpacts {
 public:
-  Pebbles(std::size_t count, bool one_at_a_time) : body(count + 1, count + 1), one_(one_at_a_time) {
+  SingleModeImpacts(std::size_t count, bool unbatched)
+      : body(count + 1, count + 1), one_(unbatched) {
     body.prepare(kRate);
     tactus::Random random(7);
     std::vector<Mode> modes;
@@ -28,51 +29,51 @@ public:
     constexpr double kExponent[] = {1, 1.5, 2, 2.3, 3.5, 1.25};
     for (std::size_t i = 0; i < count; ++i) {
       shape[i] = 0.5 + random.uniform();
-      body.set_place(i, shape);
+      body.set_contact_shape(i, shape);
       shape[i] = 0;
       const double exponent = kExponent[i % 6];
       // As stiff as a mass of 10 g and 1 m/s allows in steps of a sample.
       ImpactLaw law{1, exponent, i % 4 == 0 ? 0 : (i % 4 == 1 ? 30 : 0.4) * random.uniform()};
       law.stiffness = 0.005 * (exponent + 1) / std::pow(2e-3, exponent + 1);
       body.set_impact(i, law, 0.005 + 0.01 * random.uniform());
-      body.throw_mass(i, 1e-4 * random.uniform(), 0.3 * random.uniform());
+      body.launch_mass(i, 1e-4 * random.uniform(), 0.3 * random.uniform());
     }
     shape[count] = 1;
-    body.set_place(count, shape);
+    body.set_contact_shape(count, shape);
     body.set_impact(count, {}, 0.01); // far away, on a mode of its own
     shape.assign(count + 1, 1.0);
     shape[count] = 0;
-    body.set_ear(0, shape);
+    body.set_pickup(0, shape);
   }
   void step() {
     if (one_) // with an outer force each contact is taken alone; no pebble feels this one
-      body.push_body(body.exciters() - 1, 1e-280);
+      body.apply_force(body.exciters() - 1, 1e-280);
     body.step();
   }
-  TouchedBody body;
+  ExcitedBody body;
 
 private:
   bool one_;
 };
 
-void check_same(const TouchedBody& a, const TouchedBody& b) {
-  REQUIRE(a.hear() == b.hear());
+void check_same(const ExcitedBody& a, const ExcitedBody& b) {
+  REQUIRE(a.pickup_velocity() == b.pickup_velocity());
   for (std::size_t i = 0; i < a.exciters(); ++i) {
     REQUIRE(a.force(i) == b.force(i));
     const Exciter &x = a.exciter(i), &y = b.exciter(i);
     if (x.impact.touching()) // far away it is looked at now and then
       REQUIRE(x.depth_m == y.depth_m);
-    REQUIRE(x.place_m == y.place_m);
+    REQUIRE(x.position_m == y.position_m);
     REQUIRE(x.velocity_m_per_s == y.velocity_m_per_s);
     if (x.impact.touching())
       REQUIRE(x.approach_m_per_s == y.approach_m_per_s);
     REQUIRE(x.impact.stored_j() == y.impact.stored_j());
-    REQUIRE(x.impact.bank_j() == y.impact.bank_j());
-    REQUIRE(x.blows == y.blows);
+    REQUIRE(x.impact.energy_account_j() == y.impact.energy_account_j());
+    REQUIRE(x.impact_count == y.impact_count);
     REQUIRE(x.last.duration_s == y.last.duration_s);
     REQUIRE(x.last.impulse_ns == y.last.impulse_ns);
-    REQUIRE(x.last.highest_n == y.last.highest_n);
-    REQUIRE(x.open.impulse_ns == y.open.impulse_ns);
+    REQUIRE(x.last.peak_n == y.last.peak_n);
+    REQUIRE(x.ongoing.impulse_ns == y.ongoing.impulse_ns);
   }
 }
 
@@ -80,7 +81,7 @@ void check_same(const TouchedBody& a, const TouchedBody& b) {
 
 TEST_CASE("pebbles that bounce and press go on in fours as each does alone") {
   for (const std::size_t count : {2U, 5U, 8U, 37U}) {
-    Pebbles fours(count, false), ones(count, true), baseline(count, false);
+    SingleModeImpacts batched(count, false), single(count, true), baseline(count, false);
     baseline.body.use_baseline();
     tactus::Random random(3);
     std::size_t touching = 0;
@@ -91,35 +92,35 @@ TEST_CASE("pebbles that bounce and press go on in fours as each does alone") {
                            : n % 50 == 2 ? 390
                            : n % 3 == 0  ? 8 * random.uniform() - 4
                                          : 0.3;
-      const bool knock = n % 500 == 499, change = n % 700 == 699;
-      for (Pebbles* p : {&fours, &ones, &baseline}) {
-        p->body.push_mass(slot, force);
-        if (knock)
-          p->body.knock_body(slot, 1e-4);
+      const bool impulse_now = n % 500 == 499, change = n % 700 == 699;
+      for (SingleModeImpacts* p : {&batched, &single, &baseline}) {
+        p->body.set_mass_force(slot, force);
+        if (impulse_now)
+          p->body.apply_impulse(slot, 1e-4);
         if (change) {
           p->body.set_impact(slot, {2e4, 1.5, 0.1}, 0.01);
-          p->body.push_mass(slot, 1);
+          p->body.set_mass_force(slot, 1);
         }
         p->step();
       }
       if (n % 16 < 3 || n > 5900) {
-        check_same(fours.body, ones.body);
-        check_same(fours.body, baseline.body);
+        check_same(batched.body, single.body);
+        check_same(batched.body, baseline.body);
       }
       for (std::size_t i = 0; i < count; ++i)
-        touching += fours.body.force(i) > 0;
+        touching += batched.body.force(i) > 0;
     }
     CHECK(touching > 500 * count); // what this is about
     CHECK(touching < 5900 * count);
-    std::size_t blows = 0;
+    std::size_t impact_count = 0;
     for (std::size_t i = 0; i < count; ++i)
-      blows += fours.body.exciter(i).blows;
-    CHECK(blows > count);
+      impact_count += batched.body.exciter(i).impact_count;
+    CHECK(impact_count > count);
   }
 }
 
 TEST_CASE("energy of pebbles in contact only falls, to rounding") {
-  Pebbles pebbles(40, false);
+  SingleModeImpacts pebbles(40, false);
   double before = pebbles.body.energy();
   const double all = before;
   for (int n = 0; n < 4000; ++n) {
@@ -133,11 +134,11 @@ TEST_CASE("energy of pebbles in contact only falls, to rounding") {
 
 TEST_CASE("a pebble among many presses as one that is alone does") {
   // Static: force of a weight, depth (F/k)^(1/a).
-  Pebbles pebbles(9, false);
+  SingleModeImpacts pebbles(9, false);
   for (std::size_t i = 0; i < 9; ++i) {
     pebbles.body.set_impact(i, {1e5, 1.5, 20}, 0.01);
-    pebbles.body.throw_mass(i, 0, 0);
-    pebbles.body.push_mass(i, 0.5 + 0.1 * static_cast<double>(i));
+    pebbles.body.launch_mass(i, 0, 0);
+    pebbles.body.set_mass_force(i, 0.5 + 0.1 * static_cast<double>(i));
   }
   for (int n = 0; n < 96000; ++n)
     pebbles.step();
@@ -151,30 +152,30 @@ TEST_CASE("a pebble among many presses as one that is alone does") {
 
 TEST_CASE("a pebble that is pressed harder than its steps allow leaves the fours in time") {
   // A light mass on a stiff contact: steps of a sample at rest, finer ones once it is pushed.
-  const auto run = [](unsigned least_steps) {
-    TouchedBody body(9, 9);
+  const auto run = [](unsigned min_steps) {
+    ExcitedBody body(9, 9);
     body.prepare(kRate);
     body.set_modes(std::vector<Mode>(9, Mode{800, 0.3, 0.05}));
     std::vector<double> shape(9, 0.0), forces;
     for (std::size_t i = 0; i < 9; ++i) {
       shape[i] = 1;
-      body.set_place(i, shape);
+      body.set_contact_shape(i, shape);
       shape[i] = 0;
       body.set_impact(i, {3e8, 2.2, 0.2}, 0.002);
-      body.throw_mass(i, 0, 0.01);
-      body.push_mass(i, 0.2);
+      body.launch_mass(i, 0, 0.01);
+      body.set_mass_force(i, 0.2);
     }
-    body.set_least_steps(least_steps);
-    unsigned most = 0;
+    body.set_min_steps(min_steps);
+    unsigned maximum = 0;
     for (int n = 0; n < 3000; ++n) {
       if (n == 1500)
-        body.push_mass(4, 500);
+        body.set_mass_force(4, 500);
       body.step();
-      most = std::max(most, body.steps());
+      maximum = std::max(maximum, body.steps());
       forces.push_back(body.force(4));
       REQUIRE(std::isfinite(body.energy()));
     }
-    CHECK(most > 1);
+    CHECK(maximum > 1);
     return forces;
   };
   const std::vector<double> chosen = run(1), fine = run(64);

@@ -1,4 +1,4 @@
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
@@ -20,29 +20,29 @@ struct Wall {
 };
 
 struct Rebound {
-  double restitution = 0, duration_s = 0, deepest_m = 0, highest_n = 0;
+  double restitution = 0, duration_s = 0, deepest_m = 0, peak_n = 0;
   double growth = 0; ///< largest relative growth of energy in a sample
 };
 
 /// What the object does with it.
 Rebound strike(const Wall& wall, double gap_samples = 0, double rate = 44100) {
-  TouchedBody body(0, 1);
+  ExcitedBody body(0, 1);
   body.prepare(rate);
   body.set_impact(0, wall.law, wall.mass_kg);
-  body.throw_mass(0, gap_samples / rate * wall.speed_m_per_s, wall.speed_m_per_s);
+  body.launch_mass(0, gap_samples / rate * wall.speed_m_per_s, wall.speed_m_per_s);
   const double whole = body.energy();
   double before = whole;
   Rebound r;
-  for (int n = 0; n < 400000 && body.exciter(0).blows == 0; ++n) {
+  for (int n = 0; n < 400000 && body.exciter(0).impact_count == 0; ++n) {
     body.step();
     r.growth = std::max(r.growth, (body.energy() - before) / whole);
     before = body.energy();
     r.deepest_m = std::max(r.deepest_m, body.exciter(0).depth_m);
   }
-  REQUIRE(body.exciter(0).blows == 1);
+  REQUIRE(body.exciter(0).impact_count == 1);
   r.restitution = -body.exciter(0).velocity_m_per_s / wall.speed_m_per_s;
   r.duration_s = body.exciter(0).last.duration_s;
-  r.highest_n = body.exciter(0).last.highest_n;
+  r.peak_n = body.exciter(0).last.peak_n;
   return r;
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("eight impacts on a wall have the restitution, time, depth and force o
   // Integrated with Dormand and Prince's eighth order to 1e-13; the closed form agrees in e.
   struct Row {
     Wall wall;
-    double duration_ms, restitution, deepest_mm, highest_n;
+    double duration_ms, restitution, deepest_mm, peak_n;
   };
   const Row rows[] = {
       {{.01, 2, {1e5, 1.5, .6}}, 4.875849, .5468541, 2.412242, 15.200},
@@ -107,7 +107,7 @@ TEST_CASE("eight impacts on a wall have the restitution, time, depth and force o
     // Seen at steps only, and the force as their mean: below the peak by its curvature,
     // (omega h)^2/8 <= 0.3 % in steps of 0.15 rad; a sample sees 1.1 % of depth less at worst.
     CHECK(r.deepest_m == approx(1e-3 * row.deepest_mm).epsilon(0.02));
-    CHECK(r.highest_n == approx(row.highest_n).epsilon(0.01));
+    CHECK(r.peak_n == approx(row.peak_n).epsilon(0.01));
     CHECK(r.growth <= 1e-12);
   }
 }

@@ -159,10 +159,10 @@ TEST_CASE("the equaliser passes through its table and refuses one that is none")
   REQUIRE(equaliser.set(std::array<double, 2>{100, 24}));
   const auto response_to_one = [&] {
     equaliser.reset();
-    std::array<double, 64> heard{};
-    for (std::size_t n = 0; n < heard.size(); ++n)
-      heard[n] = equaliser.next(n == 0);
-    return heard;
+    std::array<double, 64> drive_output{};
+    for (std::size_t n = 0; n < drive_output.size(); ++n)
+      drive_output[n] = equaliser.next(n == 0);
+    return drive_output;
   };
   const auto before = response_to_one();
   for (const auto& [f, g] : {std::pair{19.9, 3.}, {2001., 3.}, {100., 24.1}, {100., -24.1}})
@@ -180,7 +180,7 @@ TEST_CASE("the equaliser passes through its table and refuses one that is none")
 }
 
 TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity above 0.001 g") {
-  const auto heard = [](const Drive::Settings& settings) {
+  const auto drive_output = [](const Drive::Settings& settings) {
     Drive drive;
     drive.prepare(8000);
     drive.set(settings);
@@ -189,13 +189,13 @@ TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity abo
       out.push_back(drive.next(n == 0, 0, 1, 0).heel);
     return out;
   };
-  CHECK(heard({1, 3, 3, -1}) == heard({1, 3, 3, 0}));
-  CHECK(heard({1, 3, 3, 9}) == heard({1, 3, 3, 0.2}));
-  CHECK(heard({1, 3, 3, 0.19}) != heard({1, 3, 3, 0.2}));
-  CHECK(heard({1, 0, 1e-6, 0}) == heard({1, 1e-3, 1e-6, 0}));
-  CHECK(heard({1, -4, 1e-6, 0}) == heard({1, 1e-3, 1e-6, 0}));
-  CHECK(heard({1, 2e-3, 1e-6, 0}) != heard({1, 1e-3, 1e-6, 0}));
-  const auto one = heard({1, 3, 3, 0}), two = heard({0.5, 3, 3, 0});
+  CHECK(drive_output({1, 3, 3, -1}) == drive_output({1, 3, 3, 0}));
+  CHECK(drive_output({1, 3, 3, 9}) == drive_output({1, 3, 3, 0.2}));
+  CHECK(drive_output({1, 3, 3, 0.19}) != drive_output({1, 3, 3, 0.2}));
+  CHECK(drive_output({1, 0, 1e-6, 0}) == drive_output({1, 1e-3, 1e-6, 0}));
+  CHECK(drive_output({1, -4, 1e-6, 0}) == drive_output({1, 1e-3, 1e-6, 0}));
+  CHECK(drive_output({1, 2e-3, 1e-6, 0}) != drive_output({1, 1e-3, 1e-6, 0}));
+  const auto one = drive_output({1, 3, 3, 0}), two = drive_output({0.5, 3, 3, 0});
   for (std::size_t n = 0; n < one.size(); n += 7)
     CHECK(two[n] == doctest::Approx(0.5 * one[n]));
 }
@@ -203,7 +203,7 @@ TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity abo
 TEST_CASE("under the ball alone the drive is what it is under the heel alone, at any rate") {
   for (const double rate : {22050.0, 48000.0, 192000.0}) {
     Drive heel, ball;
-    double apart = 0, loudest = 0;
+    double difference = 0, peak_amplitude = 0;
     for (Drive* drive : {&heel, &ball}) {
       drive->prepare(rate);
       drive->set({1, 3, 0.3, 0.002}); // a limit of 0.1
@@ -212,11 +212,12 @@ TEST_CASE("under the ball alone the drive is what it is under the heel alone, at
       const double t = n / rate,
                    x = (t < 0.1 ? 5 : 0.05) * std::sin(2 * std::numbers::pi * 200 * t);
       const Drive::Pair a = heel.next(x, 0, 700, 0), b = ball.next(0, x, 0, 700);
-      apart = std::max({apart, std::abs(a.heel - b.ball), std::abs(a.ball), std::abs(b.heel)});
-      loudest = std::max(loudest, std::abs(a.heel));
+      difference =
+          std::max({difference, std::abs(a.heel - b.ball), std::abs(a.ball), std::abs(b.heel)});
+      peak_amplitude = std::max(peak_amplitude, std::abs(a.heel));
     }
-    CHECK(apart == 0);
-    CHECK(loudest == doctest::Approx(0.1));
+    CHECK(difference == 0);
+    CHECK(peak_amplitude == doctest::Approx(0.1));
   }
 }
 
@@ -259,13 +260,13 @@ TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as 
   };
   fresh.next(0, 0, 1, 3);
   const auto a = again(drive), b = again(fresh);
-  double apart = 0, size = 0;
+  double difference = 0, size = 0;
   for (std::size_t n = 0; n < a.size(); ++n) {
-    apart = std::max(apart, std::abs(a[n] - b[n]));
+    difference = std::max(difference, std::abs(a[n] - b[n]));
     size = std::max(size, std::abs(a[n]));
   }
   CHECK(size > 0);
-  CHECK(apart < 1e-12 * size);
+  CHECK(difference < 1e-12 * size);
   for (std::size_t n = 0; n < a.size(); n += 2)
     CHECK(a[n + 1] == doctest::Approx(3 * a[n]));
 }
@@ -286,14 +287,14 @@ TEST_CASE("the drive can wait for a slower path") {
 }
 
 TEST_CASE("each actuator plays what is under it, and a common share of the whole foot") {
-  const auto drives = [](double common, double heel_felt, double ball_felt) {
+  const auto drives = [](double common, double heel_vibration, double ball_vibration) {
     Drive drive;
     drive.prepare(48000);
     drive.set({1, 3, 3, 0, common});
     std::vector<double> heel, ball;
     for (int n = 0; n < 2400; ++n) {
       const double x = std::sin(2 * std::numbers::pi * 150 * n / 48000);
-      const Drive::Pair pair = drive.next(heel_felt * x, ball_felt * x, 500, 300);
+      const Drive::Pair pair = drive.next(heel_vibration * x, ball_vibration * x, 500, 300);
       heel.push_back(pair.heel);
       ball.push_back(pair.ball);
     }
@@ -307,9 +308,9 @@ TEST_CASE("each actuator plays what is under it, and a common share of the whole
   const auto expected = [&](std::size_t n, double own, double share) {
     return heel[n] / 0.2 * (0.6 * own + 0.4 * share * 0.3);
   };
-  double apart = 0;
+  double difference = 0;
   for (std::size_t n = 0; n < heel.size(); ++n)
-    apart = std::max({apart, std::abs(of_heel[n] - expected(n, 0.2, 0.625)),
-                      std::abs(of_ball[n] - expected(n, 0.1, 0.375))});
-  CHECK(apart < 1e-12);
+    difference = std::max({difference, std::abs(of_heel[n] - expected(n, 0.2, 0.625)),
+                           std::abs(of_ball[n] - expected(n, 0.1, 0.375))});
+  CHECK(difference < 1e-12);
 }

@@ -40,7 +40,7 @@ std::vector<double> walk(const Recipe& recipe, double rate, double seconds,
   const auto foot = std::make_unique<Foot>();
   foot->prepare(rate);
   foot->seed(seed);
-  foot->stand_on(1, recipe, 1, recipe, 0);
+  foot->set_grounds(1, recipe, 1, recipe, 0);
   Gait gait;
   gait.prepare(rate);
   gait.seed(seed);
@@ -49,7 +49,7 @@ std::vector<double> walk(const Recipe& recipe, double rate, double seconds,
   std::vector<double> sound;
   for (long n = 0; n < static_cast<long>(seconds * rate); ++n) {
     gait.next(feet);
-    sound.push_back(foot->next(feet[0]).heard);
+    sound.push_back(foot->next(feet[0]).pressure_pa);
   }
   return sound;
 }
@@ -69,27 +69,27 @@ TEST_CASE("all fifteen grounds sound when walked on, stay bounded and end in sil
     const auto foot = std::make_unique<Foot>();
     foot->prepare(48000);
     const Recipe recipe = recipe_of(name);
-    foot->stand_on(1, recipe, 1, recipe, 0);
+    foot->set_grounds(1, recipe, 1, recipe, 0);
     Gait gait;
     gait.prepare(48000);
     gait.walk(true);
     std::array<SoleState, Gait::kFeet> feet{};
-    double loudest = 0;
+    double peak_amplitude = 0;
     bool finite = true;
     for (int n = 0; n < 48000 * (kSanitized ? 2 : 4); ++n) {
       gait.next(feet);
       const Foot::Out out = foot->next(feet[0]);
-      finite &= std::isfinite(out.heard + out.heel_drive + out.ball_drive);
-      loudest = std::max(loudest, std::abs(out.heard));
+      finite &= std::isfinite(out.pressure_pa + out.heel_drive + out.ball_drive);
+      peak_amplitude = std::max(peak_amplitude, std::abs(out.pressure_pa));
     }
     REQUIRE(finite);
-    CHECK(loudest > 0.01);
-    CHECK(loudest < 30);
+    CHECK(peak_amplitude > 0.01);
+    CHECK(peak_amplitude < 30);
     gait.walk(false);
     double last = 1;
     for (int n = 0; n < 48000 * 8; ++n) {
       gait.next(feet);
-      last = foot->next(feet[0]).heard;
+      last = foot->next(feet[0]).pressure_pa;
     }
     CHECK(std::abs(last) < 1e-9);
   }
@@ -119,7 +119,7 @@ TEST_CASE("a mixture holds both grounds at equal power, and a crossfade does not
   const Recipe a = recipe_of("sand"), b = recipe_of("gravel");
   const auto foot = std::make_unique<Foot>();
   foot->prepare(48000);
-  foot->stand_on(1, a, 2, b, 0);
+  foot->set_grounds(1, a, 2, b, 0);
   Gait gait;
   gait.prepare(48000);
   gait.walk(true);
@@ -128,14 +128,14 @@ TEST_CASE("a mixture holds both grounds at equal power, and a crossfade does not
     if (n % 64 == 0)
       foot->set_mix(n / 480000.0);
     gait.next(feet);
-    REQUIRE(std::isfinite(foot->next(feet[0]).heard));
+    REQUIRE(std::isfinite(foot->next(feet[0]).pressure_pa));
   }
   // Many grounds in turn, faster than any can fade.
   for (std::uint64_t id = 3; id < 200; ++id) {
-    foot->stand_on(id, id % 2 ? a : b, id + 1, b, 0.3);
+    foot->set_grounds(id, id % 2 ? a : b, id + 1, b, 0.3);
     for (int n = 0; n < 100; ++n) {
       gait.next(feet);
-      REQUIRE(std::isfinite(foot->next(feet[0]).heard));
+      REQUIRE(std::isfinite(foot->next(feet[0]).pressure_pa));
     }
   }
 }
@@ -146,7 +146,7 @@ TEST_CASE("nonsense from a sole stays finite and the foot is itself again afterw
     const Recipe recipe = recipe_of(name);
     const auto foot = std::make_unique<Foot>();
     foot->prepare(44100);
-    foot->stand_on(1, recipe, 1, recipe, 0);
+    foot->set_grounds(1, recipe, 1, recipe, 0);
     for (int n = 0; n < 4000; ++n) {
       SoleState sole;
       sole.heel_n = n % 5 == 0 ? std::nan("") : odd[n % 5];
@@ -156,12 +156,12 @@ TEST_CASE("nonsense from a sole stays finite and the foot is itself again afterw
       sole.heel_landing = n % 100 == 0 ? odd[(n / 100) % 5] : 0;
       sole.ball_landing = n % 130 == 0 ? odd[(n / 130) % 5] : 0;
       const Foot::Out out = foot->next(sole);
-      REQUIRE(std::isfinite(out.heard + out.heel_drive + out.ball_drive));
+      REQUIRE(std::isfinite(out.pressure_pa + out.heel_drive + out.ball_drive));
     }
     Foot::Out out;
     for (int n = 0; n < 44100 * 12; ++n)
       out = foot->next({});
-    CHECK(std::abs(out.heard) < 1e-3);
+    CHECK(std::abs(out.pressure_pa) < 1e-3);
   }
 }
 
@@ -173,15 +173,15 @@ TEST_CASE("a ground with nothing but a board sounds, and louder under a harder b
     const auto ground = std::make_unique<Ground>();
     ground->prepare(48000);
     ground->set(recipe, 0.4);
-    double loudest = 0;
+    double peak_amplitude = 0;
     for (int n = 0; n < 24000; ++n) {
       SoleState sole;
       sole.heel_landing = n == 10 ? speed : 0;
-      loudest = std::max(loudest, std::abs(ground->next(sole).heard));
+      peak_amplitude = std::max(peak_amplitude, std::abs(ground->next(sole).pressure_pa));
     }
-    CHECK(loudest > 2 * before);
-    CHECK(loudest > 1e-3);
-    before = loudest;
+    CHECK(peak_amplitude > 2 * before);
+    CHECK(peak_amplitude > 1e-3);
+    before = peak_amplitude;
   }
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("what varies for a whole recipe is one factor for all its sections") {
       // Boards are set ringing by a slip that lasts 50 ms.
       sole.heel_n = sole.ball_n = n > 0 && n < 2400 ? 350 : 0;
       sole.ball_slope = n > 0 && n < 2400 ? slope : 0;
-      const double x = ground->next(sole).heard;
+      const double x = ground->next(sole).pressure_pa;
       count += n >= 6000 && x > 0 && before <= 0;
       before = x;
     }
@@ -228,7 +228,7 @@ TEST_CASE("boards creak while the weight moves over them, and only then") {
   const auto ground = std::make_unique<Ground>();
   ground->prepare(48000);
   ground->set(recipe, 0.4);
-  double loaded = 0, rested = 0;
+  double loaded = 0, peak_at_rest = 0;
   for (int n = 0; n < 96000; ++n) {
     SoleState sole;
     const bool moving = n < 9600; // from heel to ball in 0.2 s
@@ -236,14 +236,14 @@ TEST_CASE("boards creak while the weight moves over them, and only then") {
     sole.heel_n = 700 - sole.ball_n;
     sole.ball_slope = moving ? 700.0 * 5 : 0;
     sole.heel_slope = -sole.ball_slope;
-    const double x = std::abs(ground->next(sole).heard);
+    const double x = std::abs(ground->next(sole).pressure_pa);
     if (moving)
       loaded = std::max(loaded, x);
     else if (n > 48000)
-      rested = std::max(rested, x);
+      peak_at_rest = std::max(peak_at_rest, x);
   }
   CHECK(loaded > 1e-3);
-  CHECK(rested < 0.02 * loaded);
+  CHECK(peak_at_rest < 0.02 * loaded);
 }
 
 TEST_CASE("a recipe's mistakes are named with their line") {

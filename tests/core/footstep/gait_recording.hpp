@@ -62,14 +62,14 @@ Recording play(const Walker& walker, double seconds, Move move, double rate = 48
   made.rate = rate;
   std::array<SoleState, 2> feet{};
   std::array<std::array<double, 2>, 2> before{};
-  double worst = 0, largest = 1, least = 0;
+  double worst = 0, largest = 1, min_force = 0;
   for (int n = 0; n < seconds * rate; ++n) {
     move(gait, n / rate);
     gait.next(feet);
     made.samples.push_back(feet);
     for (std::size_t i = 0; i < 2; ++i) {
       const SoleState& sole = feet[i];
-      least = std::min({least, sole.heel_n, sole.ball_n});
+      min_force = std::min({min_force, sole.heel_n, sole.ball_n});
       worst = std::max(worst, std::abs(sole.heel_slope - (sole.heel_n - before[i][0]) * rate));
       worst = std::max(worst, std::abs(sole.ball_slope - (sole.ball_n - before[i][1]) * rate));
       largest = std::max({largest, std::abs(sole.heel_slope), std::abs(sole.ball_slope)});
@@ -85,16 +85,16 @@ Recording play(const Walker& walker, double seconds, Move move, double rate = 48
         made.events.push_back({t, i, Phase::kToeOff, 0});
     }
   }
-  CHECK(least == 0);
+  CHECK(min_force == 0);
   if (smooth)                      // no landing has ended another
     CHECK(worst < 1e-6 * largest); // slopes are the forces' differences, also where a foot lends
   return made;
 }
 
 /// True once, when the time comes.
-class Once {
+class OneShot {
 public:
-  explicit Once(double t) : t_(t) {}
+  explicit OneShot(double t) : t_(t) {}
   bool operator()(double t) { return !std::exchange(done_, done_ || t >= t_) && t >= t_; }
 
 private:

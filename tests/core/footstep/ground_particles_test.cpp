@@ -1,4 +1,4 @@
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/footstep/shoe.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/footstep/plain_ground.hpp"
@@ -21,7 +21,7 @@ namespace test = tactus::test;
 TEST_CASE("a soft sole quietens what lies between it and a floor, as the force of a landing") {
   const std::string floor = "[solid]\nlevel 0\nexponent 1.6\nstiffness 1e9\ndissipation 0\n";
   const auto loud = [](const std::string& text, double shoe) {
-    return felt(*ground_of(text, 48000, 1, shoe), heel_at(0.5));
+    return vibration(*ground_of(text, 48000, 1, shoe), heel_at(0.5));
   };
   const std::string on_floor = rustle("heel 1\nball 1\n") + floor, alone = rustle("heel 1\n");
   // Greatest force of an elastic landing of energy W: k^(1/(a+1)) ((a+1) W)^(a/(a+1)).
@@ -41,7 +41,7 @@ TEST_CASE("a soft sole quietens what lies between it and a floor, as the force o
 TEST_CASE("a landing stirs particles as fast as it is, up to 4 m/s, at 0.5 m/s as said: power with "
           "its square") {
   const auto of = [](const std::string& text, const SoleState& sole) {
-    return felt(*ground_of(rustle(text)), sole);
+    return vibration(*ground_of(rustle(text)), sole);
   };
   const auto usual = of("heel 1\n", heel_at(0.5));
   CHECK(factor(of("heel 3\n", heel_at(0.5)), usual) == test::approx(3));
@@ -51,8 +51,8 @@ TEST_CASE("a landing stirs particles as fast as it is, up to 4 m/s, at 0.5 m/s a
   SoleState sole;
   sole.ball_landing = 0.25;
   CHECK(factor(of("ball 2\n", sole), usual) == test::approx(1));
-  CHECK(loudest(of("heel 1\n", sole)) == 0);
-  CHECK(loudest(of("ball 1\n", heel_at(0.5))) == 0);
+  CHECK(peak_amplitude(of("heel 1\n", sole)) == 0);
+  CHECK(peak_amplitude(of("ball 1\n", heel_at(0.5))) == 0);
   CHECK(factor(of("heel 1\nlevel 5\n", heel_at(0.5)), usual) == test::approx(5));
   // The energy arrives in the attack: its rise passes 1 - 1/e there.
   const auto late = of("attack 0.02\ndecay 10\nheel 1\n", heel_at(0.5));
@@ -79,8 +79,8 @@ TEST_CASE("load that comes gives energy by `load`, load that goes by `release`, 
   CHECK(factor(power("load 1\n", 3500), usual) == test::approx(0.5).epsilon(1e-6));
   CHECK(factor(power("load 1\n", 7000, true), usual) == test::approx(1).epsilon(1e-6));
   CHECK(factor(power("release 3\n", -7000), usual) == test::approx(3).epsilon(1e-6));
-  CHECK(loudest(power("load 1\n", -7000)) == 0);
-  CHECK(loudest(power("release 1\n", 7000)) == 0);
+  CHECK(peak_amplitude(power("load 1\n", -7000)) == 0);
+  CHECK(peak_amplitude(power("release 1\n", 7000)) == 0);
   // 200 times 700 N a second are the steepest.
   CHECK(factor(power("load 1\n", 190 * 700), usual) == test::approx(19).epsilon(1e-6));
   CHECK(factor(power("load 1\n", 500 * 700), usual) == test::approx(20).epsilon(1e-6));
@@ -96,7 +96,7 @@ TEST_CASE("a sole that slides stirs particles by force and way, and rubs the flo
       (ball ? sole.ball_n : sole.heel_n) = force;
       (ball ? sole.ball_slip : sole.heel_slip) = speed;
       const Ground::Sound sound = ground->next(sole);
-      REQUIRE((ball ? sound.heel_felt : sound.ball_felt) == 0);
+      REQUIRE((ball ? sound.heel_vibration : sound.ball_vibration) == 0);
       motion.push_back(both(sound));
     }
     return motion;
@@ -116,8 +116,8 @@ TEST_CASE("a sole that slides stirs particles by force and way, and rubs the flo
   }
   CHECK(factor(usual, loaded) == test::approx(1).epsilon(1e-6));
   for (const bool ball : {false, true}) {
-    CHECK(loudest(slid(board("roughness 1\n"), 70, 0.5, ball)) > 1e-4);
-    CHECK(loudest(slid(board("roughness 1\n"), 70, 0, ball)) == 0);
+    CHECK(peak_amplitude(slid(board("roughness 1\n"), 70, 0.5, ball)) > 1e-4);
+    CHECK(peak_amplitude(slid(board("roughness 1\n"), 70, 0, ball)) == 0);
   }
 }
 
@@ -135,8 +135,9 @@ TEST_CASE("what one part of the sole has stirred is felt under that part alone, 
           SoleState sole;
           (ball ? sole.ball_landing : sole.heel_landing) = n == 0 ? 0.5 : 0;
           const Ground::Sound sound = ground->next(sole);
-          here = std::max(here, std::abs(ball ? sound.ball_felt : sound.heel_felt));
-          elsewhere = std::max(elsewhere, std::abs(ball ? sound.heel_felt : sound.ball_felt));
+          here = std::max(here, std::abs(ball ? sound.ball_vibration : sound.heel_vibration));
+          elsewhere =
+              std::max(elsewhere, std::abs(ball ? sound.heel_vibration : sound.ball_vibration));
         }
         CHECK(here > 0);
         CHECK(elsewhere < 1e-9 * here);

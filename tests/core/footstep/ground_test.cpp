@@ -19,7 +19,7 @@ TEST_CASE("a heavier body brings more mass, more energy, and sinks in for longer
   const auto of = [](const std::string& text, double weight, const SoleState& sole) {
     const auto ground = ground_of(text);
     ground->set_weight(weight);
-    return felt(*ground, sole, 9600);
+    return vibration(*ground, sole, 9600);
   };
   // Landings of one mode: half the weight is half the mass.
   CHECK(factor(of(board("heel 0.08\n"), 350, heel_at(0.5)),
@@ -37,8 +37,8 @@ TEST_CASE("a heavier body brings more mass, more energy, and sinks in for longer
                of(board("heel 0.02\n"), 7000, heel_at(0.5))) == test::approx(1).epsilon(1e-9));
   CHECK(factor(of(board("heel 0.01\n"), 1e9, heel_at(0.5)),
                of(board("heel 0.01\n"), 14000, heel_at(0.5))) == test::approx(1).epsilon(1e-9));
-  CHECK(loudest(of(board(""), 0, heel_at(0.5))) == 0);
-  CHECK(loudest(of(rustle("heel 1\n"), 0, heel_at(0.5))) == 0);
+  CHECK(peak_amplitude(of(board(""), 0, heel_at(0.5))) == 0);
+  CHECK(peak_amplitude(of(rustle("heel 1\n"), 0, heel_at(0.5))) == 0);
 }
 
 TEST_CASE("the air takes what the floor moves less and less below its frequency of radiation") {
@@ -49,17 +49,17 @@ TEST_CASE("the air takes what the floor moves less and less below its frequency 
     const auto ground = std::make_unique<Ground>();
     ground->prepare(96000);
     ground->set(recipe, 0.4);
-    double heard = 0, motion = 0;
+    double pressure_pa = 0, motion = 0;
     for (int n = 0; n < 19200; ++n) {
       const Ground::Sound sound = ground->next(n == 0 ? heel_at(0.5) : SoleState{});
       if (n < 4800)
         continue;
-      heard += sound.heard * sound.heard;
+      pressure_pa += sound.pressure_pa * sound.pressure_pa;
       motion += both(sound) * both(sound);
     }
     // A first-order high-pass, 400 Hz through it.
     const double x = 400 / radiation;
-    CHECK(std::sqrt(heard / motion) == test::approx(x / std::sqrt(1 + x * x)).epsilon(0.04));
+    CHECK(std::sqrt(pressure_pa / motion) == test::approx(x / std::sqrt(1 + x * x)).epsilon(0.04));
   }
 }
 
@@ -68,14 +68,15 @@ TEST_CASE("steps differ by the recipe's scatter of frequency, decay and strength
   std::vector<double> frequencies, decays, levels, tunings;
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     const auto tone = [&](const std::string& more) {
-      return tone_of(felt(*ground_of(board("t60 0.3\n" + more), 48000, seed), heel_at(0.5), 12000),
-                     48000, 0.02);
+      return tone_of(
+          vibration(*ground_of(board("t60 0.3\n" + more), 48000, seed), heel_at(0.5), 12000), 48000,
+          0.02);
     };
     frequencies.push_back(std::log(tone("vary_frequency 0.1\n").frequency_hz));
     decays.push_back(std::log(tone("vary_decay 0.2\n").t60_s));
     tunings.push_back(std::log(tone("detune 0.1\n").frequency_hz));
-    levels.push_back(std::log(
-        loudest(felt(*ground_of(board("vary_level 0.3\n"), 48000, seed), heel_at(0.5), 960))));
+    levels.push_back(std::log(peak_amplitude(
+        vibration(*ground_of(board("vary_level 0.3\n"), 48000, seed), heel_at(0.5), 960))));
   }
   // A scatter of 150 values is known to 6 %; three of these.
   CHECK(scatter(frequencies) == test::approx(0.0984).epsilon(0.18));
@@ -112,29 +113,29 @@ TEST_CASE("a ground is silent before the first step, while nothing sounds, and a
                               "[bubbles]\nload 1\n", "[rustle]\nload 1\n"}) {
     CAPTURE(section);
     const auto ground = ground_of(section);
-    const auto tread = [&](int samples) {
-      double most = 0;
+    const auto run_foot = [&](int samples) {
+      double peak = 0;
       for (int n = 0; n < samples; ++n) {
         SoleState sole = heel_at(n == 0 ? 1 : 0);
         sole.heel_n = sole.ball_n = 350;
         sole.ball_slope = 7000;
-        most = std::max(most, std::abs(both(ground->next(sole))));
+        peak = std::max(peak, std::abs(both(ground->next(sole))));
         CHECK_FALSE(ground->silent());
       }
-      return most;
+      return peak;
     };
     CHECK(ground->silent());
     CHECK(both(ground->next({})) == 0);
     CHECK(ground->silent());
-    CHECK(tread(2000) > 0);
+    CHECK(run_foot(2000) > 0);
     CHECK_FALSE(ground->silent());
     int samples = 0;
     for (; samples < 48000 * 20 && !ground->silent(); ++samples)
       ground->next({});
     CHECK(ground->silent());
     CHECK(samples > 20);
-    CHECK(ground->next({}).heard == 0);
-    CHECK(tread(2000) > 0);
+    CHECK(ground->next({}).pressure_pa == 0);
+    CHECK(run_foot(2000) > 0);
     ground->reset();
     CHECK(ground->silent());
     CHECK(both(ground->next({})) == 0);

@@ -17,7 +17,7 @@ TEST_CASE("who halts closes the step, stands on both feet, and sets off again") 
   for (const Style style :
        {Style::kWalk, Style::kRun, Style::kSneak, Style::kUpstairs, Style::kDownstairs}) {
     CAPTURE(static_cast<int>(style));
-    Once halt(3), go(9), again(13);
+    OneShot halt(3), go(9), again(13);
     const Recording made = play({1.4, 700, 0.4, style}, 20, [&](Gait& gait, double t) {
       if (t == 0 || go(t))
         gait.walk(true);
@@ -37,10 +37,10 @@ TEST_CASE("who halts closes the step, stands on both feet, and sets off again") 
     const auto last = between(3, 9);
     REQUIRE(last.size() == 2);
     CHECK(last[0].foot != last[1].foot);
-    double apart = 1; // of heel and ball of the closing foot: it is put down nearly flat
+    double difference = 1; // of heel and ball of the closing foot: it is put down nearly flat
     for (const Event& e : made.of(ball_first ? Phase::kHeelDown : Phase::kBallDown, last[1].t))
-      apart = std::min(apart, e.t - last[1].t);
-    CHECK(apart < 0.1);
+      difference = std::min(difference, e.t - last[1].t);
+    CHECK(difference < 0.1);
     const double usual = between(0, 3).back().speed;
     CHECK(last[0].speed < 0.9 * usual);
     CHECK(last[1].speed < 0.9 * last[0].speed);
@@ -99,7 +99,7 @@ TEST_CASE("a jump is ballistic: the push-off gives v = sqrt(2 g h), the landing 
   for (const double height : {0.01, 0.05, 0.15, 0.3, 0.5, 1.0})
     for (const double weight : {400.0, 1000.0}) {
       CAPTURE(height);
-      Once jump(0.1);
+      OneShot jump(0.1);
       const Recording made = play({1.4, weight, 0.4}, 5, [&](Gait& gait, double t) {
         if (jump(t))
           gait.jump(height);
@@ -144,7 +144,7 @@ TEST_CASE("a jump is ballistic: the push-off gives v = sqrt(2 g h), the landing 
 }
 
 TEST_CASE("the feet of an unsteady walker land from a jump a little otherwise") {
-  Once jump(0.1);
+  OneShot jump(0.1);
   const Recording made = play(
       {1.1, 700, 0.4}, 3,
       [&](Gait& gait, double t) {
@@ -159,7 +159,7 @@ TEST_CASE("the feet of an unsteady walker land from a jump a little otherwise") 
 }
 
 TEST_CASE("a walker halts to jump and walks on after it") {
-  Once jump(3.2);
+  OneShot jump(3.2);
   const Recording made = play({1.4, 700, 0.4}, 9, [&](Gait& gait, double t) {
     if (t == 0)
       gait.walk(true);
@@ -181,7 +181,7 @@ TEST_CASE("a walker halts to jump and walks on after it") {
 
 TEST_CASE(
     "a step from standing takes the feet off the ground; the standing feet stay with others") {
-  Once step(6);
+  OneShot step(6);
   const Recording made = play({1.4, 700, 0.4}, 9, [&](Gait& gait, double t) {
     gait.walk(t < 1);
     if (step(t))
@@ -193,8 +193,8 @@ TEST_CASE(
 }
 
 TEST_CASE("times, ways and impulses are the same at any sample rate") {
-  const auto tour = [](double rate) {
-    Once jump(3), scuff(7.5), turn(9), halt(11), drag(14.5);
+  const auto sequence = [](double rate) {
+    OneShot jump(3), scuff(7.5), turn(9), halt(11), drag(14.5);
     return play(
         {1.4, 700, 0.4}, 18,
         [&](Gait& gait, double t) {
@@ -213,9 +213,9 @@ TEST_CASE("times, ways and impulses are the same at any sample rate") {
         },
         rate);
   };
-  const Recording reference = tour(48000);
+  const Recording reference = sequence(48000);
   for (const double rate : {8000.0, 22050.0, 96000.0}) {
-    const Recording made = tour(rate);
+    const Recording made = sequence(rate);
     REQUIRE(made.events.size() == reference.events.size());
     for (std::size_t i = 0; i < made.events.size(); ++i) {
       CHECK(std::abs(made.events[i].t - reference.events[i].t) < 12 / rate);
@@ -260,7 +260,7 @@ TEST_CASE(
   for (const double moment : {2.1, 2.5, 3.0, 4.0, 5.3, 5.6, 6.1, 6.5})
     for (const std::size_t foot : {0UL, 1UL}) {
       CAPTURE(moment);
-      Once steps(moment);
+      OneShot steps(moment);
       const Recording made = play(
           {1.4, 700, 0.4}, 16,
           [&](Gait& gait, double t) {
@@ -296,8 +296,8 @@ TEST_CASE("whatever it is told and whenever, forces stay finite and bounded") {
   gait.prepare(8000);
   std::array<SoleState, 2> feet{};
   for (int round = 0; round < 4000; ++round) {
-    const auto number = [&](double most) {
-      return random.uniform() < 0.1 ? odd[random.next() % 7] : most * random.uniform();
+    const auto number = [&](double max_value) {
+      return random.uniform() < 0.1 ? odd[random.next() % 7] : max_value * random.uniform();
     };
     const auto foot = static_cast<std::size_t>(random.next() % 3);
     switch (random.next() % 8) {

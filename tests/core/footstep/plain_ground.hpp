@@ -56,10 +56,12 @@ inline SoleState heel_at(double speed) {
   return sole;
 }
 
-inline double both(const Ground::Sound& sound) { return sound.heel_felt + sound.ball_felt; }
+inline double both(const Ground::Sound& sound) {
+  return sound.heel_vibration + sound.ball_vibration;
+}
 
 /// The ground's motion from one state of the sole in the first sample and none after.
-inline std::vector<double> felt(Ground& ground, const SoleState& first, int samples = 4800) {
+inline std::vector<double> vibration(Ground& ground, const SoleState& first, int samples = 4800) {
   std::vector<double> motion;
   motion.reserve(static_cast<std::size_t>(samples));
   for (int n = 0; n < samples; ++n)
@@ -67,20 +69,20 @@ inline std::vector<double> felt(Ground& ground, const SoleState& first, int samp
   return motion;
 }
 
-inline double loudest(const std::vector<double>& sound) {
-  double most = 0;
+inline double peak_amplitude(const std::vector<double>& sound) {
+  double max_abs = 0;
   for (const double x : sound)
-    most = std::max(most, std::abs(x));
-  return most;
+    max_abs = std::max(max_abs, std::abs(x));
+  return max_abs;
 }
 
 /// The factor between two sounds of one shape; fails when they have not one shape.
 inline double factor(const std::vector<double>& a, const std::vector<double>& b) {
-  const double by = loudest(a) / loudest(b);
-  double apart = 0;
+  const double by = peak_amplitude(a) / peak_amplitude(b);
+  double difference = 0;
   for (std::size_t n = 0; n < a.size(); ++n)
-    apart = std::max(apart, std::abs(a[n] - by * b[n]));
-  CHECK(apart < 1e-6 * loudest(a));
+    difference = std::max(difference, std::abs(a[n] - by * b[n]));
+  CHECK(difference < 1e-6 * peak_amplitude(a));
   return by;
 }
 

@@ -62,11 +62,11 @@ TEST_CASE("every key sets a number of its own within its range, and refuses what
     }
     const double step = 0.01 * (key.highest - key.lowest);
     for (const double beyond : {key.lowest - step, key.highest + step}) {
-      const std::string complaint = read(with(key, number(beyond)));
-      CHECK(complaint.find(std::string(key.name) + " ") != std::string::npos);
-      CHECK(complaint.find(": expected ") != std::string::npos);
+      const std::string error_text = read(with(key, number(beyond)));
+      CHECK(error_text.find(std::string(key.name) + " ") != std::string::npos);
+      CHECK(error_text.find(": expected ") != std::string::npos);
       CHECK((key.unit.empty() ||
-             complaint.find(" " + std::string(key.unit) + ": ") != std::string::npos));
+             error_text.find(" " + std::string(key.unit) + ": ") != std::string::npos));
     }
   }
   for (const char* section : {"solid", "friction", "grains", "bubbles", "rustle", "room", ""})

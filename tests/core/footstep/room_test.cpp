@@ -21,13 +21,13 @@ double burst(double t, double frequency_hz) {
          std::sin(2 * std::numbers::pi * frequency_hz * t);
 }
 
-struct Answer {
+struct RoomResponse {
   double level_db, t60_s;
 };
 
 /// Energy of the answer over the burst's, and the slope of what is still to come (Schroeder 1965)
 /// from 5 to 35 dB down.
-Answer answer(const Room::Settings& settings, double rate, double frequency_hz) {
+RoomResponse room_response(const Room::Settings& settings, double rate, double frequency_hz) {
   Room room;
   room.prepare(rate);
   room.set(settings);
@@ -57,7 +57,7 @@ TEST_CASE("a room answers with the energy asked for and dies down in its time, a
       // A burst of 50 Hz width meets few resonances: the mean over 16 frequencies.
       double level = 0, time = 0;
       for (int i = 0; i < 16; ++i) {
-        const Answer a = answer({-6, t60, 10000}, rate, 200 + 37 * i);
+        const RoomResponse a = room_response({-6, t60, 10000}, rate, 200 + 37 * i);
         level += std::pow(10, a.level_db / 10) / 16;
         time += a.t60_s / 16;
       }
@@ -71,7 +71,7 @@ TEST_CASE("a room answers with the energy asked for and dies down in its time, a
 TEST_CASE("a room's decay time is half at its bright frequency") {
   double time = 0;
   for (int i = 0; i < 16; ++i)
-    time += answer({-6, 0.6, 3000}, 48000, 2800 + 25 * i).t60_s / 16;
+    time += room_response({-6, 0.6, 3000}, 48000, 2800 + 25 * i).t60_s / 16;
   CHECK(time == doctest::Approx(0.3).epsilon(0.1));
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("a room that hears nothing falls silent for good, and one without leve
 }
 
 TEST_CASE("settings of a room are held within their ranges") {
-  const auto answer_of = [](const Room::Settings& settings) {
+  const auto response_of = [](const Room::Settings& settings) {
     Room room;
     room.prepare(16000);
     room.set(settings);
@@ -113,35 +113,35 @@ TEST_CASE("settings of a room are held within their ranges") {
     beyond.*l.setting = l.beyond;
     limit.*l.setting = l.limit;
     within.*l.setting = l.within;
-    CHECK(answer_of(beyond) == answer_of(limit));
-    CHECK(answer_of(within) != answer_of(limit));
+    CHECK(response_of(beyond) == response_of(limit));
+    CHECK(response_of(within) != response_of(limit));
   }
-  double loudest = 0;
-  for (const double x : answer_of({-60, 0.5, 3000})) // none from there down
-    loudest = std::max(loudest, std::abs(x));
-  CHECK(loudest == 0);
-  for (const double x : answer_of({-59.9, 0.5, 3000}))
-    loudest = std::max(loudest, std::abs(x));
-  CHECK(loudest > 0);
+  double peak_amplitude = 0;
+  for (const double x : response_of({-60, 0.5, 3000})) // none from there down
+    peak_amplitude = std::max(peak_amplitude, std::abs(x));
+  CHECK(peak_amplitude == 0);
+  for (const double x : response_of({-59.9, 0.5, 3000}))
+    peak_amplitude = std::max(peak_amplitude, std::abs(x));
+  CHECK(peak_amplitude > 0);
 }
 
 TEST_CASE("nothing comes back before the shortest path, 7 ms, and each line's echo in its time") {
   Room room;
   room.prepare(48000);
   room.set({0, 1, 20000});
-  std::vector<double> heard;
+  std::vector<double> response;
   for (int n = 0; n < 4800; ++n)
-    heard.push_back(room.next(n == 0));
+    response.push_back(room.next(n == 0));
   std::size_t first = 0;
-  while (std::abs(heard[first]) < 1e-6)
+  while (std::abs(response[first]) < 1e-6)
     ++first;
   CHECK(static_cast<double>(first) / 48000 == doctest::Approx(0.00711).epsilon(0.005));
   // The eight first echoes, each alone; two later lines have the same sign as what fed them.
   for (const double delay : {0.00967, 0.01229, 0.01493, 0.01787, 0.02111, 0.02473, 0.02887}) {
-    double most = 0;
+    double peak = 0;
     for (int n = -3; n <= 3; ++n)
-      most = std::max(most, std::abs(heard[static_cast<std::size_t>(delay * 48000 + n)]));
-    CHECK(most > 0.5 * std::abs(heard[first]) * std::pow(10, -3 * (delay - 0.00711)));
+      peak = std::max(peak, std::abs(response[static_cast<std::size_t>(delay * 48000 + n)]));
+    CHECK(peak > 0.5 * std::abs(response[first]) * std::pow(10, -3 * (delay - 0.00711)));
   }
 }
 

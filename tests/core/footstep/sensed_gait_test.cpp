@@ -39,7 +39,7 @@ struct Feet {
 /// Multiplicative noise of 1 %, and additive noise of `noise` weights at 48 kHz, of the same
 /// density at other rates.
 template <class Move>
-Feet feel(const Walker& walker, double rate, double seconds, double noise, Move move) {
+Feet sense(const Walker& walker, double rate, double seconds, double noise, Move move) {
   Gait gait;
   gait.prepare(rate);
   gait.set(walker, 0.04);
@@ -53,28 +53,28 @@ Feet feel(const Walker& walker, double rate, double seconds, double noise, Move 
   };
   Feet feet;
   double slip = 0;
-  std::array<SoleState, Gait::kFeet> truth{};
+  std::array<SoleState, Gait::kFeet> reference{};
   const int still = static_cast<int>(0.3 * rate);
   for (int n = -still; n < seconds * rate; ++n) {
     if (n >= 0) {
       move(gait, n);
-      gait.next(truth);
+      gait.next(reference);
     }
-    const SoleState& sole = truth[0];
-    const SoleState felt = sensor.next(read(sole.heel_n), read(sole.ball_n));
-    slip = slip + felt.heel_slip + felt.ball_slip;
-    const auto note = [&](Found& part, double real, double told) {
+    const SoleState& sole = reference[0];
+    const SoleState sensed = sensor.next(read(sole.heel_n), read(sole.ball_n));
+    slip = slip + sensed.heel_slip + sensed.ball_slip;
+    const auto note = [&](Found& part, double real, double detected) {
       if (real > 0) {
         part.truth_s.push_back(n / rate);
         part.truth_speed.push_back(real);
       }
-      if (told > 0) {
+      if (detected > 0) {
         part.found_s.push_back(n / rate);
-        part.found_speed.push_back(told);
+        part.found_speed.push_back(detected);
       }
     };
-    note(feet.heel, sole.heel_landing, felt.heel_landing);
-    note(feet.ball, sole.ball_landing, felt.ball_landing);
+    note(feet.heel, sole.heel_landing, sensed.heel_landing);
+    note(feet.ball, sole.ball_landing, sensed.ball_landing);
   }
   CHECK(slip == 0); // forces do not tell
   return feet;
@@ -101,11 +101,11 @@ TEST_CASE("a step of any way of walking is felt within 6 ms, its second contact 
           if (rate > 8000 && (weight != 700 || speed != 1.4))
             continue;
           const double seconds = rate > 8000 ? 12 : 30, shoe = weight == 300 ? 0 : 0.4;
-          const Feet feet = feel({speed, weight, shoe, static_cast<Style>(style)}, rate, seconds,
-                                 0.001, [](Gait& gait, int n) {
-                                   if (n == 0)
-                                     gait.walk(true);
-                                 });
+          const Feet feet = sense({speed, weight, shoe, static_cast<Style>(style)}, rate, seconds,
+                                  0.001, [](Gait& gait, int n) {
+                                    if (n == 0)
+                                      gait.walk(true);
+                                  });
           CAPTURE(std::string(kNames[static_cast<std::size_t>(style)]));
           CAPTURE(speed);
           CAPTURE(weight);
@@ -135,7 +135,7 @@ TEST_CASE("with four times the noise no step is missed or made up either") {
   for (int style = 0; style < kStyles; ++style) {
     CAPTURE(std::string(kNames[static_cast<std::size_t>(style)]));
     const Feet feet =
-        feel({1.4, 700, 0.4, static_cast<Style>(style)}, 48000, 15, 0.004, [](Gait& gait, int n) {
+        sense({1.4, 700, 0.4, static_cast<Style>(style)}, 48000, 15, 0.004, [](Gait& gait, int n) {
           if (n == 0)
             gait.walk(true);
         });
@@ -148,14 +148,14 @@ TEST_CASE("with four times the noise no step is missed or made up either") {
 TEST_CASE("noise alone is no step, whatever its size") {
   for (const double noise : {0.0, 1e-4, 1e-3, 5e-3, 2e-2}) {
     CAPTURE(noise);
-    const Feet feet = feel({1.4, 700, 0.4}, 48000, kSanitized ? 4 : 20, noise, [](Gait&, int) {});
+    const Feet feet = sense({1.4, 700, 0.4}, 48000, kSanitized ? 4 : 20, noise, [](Gait&, int) {});
     CHECK(feet.heel.found_s.empty());
     CHECK(feet.ball.found_s.empty());
   }
 }
 
 TEST_CASE("a jump's landing, a scuff and a step after a stand are felt through sensors") {
-  const Feet feet = feel({1.4, 700, 0.4}, 48000, 12, 0.001, [](Gait& gait, int n) {
+  const Feet feet = sense({1.4, 700, 0.4}, 48000, 12, 0.001, [](Gait& gait, int n) {
     if (n == 0)
       gait.walk(true);
     if (n == 2 * 48000)

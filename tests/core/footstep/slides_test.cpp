@@ -20,7 +20,7 @@ constexpr double kPi = std::numbers::pi;
 
 TEST_CASE(
     "a scuff strikes and slides in the swing, under a load that the other foot does not bear") {
-  Once scuff(3.1);
+  OneShot scuff(3.1);
   const Walker walker{1.4, 700, 0.4};
   const Recording made = play(walker, 10, [&](Gait& gait, double t) {
     if (t == 0)
@@ -32,7 +32,7 @@ TEST_CASE(
     if (t == 0)
       gait.walk(true);
   });
-  double slid = 0, largest = 0, apart = 0, heel = 0, from = 0, to = 0;
+  double slid = 0, largest = 0, difference = 0, heel = 0, from = 0, to = 0;
   for (std::size_t n = 0; n < made.samples.size(); ++n) {
     const SoleState& sole = made.samples[n][1];
     // Steps slide by their heels when they land.
@@ -43,14 +43,14 @@ TEST_CASE(
       largest = std::max(largest, sole.ball_n);
       heel = std::max(heel, sole.heel_n);
     }
-    apart = std::max(apart, std::abs(made.total(n) - plain.total(n)));
+    difference = std::max(difference, std::abs(made.total(n) - plain.total(n)));
   }
   CHECK(heel == 0);
   CHECK(slid > 0.1);
   CHECK(slid < 0.2); // 10 to 20 cm
   CHECK(largest < 0.15 * 700);
   CHECK(largest > 0.03 * 700);
-  CHECK(apart < 1e-6 * 700); // the sum of both feet is what it was
+  CHECK(difference < 1e-6 * 700); // the sum of both feet is what it was
   // Between the foot's lift and its next landing.
   const auto off = made.of(Phase::kToeOff), down = made.of(Phase::kHeelDown);
   const auto lift = std::find_if(off.rbegin(), off.rend(),
@@ -70,7 +70,7 @@ TEST_CASE("a scuff finds a swing whatever the speed, the way of walking and the 
   for (const Style style : {Style::kWalk, Style::kRun, Style::kSneak, Style::kDownstairs})
     for (const double speed : {0.3, 1.4, 4.0})
       for (const double moment : {3.0, 3.13, 3.37, 3.5}) {
-        Once scuff(moment);
+        OneShot scuff(moment);
         const Recording made = play(
             {speed, 700, 0.4, style}, 16,
             [&](Gait& gait, double t) {
@@ -109,12 +109,12 @@ TEST_CASE("a scuff finds a swing whatever the speed, the way of walking and the 
 }
 
 TEST_CASE("a dragged foot slides as far as it is told, under 30 % of the weight") {
-  for (const auto& way : {std::array{0.5, 0.5}, {0.05, 2.0}, {3.0, 0.4}, {1.0, 3.0}})
+  for (const auto& length_and_speed : {std::array{0.5, 0.5}, {0.05, 2.0}, {3.0, 0.4}, {1.0, 3.0}})
     for (const bool stands : {false, true}) {
-      const double length = way[0], speed = way[1];
+      const double length = length_and_speed[0], speed = length_and_speed[1];
       CAPTURE(length);
       CAPTURE(stands);
-      Once drag(3);
+      OneShot drag(3);
       const Recording made = play({1.4, 800, 0.4}, 14, [&](Gait& gait, double t) {
         if (stands && t == 0)
           gait.walk(true);
@@ -123,18 +123,18 @@ TEST_CASE("a dragged foot slides as far as it is told, under 30 % of the weight"
         if (drag(t))
           gait.drag(0, length, speed);
       });
-      double slid = 0, fastest = 0, largest = 0, apart = 0;
+      double slid = 0, fastest = 0, largest = 0, difference = 0;
       for (std::size_t n = made.at(3); n < made.samples.size(); ++n) {
         const SoleState& sole = made.samples[n][0];
-        apart = std::max(apart, std::abs(sole.heel_slip - sole.ball_slip));
+        difference = std::max(difference, std::abs(sole.heel_slip - sole.ball_slip));
         slid += sole.ball_slip / 48000;
         fastest = std::max(fastest, sole.ball_slip);
         if (sole.ball_slip == fastest)
           largest = sole.heel_n + sole.ball_n;
         if (stands)
-          apart = std::max(apart, std::abs(made.total(n) - 800));
+          difference = std::max(difference, std::abs(made.total(n) - 800));
       }
-      CHECK(apart < 1e-6);
+      CHECK(difference < 1e-6);
       CHECK(slid == doctest::Approx(length).epsilon(1e-3));
       CHECK(fastest == doctest::Approx(speed).epsilon(1e-6));
       CHECK(largest == doctest::Approx(0.3 * 800).epsilon(0.01));
@@ -144,7 +144,7 @@ TEST_CASE("a dragged foot slides as far as it is told, under 30 % of the weight"
 
 TEST_CASE("a walker drags a foot for its swing, and the sum of both feet stays") {
   for (const double moment : {3.0, 3.2, 3.45}) {
-    Once drag(moment);
+    OneShot drag(moment);
     const auto steady = [](Gait& gait, double t) {
       if (t == 0)
         gait.walk(true);
@@ -155,19 +155,19 @@ TEST_CASE("a walker drags a foot for its swing, and the sum of both feet stays")
         gait.drag(1, 0.4, 0.5);
     });
     const Recording plain = play({1.1, 700, 0.4}, 8, steady);
-    double slid = 0, apart = 0;
+    double slid = 0, difference = 0;
     for (std::size_t n = 0; n < made.samples.size(); ++n) {
       slid += made.samples[n][1].ball_slip / 48000;
-      apart = std::max(apart, std::abs(made.total(n) - plain.total(n)));
+      difference = std::max(difference, std::abs(made.total(n) - plain.total(n)));
     }
     CHECK(slid == doctest::Approx(0.4).epsilon(1e-3));
-    CHECK(apart < 0.01 * 700); // but for its touch
+    CHECK(difference < 0.01 * 700); // but for its touch
   }
 }
 
 TEST_CASE("a drag leaves the ground in time for the next landing, in short swings and long ones") {
   for (const auto& [style, speed] : {std::pair{Style::kWalk, 1.4}, {Style::kSneak, 0.4}}) {
-    Once drag(6);
+    OneShot drag(6);
     const Recording made = play({speed, 700, 0.4, style}, 14, [&](Gait& gait, double t) {
       if (t == 0)
         gait.walk(true);
@@ -192,7 +192,7 @@ TEST_CASE("a drag leaves the ground in time for the next landing, in short swing
 
 TEST_CASE("a turn slides the ball under the load by the angle times two thirds of its radius") {
   for (const double degrees : {30.0, 90.0, 180.0}) {
-    Once turn(3);
+    OneShot turn(3);
     const Recording made = play({1.4, 700, 0.4}, 8, [&](Gait& gait, double t) {
       if (t == 0)
         gait.walk(true);
@@ -212,7 +212,7 @@ TEST_CASE("a turn slides the ball under the load by the angle times two thirds o
     CHECK(heel < 0.02 * 700);        // on the ball alone
   }
   // Who does not walk makes one step of it.
-  Once turn(0.1);
+  OneShot turn(0.1);
   const Recording made = play({1.4, 700, 0.4}, 3, [&](Gait& gait, double t) {
     if (turn(t))
       gait.turn(kPi / 2, 1);
@@ -222,7 +222,7 @@ TEST_CASE("a turn slides the ball under the load by the angle times two thirds o
 }
 
 TEST_CASE("a walker drags no farther than a stride") {
-  Once drag(3);
+  OneShot drag(3);
   const Recording made = play({1.1, 700, 0.4}, 6, [&](Gait& gait, double t) {
     if (t == 0)
       gait.walk(true);

@@ -30,9 +30,9 @@ public:
   double read(double force_n, double t) {
     // The loop: the conductance lags behind on the way down.
     lag_ += (force_n > lag_ ? 1.0 : 0.002) * (force_n - lag_);
-    const double felt = force_n + hysteresis_ * std::min(lag_ - force_n, force_n);
-    const double drifted = felt * (1 + drift_ * std::log10(1 + t));
-    return reading_of(drifted) + noise_ * random_.normal() * reading_of(felt);
+    const double sensed = force_n + hysteresis_ * std::min(lag_ - force_n, force_n);
+    const double drifted = sensed * (1 + drift_ * std::log10(1 + t));
+    return reading_of(drifted) + noise_ * random_.normal() * reading_of(sensed);
   }
 
 private:
@@ -114,15 +114,15 @@ TEST_CASE("sensors tell how hard a walker's heel and ball land, and the ball soo
           begun = n / rate;
           ++strides;
         }
-        const SoleState felt = sensor.next(feet[0].heel_n, feet[0].ball_n);
-        if (felt.heel_landing > 0) {
+        const SoleState sensed = sensor.next(feet[0].heel_n, feet[0].ball_n);
+        if (sensed.heel_landing > 0) {
           ++heels;
-          heel = felt.heel_landing;
+          heel = sensed.heel_landing;
           CHECK(n / rate - begun < 0.006);
         }
-        if (felt.ball_landing > 0) {
+        if (sensed.ball_landing > 0) {
           ++balls;
-          ball = felt.ball_landing;
+          ball = sensed.ball_landing;
           ball_at = n / rate - begun;
         }
       }

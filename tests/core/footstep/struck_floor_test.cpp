@@ -1,4 +1,4 @@
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/footstep/shoe.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/footstep/plain_ground.hpp"
@@ -31,36 +31,38 @@ TEST_CASE(
       const std::string text = "modes 3\nfrequency 300\nratio 1.5\nt60 0.4\nt60_tilt 0.7\n" + gains;
       const double relative = std::pow(1.5, mode);
       const auto ground = ground_of(board("tilt 0\n" + text), rate);
-      const auto sound = felt(*ground, heel_at(0.5), static_cast<int>(0.25 * rate));
+      const auto sound = vibration(*ground, heel_at(0.5), static_cast<int>(0.25 * rate));
       const Tone tone = tone_of(sound, rate, 0.02);
       CHECK(tone.frequency_hz == test::approx(300 * relative).epsilon(2e-3));
       CHECK(tone.t60_s == test::approx(0.4 * std::pow(relative, -0.7)).epsilon(0.03));
       const auto tilted = ground_of(board("tilt 2\n" + text), rate);
-      const auto softer = felt(*tilted, heel_at(0.5), static_cast<int>(0.25 * rate));
-      CHECK(loudest(softer) / loudest(sound) == test::approx(std::pow(relative, -2)).epsilon(1e-3));
+      const auto softer = vibration(*tilted, heel_at(0.5), static_cast<int>(0.25 * rate));
+      CHECK(peak_amplitude(softer) / peak_amplitude(sound) ==
+            test::approx(std::pow(relative, -2)).epsilon(1e-3));
     }
 }
 
 TEST_CASE("a linear contact is as loud as the landing is fast; the ball has its mass and share") {
   const auto heel = [](double speed, const std::string& more) {
-    return felt(*ground_of(board(more)), heel_at(speed));
+    return vibration(*ground_of(board(more)), heel_at(speed));
   };
   CHECK(factor(heel(1, ""), heel(0.25, "")) == test::approx(4));
   CHECK(factor(heel(0.5, "level 3\n"), heel(0.5, "level 1\n")) == test::approx(3));
   const auto ball = [](double speed, const std::string& more) {
     const auto ground = ground_of(board(more));
-    felt(*ground, heel_at(0.5), 24000); // a place for the foot; the heel's impact has died away
+    vibration(*ground, heel_at(0.5),
+              24000); // a place for the foot; the heel's impact has died away
     SoleState sole;
     sole.ball_landing = speed;
-    return felt(*ground, sole);
+    return vibration(*ground, sole);
   };
   // Twice the ball's speed is the heel's on the same mass.
   CHECK(factor(ball(0.3, "t60 0.03\nball 2\nball_mass 0.07\n"),
                heel(0.6, "t60 0.03\nheel 0.07\n")) == test::approx(1));
-  CHECK(loudest(ball(0.3, "t60 0.03\nball 0\n")) < 1e-9 * loudest(heel(0.3, "")));
+  CHECK(peak_amplitude(ball(0.3, "t60 0.03\nball 0\n")) < 1e-9 * peak_amplitude(heel(0.3, "")));
   // A heavier mass brings more momentum.
-  CHECK(loudest(heel(0.5, "stiffness 1e7\nheel 0.08\n")) >
-        1.2 * loudest(heel(0.5, "stiffness 1e7\nheel 0.04\n")));
+  CHECK(peak_amplitude(heel(0.5, "stiffness 1e7\nheel 0.08\n")) >
+        1.2 * peak_amplitude(heel(0.5, "stiffness 1e7\nheel 0.04\n")));
 }
 
 TEST_CASE("a landing meets the law of ground and sole in series, and returns as they do") {
@@ -87,19 +89,19 @@ TEST_CASE("a landing meets the law of ground and sole in series, and returns as 
   // with an elastic ground, moves as under one spring of their series.
   for (const double shoe : {0.0, 0.7}) {
     const contact::ImpactLaw one = in_series({1e4, 1, 0}, sole_law(shoe, 1));
-    contact::TouchedBody body(1, 1, 1);
+    contact::ExcitedBody body(1, 1, 1);
     body.prepare(48000);
     const std::array<contact::Mode, 1> modes{contact::Mode{400, 0.5, 0.25}};
     body.set_modes(modes);
     body.set_impact(0, one, 0.08);
-    body.throw_mass(0, 0, 0.5);
+    body.launch_mass(0, 0, 0.5);
     std::vector<double> expected;
     for (int n = 0; n < 4800; ++n) {
       body.step();
-      expected.push_back(body.hear(0));
+      expected.push_back(body.pickup_velocity(0));
     }
     const auto worn = ground_of(board("mass 0.25\nheel 0.08\n"), 48000, 1, shoe);
-    CHECK(factor(felt(*worn, heel_at(0.5)), expected) == test::approx(1).epsilon(1e-6));
+    CHECK(factor(vibration(*worn, heel_at(0.5)), expected) == test::approx(1).epsilon(1e-6));
   }
 }
 
@@ -129,7 +131,7 @@ std::vector<std::size_t> bursts(const std::vector<double>& motion) {
 TEST_CASE("the parts of a sole share its mass and land one after the other, the slower the later") {
   const auto landing = [](double speed, std::uint64_t seed) {
     const auto ground = ground_of(board(kDeadMode + "patches 5\n"), 48000, seed, 1);
-    return bursts(felt(*ground, heel_at(speed), 48000));
+    return bursts(vibration(*ground, heel_at(speed), 48000));
   };
   double count = 0, later = 0, last = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -152,9 +154,9 @@ TEST_CASE("the parts of a sole share its mass and land one after the other, the 
 TEST_CASE("parts that a sole no longer has do not land any more") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto ground = ground_of(board(kDeadMode + "patches 8\n"), 48000, seed, 1);
-    felt(*ground, heel_at(0.1), 48); // seven are still in the air, for 0.2 s on average
+    vibration(*ground, heel_at(0.1), 48); // seven are still in the air, for 0.2 s on average
     ground->set(recipe_of(board(kDeadMode + "patches 1\n")), 1);
-    const auto motion = felt(*ground, heel_at(0.5), 48000);
+    const auto motion = vibration(*ground, heel_at(0.5), 48000);
     for (std::size_t n = 480; n < motion.size(); ++n)
       REQUIRE(std::abs(motion[n]) < 1e-4);
   }

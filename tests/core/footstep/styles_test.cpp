@@ -76,10 +76,10 @@ TEST_CASE("each foot of a steady walker carries half of the impulse, whatever th
         CAPTURE(static_cast<int>(style));
         CAPTURE(speed);
         CHECK(mean_of(reaction) == doctest::Approx(700 / (2 * reaction.duty())).epsilon(5e-4));
-        double least = 0;
+        double min_force = 0;
         for (double x = 0; x <= 1; x += 1e-3)
-          least = std::min(least, reaction.force(x));
-        CHECK(least == 0);
+          min_force = std::min(min_force, reaction.force(x));
+        CHECK(min_force == 0);
       }
 }
 
@@ -95,22 +95,22 @@ TEST_CASE("the two feet of a walker carry the weight on average, heel and ball t
       std::array<SoleState, 2> feet{};
       for (int n = 0; n < 4 * stride; ++n)
         gait.next(feet);
-      double sum = 0, apart = 0, least = 0;
+      double sum = 0, difference = 0, min_force = 0;
       for (int n = 0; n < 5 * stride; ++n) {
         gait.next(feet);
         for (const SoleState& sole : feet) {
           sum += sole.heel_n + sole.ball_n;
-          least = std::min({least, sole.heel_n, sole.ball_n});
+          min_force = std::min({min_force, sole.heel_n, sole.ball_n});
         }
         if (style == Style::kSneak)
-          apart = std::max(apart, std::abs(feet[0].heel_n + feet[0].ball_n + feet[1].heel_n +
-                                           feet[1].ball_n - 900));
+          difference = std::max(difference, std::abs(feet[0].heel_n + feet[0].ball_n +
+                                                     feet[1].heel_n + feet[1].ball_n - 900));
       }
       CAPTURE(static_cast<int>(style));
       CAPTURE(speed);
       CHECK(sum / (5.0 * stride) == doctest::Approx(900).epsilon(0.005));
-      CHECK(least == 0);
-      CHECK(apart < 0.03 * 900); // nobody rises or falls; landings of a foot are what is left
+      CHECK(min_force == 0);
+      CHECK(difference < 0.03 * 900); // nobody rises or falls; landings of a foot are what is left
     }
 }
 

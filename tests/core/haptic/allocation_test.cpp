@@ -62,7 +62,7 @@ TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders")
         servo.exchange().motors.enable();
       else
         servo.exchange().motors.emergency_stop();
-      device.press(1, k % 3 == 0);
+      device.set_button(1, k % 3 == 0);
       servo.step({k, command.heartbeat_s, 1e-3});
     }
     CHECK(allocations == before);
@@ -72,23 +72,23 @@ TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders")
 TEST_CASE("a servo in a scene that is edited, stepped by audio, allocates and frees nothing") {
   SimulatedDevice device;
   device.set({});
-  device.follow(CirclePath{{}, 0.03, 0.5});
+  device.set_path(CirclePath{{}, 0.03, 0.5});
   SceneModel model;
   SignalLink link;
-  link.watch(model);
+  link.set_scene(model);
   Servo servo;
   servo.attach(device, &model, &link);
   struct Stepping {
     Servo* servo;
     std::uint64_t tick;
   } stepping{&servo, 0};
-  link.place(SignalLink::Time::kLogical, 1000,
-             {[](void* self) {
-                auto& s = *static_cast<Stepping*>(self);
-                s.servo->step({s.tick, static_cast<double>(s.tick) * 1e-3, 1e-3});
-                ++s.tick;
-              },
-              &stepping});
+  link.configure(SignalLink::Time::kLogical, 1000,
+                 {[](void* self) {
+                    auto& s = *static_cast<Stepping*>(self);
+                    s.servo->step({s.tick, static_cast<double>(s.tick) * 1e-3, 1e-3});
+                    ++s.tick;
+                  },
+                  &stepping});
   SignalPlayer player;
   player.prepare(48000);
   player.attach(&link);
@@ -122,15 +122,15 @@ TEST_CASE("a servo in a scene that is edited, stepped by audio, allocates and fr
 TEST_CASE("a servo with a network and all effects, both edited, allocates and frees nothing") {
   SimulatedDevice device;
   device.set({});
-  device.follow(CirclePath{{}, 0.03, 0.5});
+  device.set_path(CirclePath{{}, 0.03, 0.5});
   SceneModel scene;
   EffectModel effects;
   NetworkModel network;
   LocalModels<3> models{{&scene, &effects, &network}};
-  effects.watch(scene, models.force_of(0));
+  effects.set_scene(scene, models.force_of(0));
   SignalLink link;
-  link.listen(network);
-  link.place(SignalLink::Time::kWall, 1000, {});
+  link.set_network(network);
+  link.configure(SignalLink::Time::kWall, 1000, {});
   Servo servo;
   servo.attach(device, &models, &link);
   std::uint64_t tick = 0;
@@ -150,8 +150,8 @@ TEST_CASE("a servo with a network and all effects, both edited, allocates and fr
     effects.set(settings);
     const long before = allocations, freed = frees;
     for (int n = 0; n < 100; ++n, ++tick) {
-      network.act({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 1}, 1e-3});
-      network.act({NetworkModel::Action::Kind::kGrabNearest, 0, {}, 0});
+      network.queue_action({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 1}, 1e-3});
+      network.queue_action({NetworkModel::Action::Kind::kGrabNearest, 0, {}, 0});
       servo.step({tick, static_cast<double>(tick) * 1e-3, 1e-3});
     }
     CHECK(allocations == before);

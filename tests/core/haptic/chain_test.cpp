@@ -338,7 +338,7 @@ TEST_CASE("what was forgiven is taken back when the hand returns, as often as it
     input.position.x = 4e-5 * (tick % 200 < 100 ? tick % 200 : 200 - tick % 200);
     step(state, settings, input);
     CHECK(std::abs(state.energy_j) < 1e-15);
-    CHECK(state.forgiven_j == doctest::Approx(input.position.x).scale(1e-6));
+    CHECK(state.allowance_j == doctest::Approx(input.position.x).scale(1e-6));
   }
   // Beyond where it began the hand pushes against the patch: that is credit.
   input.time_s = input.heartbeat_s = 1.001;

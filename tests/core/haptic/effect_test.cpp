@@ -28,7 +28,7 @@ struct EffectRig {
   std::uint64_t ticks = 0;
   Vec3 last{};
 
-  EffectRig() { effects.watch(scene, models.force_of(0)); }
+  EffectRig() { effects.set_scene(scene, models.force_of(0)); }
   /// Force of the passive effects alone.
   Vec3 tick(const Vec3& position, double period_s = 1e-3) {
     State state;
@@ -60,16 +60,16 @@ TEST_CASE("constant and spring are the patch's own, the spring no longer than it
   settings.spring = {200, {0.01, 0, 0}, 1.5};
   rig.effects.set(settings);
   CHECK(rig.tick({0.005, 0.002, 0}) == Vec3{});
-  CHECK(norm(rig.effects.driven() - Vec3{2, -2.4, 0.5}) < 1e-12);
+  CHECK(norm(rig.effects.active_force() - Vec3{2, -2.4, 0.5}) < 1e-12);
   rig.tick({-0.04, 0, 0});
-  CHECK(norm(rig.effects.driven() - Vec3{2.5, -2, 0.5}) < 1e-12); // 10 N, held to 1.5
+  CHECK(norm(rig.effects.active_force() - Vec3{2.5, -2, 0.5}) < 1e-12); // 10 N, held to 1.5
   settings.spring.reset();
   rig.effects.set(settings);
   rig.tick({});
-  CHECK(rig.effects.driven() == Vec3{1, -2, 0.5});
+  CHECK(rig.effects.active_force() == Vec3{1, -2, 0.5});
   rig.effects.set({});
   rig.tick({});
-  CHECK(rig.effects.driven() == Vec3{});
+  CHECK(rig.effects.active_force() == Vec3{});
 }
 
 TEST_CASE("viscous is -b v") {
@@ -267,7 +267,7 @@ TEST_CASE("wild positions leave every effect finite") {
     const Vec3 force = rig.models.force({static_cast<std::uint64_t>(n), n * 1e-3, 1e-3}, state);
     CHECK(is_finite(rig.models.force_of(1)));
     CHECK(norm(rig.models.force_of(1)) <= 6 * EffectModel::kMaxEffect_n);
-    CHECK(is_finite(rig.effects.driven()));
+    CHECK(is_finite(rig.effects.active_force()));
     static_cast<void>(force);
   }
 }

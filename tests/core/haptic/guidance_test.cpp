@@ -59,10 +59,10 @@ TEST_CASE("a steady hand is led to the goal at the rate that its yielding gives"
 
 TEST_CASE("a trembling, wandering hand is led there too, and stays away without a force") {
   const HandSettings person;
-  const double led = distance_after(30, 40, person).second;
+  const double guided_distance = distance_after(30, 40, person).second;
   const double alone = distance_after(30, 0, person).second;
-  MESSAGE("last second of 30, RMS distance from the goal: led " << led * 1e3 << ", alone "
-                                                                << alone * 1e3 << " mm");
-  CHECK(led < 4e-3);
+  MESSAGE("last second of 30, RMS distance from the goal: led "
+          << guided_distance * 1e3 << ", alone " << alone * 1e3 << " mm");
+  CHECK(guided_distance < 4e-3);
   CHECK(alone > 15e-3);
 }

@@ -30,17 +30,17 @@ TEST_CASE("an edge that a motion meets is one triangle's, from wherever the moti
     std::optional<Vec3> normal;
     for (const double aside : {0.0, -0.5, 0.5, -2.0, 2.0, -8.0, 8.0})
       for (const double along : {0.0, -0.25, 0.25}) {
-        const Vec3 way{aside, along, 16};
+        const Vec3 motion{aside, along, 16};
         WorkLimit work;
-        const auto met = mesh.crossing(valley + way, valley - way, work);
-        REQUIRE(met);
-        if (met->fraction != 0.5) // a ridge came before
+        const auto hit = mesh.crossing(valley + motion, valley - motion, work);
+        REQUIRE(hit);
+        if (hit->fraction != 0.5) // a ridge came before
           continue;
-        CHECK(met->normal.z == doctest::Approx(std::sqrt(0.5)));
-        CHECK(std::abs(met->normal.x) == doctest::Approx(std::sqrt(0.5)));
+        CHECK(hit->normal.z == doctest::Approx(std::sqrt(0.5)));
+        CHECK(std::abs(hit->normal.x) == doctest::Approx(std::sqrt(0.5)));
         if (normal)
-          CHECK(met->normal.x == normal->x);
-        normal = met->normal;
+          CHECK(hit->normal.x == normal->x);
+        normal = hit->normal;
       }
     CHECK(normal);
   }

@@ -21,7 +21,7 @@ TEST_CASE("a spring that yields keeps the work of the hand that stretched it") {
     const double start = pressed ? 0.11 : 0.0; // the sphere begins beside the mass
     rig.tick({0, 0, start});
     if (!pressed)
-      rig.model.act({Order::Kind::kGrab, rig.key(0), {}, 0});
+      rig.model.queue_action({Order::Kind::kGrab, rig.key(0), {}, 0});
     rig.tick_for(2 * NetworkModel::kEmerging_s, {0, 0, start});
     double work_j = 0, z = start;
     for (int n = 1; n <= 600; ++n) {

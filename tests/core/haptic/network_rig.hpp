@@ -71,7 +71,7 @@ public:
   }
   /// The energy that the scheme keeps for linear links without damping:
   ///   v^T M v/2 + x_n^T K x_(n+1)/2, of links without rest length.
-  double kept_energy_j() const {
+  double scheme_energy_j() const {
     double sum = 0;
     const double h = model.step_s();
     for (std::size_t i = 0; i < network.masses.size(); ++i)

@@ -17,20 +17,20 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// A mass that swings at 440 Hz, heard as displacement and velocity; the servo ticks at 1 kHz.
-struct HeardRig {
+struct AudioRig {
   test::NetworkRig network;
   std::unique_ptr<SignalLink> link = std::make_unique<SignalLink>();
   std::unique_ptr<SignalPlayer> player = std::make_unique<SignalPlayer>();
   double amplitude = 1e-3, omega = kTwoPi * 440;
 
-  explicit HeardRig(double rate_hz = 48000, double omega_hz = 440) : omega(kTwoPi * omega_hz) {
+  explicit AudioRig(double rate_hz = 48000, double omega_hz = 440) : omega(kTwoPi * omega_hz) {
     const std::size_t a = network.mass(1, {}, true), b = network.mass(1e-3, {0, 0, amplitude});
     network.link(a, b, 1e-3 * omega * omega);
     network.network.rate_hz = rate_hz;
     network.network.pickups[0] = {b, 2, NetworkPickup::Quantity::kVelocity};
     network.network.pickups[1] = {a, 2, NetworkPickup::Quantity::kForce};
     network.publish();
-    link->listen(network.model);
+    link->set_network(network.model);
   }
   void tick() {
     State state;
@@ -52,9 +52,9 @@ struct HeardRig {
 
 TEST_CASE("in logical time the network is heard step by step, at any sample rate a pure tone") {
   for (const double rate : {44100.0, 48000.0, 88200.0}) {
-    HeardRig rig;
-    rig.link->place(SignalLink::Time::kLogical, 1000,
-                    {[](void* self) { static_cast<HeardRig*>(self)->tick(); }, &rig});
+    AudioRig rig;
+    rig.link->configure(SignalLink::Time::kLogical, 1000,
+                        {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});
     rig.player->prepare(rate);
     rig.player->attach(rig.link.get());
     std::vector<double> velocity, force;
@@ -71,27 +71,28 @@ TEST_CASE("in logical time the network is heard step by step, at any sample rate
     }
     const double h = 1 / 48000.0;
     const double turn = 2 / h * std::asin(0.5 * rig.omega * h) / rate; // in a sample
-    double loudest = 0;
+    double max_amplitude = 0;
     for (const double v : velocity)
-      loudest = std::max(loudest, std::abs(v));
-    CHECK(loudest == approx(rig.amplitude * rig.omega).epsilon(2e-3));
+      max_amplitude = std::max(max_amplitude, std::abs(v));
+    CHECK(max_amplitude == approx(rig.amplitude * rig.omega).epsilon(2e-3));
     // At 48 kHz each sample is a step: only float's rounding. Else the cubic's error, (w h)^4/30.
-    CHECK(HeardRig::roughness(velocity, turn) / loudest < (rate == 48000 ? 4e-7 : 1e-5));
+    CHECK(AudioRig::roughness(velocity, turn) / max_amplitude < (rate == 48000 ? 4e-7 : 1e-5));
     // The force of the anchor is k z, in quadrature.
     const double scale = 1e-3 * rig.omega * rig.omega * rig.amplitude;
     double energy = 0;
     for (std::size_t n = 0; n < force.size(); ++n)
-      energy = std::max(energy, std::abs(std::hypot(velocity[n] / loudest, force[n] / scale) - 1));
+      energy =
+          std::max(energy, std::abs(std::hypot(velocity[n] / max_amplitude, force[n] / scale) - 1));
     CHECK(energy < 0.04); // the velocity is half a step early
   }
 }
 
 TEST_CASE("a network that is stepped faster than it is read is read as means, at its pitch") {
-  HeardRig rig(192000);
+  AudioRig rig(192000);
   rig.tick();
   CHECK(rig.network.model.samples().size() == 48);
-  rig.link->place(SignalLink::Time::kLogical, 1000,
-                  {[](void* self) { static_cast<HeardRig*>(self)->tick(); }, &rig});
+  rig.link->configure(SignalLink::Time::kLogical, 1000,
+                      {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});
   rig.player->prepare(48000);
   rig.player->attach(rig.link.get());
   std::vector<double> velocity;
@@ -102,15 +103,15 @@ TEST_CASE("a network that is stepped faster than it is read is read as means, at
   }
   velocity.erase(velocity.begin(), velocity.begin() + 480);
   const double turn = kTwoPi * 440 / 48000;
-  CHECK(HeardRig::roughness(velocity, turn) < 1e-5 * rig.amplitude * rig.omega);
+  CHECK(AudioRig::roughness(velocity, turn) < 1e-5 * rig.amplitude * rig.omega);
 }
 
 TEST_CASE("in wall time the network is played smoothly behind the servo, over bursts of blocks") {
-  HeardRig rig(48000, 100);
-  rig.link->place(SignalLink::Time::kWall, 1000, {});
+  AudioRig rig(48000, 100);
+  rig.link->configure(SignalLink::Time::kWall, 1000, {});
   rig.player->prepare(48000);
   rig.player->attach(rig.link.get());
-  double largest_step = 0, last = 0, loudest = 0;
+  double largest_step = 0, last = 0, max_amplitude = 0;
   for (int burst = 0; burst < 800; ++burst) {
     const double wall_s = (burst + 1) * 256 / 48000.0;
     while (static_cast<double>(rig.network.ticks) * 1e-3 <= wall_s)
@@ -121,7 +122,7 @@ TEST_CASE("in wall time the network is played smoothly behind the servo, over bu
         const double now = rig.player->process({}).network[0];
         if (burst > 300) { // the delay that bursts need is learnt within a second
           largest_step = std::max(largest_step, std::abs(now - last));
-          loudest = std::max(loudest, std::abs(now));
+          max_amplitude = std::max(max_amplitude, std::abs(now));
         }
         last = now;
       }
@@ -129,14 +130,14 @@ TEST_CASE("in wall time the network is played smoothly behind the servo, over bu
     }
   }
   const double speed = rig.amplitude * rig.omega;
-  CHECK(loudest == approx(speed).epsilon(1e-3));
+  CHECK(max_amplitude == approx(speed).epsilon(1e-3));
   CHECK(largest_step < 1.05 * speed * rig.omega / 48000); // 2 % faster at most, no clicks
 }
 
 TEST_CASE("a second player does not hear what an earlier one has taken") {
-  HeardRig rig;
-  rig.link->place(SignalLink::Time::kLogical, 1000,
-                  {[](void* self) { static_cast<HeardRig*>(self)->tick(); }, &rig});
+  AudioRig rig;
+  rig.link->configure(SignalLink::Time::kLogical, 1000,
+                      {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});
   auto second = std::make_unique<SignalPlayer>();
   for (SignalPlayer* player : {rig.player.get(), second.get()}) {
     player->prepare(48000);

@@ -67,12 +67,12 @@ TEST_CASE("a reset puts all at rest and ends what was plucked and held") {
   const std::size_t mass = rig.mass(0.01, {}), other = rig.mass(0.01, {0.05, 0, 0});
   rig.publish();
   rig.tick();
-  rig.model.act({NetworkModel::Action::Kind::kPluck, rig.key(mass), {0, 0, 2}, 1.0});
-  rig.model.act({NetworkModel::Action::Kind::kGrab, rig.key(other), {}, 0});
+  rig.model.queue_action({NetworkModel::Action::Kind::kPluck, rig.key(mass), {0, 0, 2}, 1.0});
+  rig.model.queue_action({NetworkModel::Action::Kind::kGrab, rig.key(other), {}, 0});
   rig.tick_for(0.05);
   REQUIRE(rig.model.velocity(mass).z > 1);
   REQUIRE(norm(rig.model.velocity(other)) > 0.1);
-  rig.model.act({NetworkModel::Action::Kind::kReset, 0, {}, 0});
+  rig.model.queue_action({NetworkModel::Action::Kind::kReset, 0, {}, 0});
   for (int n = 0; n < 100; ++n) {
     CHECK(rig.tick() == Vec3{});
     CHECK(rig.model.position(mass) == Vec3{});
@@ -87,7 +87,7 @@ TEST_CASE("drag alone slows a free mass exponentially") {
   const std::size_t mass = rig.mass(0.01, {});
   rig.publish();
   rig.tick();
-  rig.model.act({NetworkModel::Action::Kind::kPluck, rig.key(mass), {0, 0, 2}, 1e-3});
+  rig.model.queue_action({NetworkModel::Action::Kind::kPluck, rig.key(mass), {0, 0, 2}, 1e-3});
   rig.tick();
   const double start = rig.model.velocity(mass).z;
   CHECK(start == approx(0.2).epsilon(0.02)); // an impulse of 2 mN s on 10 g, less drag
@@ -189,11 +189,11 @@ TEST_CASE("without damping the scheme's energy stays to rounding; damping only l
     rig.add(part);
     rig.publish();
     rig.tick();
-    const double start = rig.kept_energy_j();
+    const double start = rig.scheme_energy_j();
     double before = start;
     for (int tick = 0; tick < 5000; ++tick) {
       rig.tick();
-      const double now = rig.kept_energy_j();
+      const double now = rig.scheme_energy_j();
       if (damping == 0)
         CHECK(now == approx(start).epsilon(1e-10));
       else if (tick % 100 == 0) {
@@ -236,7 +236,7 @@ TEST_CASE("random networks never gain energy, with dampers or without, at the lo
     // Until its springs have taken hold the hand keeps still: their growth is no work of its.
     Vec3 before{0.03, 0.02, 0.005};
     rig.tick(before);
-    rig.model.act({NetworkModel::Action::Kind::kGrab, rig.key(5), {}, 0});
+    rig.model.queue_action({NetworkModel::Action::Kind::kGrab, rig.key(5), {}, 0});
     rig.tick_for(1.1 * NetworkModel::kEmerging_s, before);
     double supplied = rig.model.energy_j();
     // The hand stirs, and what it puts in is counted by its own force and motion.
@@ -245,7 +245,7 @@ TEST_CASE("random networks never gain energy, with dampers or without, at the lo
       supplied -= dot(rig.tick(now), now - before);
       before = now;
     }
-    rig.model.act({NetworkModel::Action::Kind::kRelease, 0, {}, 0});
+    rig.model.queue_action({NetworkModel::Action::Kind::kRelease, 0, {}, 0});
     supplied -= dot(rig.tick({0.5, 0.5, 0.5}), Vec3{0.5, 0.5, 0.5} - before);
     const auto peak = [&rig] {
       double largest = 0;

@@ -55,7 +55,7 @@ struct Motion {
 
 TEST_CASE("the observer sums the work of the force that the handle felt, latency or not") {
   for (const int latency : {-3, 0, 1, 2, 5, 8, 20}) {
-    const auto felt_late = static_cast<std::size_t>(std::clamp(latency, 0, 8));
+    const auto felt_delay = static_cast<std::size_t>(std::clamp(latency, 0, 8));
     PassivitySettings settings = settings_of(1e-3);
     settings.latency_ticks = latency;
     PassivityController controller;
@@ -68,8 +68,8 @@ TEST_CASE("the observer sums the work of the force that the handle felt, latency
       const Vec3 moved = n == 0 ? Vec3{} : any() * 1e-3;
       position += moved;
       written.push_back(any());
-      if (n >= felt_late)
-        energy_j -= dot(written[n - felt_late], moved);
+      if (n >= felt_delay)
+        energy_j -= dot(written[n - felt_delay], moved);
       controller.observe(settings, position, written.back(), 0);
       CAPTURE(latency);
       CHECK(controller.energy_j() == doctest::Approx(energy_j).epsilon(1e-9).scale(1e-3));
@@ -182,10 +182,10 @@ TEST_CASE("an encoder's step is no debt, and a displacement counts beyond the re
   Motion stiff{settings_of(1e-3), 1e6, kSpeed, 0};
   stiff.settings.position_noise_m = kNoise_m;
   stiff.run(40);
-  const double x = stiff.x(), most_j = 0.5 * (5 / 1e-3) * 4 * kNoise_m * kNoise_m;
-  const Vec3 force = stiff.with_energy(-1.1 * most_j, {kSpeed, 0, 0});
+  const double x = stiff.x(), limit_j = 0.5 * (5 / 1e-3) * 4 * kNoise_m * kNoise_m;
+  const Vec3 force = stiff.with_energy(-1.1 * limit_j, {kSpeed, 0, 0});
   CHECK(force.x + 1e6 * x ==
-        doctest::Approx(-0.1 * most_j / (1e-3 * kSpeed)).epsilon(1e-6).scale(1e-3));
+        doctest::Approx(-0.1 * limit_j / (1e-3 * kSpeed)).epsilon(1e-6).scale(1e-3));
 }
 
 TEST_CASE("the damper acts along the force, or along the last one when there is none") {
@@ -267,21 +267,22 @@ TEST_CASE("a contact that throws the handle back releases what is left, as its f
               sum += advance(first_n - settings.slew_n_per_s * h * (n + 0.5), h);
             return sum;
           };
-          const double under_way_j = advance(force_n, latency * T);
+          const double in_transit_j = advance(force_n, latency * T);
           const double whole_j = release(force_n);
           velocity = velocity_now, position = position_now;
-          const double left_j = under_way_j + share * whole_j;
+          const double left_j = in_transit_j + share * whole_j;
           controller.observe(settings, {position, 0, 0}, contact,
                              left_j - controller.energy_j() + last_tick_j);
-          const double let = controller.limit(settings, contact, contact, {velocity, 0, 0}).x;
+          const double limited_force =
+              controller.limit(settings, contact, contact, {velocity, 0, 0}).x;
           advance(force_n, latency * T);
-          const double released = release(let) / (share * whole_j);
+          const double released = release(limited_force) / (share * whole_j);
           CAPTURE(latency);
           CAPTURE(fall_ticks);
           CAPTURE(share);
-          CHECK(controller.acted() == (let < force_n));
+          CHECK(controller.acted() == (limited_force < force_n));
           if (share > 1) {
-            CHECK(let == doctest::Approx(force_n)); // there is enough
+            CHECK(limited_force == doctest::Approx(force_n)); // there is enough
           } else {
             least = std::min(least, released);
             most = std::max(most, released);
@@ -297,30 +298,34 @@ TEST_CASE("a contact that throws the handle back releases what is left, as its f
 TEST_CASE("no more is cut from a contact than it is, than a credit asks, or than 0.1 s allow") {
   PassivitySettings settings = settings_of(1e-3);
   settings.slew_n_per_s = 2000;
-  const auto let = [&settings](int ticks, double energy_j, double velocity, const Vec3& wanted,
-                               double read = 1) { // times the velocity, at the end
+  const auto limited_force = [&settings](int ticks, double energy_j, double velocity,
+                                         const Vec3& desired,
+                                         double read = 1) { // times the velocity, at the end
     PassivityController controller;
     const Vec3 contact{2, 0, 0};
     double x = 0;
     for (int n = 0; n < ticks; ++n, x += velocity * 1e-3) {
       controller.observe(settings, {x, 0, 0}, {}, 0);
-      static_cast<void>(controller.limit(settings, wanted, contact, {velocity, 0, 0}));
+      static_cast<void>(controller.limit(settings, desired, contact, {velocity, 0, 0}));
     }
     controller.observe(settings, {x, 0, 0}, {}, energy_j);
-    return controller.limit(settings, wanted, contact, {read * velocity, 0, 0});
+    return controller.limit(settings, desired, contact, {read * velocity, 0, 0});
   };
-  const Vec3 wanted{3, 1, 0}; // 1 N of it and what is across are no contact's
-  CHECK(norm(let(20, 0, 0.1, wanted) - Vec3{1, 1, 0}) < 1e-12);
-  CHECK(let(20, 1, 0.1, wanted) == wanted);
-  CHECK(let(20, 0, -0.1, wanted) == wanted); // pressed in
-  CHECK(let(20, 0, 0.9e-4, wanted) == wanted);
-  CHECK(let(98, 0, 0.1, wanted).x < wanted.x);
-  CHECK(let(101, 0, 0.1, wanted) == wanted); // held there: it swings against the hand
+  const Vec3 desired{3, 1, 0}; // 1 N of it and what is across are no contact's
+  CHECK(norm(limited_force(20, 0, 0.1, desired) - Vec3{1, 1, 0}) < 1e-12);
+  CHECK(limited_force(20, 1, 0.1, desired) == desired);
+  CHECK(limited_force(20, 0, -0.1, desired) == desired); // pressed in
+  CHECK(limited_force(20, 0, 0.9e-4, desired) == desired);
+  CHECK(limited_force(98, 0, 0.1, desired).x < desired.x);
+  CHECK(limited_force(101, 0, 0.1, desired) == desired); // held there: it swings against the hand
   // E = v (F T + F^2/(2 slew)) at a constant velocity.
   const double v = 0.1, kept = 0.7, energy_j = v * (kept * 1e-3 + kept * kept / (2 * 2000.0));
-  CHECK(let(20, energy_j, v, wanted).x == doctest::Approx(1 + kept).epsilon(1e-9).scale(1e-3));
+  CHECK(limited_force(20, energy_j, v, desired).x ==
+        doctest::Approx(1 + kept).epsilon(1e-9).scale(1e-3));
   // An exact device that reads more than the last 2 ms show is believed: the handle speeds up.
-  const auto slower = [&](double times) { return let(20, times * energy_j, v, wanted, 3).x; };
+  const auto slower = [&](double times) {
+    return limited_force(20, times * energy_j, v, desired, 3).x;
+  };
   settings.slew_n_per_s = 1e9; // of which the acceleration that is seen takes its share, too
   CHECK(slower(3 * 1e-3 * kept * v / energy_j) ==
         doctest::Approx(1 + kept).epsilon(1e-6).scale(1e-3));

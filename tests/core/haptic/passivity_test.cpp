@@ -14,7 +14,7 @@ using namespace tactus::haptic::test;
 namespace {
 
 /// The simulated handle with a person who pushes with a constant force besides.
-struct PushedDevice final : Backend {
+struct LoadedDevice final : Backend {
   std::string open() override { return {}; }
   void close() noexcept override {}
   Caps caps() const noexcept override { return device.caps(); }
@@ -46,7 +46,7 @@ struct Rig {
   [[nodiscard]] double v() const { return device.device.velocity().x; }
 
   SampledWall wall;
-  PushedDevice device;
+  LoadedDevice device;
   Servo servo;
   std::uint64_t index = 0;
 };
@@ -57,7 +57,7 @@ struct Flight {
 
 Flight fly(double stiffness, bool observer) {
   Rig rig(stiffness, observer);
-  rig.device.device.place({-0.01, 0, 0}, {0.2, 0, 0});
+  rig.device.device.set_state({-0.01, 0, 0}, {0.2, 0, 0});
   Flight flight;
   bool inside = false;
   int since_exit = -1;
@@ -88,7 +88,7 @@ struct Push {
 Push push(double stiffness, bool observer) {
   Rig rig(stiffness, observer);
   rig.device.push = {1, 0, 0};
-  rig.device.device.place({-0.002, 0, 0}, {});
+  rig.device.device.set_state({-0.002, 0, 0}, {});
   double low = 1, high = -1;
   Push result;
   for (int n = 0; n < 4000; ++n) {
@@ -160,7 +160,7 @@ TEST_CASE("Colgate's bound K < 2(B + b)/T separates decay from growth") {
     Rig rig(0, false);
     Spring spring(stiffness);
     rig.servo.attach(rig.device, &spring);
-    rig.device.device.place({1e-3, 0, 0}, {});
+    rig.device.device.set_state({1e-3, 0, 0}, {});
     double early = 0, late = 0;
     for (int n = 0; n < 3000; ++n) {
       rig.tick();
@@ -227,7 +227,7 @@ TEST_CASE("a stiff wall that a patch renders a tick late stays tame with the def
     settings.chain.allowance_w = allowance_w;
     rig.servo.exchange().settings.write(settings);
     rig.device.push = {1, 0, 0};
-    rig.device.device.place({-0.002, 0, 0}, {});
+    rig.device.device.set_state({-0.002, 0, 0}, {});
     double low = 1, high = -1;
     for (int n = 0; n < 4000; ++n) {
       Command c;
@@ -293,17 +293,17 @@ TEST_CASE("the controller does not hum where the wall is quiet without it") {
   person.velocity = Velocity::kEstimated;
   person.scene = Scene::kPerson;
   person.value = 5e-4;
-  WallCase loose;
-  loose.stiffness_n_per_m = 500;
-  loose.encoder_m = 3.4e-5;
-  loose.velocity = Velocity::kEstimated;
-  loose.scene = Scene::kSpring;
-  loose.hand_n_per_m = 50;
-  loose.hand_n_s_per_m = 0.5;
-  loose.value = 5e-3;
+  WallCase loose_grip;
+  loose_grip.stiffness_n_per_m = 500;
+  loose_grip.encoder_m = 3.4e-5;
+  loose_grip.velocity = Velocity::kEstimated;
+  loose_grip.scene = Scene::kSpring;
+  loose_grip.hand_n_per_m = 50;
+  loose_grip.hand_n_s_per_m = 0.5;
+  loose_grip.value = 5e-3;
   WallCase pushed;
   pushed.stiffness_n_per_m = 200;
-  for (const WallCase& c : {person, loose, pushed}) {
+  for (const WallCase& c : {person, loose_grip, pushed}) {
     check_not_worse(c);
     const WallResult off = run_wall(c, false, 4), on = run_wall(c, true, 4);
     MESSAGE(c.stiffness_n_per_m << " N/m: force rms " << off.force_rms_n << " without, "
@@ -443,10 +443,10 @@ struct ControllerRig {
   void give(double energy_j) { // to the observer, by a force of that energy over 1 m
     controller.observe(settings, position, {}, energy_j);
   }
-  Vec3 step(const Vec3& velocity, const Vec3& reading, const Vec3& wanted, const Vec3& contact) {
+  Vec3 step(const Vec3& velocity, const Vec3& reading, const Vec3& desired, const Vec3& contact) {
     position += velocity * settings.period_s;
     controller.observe(settings, position, {}, 0);
-    return controller.limit(settings, wanted, contact, reading);
+    return controller.limit(settings, desired, contact, reading);
   }
 };
 
@@ -459,10 +459,10 @@ TEST_CASE("the damper is no stronger than the device's limit and than the wall's
       rig.settings.period_s = period_s;
       rig.settings.damping_limit_n_s_per_m = 4;
       rig.give(-1); // a large debt
-      Vec3 force, wanted;
+      Vec3 force, desired;
       for (int tick = 0; tick < 100; ++tick) {
-        wanted = {-stiffness * (rig.position.x + 0.1 * period_s), 0, 0};
-        force = rig.step({0.1, 0, 0}, {0.1, 0, 0}, wanted, {}) - wanted;
+        desired = {-stiffness * (rig.position.x + 0.1 * period_s), 0, 0};
+        force = rig.step({0.1, 0, 0}, {0.1, 0, 0}, desired, {}) - desired;
       }
       // At half the rate the device renders half the damping.
       const double limit = 4 * std::min(1.0, 1e-3 / period_s);
@@ -476,10 +476,10 @@ TEST_CASE("the damper takes no more than the debt, less what a step of the encod
     rig.settings.damping_limit_n_s_per_m = 20;
     rig.settings.position_noise_m = noise_m;
     rig.give(-1e-5);
-    Vec3 force, wanted;
+    Vec3 force, desired;
     for (int tick = 0; tick < 100; ++tick) {
-      wanted = {-1e4 * rig.position.x - 1e4 * 0.2e-3, 0, 0};
-      force = rig.step({0.2, 0, 0}, {0.2, 0, 0}, wanted, {}) - wanted;
+      desired = {-1e4 * rig.position.x - 1e4 * 0.2e-3, 0, 0};
+      force = rig.step({0.2, 0, 0}, {0.2, 0, 0}, desired, {}) - desired;
     }
     // u is the displacement over 2 ms less the reading's error. A step q = 0.1 mm at K = 1e4 N/m is
     // worth K q^2/2 = 5e-5 J, more than the debt.
@@ -496,10 +496,10 @@ TEST_CASE(
     ControllerRig rig;
     rig.settings.damping_limit_n_s_per_m = 2;
     rig.give(-1);
-    Vec3 force, wanted;
+    Vec3 force, desired;
     for (int tick = 0; tick < 50; ++tick) {
-      wanted = {-1e5 * (rig.position.x + velocity.x * 1e-3), 0, 0};
-      force = rig.step(velocity, reading, wanted, {}) - wanted;
+      desired = {-1e5 * (rig.position.x + velocity.x * 1e-3), 0, 0};
+      force = rig.step(velocity, reading, desired, {}) - desired;
     }
     return force;
   };

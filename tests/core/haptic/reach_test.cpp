@@ -10,13 +10,13 @@ using namespace tactus::haptic;
 namespace {
 
 /// A device whose reading the test says, and which keeps what it was sent.
-struct Told final : Backend {
+struct ScriptedDevice final : Backend {
   std::string open() override { return {}; }
   void close() noexcept override {}
   Caps caps() const noexcept override { return {}; }
   bool read(const Tick&, State& state) noexcept override {
     state.position = position;
-    check_reach(caps(), state, last_good);
+    reject_unreachable(caps(), state, last_good);
     return true;
   }
   bool write(const Vec3& force_n) noexcept override {
@@ -37,7 +37,7 @@ TEST_CASE("a position that no device can have is the last good one, and said to 
     State state;
     state.position = position;
     state.velocity = {1, 1, 1};
-    check_reach(caps, state, last_good);
+    reject_unreachable(caps, state, last_good);
     CHECK(state.position == last_good);
     return state.flags;
   };
@@ -52,7 +52,7 @@ TEST_CASE("a position that no device can have is the last good one, and said to 
 
 TEST_CASE(
     "an unreachable reading takes the force away at that tick; it returns over the enable time") {
-  Told device;
+  ScriptedDevice device;
   Servo servo;
   servo.attach(device);
   ServoSettings settings;

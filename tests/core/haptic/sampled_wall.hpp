@@ -74,11 +74,11 @@ public:
     s.hand.damping_n_s_per_m = c.hand_n_s_per_m;
     s.hand.wander_m = s.hand.yield_s = 0; // both would take the hand away from the wall
     device_.set(s);
-    device_.follow(LinePath{{c.value, 0, 0}, {c.value, 0, 0}, 1});
+    device_.set_path(LinePath{{c.value, 0, 0}, {c.value, 0, 0}, 1});
     if (c.scene == WallCase::Scene::kFlight)
-      device_.place({-0.05 * c.value, 0, 0}, {c.value, 0, 0});
+      device_.set_state({-0.05 * c.value, 0, 0}, {c.value, 0, 0});
     else
-      device_.place({c.scene == WallCase::Scene::kPerson ? 0 : -0.002, 0, 0}, {});
+      device_.set_state({c.scene == WallCase::Scene::kPerson ? 0 : -0.002, 0, 0}, {});
     if (c.scene == WallCase::Scene::kPush)
       push_ = {c.value, 0, 0};
     ServoSettings settings;

@@ -167,7 +167,7 @@ TEST_CASE("a held handle in the simulated hand leaves a scene's wall no faster t
     settings.hand.hold = HandSettings::Hold::kFree;
     settings.stops = false;
     device.set(settings);
-    device.place({0, 0, 0.01}, {0, 0, -0.2});
+    device.set_state({0, 0, 0.01}, {0, 0, -0.2});
     SceneModel model;
     auto scene = std::make_unique<Scene>();
     Body wall;
@@ -216,8 +216,8 @@ TEST_CASE("the nearest point of half spaces is the one that alternating projecti
     for (int pass = 0; pass < 20000; ++pass)
       for (std::size_t i = 0; i < count; ++i) {
         const Vec3 y = x + correction[i];
-        const double lacking = faces[i].offset - dot(faces[i].normal, y);
-        x = lacking > 0 ? y + faces[i].normal * lacking : y;
+        const double violation = faces[i].offset - dot(faces[i].normal, y);
+        x = violation > 0 ? y + faces[i].normal * violation : y;
         correction[i] = y - x;
       }
     for (std::size_t i = 0; i < count; ++i)

@@ -130,7 +130,7 @@ TEST_CASE("inner edges of a flat mesh are not felt") {
   rig.add(test::flat_mesh(40, 0.1), {{0, 0, 0.001}, Rotation::of(1, 0.2, -0.1, 0.3)});
   const Pose pose = rig.scene.bodies[0].pose;
   const auto world = [&](const Vec3& mm) { return pose.to_world(mm * 1e-3) * 1e3; };
-  const Vec3 normal = pose.rotation.turned({0, 0, 1});
+  const Vec3 normal = pose.rotation.rotated({0, 0, 1});
   rig.stroke(world({0, 0, 5}), world({0, 0, -1.5}));
   tactus::Random random(3);
   Vec3 at{0, 0, -1.5}, to = at;
@@ -171,20 +171,20 @@ TEST_CASE("a sphere of 50000 triangles feels like the sphere, as far as it is on
   mesh.stroke({0, 0, 60}, {0, 0, 48});
   sphere.stroke({0, 0, 60}, {0, 0, 48});
   // Edges of 2 mm: a facet lies up to h^2/8R = 10 um below the sphere, turned by up to h/2R.
-  double worst = 0, worst_turn = 0, largest_step = 0;
+  double worst = 0, max_direction_change = 0, largest_step = 0;
   Vec3 before{0, 0, 1};
   for (int n = 0; n <= 6000; ++n) {
     const double a = n * 4e-4, b = n * 7e-4;
     const Vec3 at{48 * std::sin(a) * std::cos(b), 48 * std::sin(a) * std::sin(b), 48 * std::cos(a)};
     const Vec3 f = mesh.touch(at), g = sphere.touch(at);
     worst = std::max(worst, std::abs(norm(f) - norm(g)));
-    worst_turn = std::max(worst_turn, norm(cross(f, g)) / (norm(f) * norm(g)));
+    max_direction_change = std::max(max_direction_change, norm(cross(f, g)) / (norm(f) * norm(g)));
     if (n > 0)
       largest_step = std::max(largest_step, norm(f - before));
     before = f;
   }
   CHECK(worst < 500 * 15e-6);
-  CHECK(worst_turn < 0.025);
+  CHECK(max_direction_change < 0.025);
   // Over an edge of the mesh the proxy goes at most by the turn of the normal times the depth.
   CHECK(largest_step < 500 * 2e-3 * 0.05);
 }

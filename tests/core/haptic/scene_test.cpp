@@ -112,15 +112,15 @@ TEST_CASE("a touch slower than 5 mm/s, or one that hardly left, is no hit") {
   slow.stroke({0, 0, 0.1}, {0, 0, -1}, 0.004);
   CHECK(slow.count(Kind::kHit) == 0);
   CHECK(slow.count(Kind::kContact) > 0);
-  SceneRig shaky;
-  shaky.add(Plane{});
-  shaky.stroke({0, 0, 5}, {0, 0, -0.05});
+  SceneRig trembling;
+  trembling.add(Plane{});
+  trembling.stroke({0, 0, 5}, {0, 0, -0.05});
   for (int n = 0; n < 40; ++n) // 0.1 mm out and in again, 2 ms apart
-    shaky.touch({0, 0, n % 4 < 2 ? -0.05 : 0.1});
-  CHECK(shaky.count(Kind::kHit) == 1);
-  CHECK(shaky.count(Kind::kRelease) == 10);
+    trembling.touch({0, 0, n % 4 < 2 ? -0.05 : 0.1});
+  CHECK(trembling.count(Kind::kHit) == 1);
+  CHECK(trembling.count(Kind::kRelease) == 10);
   for (int n = 0; n < 10; ++n)
-    shaky.touch({0, 0, 0.3});
-  shaky.stroke({0, 0, 0.3}, {0, 0, -0.1}, 0.1);
-  CHECK(shaky.count(Kind::kHit) == 2);
+    trembling.touch({0, 0, 0.3});
+  trembling.stroke({0, 0, 0.3}, {0, 0, -0.1}, 0.1);
+  CHECK(trembling.count(Kind::kHit) == 2);
 }

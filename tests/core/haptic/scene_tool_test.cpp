@@ -266,7 +266,7 @@ TEST_CASE("a flat mesh under a tool is a plane, inner edges included, from both 
     rig.add(test::flat_mesh(40, 0.1), {{0, 0, 0.001}, Rotation::of(1, 0.2, -0.1, 0.3)});
     const Pose pose = rig.scene.bodies[0].pose;
     const auto world = [&](const Vec3& mm) { return pose.to_world(mm * 1e-3) * 1e3; };
-    const Vec3 normal = pose.rotation.turned({0, 0, side});
+    const Vec3 normal = pose.rotation.rotated({0, 0, side});
     with_tool(rig, 3).stroke(world({0, 0, 8 * side}), world({0, 0, 1.5 * side}));
     tactus::Random random(3);
     Vec3 at{0, 0, 1.5 * side}, to = at;

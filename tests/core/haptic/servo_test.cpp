@@ -67,7 +67,7 @@ TEST_CASE("a wake-up 3.5 ms late runs its tick once, skips three grid points and
   CHECK(servo.statistics().overruns == 1);
   CHECK(servo.statistics().ticks == 6);
   CHECK(servo.deadline_s() == doctest::Approx(10.009).epsilon(1e-12));
-  CHECK(servo.statistics().lateness.longest_s() == doctest::Approx(0.0035).epsilon(1e-9));
+  CHECK(servo.statistics().lateness.max_s() == doctest::Approx(0.0035).epsilon(1e-9));
   clock.now = servo.deadline_s() + 0.0004;
   servo.wake(clock);
   CHECK(servo.statistics().skipped == 3);
@@ -258,12 +258,12 @@ TEST_CASE("refused and good forces that share a mailbox keep their order") {
 namespace {
 
 /// A servo whose host pushes with 2 N and beats every tick.
-struct PushedServo {
+struct LoadedServo {
   Recorder device;
   Servo servo;
   std::uint64_t tick = 0, number = 0;
 
-  PushedServo() {
+  LoadedServo() {
     ServoSettings settings;
     settings.chain.passivity = false;
     servo.exchange().settings.write(settings);
@@ -283,7 +283,7 @@ struct PushedServo {
 } // namespace
 
 TEST_CASE("the newest request to the motors wins, however many came before it") {
-  PushedServo rig;
+  LoadedServo rig;
   REQUIRE(rig.run(50) == 2.0);
   SUBCASE("off after many times on, before the first tick") {
     for (int i = 0; i < 1000; ++i)
@@ -329,7 +329,7 @@ TEST_CASE("the newest request to the motors wins, however many came before it") 
 }
 
 TEST_CASE("the report says what the tick read, wrote and counted, and the state of the motors") {
-  PushedServo rig;
+  LoadedServo rig;
   rig.device.reading.position = {0.01, -0.02, 0.03};
   rig.device.reading.buttons = 5;
   const auto report = [&rig] {
@@ -373,7 +373,7 @@ TEST_CASE("the report says what the tick read, wrote and counted, and the state 
 }
 
 TEST_CASE("an emergency stop outlives every new attachment until the motors are enabled") {
-  PushedServo rig;
+  LoadedServo rig;
   REQUIRE(rig.run(50) == 2.0);
   rig.motors().emergency_stop();
   rig.run(1);
@@ -393,7 +393,7 @@ TEST_CASE("an emergency stop outlives every new attachment until the motors are 
     CHECK(rig.run(600) == 0.0);
   }
   SUBCASE("another servo takes it over") {
-    PushedServo next;
+    LoadedServo next;
     rig.motors().pause(true); // as the one that ends: the next one is not
     next.motors().take_over(rig.motors());
     next.servo.attach(next.device);
@@ -407,33 +407,33 @@ TEST_CASE("an emergency stop outlives every new attachment until the motors are 
 }
 
 TEST_CASE("a pause lets the force fall and rise, and at_rest says when there is none") {
-  PushedServo rig;
+  LoadedServo rig;
   ServoSettings settings;
   settings.chain.passivity = false;
   settings.chain.slew_n_per_s = 100; // 0.1 N a tick
   rig.servo.exchange().settings.write(settings);
   REQUIRE(rig.run(50) == 2.0);
-  CHECK_FALSE(rig.motors().at_rest());
+  CHECK_FALSE(rig.motors().zero_force_confirmed());
   rig.motors().pause(true);
   CHECK(rig.run(10) == doctest::Approx(1));
-  CHECK_FALSE(rig.motors().at_rest());
+  CHECK_FALSE(rig.motors().zero_force_confirmed());
   CHECK(rig.run(11) == 0.0);
-  CHECK(rig.motors().at_rest());
+  CHECK(rig.motors().zero_force_confirmed());
   rig.device.writable = false;
   rig.run(1);
-  CHECK_FALSE(rig.motors().at_rest()); // zero was asked for, but it did not arrive
+  CHECK_FALSE(rig.motors().zero_force_confirmed()); // zero was asked for, but it did not arrive
   rig.device.writable = true;
   rig.motors().pause(false);
-  CHECK_FALSE(rig.motors().at_rest());
+  CHECK_FALSE(rig.motors().zero_force_confirmed());
   CHECK(rig.run(600) == doctest::Approx(2));
 }
 
 TEST_CASE("the last thing that a released servo writes is zero") {
-  PushedServo rig;
+  LoadedServo rig;
   REQUIRE(rig.run(50) == 2.0);
   CHECK(rig.servo.release());
   CHECK(rig.device.forces.back() == Vec3{});
-  CHECK(rig.motors().at_rest());
+  CHECK(rig.motors().zero_force_confirmed());
   rig.device.writable = false;
   CHECK_FALSE(rig.servo.release());
 }

@@ -40,7 +40,7 @@ struct WallRig {
 
   WallRig() {
     link->set_workspace({{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}});
-    link->place(SignalLink::Time::kWall, 1000, {});
+    link->configure(SignalLink::Time::kWall, 1000, {});
     player.prepare(48000);
     player.attach(link.get());
   }
@@ -140,8 +140,8 @@ TEST_CASE("playing begins anew where the servo's time leaps, forwards or back") 
 TEST_CASE("an absurd sample rate makes 64 ticks a sample and no more") {
   auto link = std::make_unique<SignalLink>();
   int steps = 0;
-  link->place(SignalLink::Time::kLogical, 1000,
-              {[](void* count) { ++*static_cast<int*>(count); }, &steps});
+  link->configure(SignalLink::Time::kLogical, 1000,
+                  {[](void* count) { ++*static_cast<int*>(count); }, &steps});
   SignalPlayer player;
   player.prepare(1); // a thousand ticks a sample
   player.attach(link.get());
@@ -245,8 +245,8 @@ TEST_CASE("absurd rates leave the player finite and quick") {
   for (const double rate : {0.0, -1.0, 1e-9, 0.5, 1e12, std::numeric_limits<double>::quiet_NaN()}) {
     SignalLink link;
     int steps = 0;
-    link.place(SignalLink::Time::kLogical, 4000,
-               {[](void* count) { ++*static_cast<int*>(count); }, &steps});
+    link.configure(SignalLink::Time::kLogical, 4000,
+                   {[](void* count) { ++*static_cast<int*>(count); }, &steps});
     SignalPlayer player;
     player.prepare(rate);
     player.attach(&link);

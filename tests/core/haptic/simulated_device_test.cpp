@@ -147,7 +147,7 @@ TEST_CASE("without force the energy of handle and hand only falls") {
   auto settings = free_handle();
   settings.hand.hold = Hold::kSpring;
   Sim sim(settings);
-  sim.device.place({0.02, -0.01, 0.03}, {0.5, 0.1, -0.9});
+  sim.device.set_state({0.02, -0.01, 0.03}, {0.5, 0.1, -0.9});
   double previous = 1e9;
   for (int tick = 0; tick < 2000; ++tick) {
     sim.advance(1);
@@ -190,7 +190,7 @@ TEST_CASE("with a hand that moves, the held hand values converge at first order 
     auto settings = free_handle();
     settings.hand.hold = Hold::kSpring;
     Sim sim(settings, 1e-3 / divide);
-    sim.device.follow(LissajousPath{{}, {0.02, 0, 0}, {3, 0, 0}});
+    sim.device.set_path(LissajousPath{{}, {0.02, 0, 0}, {3, 0, 0}});
     return sim.advance(200 * divide).position.x;
   };
   const double reference = end(256);
@@ -206,7 +206,7 @@ TEST_CASE("a rigid hand puts the handle exactly on the path, whatever the force"
   settings.hand.hold = Hold::kRigid;
   Sim sim(settings);
   const CirclePath circle{{0.01, 0, 0}, 0.02, 0.5, 0, 2};
-  sim.device.follow(circle);
+  sim.device.set_path(circle);
   for (int tick = 1; tick <= 777; ++tick) {
     const State state = sim.advance(1, {30, -30, 30});
     const PathPoint point = circle.at(tick * 1e-3);
@@ -219,14 +219,14 @@ TEST_CASE("hard stops keep the handle, return less than they get and never pull"
   SimulatedDevice::Settings settings;
   settings.hand.hold = Hold::kFree;
   Sim sim(settings);
-  sim.device.place({0.04, 0, 0}, {1, 0, 0});
-  double farthest = 0, back = 0;
+  sim.device.set_state({0.04, 0, 0}, {1, 0, 0});
+  double max_position = 0, back = 0;
   for (int tick = 0; tick < 300; ++tick) {
     const State state = sim.advance(1);
-    farthest = std::max(farthest, state.position.x);
+    max_position = std::max(max_position, state.position.x);
     back = std::max(back, -state.velocity.x);
   }
-  CHECK(farthest < 0.065); // workspace 50, stop at 55 mm, entered at 1 m/s
+  CHECK(max_position < 0.065); // workspace 50, stop at 55 mm, entered at 1 m/s
   CHECK(back < 1.0);
   CHECK(sim.device.position().x < 0.055); // it comes off again
   // A lasting push rests at its equilibrium, F / K beyond the stop.
@@ -256,7 +256,7 @@ TEST_CASE("the same ticks and forces give the same bits, and skipped ticks are m
 TEST_CASE("a device begins at its first reading, whatever the servo's count is by then") {
   SimulatedDevice device;
   device.set(free_handle());
-  device.place({0.01, 0, 0}, {0.5, 0, 0});
+  device.set_state({0.01, 0, 0}, {0.5, 0, 0});
   State state;
   REQUIRE(device.read({7000, 7.0, 1e-3}, state));
   CHECK(state.position == Vec3{0.01, 0, 0});
@@ -275,7 +275,7 @@ TEST_CASE("the reading has the encoder's step and noise, and then no velocity of
   settings.resolution_m = 5e-5;
   settings.noise_m = 2e-5;
   Sim sim(settings);
-  sim.device.follow(LinePath{{-0.02, 0, 0}, {0.02, 0, 0}, 2});
+  sim.device.set_path(LinePath{{-0.02, 0, 0}, {0.02, 0, 0}, 2});
   CHECK_FALSE(sim.device.caps().has_velocity);
   CHECK(sim.device.caps().position_noise_m == test::approx(4.5e-5));
   for (int i = 0; i < 1000; ++i) {
@@ -290,7 +290,7 @@ TEST_CASE("a target draws the spring hand smoothly and exactly there") {
   auto settings = free_handle();
   settings.hand.hold = Hold::kSpring;
   Sim sim(settings);
-  sim.device.reach_for({0.03, -0.01, 0.02});
+  sim.device.set_target({0.03, -0.01, 0.02});
   double fastest = 0;
   for (int i = 0; i < 3000; ++i)
     fastest = std::max(fastest, norm(sim.advance(1).velocity));
@@ -422,11 +422,11 @@ TEST_CASE("a latency gives each reading that many ticks later, and the device de
   settings.hand.hold = HandSettings::Hold::kRigid;
   settings.latency_ticks = 3;
   device.set(settings);
-  device.follow(LinePath{{0, 0, 0}, {0.02, 0, 0}, 1});
+  device.set_path(LinePath{{0, 0, 0}, {0.02, 0, 0}, 1});
   SimulatedDevice prompt;
   settings.latency_ticks = 0;
   prompt.set(settings);
-  prompt.follow(LinePath{{0, 0, 0}, {0.02, 0, 0}, 1});
+  prompt.set_path(LinePath{{0, 0, 0}, {0.02, 0, 0}, 1});
   CHECK(device.caps().latency_ticks == 3);
   CHECK(prompt.caps().latency_ticks == 0);
   std::vector<State> without;

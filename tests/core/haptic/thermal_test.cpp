@@ -65,26 +65,26 @@ TEST_CASE("the heat follows the squared force with one time constant") {
 }
 
 TEST_CASE("a force that is asked for without end settles below the continuous rating") {
-  for (const double asked_n : {1.0, 2.0, 3.3}) {
+  for (const double commanded_n : {1.0, 2.0, 3.3}) {
     Touch device;
     Servo servo;
     attach(device, servo);
     std::uint64_t tick = 0;
-    ask(servo, tick, asked_n, 180);
+    ask(servo, tick, commanded_n, 180);
     double sum = 0, largest_step = 0;
     for (std::size_t i = 1; i < device.forces.size(); ++i) {
       if (i + 60000 > device.forces.size())
         sum += device.forces[i] * 1.0 / 60000;
       largest_step = std::max(largest_step, device.forces[i - 1] - device.forces[i]);
     }
-    CAPTURE(asked_n);
-    MESSAGE("asked for " << asked_n << " N: " << sum << " N in the third minute; largest fall "
+    CAPTURE(commanded_n);
+    MESSAGE("asked for " << commanded_n << " N: " << sum << " N in the third minute; largest fall "
                          << largest_step * 1e3 << " N/s");
     CHECK(sum < 0.88);
-    CHECK(sum > 0.8);                             // no more is taken than must be
-    CHECK(largest_step < 3e-3);                   // a ramp of 3 N/s at the most
-    CHECK(device.forces[200] == approx(asked_n)); // a short push has all of it
-    CHECK(servo.chain().sparing);
+    CHECK(sum > 0.8);                                 // no more is taken than must be
+    CHECK(largest_step < 3e-3);                       // a ramp of 3 N/s at the most
+    CHECK(device.forces[200] == approx(commanded_n)); // a short push has all of it
+    CHECK(servo.chain().derating);
   }
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("pushes with pauses, below the rating in the mean, are left alone") {
     CHECK(device.forces.back() == approx(2));
     ask(servo, tick, 0, 1.9);
   }
-  CHECK_FALSE(servo.chain().sparing);
+  CHECK_FALSE(servo.chain().derating);
 }
 
 TEST_CASE("a device without a figure, or whose figure is its peak, is never spared") {
@@ -141,7 +141,7 @@ TEST_CASE("a device that calls its motors warm gets less force within a second, 
   CHECK(device.forces.back() == approx(0.44).epsilon(1e-6)); // half the rating
   for (std::size_t i = before; i < device.forces.size(); ++i)
     REQUIRE(device.forces[i - 1] - device.forces[i] < 4e-3);
-  CHECK(servo.chain().sparing);
+  CHECK(servo.chain().derating);
   device.warm = false;
   ask(servo, tick, 1, 11);
   CHECK(device.forces.back() > 0.85);
@@ -170,9 +170,9 @@ TEST_CASE("the figure that a user is told is the one that a lasting force settle
       const ThermalSettings settings{1e-3, peak, rated};
       for (int tick = 0; tick < 200000; ++tick)
         motors.advance(settings, motors.ceiling_n(settings), false);
-      CHECK(motors.settled_n(settings) ==
+      CHECK(motors.steady_limit_n(settings) ==
             doctest::Approx(motors.ceiling_n(settings)).epsilon(1e-6));
-      CHECK(motors.sparing());
+      CHECK(motors.derating());
     }
 }
 
@@ -184,13 +184,13 @@ TEST_CASE("pushes near the limit do not switch the word of warm motors with ever
   for (int tick = 0; tick < 300000; ++tick) {
     const double force_n = tick % 2000 < 140 ? motors.ceiling_n(settings) : 0; // 0.87 N rms asked
     motors.advance(settings, force_n, false);
-    changes += motors.sparing() != before;
-    before = motors.sparing();
+    changes += motors.derating() != before;
+    before = motors.derating();
   }
   CHECK(changes == 1);
   for (int tick = 0; tick < 40000; ++tick)
     motors.advance(settings, 0, false);
-  CHECK_FALSE(motors.sparing());
+  CHECK_FALSE(motors.derating());
 }
 
 TEST_CASE("the report of a servo tells warm motors and what their force settles at") {
@@ -200,12 +200,12 @@ TEST_CASE("the report of a servo tells warm motors and what their force settles 
   std::uint64_t tick = 0;
   ask(servo, tick, 3.3, 5);
   servo.exchange().reports.read();
-  CHECK(servo.exchange().reports.latest().sparing);
-  CHECK(servo.exchange().reports.latest().spared_to_n == doctest::Approx(0.877).epsilon(1e-3));
+  CHECK(servo.exchange().reports.latest().derating);
+  CHECK(servo.exchange().reports.latest().derated_to_n == doctest::Approx(0.877).epsilon(1e-3));
   device.warm = true;
   ask(servo, tick, 3.3, 0.1);
   servo.exchange().reports.read();
-  CHECK(servo.exchange().reports.latest().spared_to_n == doctest::Approx(0.44));
+  CHECK(servo.exchange().reports.latest().derated_to_n == doctest::Approx(0.44));
 }
 
 TEST_CASE("late ticks heat the motors for as long as they hold the force, a stall for 50 ms") {
@@ -238,7 +238,7 @@ TEST_CASE("motors that were warm when another servo let them go begin with their
   std::uint64_t tick = 0;
   ask(servo, tick, 3.3, 0.1);
   CHECK(device.forces.back() < 0.9);
-  CHECK(servo.chain().sparing);
+  CHECK(servo.chain().derating);
   servo.exchange().reports.read();
   CHECK(servo.exchange().reports.latest().heat_n2 == doctest::Approx(0.7744).epsilon(0.01));
   for (const double heat : {std::nan(""), -1.0})
@@ -248,16 +248,16 @@ TEST_CASE("motors that were warm when another servo let them go begin with their
 TEST_CASE("motors count as warm until they are well below where the limit begins to fall") {
   ThermalLimit motors;
   const ThermalSettings settings{1e-3, 3.3, 0.88};
-  while (!motors.sparing())
+  while (!motors.derating())
     motors.advance(settings, 3.3, false);
   CHECK(motors.ceiling_n(settings) > 0.9 * 3.3);
   while (motors.ceiling_n(settings) < 3.3)
     motors.advance(settings, 0, false);
-  CHECK(motors.sparing());
+  CHECK(motors.derating());
   while (motors.heat_n2() > 0.401 * 0.88 * 0.88)
     motors.advance(settings, 0, false);
-  CHECK(motors.sparing());
+  CHECK(motors.derating());
   for (int tick = 0; tick < 200; ++tick)
     motors.advance(settings, 0, false);
-  CHECK_FALSE(motors.sparing());
+  CHECK_FALSE(motors.derating());
 }

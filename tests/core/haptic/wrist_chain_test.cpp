@@ -82,11 +82,11 @@ TEST_CASE("a device is not asked for torque or grip unless the patch has switche
 TEST_CASE("torque and grip rise by the slew, to the device's peak and no further") {
   WristChain chain;
   ChainState state;
-  const WristCommand wanted{{0.3, 0.4, 0}, -20};
+  const WristCommand desired{{0.3, 0.4, 0}, -20};
   WristCommand last;
   int ticks = 0;
   for (; ticks < 100; ++ticks) {
-    const WristCommand sent = chain.step(wanted, state, sigma(), true, kPeriod_s);
+    const WristCommand sent = chain.step(desired, state, sigma(), true, kPeriod_s);
     CHECK(norm(sent.torque_n_m - last.torque_n_m) <= 0.2 * kPeriod_s / WristChain::kRise_s + 1e-12);
     CHECK(std::abs(sent.grip_n - last.grip_n) <= 8 * kPeriod_s / WristChain::kRise_s + 1e-12);
     if (norm(sent.torque_n_m - last.torque_n_m) < 1e-12)
@@ -174,12 +174,12 @@ TEST_CASE(
   rig.want(true, {0.1, 0, 0}, 3);
   rig.tick(1000);
   MotorControl& motors = rig.servo.exchange().motors;
-  CHECK_FALSE(motors.at_rest()); // there is no force, but a torque
+  CHECK_FALSE(motors.zero_force_confirmed()); // there is no force, but a torque
   motors.pause(true);
   rig.tick(1);
-  CHECK_FALSE(motors.at_rest()); // it falls by the slew
+  CHECK_FALSE(motors.zero_force_confirmed()); // it falls by the slew
   rig.tick(30);
-  CHECK(motors.at_rest());
+  CHECK(motors.zero_force_confirmed());
   motors.pause(false);
   rig.tick(1000);
   rig.servo.attach(rig.device);

@@ -28,13 +28,13 @@ std::vector<Complex> weight(double turned) {
 }
 
 /// One drive, one pick-up.
-struct Plain {
+struct RecursionReference {
   std::vector<Complex> z = std::vector<Complex>(kRates.size());
   void move(double force) {
     for (std::size_t k = 0; k < z.size(); ++k)
       z[k] = std::exp(kRates[k] / kRate) * z[k] + kGain[k] * force / kRate;
   }
-  [[nodiscard]] double heard(const std::vector<Complex>& w) const {
+  [[nodiscard]] double output(const std::vector<Complex>& w) const {
     double sum = 0;
     for (std::size_t k = 0; k < z.size(); ++k)
       sum += (w[k] * z[k]).imag();
@@ -50,7 +50,7 @@ std::vector<float> play(ModeBank& bank, const std::vector<float>& force) {
   return out;
 }
 
-ModeBank bank_of(const std::vector<Complex>& w) {
+ModeBank make_bank(const std::vector<Complex>& w) {
   ModeBank bank(kRates, kRate, 1, 1);
   bank.set_gain(0, kGain);
   bank.jump_to_weight(0, w);
@@ -61,14 +61,14 @@ ModeBank bank_of(const std::vector<Complex>& w) {
 
 TEST_CASE("what is pushed while weights glide is heard by the B-spline of the three") {
   // Targets at 100 (at once), 300 (waits for 612), 400 (takes its place), 1700.
-  ModeBank bank = bank_of(weight(0));
-  Plain plain;
-  std::vector<float> heard;
+  ModeBank bank = make_bank(weight(0));
+  RecursionReference plain;
+  std::vector<float> output;
   std::vector<double> expected;
   const std::vector<std::vector<Complex>> target{weight(0), weight(.8), weight(-1.3), weight(2.2)};
   struct Segment {
     std::size_t begin;
-    std::size_t old, middle, fresh;
+    std::size_t old, middle, latest;
   };
   const std::vector<Segment> segments{
       {100, 0, 0, 1}, {612, 0, 1, 3}, {1124, 1, 3, 3}, {1700, 3, 3, 2}, {2212, 3, 2, 2}};
@@ -84,31 +84,31 @@ TEST_CASE("what is pushed while weights glide is heard by the B-spline of the th
     const float force = n % 50 == 7 || (n > 900 && n < 1300)
                             ? static_cast<float>(std::sin(.1 * static_cast<double>(n)))
                             : 0;
-    heard.push_back(play(bank, {force})[0]);
+    output.push_back(play(bank, {force})[0]);
     plain.move(static_cast<double>(force));
-    double value = plain.heard(target[n < 100 ? 0 : n < 1700 ? 3 : 2]);
+    double value = plain.output(target[n < 100 ? 0 : n < 1700 ? 3 : 2]);
     for (const Segment& s : segments)
       if (n >= s.begin && n < s.begin + 512) {
         const double u = (static_cast<double>(n - s.begin) + .5) / 512;
-        value = .5 * (1 - u) * (1 - u) * plain.heard(target[s.old]) +
-                (.5 + u * (1 - u)) * plain.heard(target[s.middle]) +
-                .5 * u * u * plain.heard(target[s.fresh]);
+        value = .5 * (1 - u) * (1 - u) * plain.output(target[s.old]) +
+                (.5 + u * (1 - u)) * plain.output(target[s.middle]) +
+                .5 * u * u * plain.output(target[s.latest]);
       }
     expected.push_back(value);
     CHECK(bank.glide(0).moving() == ((n >= 100 && n < 1635) || (n >= 1700 && n < 2723)));
   }
-  double most = 0, apart = 0;
-  for (std::size_t n = 0; n < heard.size(); ++n) {
-    most = std::max(most, std::abs(expected[n]));
-    apart = std::max(apart, std::abs(static_cast<double>(heard[n]) - expected[n]));
+  double maximum = 0, apart = 0;
+  for (std::size_t n = 0; n < output.size(); ++n) {
+    maximum = std::max(maximum, std::abs(expected[n]));
+    apart = std::max(apart, std::abs(static_cast<double>(output[n]) - expected[n]));
   }
-  CHECK(apart < 2e-3 * most); // the bank's -60 dB
+  CHECK(apart < 2e-3 * maximum); // the bank's -60 dB
 }
 
 TEST_CASE("what is released fades out by half a cosine, and what comes after it does not") {
   const auto w = weight(.3);
-  ModeBank bank = bank_of(w);
-  Plain old, fresh;
+  ModeBank bank = make_bank(w);
+  RecursionReference old, latest;
   for (int n = 0; n < 100; ++n) {
     static_cast<void>(play(bank, {n == 0 ? 1.F : 0.F}));
     old.move(n == 0 ? 1 : 0);
@@ -116,19 +116,19 @@ TEST_CASE("what is released fades out by half a cosine, and what comes after it 
   bank.release();
   CHECK(bank.release_left() == ModeBank::kRelease);
   CHECK(bank.state(0) == Complex(0));
-  double most = 0, apart = 0;
+  double maximum = 0, apart = 0;
   for (std::size_t n = 0; n < 1500; ++n) {
     const double force = n == 200 ? .5 : 0;
-    const double heard = static_cast<double>(play(bank, {static_cast<float>(force)})[0]);
+    const double output = static_cast<double>(play(bank, {static_cast<float>(force)})[0]);
     old.move(0);
-    fresh.move(force);
+    latest.move(force);
     const double turn = kPi * static_cast<double>(n) / static_cast<double>(ModeBank::kRelease);
     const double share = n < ModeBank::kRelease ? .5 + .5 * std::cos(turn) : 0;
-    const double expected = share * old.heard(w) + fresh.heard(w);
-    most = std::max(most, std::abs(expected));
-    apart = std::max(apart, std::abs(heard - expected));
+    const double expected = share * old.output(w) + latest.output(w);
+    maximum = std::max(maximum, std::abs(expected));
+    apart = std::max(apart, std::abs(output - expected));
   }
-  CHECK(apart < 2e-3 * most);
+  CHECK(apart < 2e-3 * maximum);
   CHECK(bank.release_left() == 0);
   // A second release takes what is left of the first along.
   bank.release();
@@ -138,13 +138,13 @@ TEST_CASE("what is released fades out by half a cosine, and what comes after it 
   std::vector<Complex> half(3);
   bank.read_released(half);
   for (int n = 0; n < 512; ++n)
-    fresh.move(0);
+    latest.move(0);
   for (std::size_t k = 0; k < 3; ++k)
-    CHECK(std::abs(half[k] - .5 * fresh.z[k]) < 2e-3 * std::abs(half[k]) + 1e-9);
+    CHECK(std::abs(half[k] - .5 * latest.z[k]) < 2e-3 * std::abs(half[k]) + 1e-9);
 }
 
 TEST_CASE("a bank that is silenced is asleep at once, and wakes for a push alone") {
-  ModeBank bank = bank_of(weight(0));
+  ModeBank bank = make_bank(weight(0));
   CHECK(bank.asleep());
   static_cast<void>(play(bank, std::vector<float>(64, 1)));
   CHECK(!bank.asleep());
@@ -168,10 +168,10 @@ TEST_CASE("a bank that is silenced is asleep at once, and wakes for a push alone
 
 TEST_CASE(
     "states are read and written to the present, the others at rest, in the middle of a leap") {
-  for (const std::size_t begun : {0UL, 3UL, 8UL, 13UL}) {
-    ModeBank bank = bank_of(weight(.2));
-    Plain plain;
-    for (std::size_t n = 0; n < begun; ++n) {
+  for (const std::size_t start_sample : {0UL, 3UL, 8UL, 13UL}) {
+    ModeBank bank = make_bank(weight(.2));
+    RecursionReference plain;
+    for (std::size_t n = 0; n < start_sample; ++n) {
       static_cast<void>(play(bank, {1}));
       plain.move(1);
     }
@@ -188,15 +188,15 @@ TEST_CASE(
     CHECK(!bank.asleep());
     plain.z = {{1, 2}, {-.5, .25}, {.5, -1}};
     for (int n = 0; n < 40; ++n) {
-      const double heard = static_cast<double>(play(bank, {0})[0]);
+      const double output = static_cast<double>(play(bank, {0})[0]);
       plain.move(0);
-      CHECK(std::abs(heard - plain.heard(weight(.2))) < 3e-3);
+      CHECK(std::abs(output - plain.output(weight(.2))) < 3e-3);
     }
   }
 }
 
 TEST_CASE("time that another computes moves the clock and the glides, and nothing else") {
-  ModeBank bank = bank_of(weight(0));
+  ModeBank bank = make_bank(weight(0));
   bank.set_clock(1003);
   bank.set_weight(0, weight(1));
   bank.skip(500);
@@ -211,7 +211,7 @@ TEST_CASE("time that another computes moves the clock and the glides, and nothin
   CHECK(!bank.glide(0).moving());
   CHECK(bank.clock() == 2515);
   CHECK(bank.asleep());
-  CHECK(std::abs(bank.weight(0, ModeBank::kFresh, 1) - weight(1)[1]) < 1e-6);
+  CHECK(std::abs(bank.weight(0, ModeBank::kLatest, 1) - weight(1)[1]) < 1e-6);
 }
 
 TEST_CASE("weights that are what they are already start no glide") {

@@ -89,11 +89,11 @@ TEST_CASE("pitch is within 0.01 cent and error below -60 dB, 20 Hz to 0.45 fs, T
         bank.jump_to_weight(0, {&weight, 1});
         std::vector<float> force(48000, 0.0F);
         force[0] = 48000;
-        const std::vector<float> heard = run(bank, force, 64);
+        const std::vector<float> output = run(bank, force, 64);
         std::vector<double> exact(force.size());
         for (std::size_t n = 0; n < exact.size(); ++n)
           exact[n] = (weight * std::exp(rate * (static_cast<double>(n) / kRate))).imag();
-        CHECK(error_db(heard, exact) < -60);
+        CHECK(error_db(output, exact) < -60);
         // Phase drift over the decay: compare with the exact phasor late in the sound.
         bank.settle();
         const Complex after = bank.state(0);

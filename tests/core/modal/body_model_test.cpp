@@ -30,7 +30,7 @@ ModalTable modes(const std::vector<double>& hz, const std::vector<double>& decay
   return table;
 }
 
-BodyModel model_of(ModalTable table, BodySettings settings = {}) {
+BodyModel make_model(ModalTable table, BodySettings settings = {}) {
   settings.radiation = Radiation::kNone;
   return BodyModel(std::make_shared<const LoadedTable>(std::move(table)), settings);
 }
@@ -49,28 +49,28 @@ TEST_CASE(
     BodySettings settings;
     settings.sample_rate = rate;
     const double limit = .45 * rate;
-    const BodyModel m = model_of(
+    const BodyModel m = make_model(
         modes({61000, 59900, 100, 1.001 * limit, .999 * limit, 700}, {1, 2, 3, 4, 5, 6}), settings);
-    CHECK(m.heard == 3);
+    CHECK(m.audible_modes == 3);
     REQUIRE(m.mode.size() == 5);
     // Those that ring by their decay, then the others in order.
     CHECK(m.mode == std::vector<std::size_t>{2, 4, 5, 1, 3});
     for (std::size_t i = 0; i < m.mode.size(); ++i)
-      CHECK(m.place_of[m.mode[i]] == i);
-    CHECK(m.place_of[0] == 5); // left out
+      CHECK(m.index_of[m.mode[i]] == i);
+    CHECK(m.index_of[0] == 5); // left out
     CHECK(m.bank.state(2) == Complex(0));
     CHECK(m.solver.modes() == 5);
-    settings.most_modes = 4; // of the table: the others only give way
-    const BodyModel fewer = model_of(
+    settings.max_modes = 4; // of the table: the others only give way
+    const BodyModel fewer = make_model(
         modes({61000, 59900, 100, 1.001 * limit, .999 * limit, 700}, {1, 2, 3, 4, 5, 6}), settings);
-    CHECK(fewer.heard == 1);
+    CHECK(fewer.audible_modes == 1);
     CHECK(fewer.mode == std::vector<std::size_t>{2, 1, 3, 4, 5});
   }
 }
 
 TEST_CASE("a rate is the frequency with its decay, and just below what would be critical") {
-  const BodyModel m = model_of(modes({100, 1000}, {300, 1e6}));
-  const Complex slow = m.rate[m.place_of[0]], dead = m.rate[m.place_of[1]];
+  const BodyModel m = make_model(modes({100, 1000}, {300, 1e6}));
+  const Complex slow = m.rate[m.index_of[0]], dead = m.rate[m.index_of[1]];
   CHECK(slow.real() == approx(-300));
   CHECK(std::abs(slow) == approx(2 * kPi * 100));
   CHECK(std::abs(dead) == approx(2 * kPi * 1000));
@@ -80,21 +80,21 @@ TEST_CASE("a rate is the frequency with its decay, and just below what would be 
 TEST_CASE("a table's decay rates stand for loss factors: they follow the frequency") {
   BodySettings settings;
   settings.size = 2;
-  const BodyModel m = model_of(modes({400}, {6}), settings);
+  const BodyModel m = make_model(modes({400}, {6}), settings);
   CHECK(std::abs(m.rate[0]) == approx(2 * kPi * 200));
   CHECK(m.rate[0].real() == approx(-3));
 }
 
 TEST_CASE(
     "what a table does not say of its material is aluminium's, and changes count from there") {
-  const auto hz = [](double modulus, double density, double own_modulus, double own_density) {
+  const auto hz = [](double modulus, double density, double table_modulus, double table_density) {
     ModalTable table = modes({1000}, {1});
-    table.material.youngs_modulus_pa = own_modulus;
-    table.material.density_kg_per_m3 = own_density;
+    table.material.youngs_modulus_pa = table_modulus;
+    table.material.density_kg_per_m3 = table_density;
     BodySettings settings;
     settings.youngs_modulus_pa = modulus;
     settings.density_kg_per_m3 = density;
-    const BodyModel m = model_of(std::move(table), settings);
+    const BodyModel m = make_model(std::move(table), settings);
     return std::abs(m.rate[0]) / (2 * kPi);
   };
   CHECK(hz(0, 0, 0, 0) == approx(1000));
@@ -113,21 +113,21 @@ TEST_CASE("the ear's weights are those of IEC 61672-1's table, times the loudest
   std::vector<double> hz;
   for (const auto& [f, db] : table)
     hz.push_back(f);
-  const BodyModel m = model_of(modes(hz, std::vector<double>(hz.size(), 1e-3)));
-  REQUIRE(m.heard == hz.size());
+  const BodyModel m = make_model(modes(hz, std::vector<double>(hz.size(), 1e-3)));
+  REQUIRE(m.audible_modes == hz.size());
   for (std::size_t k = 0; k < hz.size(); ++k) {
     CAPTURE(hz[k]);
-    const std::size_t i = m.place_of[k];
-    CHECK(std::abs(20 * std::log10(m.ear[i]) - table[k].second) < .11);
+    const std::size_t i = m.index_of[k];
+    CHECK(std::abs(20 * std::log10(m.a_weight[i]) - table[k].second) < .11);
     const double loudest = std::max(std::abs(m.weight[0][i]), std::abs(m.weight[1][i]));
     CHECK(m.loudest_weight(i) == approx(loudest));
-    CHECK(m.loudness[i] == approx(m.ear[i] * loudest));
+    CHECK(m.loudness[i] == approx(m.a_weight[i] * loudest));
   }
 }
 
 TEST_CASE("a pulse's gain gives back what means over samples take: x/sin x, to the highest mode") {
-  const BodyModel m = model_of(modes({100, 3000, 12000, 21000}, {1, 1, 1, 1}));
-  for (std::size_t i = 0; i < m.heard; ++i) {
+  const BodyModel m = make_model(modes({100, 3000, 12000, 21000}, {1, 1, 1, 1}));
+  for (std::size_t i = 0; i < m.audible_modes; ++i) {
     const double x = .5 * m.rate[i].imag() / 48000;
     CAPTURE(x);
     CHECK(m.pulse_gain[i] == approx(x / std::sin(x)).epsilon(x < .5 ? 1e-4 : .02));
@@ -150,8 +150,8 @@ TEST_CASE("bands of four an octave begin where they say, and hold what lies in t
 }
 
 TEST_CASE("a next model goes on with every mode's displacement and velocity, in bank and contact") {
-  for (const bool touched : {false, true}) {
-    CAPTURE(touched);
+  for (const bool contacting : {false, true}) {
+    CAPTURE(contacting);
     const auto table =
         std::make_shared<const LoadedTable>(modes({300, 900, 40000, 2000}, {40, 90, 3, 10}));
     BodySettings settings;
@@ -164,22 +164,22 @@ TEST_CASE("a next model goes on with every mode's displacement and velocity, in 
     BodyModel after(table, settings);
     CHECK(after.mode != before.mode); // another order
     const std::vector<Complex> z{{.1, .2}, {-.3, .1}, {.2, -.4}, {.05, .3}};
-    if (touched) {
+    if (contacting) {
       before.solver.write_states(z);
-      after.continue_touched(before);
+      after.continue_in_contact(before);
     } else {
-      before.bank.write_states(std::span(z).first(before.heard));
+      before.bank.write_states(std::span(z).first(before.audible_modes));
       after.continue_from(before);
     }
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t i = before.place_of[k], j = after.place_of[k];
-      if (!touched && (i >= before.heard || j >= after.heard))
+      const std::size_t i = before.index_of[k], j = after.index_of[k];
+      if (!contacting && (i >= before.audible_modes || j >= after.audible_modes))
         continue;
       CAPTURE(k);
       const auto [q, v] =
-          motion(touched ? before.solver.state(i) : before.bank.state(i), before.rate[i]);
+          motion(contacting ? before.solver.state(i) : before.bank.state(i), before.rate[i]);
       const auto [p, w] =
-          motion(touched ? after.solver.state(j) : after.bank.state(j), after.rate[j]);
+          motion(contacting ? after.solver.state(j) : after.bank.state(j), after.rate[j]);
       CHECK(p == approx(q).epsilon(1e-5));
       CHECK(w == approx(v).epsilon(1e-4));
     }
@@ -196,7 +196,7 @@ TEST_CASE("gains are the shape against the direction, between the corners of a t
   BodySettings settings;
   settings.size = 2;
   settings.density_kg_per_m3 = 8100;
-  const BodyModel m = model_of(std::move(table), settings);
+  const BodyModel m = make_model(std::move(table), settings);
   CHECK(m.shape_scale == approx(1 / std::sqrt(3 * 8.)));
   CHECK(m.mass_kg == approx(copy.mass_kg * 24));
   const SurfacePoint at = m.loaded->surface.on(7, .2, .5);
@@ -215,7 +215,7 @@ TEST_CASE("gains are the shape against the direction, between the corners of a t
   m.gains(at, direction, std::span(two).first(2));
   CHECK(two[1] == gain[1]);
   CHECK(two[2] == 77);
-  const BodyModel plain = model_of(modes({100, 200}, {1, 1}), settings);
+  const BodyModel plain = make_model(modes({100, 200}, {1, 1}), settings);
   plain.gains({}, direction, std::span(two).first(2));
   CHECK(two[0] == approx(plain.shape_scale));
   CHECK(two[1] == approx(plain.shape_scale));

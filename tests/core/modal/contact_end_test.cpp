@@ -20,16 +20,16 @@ namespace {
 
 constexpr double kRate = 48000, kPi = std::numbers::pi;
 
-int samples_until_end(ContactSolver& solver, int most) {
+int samples_until_end(ContactSolver& solver, int maximum) {
   int n = 0;
-  for (; n < most && solver.touching(); ++n)
+  for (; n < maximum && solver.touching(); ++n)
     static_cast<void>(solver.step());
   return n;
 }
 
 ContactSolver::Strike flying(double height, double velocity) {
   ContactSolver::Strike strike;
-  strike.place_m = -height;
+  strike.position_m = -height;
   strike.velocity_m_per_s = velocity;
   return strike;
 }
@@ -51,10 +51,10 @@ TEST_CASE("a striker above a mode is followed until the mode, as it decays, no l
   ContactSolver solver({&rate, 1}, kRate, 1, false);
   solver.set_state(0, rate.imag() * 1.2e-3);
   solver.begin(0, flying(1e-3, -1e-9), {&gain, 1}, {});
-  const double least = std::log(1.2) / 100, most = std::log(1.2 * 1.08) / 100;
+  const double minimum = std::log(1.2) / 100, maximum = std::log(1.2 * 1.08) / 100;
   const int end = samples_until_end(solver, 4800);
-  CHECK(end > least * kRate);
-  CHECK(end < most * kRate + 64 + 2);
+  CHECK(end > minimum * kRate);
+  CHECK(end < maximum * kRate + 64 + 2);
   // One that leaves faster than the surface ever moves is gone at once.
   solver.begin(0, flying(1e-6, -1.2 * 1.08 * 1.2e-3 * rate.imag()), {&gain, 1}, {});
   CHECK(samples_until_end(solver, 4800) == 1);
@@ -93,7 +93,7 @@ TEST_CASE("a striker that nothing meets is followed for 50 ms of flight and no l
     solver.set_state(k, {0, 2e-4 * rate[k].imag() * (k % 2 ? -1 : 1) / 8});
   solver.begin(0, flying(5e-4, -1e-4), gain, {});
   CHECK(std::abs(samples_until_end(solver, 9600) - .05 * kRate) < 3);
-  CHECK(solver.contact(0).exciter.blows == 0);
+  CHECK(solver.contact(0).exciter.impact_count == 0);
 }
 
 TEST_CASE(
@@ -107,7 +107,7 @@ TEST_CASE(
     static_cast<void>(solver.step());
   CHECK(solver.steps() == 1);
   CHECK(solver.touching());
-  solver.kick({&push, 1}, -1.25); // 20 m/s outwards: there in the third sample
+  solver.apply_impulse({&push, 1}, -1.25); // 20 m/s outwards: there in the third sample
   static_cast<void>(solver.step());
   static_cast<void>(solver.step());
   CHECK(solver.contact(0).exciter.force_n == 0);
@@ -152,7 +152,7 @@ TEST_CASE("a striker that gravity holds down lies after eight of its contact's t
         renewed = true;
       }
     }
-    CHECK(solver.contact(0).lies);
+    CHECK(solver.contact(0).settled);
     return time;
   };
   const double contact = kPi * std::sqrt(1. / 1000);
@@ -171,7 +171,7 @@ TEST_CASE("without gravity nothing lies, however long it presses") {
   ContactSolver solver({}, kRate, 1, false);
   solver.begin(0, strike, {}, {});
   CHECK(samples_until_end(solver, 96000) / kRate == approx(kPi * std::sqrt(1 / 20.)).epsilon(.01));
-  CHECK(!solver.contact(0).lies);
+  CHECK(!solver.contact(0).settled);
 }
 
 TEST_CASE("steps follow the contact's angular frequency, and a sample's work is bounded") {
@@ -227,23 +227,23 @@ TEST_CASE("steps grow coarse again when the contact that needed them is over") {
 
 TEST_CASE("a hand gets where it shall be within the sample, but no faster than a hand") {
   ContactSolver solver({}, kRate, 1, false);
-  const auto depth = [&] { return solver.contact(0).exciter.place_m; };
+  const auto depth = [&] { return solver.contact(0).exciter.position_m; };
   solver.begin(0, hand(), {}, {});
-  solver.lead(0, 1e-5);
+  solver.set_held_position(0, 1e-5);
   CHECK(solver.step() > 0);
   CHECK(depth() == approx(1e-5));
-  solver.lead(0, 1); // a metre
+  solver.set_held_position(0, 1); // a metre
   static_cast<void>(solver.step());
   CHECK(depth() == approx(1e-5 + 50 / kRate));
-  solver.lead(0, -1, 10);
+  solver.set_held_position(0, -1, 10);
   static_cast<void>(solver.step());
   CHECK(depth() == approx(1e-5 + 40 / kRate));
   // A spring's law at that depth, in the mean of a sample that stands still.
-  solver.lead(0, depth());
+  solver.set_held_position(0, depth());
   CHECK(solver.step() == approx(1e6 * depth()).epsilon(1e-9));
   // It stays as long as it likes away from the surface.
   for (int n = 0; n < 4800; ++n) {
-    solver.lead(0, -1e-2);
+    solver.set_held_position(0, -1e-2);
     static_cast<void>(solver.step());
   }
   CHECK(solver.touching());
@@ -261,18 +261,18 @@ TEST_CASE("the second moment of a sample's force is that of its bend") {
   pin.law = {1e15, 2, 0};
   solver.begin(0, pin, {}, {});
   double depth = 0;
-  constexpr double kWay = 4e-6;
+  constexpr double kStepDepth = 4e-6;
   for (int n = 0; n < 6; ++n) {
-    solver.lead(0, depth += kWay);
+    solver.set_held_position(0, depth += kStepDepth);
     static_cast<void>(solver.step());
   }
   REQUIRE(solver.steps() == 4);
-  const double bend = 1e15 * kWay * kWay / 4, part = 1. / 48;
+  const double bend = 1e15 * kStepDepth * kStepDepth / 4, part = 1. / 48;
   const double inner = 1. / 16 + part, outer = 9. / 16 + part;
   const double expected = bend * (inner * (1.5 * inner - .5) + outer * (1.5 * outer - .5)) / 2;
   CHECK(solver.sampled()[0].moments[2] == approx(expected).epsilon(.02));
   // And the first: B x with B = k d v at the middle, x from 1 to -1 in the sample.
-  const double slope = 1e15 * kWay * (depth - kWay / 2);
+  const double slope = 1e15 * kStepDepth * (depth - kStepDepth / 2);
   CHECK(solver.sampled()[0].moments[1] == approx(-slope * (1. / 16 + 9. / 16) / 2).epsilon(.01));
 }
 
@@ -297,7 +297,7 @@ TEST_CASE("energy is that of the motion, the recoil, the strikers, their height 
     static_cast<void>(still.step());
   CHECK(still.energy() == approx(.5 * 2 * 1 + 2 * 9.80665 * .5).epsilon(1e-9));
   // And through the blow, on a body that takes its part without loss.
-  stone.place_m = 0;
+  stone.position_m = 0;
   stone.law = {1e8, 1.5, 0};
   const std::vector<Complex> lossless{{0, 2 * kPi * 900}};
   const double gain = 2;
@@ -335,7 +335,7 @@ TEST_CASE("a free body whose size and mass change goes on moving as it was") {
   after.take_over(0, before, 0, {}, changed);
   const contact::Exciter& e = after.contact(0).exciter;
   // The place has moved as far, and has turned as far at a longer arm.
-  CHECK(e.place_m - e.depth_m == approx(moved + longer * turned).epsilon(1e-3));
+  CHECK(e.position_m - e.depth_m == approx(moved + longer * turned).epsilon(1e-3));
   // Energy of the recoil: m v^2 and I w^2.
   const double striker = e.energy(), other = before.contact(0).exciter.energy();
   const double translation = .5 * 4 * impulse * impulse, rotation = .5 * 9 * impulse * impulse;
@@ -349,7 +349,7 @@ TEST_CASE("slots that there are none of are left alone, and so are contacts that
   const Complex rate(-1, 2 * kPi * 100);
   ContactSolver solver({&rate, 1}, kRate, 2, true);
   const auto calls = [&](std::size_t slot) {
-    solver.lead(slot, 1);
+    solver.set_held_position(slot, 1);
     solver.rub(slot, 1, 1);
     solver.set_friction(slot, {});
     solver.move_rub(slot, {&gain, 1}, {});

@@ -1,6 +1,6 @@
 // A struck body's contacts are those of core/contact: the same forces, sample by sample, and what
 // ContactSolver adds to them.
-#include "core/contact/touched_body.hpp"
+#include "core/contact/excited_body.hpp"
 #include "core/modal/contact/contact_solver.hpp"
 #include "tests/approx.hpp"
 
@@ -27,10 +27,10 @@ struct Body {
       const double hz = 230 + 411.0 * k, t60 = 0.3 + 0.1 * k, mass = 0.02 + 0.003 * k;
       modes.push_back({hz, t60, mass});
       rate.emplace_back(-kSixtyDecibels / t60, 2 * kPi * hz);
-      for (std::size_t place = 0; place < 2; ++place) {
-        const double shape = std::cos(0.7 + static_cast<double>(place) + 1.3 * k);
-        shapes[place].push_back(shape);
-        gain[place].push_back(shape / std::sqrt(mass));
+      for (std::size_t index = 0; index < 2; ++index) {
+        const double shape = std::cos(0.7 + static_cast<double>(index) + 1.3 * k);
+        shapes[index].push_back(shape);
+        gain[index].push_back(shape / std::sqrt(mass));
       }
     }
   }
@@ -45,39 +45,39 @@ TEST_CASE("a surface rubs a struck body with the force with which it rubs a touc
   const Body body;
   contact::FrictionLaw law;
   law.stiffness_n_per_m = 3e5;
-  contact::TouchedBody touched(body.modes.size(), 1, 1);
-  touched.prepare(kRate);
-  touched.set_modes(body.modes);
-  touched.set_place(0, body.shapes[0]);
-  touched.set_friction(0, law);
+  contact::ExcitedBody excited(body.modes.size(), 1, 1);
+  excited.prepare(kRate);
+  excited.set_modes(body.modes);
+  excited.set_contact_shape(0, body.shapes[0]);
+  excited.set_friction(0, law);
   ContactSolver solver(body.rate, kRate, 1, false);
   solver.begin_rub(0, law, body.gain[0], {});
   for (int n = 0; n < 400; ++n) {
     const double press = 1 + 0.5 * std::sin(0.01 * n), speed = 0.2 * std::sin(0.02 * n);
-    touched.rub(0, press, speed);
-    touched.step();
+    excited.rub(0, press, speed);
+    excited.step();
     solver.rub(0, press, speed);
     CHECK(solver.step() == 0); // nothing presses inwards
     CAPTURE(n);
-    REQUIRE(solver.steps() == touched.steps());
-    REQUIRE(solver.contact(0).exciter.force_n == approx(touched.force(0)).epsilon(1e-7));
+    REQUIRE(solver.steps() == excited.steps());
+    REQUIRE(solver.contact(0).exciter.force_n == approx(excited.force(0)).epsilon(1e-7));
   }
 }
 
 TEST_CASE("two strikers press a struck body with the forces with which they press a touched one") {
   const Body body;
-  contact::TouchedBody touched(body.modes.size(), 2, 1);
-  touched.prepare(kRate);
-  touched.set_modes(body.modes);
-  touched.set_least_steps(64);
+  contact::ExcitedBody excited(body.modes.size(), 2, 1);
+  excited.prepare(kRate);
+  excited.set_modes(body.modes);
+  excited.set_min_steps(64);
   ContactSolver solver(body.rate, kRate, 2, false);
   const double speed[2] = {0.7, 1.1};
   for (std::size_t i = 0; i < 2; ++i) {
     // So stiff that both engines take 64 steps: 0.15 rad in each at the deepest.
     const contact::ImpactLaw law{2e10, 1.5, 0.2};
-    touched.set_place(i, body.shapes[i]);
-    touched.set_impact(i, law, 0.01);
-    touched.throw_mass(i, 0, speed[i]);
+    excited.set_contact_shape(i, body.shapes[i]);
+    excited.set_impact(i, law, 0.01);
+    excited.launch_mass(i, 0, speed[i]);
     ContactSolver::Strike strike;
     strike.law = law;
     strike.mass_kg = 0.01;
@@ -86,13 +86,13 @@ TEST_CASE("two strikers press a struck body with the forces with which they pres
   }
   double impulse = 0;
   for (int n = 0; n < 12; ++n) {
-    touched.step();
+    excited.step();
     static_cast<void>(solver.step());
     for (std::size_t i = 0; i < 2; ++i) {
       CAPTURE(n);
       CAPTURE(i);
-      CHECK(std::abs(solver.contact(i).exciter.force_n - touched.force(i)) < 2);
-      impulse += touched.force(i) / kRate;
+      CHECK(std::abs(solver.contact(i).exciter.force_n - excited.force(i)) < 2);
+      impulse += excited.force(i) / kRate;
     }
   }
   CHECK(impulse * kRate > 400); // against a difference of 2 N
@@ -110,7 +110,7 @@ TEST_CASE(
   strike.held = true;
   strike.law.stiffness = 1e14;
   solver.begin(0, strike, {}, {});
-  solver.lead(0, 1e-9);
+  solver.set_held_position(0, 1e-9);
   static_cast<void>(solver.step());
   static_cast<void>(solver.step());
   CHECK(solver.steps() == 4);
@@ -120,7 +120,7 @@ TEST_CASE("no contact begins with work in it, wherever the hand is") {
   ContactSolver solver({}, kRate, 1, false);
   ContactSolver::Strike hand;
   hand.held = true;
-  hand.place_m = 1e-3; // inside already
+  hand.position_m = 1e-3; // inside already
   solver.begin(0, hand, {}, {});
   CHECK(solver.contact(0).exciter.depth_m == 0);
   CHECK(solver.energy() == 0);
@@ -157,13 +157,13 @@ TEST_CASE("a contact that goes on with other shapes keeps its striker as deep as
   after.take_over(1, before, 0, body.gain[1], rigid);
   const contact::Exciter &old = before.contact(0).exciter, &now = after.contact(1).exciter;
   CHECK(now.depth_m == approx(old.depth_m).epsilon(1e-12));
-  double surface = 2 * (old.place_m - old.depth_m) / 2, was = 0, is = 0;
+  double surface = 2 * (old.position_m - old.depth_m) / 2, was = 0, is = 0;
   for (std::size_t k = 0; k < z.size(); ++k) {
     was += body.gain[0][k] * z[k].imag() / body.rate[k].imag();
     is += body.gain[1][k] * z[k].imag() / body.rate[k].imag();
   }
   surface += is - was;
-  CHECK(now.place_m - now.depth_m == approx(surface).epsilon(1e-6));
+  CHECK(now.position_m - now.depth_m == approx(surface).epsilon(1e-6));
   CHECK(now.impact.stored_j() == old.impact.stored_j());
 }
 

@@ -19,7 +19,7 @@ using tactus::test::approx;
 namespace {
 
 constexpr double kRate = 48000, kPi = std::numbers::pi;
-constexpr std::size_t kSmall = 40, kLarge = ContactModes::kMostInDouble + 88;
+constexpr std::size_t kSmall = 40, kLarge = ContactModes::kMaxModesInDouble + 88;
 
 struct Body {
   explicit Body(std::size_t count) {
@@ -39,9 +39,10 @@ struct Body {
 };
 
 /// z <- p z + b F (p - 1)/s, mode by mode.
-struct Plain {
-  explicit Plain(const Body& of, double seconds) : body(of), step(seconds), z(of.rate.size()) {}
-  double free_place() const {
+struct RecursionReference {
+  explicit RecursionReference(const Body& of, double seconds)
+      : body(of), step(seconds), z(of.rate.size()) {}
+  double free_displacement() const {
     double sum = 0;
     for (std::size_t k = 0; k < z.size(); ++k)
       sum += body.gain[k] / body.rate[k].imag() * (std::exp(body.rate[k] * step) * z[k]).imag();
@@ -53,7 +54,7 @@ struct Plain {
       z[k] = p * z[k] + (body.gain[k] * force + body.other[k] * beside) * (p - 1.0) / body.rate[k];
     }
   }
-  double heard() const {
+  double outputs() const {
     double sum = 0;
     for (std::size_t k = 0; k < z.size(); ++k)
       sum += (body.weight[k] * z[k]).imag();
@@ -71,10 +72,10 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
     for (const std::size_t ahead : {1UL, 2UL}) {
       CAPTURE(count);
       CAPTURE(ahead);
-      const double exact = count > ContactModes::kMostInDouble ? 5e-5 : 1e-11;
+      const double exact = count > ContactModes::kMaxModesInDouble ? 5e-5 : 1e-11;
       constexpr unsigned kSteps = 4;
       const Body body(count);
-      Plain plain(body, 1 / (kRate * kSteps));
+      RecursionReference plain(body, 1 / (kRate * kSteps));
       const auto modes = ContactModes::make(body.rate, kRate, 16, 2, 1);
       modes->set_steps(kSteps);
       modes->set_weight(0, body.weight);
@@ -83,33 +84,35 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
         squares += b * b;
       CHECK(modes->set_gain(0, body.gain) == approx(squares));
       static_cast<void>(modes->set_gain(1, body.other));
-      double largest = 0, place_error = 0, loudest = 0, heard_error = 0;
+      double largest = 0, displacement_error = 0, loudest = 0, output_error = 0;
       for (std::size_t n = 0; n < 4000; n += ahead) {
-        const double* const found = modes->look_ahead(0, ahead, n % kSteps + ahead == kSteps);
-        double force[2] = {}, known[2] = {found[0], ahead > 1 ? found[1] : 0};
+        const double* const found =
+            modes->predict_displacement(0, ahead, n % kSteps + ahead == kSteps);
+        double force[2] = {}, expected_displacement[2] = {found[0], ahead > 1 ? found[1] : 0};
         for (std::size_t j = 0; j < ahead; ++j) {
           force[j] = n % 97 < 40 ? 100 * std::sin(0.3 * static_cast<double>(n + j)) : 0;
           if (j == 1)
-            known[1] += modes->answer(0, 0, 1) * force[0];
-          const double should = plain.free_place();
+            expected_displacement[1] += modes->compliance(0, 0, 1) * force[0];
+          const double should = plain.free_displacement();
           largest = std::max(largest, std::abs(should));
-          place_error = std::max(place_error, std::abs(known[j] - should));
+          displacement_error =
+              std::max(displacement_error, std::abs(expected_displacement[j] - should));
           plain.move(force[j]);
         }
-        modes->give(force);
+        modes->apply_forces(force);
         if (n % kSteps + ahead == kSteps) {
-          loudest = std::max(loudest, std::abs(plain.heard()));
-          heard_error = std::max(heard_error, std::abs(modes->hear(0) - plain.heard()));
+          loudest = std::max(loudest, std::abs(plain.outputs()));
+          output_error = std::max(output_error, std::abs(modes->output(0) - plain.outputs()));
         }
         if (n == 1000) { // an impulse from elsewhere, between two passes
-          std::vector<float> kick(count, 0.25F);
-          modes->kick(kick, 1e-3);
+          std::vector<float> apply_impulse(count, 0.25F);
+          modes->apply_impulse(apply_impulse, 1e-3);
           for (Complex& z : plain.z)
             z += 0.25 * 1e-3;
         }
       }
-      CHECK(place_error < exact * largest);
-      CHECK(heard_error < exact * loudest);
+      CHECK(displacement_error < exact * largest);
+      CHECK(output_error < exact * loudest);
       for (std::size_t k = 0; k < count; k += 7)
         CHECK(std::abs(modes->state(k) - plain.z[k]) < exact * (std::abs(plain.z[k]) + 1e-2));
     }
@@ -118,7 +121,7 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
 
 TEST_CASE("any number of listeners hears what each would alone") {
   for (const std::size_t count : {kSmall, kLarge}) {
-    const double exact = count > ContactModes::kMostInDouble ? 5e-5 : 1e-11;
+    const double exact = count > ContactModes::kMaxModesInDouble ? 5e-5 : 1e-11;
     const Body body(count);
     const auto weight = [&](std::size_t listener) {
       std::vector<Complex> w;
@@ -130,7 +133,7 @@ TEST_CASE("any number of listeners hears what each would alone") {
     const auto modes = ContactModes::make(body.rate, kRate, 4, 1, kListeners);
     modes->set_steps(4);
     static_cast<void>(modes->set_gain(0, body.gain));
-    Plain plain(body, 1 / (kRate * 4));
+    RecursionReference plain(body, 1 / (kRate * 4));
     for (std::size_t listening = 1; listening <= kListeners; ++listening) {
       for (std::size_t l = 0; l < listening; ++l)
         modes->set_weight(l, weight(l));
@@ -138,8 +141,8 @@ TEST_CASE("any number of listeners hears what each would alone") {
       for (int n = 0; n < 3; ++n) {
         for (int pass = 0; pass < 2; ++pass) {
           const double force[2] = {1. + n, 2. - pass};
-          static_cast<void>(modes->look_ahead(0, 2, pass == 1));
-          modes->give(force);
+          static_cast<void>(modes->predict_displacement(0, 2, pass == 1));
+          modes->apply_forces(force);
           plain.move(force[0]);
           plain.move(force[1]);
         }
@@ -152,7 +155,7 @@ TEST_CASE("any number of listeners hears what each would alone") {
           }
           CAPTURE(listening);
           CAPTURE(l);
-          CHECK(std::abs(modes->hear(l) - sum.imag()) < exact * size.real());
+          CHECK(std::abs(modes->output(l) - sum.imag()) < exact * size.real());
         }
       }
     }
@@ -161,27 +164,28 @@ TEST_CASE("any number of listeners hears what each would alone") {
 
 TEST_CASE("a force beside the first contact is in the place, the sound and the states") {
   for (const std::size_t count : {kSmall, kLarge}) {
-    const double exact = count > ContactModes::kMostInDouble ? 5e-5 : 1e-11;
+    const double exact = count > ContactModes::kMaxModesInDouble ? 5e-5 : 1e-11;
     const Body body(count);
-    Plain plain(body, 1 / kRate);
+    RecursionReference plain(body, 1 / kRate);
     const auto modes = ContactModes::make(body.rate, kRate, 1, 2, 1);
     modes->set_weight(0, body.weight);
     static_cast<void>(modes->set_gain(0, body.gain));
     static_cast<void>(modes->set_gain(1, body.other));
     for (int n = 0; n < 500; ++n) {
       const double first = std::sin(0.2 * n), second = std::cos(0.11 * n);
-      const double should = plain.free_place();
-      const double found = *modes->look_ahead(0, 1, true);
+      const double should = plain.free_displacement();
+      const double found = *modes->predict_displacement(0, 1, true);
       CHECK(std::abs(found - should) < exact * (std::abs(should) + 1e-4));
-      modes->give(&first);
-      modes->give_besides(1, second);
+      modes->apply_forces(&first);
+      modes->apply_force_beside(1, second);
       plain.move(first, second);
       if (n % 3 == 0) { // and an impulse from elsewhere
-        modes->kick(std::vector<float>(count, 0.25F), 1e-3);
+        modes->apply_impulse(std::vector<float>(count, 0.25F), 1e-3);
         for (Complex& z : plain.z)
           z += 0.25e-3;
       }
-      CHECK(std::abs(modes->hear(0) - plain.heard()) < exact * (std::abs(plain.heard()) + 1e-1));
+      CHECK(std::abs(modes->output(0) - plain.outputs()) <
+            exact * (std::abs(plain.outputs()) + 1e-1));
     }
   }
 }
@@ -190,17 +194,17 @@ TEST_CASE("no amplitude at a place is larger than its reach says, nor much small
   const Body body(kSmall);
   const auto modes = ContactModes::make(body.rate, kRate, 1, 1, 0);
   static_cast<void>(modes->set_gain(0, body.gain));
-  double place = 0, speed = 0;
+  double displacement = 0, speed = 0;
   for (std::size_t k = 0; k < kSmall; ++k) {
     const Complex z = std::polar(1.0 + 0.1 * static_cast<double>(k), static_cast<double>(k));
     modes->set_state(k, z);
-    place += std::abs(body.gain[k] / body.rate[k].imag()) * std::abs(z);
+    displacement += std::abs(body.gain[k] / body.rate[k].imag()) * std::abs(z);
     speed += std::abs(body.gain[k]) * std::abs(z);
   }
   const auto reach = modes->reach(0);
-  CHECK(reach.place >= place);
+  CHECK(reach.displacement >= displacement);
   CHECK(reach.speed >= speed);
-  CHECK(reach.place < 1.09 * place);
+  CHECK(reach.displacement < 1.09 * displacement);
   CHECK(reach.speed < 1.09 * speed);
 }
 
@@ -215,19 +219,19 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
         lanes[a][k] =
             static_cast<T>((a == 2 ? -1e-3 : 0.1) * std::sin(static_cast<double>(9 * k + a)));
     }
-    const ConstSplitView<T> ears[] = {{lanes[7].data(), lanes[8].data()},
-                                      {lanes[8].data(), lanes[7].data()},
-                                      {lanes[6].data(), lanes[7].data()}};
+    const ConstSplitView<T> pickups[] = {{lanes[7].data(), lanes[8].data()},
+                                         {lanes[8].data(), lanes[7].data()},
+                                         {lanes[6].data(), lanes[7].data()}};
     ContactPass<T> pass;
     pass.count = kCount;
     pass.z = {lanes[0].data(), lanes[1].data()};
-    pass.turn = {lanes[2].data(), lanes[3].data()};
+    pass.pole_minus_one = {lanes[2].data(), lanes[3].data()};
     pass.push = {lanes[4].data(), lanes[5].data()};
     pass.gain = lanes[6].data();
-    pass.ear = ears;
+    pass.pickup = pickups;
     std::vector<double> found;
     for (std::size_t n = 0; n < 60; ++n) {
-      pass.ears = n % 4;
+      pass.pickups = n % 4;
       pass.steps = 1 + n % 2;
       pass.force[0] = 0.3;
       pass.force[1] = -0.1;
@@ -235,9 +239,9 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
       pass.pushes = pass.steps == 2 && n % 3 ? 2 : 1;
       if (pass.pushes == 2) // the next pass must be one of two steps
         ++n;
-      found.insert(found.end(), {pass.place[0], pass.steps == 2 ? pass.place[1] : 0});
-      for (std::size_t e = 0; e < pass.ears; ++e)
-        found.push_back(pass.heard[e]);
+      found.insert(found.end(), {pass.displacement[0], pass.steps == 2 ? pass.displacement[1] : 0});
+      for (std::size_t e = 0; e < pass.pickups; ++e)
+        found.push_back(pass.outputs[e]);
     }
     return found;
   };

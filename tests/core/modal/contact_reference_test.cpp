@@ -31,7 +31,7 @@ public:
       : rate_(std::move(rate)), strikers_(std::move(strikers)), rigid_(rigid) {
     state_.assign(2 * (rate_.size() + 1 + strikers_.size()), 0);
     for (std::size_t i = 0; i < strikers_.size(); ++i) {
-      place(state_, i) = strikers_[i].strike.place_m;
+      position(state_, i) = strikers_[i].strike.position_m;
       speed(state_, i) = strikers_[i].strike.velocity_m_per_s;
     }
     impulse.assign(strikers_.size(), 0);
@@ -55,7 +55,7 @@ public:
 
 private:
   using State = std::vector<double>;
-  double& place(State& y, std::size_t i) const { return y[2 * (rate_.size() + 1 + i)]; }
+  double& position(State& y, std::size_t i) const { return y[2 * (rate_.size() + 1 + i)]; }
   double& speed(State& y, std::size_t i) const { return y[2 * (rate_.size() + 1 + i) + 1]; }
   [[nodiscard]] State ahead(const State& slope, double h) const {
     State y = state_;
@@ -65,7 +65,7 @@ private:
   }
   [[nodiscard]] double force(State y, std::size_t i) const {
     const auto& law = strikers_[i].strike.law;
-    double depth = place(y, i), rate = speed(y, i);
+    double depth = position(y, i), rate = speed(y, i);
     for (std::size_t k = 0; k <= rate_.size(); ++k) {
       const double b = k < rate_.size() ? strikers_[i].gain[k] : rigid_;
       depth -= b * y[2 * k];
@@ -87,7 +87,7 @@ private:
       const double f = force(y, i);
       for (std::size_t k = 0; k <= rate_.size(); ++k)
         dy[2 * k + 1] += f * (k < rate_.size() ? strikers_[i].gain[k] : rigid_);
-      place(dy, i) = speed(y, i);
+      position(dy, i) = speed(y, i);
       speed(dy, i) = strikers_[i].strike.fall_m_per_s2 - f / strikers_[i].strike.mass_kg;
     }
     return dy;
@@ -112,7 +112,7 @@ ContactSolver::Strike strike(double mass_kg, double stiffness, double exponent, 
 /// impulses and the modes' motion are the same within `tolerance` of
 /// the largest.
 void compare(const std::vector<Complex>& rate, const std::vector<Striker>& strikers, double rigid,
-             int samples, double tolerance, std::size_t blows = 1) {
+             int samples, double tolerance, std::size_t impact_count = 1) {
   Reference reference(rate, strikers, rigid);
   ContactSolver solver(rate, kRate, strikers.size(), rigid != 0);
   for (std::size_t i = 0; i < strikers.size(); ++i)
@@ -124,16 +124,16 @@ void compare(const std::vector<Complex>& rate, const std::vector<Striker>& strik
     for (std::size_t i = 0; i < strikers.size(); ++i)
       impulse[i] += solver.contact(i).exciter.force_n / kRate;
   }
-  CHECK(solver.contact(0).exciter.blows >= blows);
-  double most = 0, fastest = 0;
+  CHECK(solver.contact(0).exciter.impact_count >= impact_count);
+  double maximum = 0, fastest = 0;
   for (const double j : reference.impulse)
-    most = std::max(most, j);
+    maximum = std::max(maximum, j);
   for (std::size_t k = 0; k < rate.size(); ++k)
     fastest = std::max({fastest, std::abs(reference.velocity(k)),
                         std::abs(rate[k]) * std::abs(reference.displacement(k))});
   for (std::size_t i = 0; i < strikers.size(); ++i) {
     CAPTURE(i);
-    CHECK(std::abs(impulse[i] - reference.impulse[i]) < tolerance * most);
+    CHECK(std::abs(impulse[i] - reference.impulse[i]) < tolerance * maximum);
     CHECK(std::abs(solver.contact(i).exciter.velocity_m_per_s - reference.striker_speed(i)) <
           tolerance * strikers[i].strike.velocity_m_per_s);
   }
@@ -164,7 +164,7 @@ TEST_CASE("strikers at several places of a free body feel each other through it"
     rate.emplace_back(-5. - 3 * k, 2 * kPi * (240. + 530 * k));
   for (int i = 0; i < 4; ++i) {
     Striker s{strike(.004 + .003 * i, 4e7 + 1e7 * i, 1.5, .05 * i, .6 + .3 * i), {}};
-    s.strike.place_m = -2e-4 * i; // one after the other
+    s.strike.position_m = -2e-4 * i; // one after the other
     for (int k = 0; k < 6; ++k)
       s.gain.push_back(4 * std::cos(.4 + i + 1.7 * k));
     strikers.push_back(s);

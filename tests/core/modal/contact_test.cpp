@@ -24,24 +24,24 @@ const double kBall = 7850 * 4.0 / 3 * kPi * 0.006 * 0.006 * 0.006;
 const double kSpeed = std::sqrt(2 * 9.81 * 0.1);
 const double kStiffness = hertz_stiffness(0.006, 206e9, 0.29, 70.3e9, 0.33);
 
-struct Blow {
-  double impulse = 0, rebound = 0, time = 0, highest = 0, gained = 0;
+struct ImpactRecord {
+  double impulse = 0, rebound = 0, time = 0, peak_force = 0, gained = 0;
 };
 
-Blow strike(ContactSolver& solver, double rate, ContactSolver::Strike contact,
-            std::span<const double> gain, std::array<double, 6> rigid = {}) {
-  Blow blow;
+ImpactRecord strike(ContactSolver& solver, double rate, ContactSolver::Strike contact,
+                    std::span<const double> gain, std::array<double, 6> rigid = {}) {
+  ImpactRecord record;
   solver.begin(0, contact, gain, rigid);
   const double before = 0.5 * contact.mass_kg * contact.velocity_m_per_s * contact.velocity_m_per_s;
   for (int n = 0; n < 100000 && solver.touching(); ++n) {
     const double force = solver.step();
-    blow.impulse += force / rate;
-    blow.time += force > 0 ? 1 / rate : 0;
-    blow.highest = std::max(blow.highest, force);
-    blow.gained = std::max(blow.gained, solver.energy() / before - 1);
+    record.impulse += force / rate;
+    record.time += force > 0 ? 1 / rate : 0;
+    record.peak_force = std::max(record.peak_force, force);
+    record.gained = std::max(record.gained, solver.energy() / before - 1);
   }
-  blow.rebound = -solver.contact(0).exciter.velocity_m_per_s / contact.velocity_m_per_s;
-  return blow;
+  record.rebound = -solver.contact(0).exciter.velocity_m_per_s / contact.velocity_m_per_s;
+  return record;
 }
 
 ContactSolver::Strike ball() {
@@ -72,23 +72,24 @@ TEST_CASE(
   for (const double rate : {8000.0, 22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
     CAPTURE(rate);
     ContactSolver solver({}, rate, 1, false);
-    const Blow blow = strike(solver, rate, ball(), {});
-    CHECK(blow.rebound == approx(1).epsilon(0.002));
-    CHECK(blow.impulse == approx(2 * kBall * kSpeed).epsilon(0.002));
+    const ImpactRecord record = strike(solver, rate, ball(), {});
+    CHECK(record.rebound == approx(1).epsilon(0.002));
+    CHECK(record.impulse == approx(2 * kBall * kSpeed).epsilon(0.002));
   }
   // At a rate that resolves the contact its length and height are seen.
   ContactSolver solver({}, 4e6, 1, false);
-  const Blow blow = strike(solver, 4e6, ball(), {});
-  CHECK(blow.time == approx(50.9e-6).epsilon(0.01));
-  CHECK(blow.highest == approx(719).epsilon(0.01));
+  const ImpactRecord record = strike(solver, 4e6, ball(), {});
+  CHECK(record.time == approx(50.9e-6).epsilon(0.01));
+  CHECK(record.peak_force == approx(719).epsilon(0.01));
 }
 
 TEST_CASE("two free bodies part as momentum and energy demand") {
   // A block of 20 g, hit in its middle.
   ContactSolver solver({}, 48000, 1, true);
-  const Blow blow = strike(solver, 48000, ball(), {}, {1 / std::sqrt(0.02), 0, 0, 0, 0, 0});
+  const ImpactRecord record =
+      strike(solver, 48000, ball(), {}, {1 / std::sqrt(0.02), 0, 0, 0, 0, 0});
   const double expected = (0.02 - kBall) / (0.02 + kBall); // -v'/v of the lighter body
-  CHECK(blow.rebound == approx(expected).epsilon(0.003));
+  CHECK(record.rebound == approx(expected).epsilon(0.003));
 }
 
 TEST_CASE("the error shrinks with the square of the step") {
@@ -98,8 +99,8 @@ TEST_CASE("the error shrinks with the square of the step") {
     ContactSolver solver({}, rate, 1, false);
     ContactSolver::Strike contact = ball();
     contact.law = {1e6, 1, 0};
-    const Blow blow = strike(solver, rate, contact, {});
-    return std::abs(blow.rebound - 1);
+    const ImpactRecord record = strike(solver, rate, contact, {});
+    return std::abs(record.rebound - 1);
   };
   CHECK(error(48000) < 2e-3);
   CHECK(error(192000) < 2e-3);
@@ -122,9 +123,9 @@ TEST_CASE("a body that swings takes energy, and none is ever made") {
         auto contact = ball();
         contact.law.stiffness = stiffness;
         contact.mass_kg = mass;
-        const Blow blow = strike(solver, rate, contact, gain, {2, 0, 0, 0.3, 0, 0});
-        CHECK(blow.gained < 1e-8);
-        CHECK(blow.rebound <= 1);
+        const ImpactRecord record = strike(solver, rate, contact, gain, {2, 0, 0, 0.3, 0, 0});
+        CHECK(record.gained < 1e-8);
+        CHECK(record.rebound <= 1);
         CHECK(solver.energy() <= 0.5 * mass * kSpeed * kSpeed * (1 + 1e-8));
       }
 }
@@ -168,10 +169,10 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
       gain.push_back(mode.shape);
     }
     ContactSolver solver(rates, rate, 1, true);
-    const Blow blow = strike(solver, rate, ball(), gain, recoil);
+    const ImpactRecord record = strike(solver, rate, ball(), gain, recoil);
     for (std::size_t k = 0; speeds && k < modes.size(); ++k)
       speeds->push_back(std::abs(solver.state(k) * gain[k]));
-    return blow;
+    return record;
   };
   // An independent integration gave: rigid body 18.85 mN s and 0.895, modes below 22 kHz 18.17 mN s
   // and 0.826, below 60 kHz 0.828.
@@ -179,13 +180,13 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
   both.insert(both.end(), high.begin(), high.end());
   for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
     CAPTURE(rate);
-    const Blow rigid = play({}, rate, nullptr);
+    const ImpactRecord rigid = play({}, rate, nullptr);
     CHECK(rigid.impulse == approx(18.85e-3).epsilon(0.005));
     CHECK(rigid.rebound == approx(0.895).epsilon(0.003));
     std::vector<double> speeds;
-    const Blow blow = play(low, rate, &speeds);
-    CHECK(blow.impulse == approx(18.17e-3).epsilon(0.01));
-    CHECK(std::abs(blow.rebound - 0.826) < 0.01);
+    const ImpactRecord record = play(low, rate, &speeds);
+    CHECK(record.impulse == approx(18.17e-3).epsilon(0.01));
+    CHECK(std::abs(record.rebound - 0.826) < 0.01);
     const double expected[] = {0.0296, 0.0334, 0.0103, 0.0937, 0.0025}; // m/s at the place
     for (std::size_t k = 0; k < speeds.size(); ++k)
       CHECK(speeds[k] == approx(expected[k]).epsilon(0.03));
@@ -217,7 +218,7 @@ TEST_CASE("a hand that presses slowly feels the contact law in series with the b
   double force = 0;
   for (int n = 0; n < 48000; ++n) {
     const double next = depth * std::min(1.0, n / 24000.0);
-    solver.lead(0, next);
+    solver.set_held_position(0, next);
     force = solver.step();
   }
   const double compliance = gain * gain / std::norm(rate);
@@ -231,9 +232,9 @@ TEST_CASE("what the table leaves out makes the contact softer by its compliance"
   contact.law.compliance_m_per_n = 1e-6;
   contact.held = true;
   solver.begin(0, contact, {}, {});
-  solver.lead(0, 1e-3);
+  solver.set_held_position(0, 1e-3);
   static_cast<void>(solver.step()); // the way in
-  solver.lead(0, 1e-3);
+  solver.set_held_position(0, 1e-3);
   CHECK(solver.step() == approx(500).epsilon(1e-6));
 }
 
@@ -245,7 +246,7 @@ TEST_CASE("the moments of a sample's force are those of its steps over Legendre'
   hand.held = true;
   solver.begin(0, hand, {}, {});
   const auto moments = [&](double depth) {
-    solver.lead(0, depth);
+    solver.set_held_position(0, depth);
     static_cast<void>(solver.step());
     REQUIRE(solver.steps() == 4);
     REQUIRE(solver.sampled().size() == 1);
@@ -261,10 +262,10 @@ TEST_CASE("the moments of a sample's force are those of its steps over Legendre'
   CHECK(std::abs(still[2]) < 1e-3);
   // From 1000 to 2000 N in a line, x from 1 to -1 over the sample: the sum of x^2 over the middles
   // of n steps is n (1 - 1/n^2)/3.
-  const auto rising = moments(2e-9);
-  CHECK(rising[0] == approx(1500).epsilon(1e-6));
-  CHECK(rising[1] == approx(-500 * (1 - 1 / 16.) / 3).epsilon(1e-6));
-  CHECK(std::abs(rising[2]) < 1e-3);
+  const auto ramp = moments(2e-9);
+  CHECK(ramp[0] == approx(1500).epsilon(1e-6));
+  CHECK(ramp[1] == approx(-500 * (1 - 1 / 16.) / 3).epsilon(1e-6));
+  CHECK(std::abs(ramp[2]) < 1e-3);
 }
 
 TEST_CASE("many contacts at once: any order gives the same motion") {

@@ -143,7 +143,7 @@ TEST_CASE("a gliding delay is the exact one at every sample, and no jump makes i
     fastest = std::max(fastest, std::abs(turn / kTone - 1));
     last = turn;
   }
-  CHECK(fastest < DelayLine::kFastest + 0.01);
+  CHECK(fastest < DelayLine::kMaxSlope + 0.01);
   CHECK(last == approx(kTone).epsilon(1e-4));
   CHECK(std::abs(static_cast<double>(sound.back()) - std::sin(kTone * (39999.0 - 3000))) < 1e-4);
 }

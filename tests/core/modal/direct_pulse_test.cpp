@@ -15,26 +15,26 @@ using namespace tactus::modal;
 using namespace tactus::test;
 
 TEST_CASE("a pulse in the air sounds as its own samples at the force inlet do, at its place") {
-  const auto rig_of = [] {
+  const auto make_rig = [] {
     ModalTable table = plate(.32, .2, .005, 1500, 16, 10);
     table.free = true; // recoil as well
     table.inertia_kg_m2 = {Vec3{3e-3, 0, 0}, Vec3{0, 7e-3, 0}, Vec3{0, 0, 1e-2}};
     auto rig = std::make_unique<Rig>(48000, std::move(table));
     rig->settings.radiation = Radiation::kModal;
     rig->options.coupled = false;
-    rig->renew(false);
+    rig->rebuild(false);
     return rig;
   };
-  auto struck = rig_of();
+  auto struck = make_rig();
   struck->body.set_striker({.004, .01, 1e6, .3, 3e4, 1, 0, 1}); // milliseconds
   struck->hit({.06, .03, 0}, 1);
   CHECK(!struck->body.model()->solver.touching());
-  const Heard pulse = struck->run(4096);
+  const Output pulse = struck->run(4096);
   CHECK(*std::max_element(pulse.contact.begin(), pulse.contact.end()) > 0);
-  auto pushed = rig_of();
-  const SurfacePoint place = pushed->body.model()->nearest({.06, .03, 0});
-  pushed->body.set_point(place, place.normal);
-  const Heard force = pushed->run(4096, 64, pulse.contact);
+  auto pushed = make_rig();
+  const SurfacePoint point = pushed->body.model()->nearest({.06, .03, 0});
+  pushed->body.set_point(point, point.normal);
+  const Output force = pushed->run(4096, 64, pulse.contact);
   float loudest = 0, apart = 0, early = 0;
   for (std::size_t n = 0; n < 4096; ++n) {
     loudest = std::max(loudest, std::abs(force.left[n]));
@@ -51,7 +51,7 @@ TEST_CASE("what rubs goes on rubbing through a retuning as if there had been non
     Rig rig(48000, plate(.32, .2, .005, 5000, 16, 10));
     Rub rub;
     rub.placed = true;
-    rub.place = rig.body.model()->nearest({.05, .03, 0});
+    rub.point = rig.body.model()->nearest({.05, .03, 0});
     rub.direction = {1, 0, 0};
     rub.law.stiffness_n_per_m = 1e4;
     rig.body.set_rub(rub);
@@ -63,7 +63,7 @@ TEST_CASE("what rubs goes on rubbing through a retuning as if there had been non
     std::vector<float> friction;
     for (int block = 0; block < 40; ++block) {
       if (renewed && block == 20) {
-        rig.renew();
+        rig.rebuild();
         CHECK(rig.body.contacts() == 1);
       }
       const std::array<std::span<float>, 2> out{s[0], s[1]};
@@ -75,11 +75,11 @@ TEST_CASE("what rubs goes on rubbing through a retuning as if there had been non
     return friction;
   };
   const auto plain = play(false), renewed = play(true);
-  float most = 0, apart = 0;
+  float maximum = 0, apart = 0;
   for (std::size_t n = 0; n < plain.size(); ++n) {
-    most = std::max(most, std::abs(plain[n]));
+    maximum = std::max(maximum, std::abs(plain[n]));
     apart = std::max(apart, std::abs(plain[n] - renewed[n]));
   }
-  CHECK(most > .2F);
-  CHECK(apart < 2e-3F * most);
+  CHECK(maximum > .2F);
+  CHECK(apart < 2e-3F * maximum);
 }

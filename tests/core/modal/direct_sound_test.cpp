@@ -43,11 +43,13 @@ private:
 };
 
 /// q'' for a force exp(s t) at the mode of rate `mode`.
-Complex swing(Complex s, Complex mode) { return s * s / ((s - mode) * (s - std::conj(mode))); }
+Complex mode_response(Complex s, Complex mode) {
+  return s * s / ((s - mode) * (s - std::conj(mode)));
+}
 
 struct OneMode {
   OneMode(double frequency, double decay, double rate, double delay,
-          DirectKernels::Mode::Part part = DirectKernels::Mode::Part::kRings)
+          DirectKernels::Mode::Part part = DirectKernels::Mode::Part::kRinging)
       : sample_rate(rate),
         mode(-decay, std::sqrt(std::pow(2 * kPi * frequency, 2) - decay * decay)) {
     const DirectKernels::Mode only{mode, 0, part};
@@ -91,14 +93,14 @@ TEST_CASE("a pushed mode sounds as its acceleration, slow or fast, at the listen
           for (double f = 20; f < 20000; f *= 1.1) {
             const Complex s(0, 2 * kPi * f);
             const Complex true_level =
-                swing(s, one.mode) * std::exp(-s * (delay + BandLimit::kLatency) / rate);
-            const Complex ours = one.sampled(f);
+                mode_response(s, one.mode) * std::exp(-s * (delay + BandLimit::kLatency) / rate);
+            const Complex computed = one.sampled(f);
             CAPTURE(rate);
             CAPTURE(frequency);
             CAPTURE(decay);
             CAPTURE(delay);
             CAPTURE(f);
-            CHECK(std::abs(ours - true_level) < 0.006 * std::abs(true_level) + floor);
+            CHECK(std::abs(computed - true_level) < 0.006 * std::abs(true_level) + floor);
           }
           CHECK(std::abs(one.sampled(0)) < 3e-6);
         }
@@ -122,7 +124,7 @@ TEST_CASE("a mode too high for the bank follows the force below it") {
     const Complex s(0, 2 * kPi * f);
     CAPTURE(f);
     const Complex late = std::exp(-s * (5.0 + BandLimit::kLatency) / 48000.0);
-    const Complex true_level = swing(s, one.mode) * late;
+    const Complex true_level = mode_response(s, one.mode) * late;
     CHECK(std::abs(std::abs(one.sampled(f)) - std::abs(true_level)) <
           0.012 * std::abs(true_level) + 3e-5);
   }
@@ -136,7 +138,7 @@ TEST_CASE("a force that acts all through the samples sounds as its spectrum says
     constexpr std::size_t kFine = 512, kSamples = 9000;
     const auto force = [&](double t) { return t < kLast ? std::sin(kPi * t / kLast) : 0; };
     const std::size_t taps = one.kernels.taps();
-    std::vector<double> heard(kSamples, 0);
+    std::vector<double> output(kSamples, 0);
     const Complex rate = one.mode / 48000.0;
     Complex z = 0;
     for (std::size_t n = 0; n < kSamples; ++n) {
@@ -150,24 +152,24 @@ TEST_CASE("a force that acts all through the samples sounds as its spectrum says
         f[2] += part * (1.5 * x * x - 0.5);
         z += part * std::exp(rate * v);
       }
-      heard[n] += (one.weight() / 48000.0 * z).imag();
+      output[n] += (one.weight() / 48000.0 * z).imag();
       for (std::size_t j = 0; j < f.size(); ++j)
         for (std::size_t i = 0; i < taps && n < 3; ++i)
-          heard[n + i] += f[j] * static_cast<double>(one.moments[j * taps + i]);
+          output[n + i] += f[j] * static_cast<double>(one.moments[j * taps + i]);
     }
     for (double hz = 30; hz < 20000; hz *= 1.15) {
       const Complex s(10, 2 * kPi * hz); // under a window exp(-10 t)
-      Complex ours = 0, transform = 0;
+      Complex computed = 0, transform = 0;
       for (std::size_t n = 0; n < kSamples; ++n)
-        ours += heard[n] * std::exp(-s * (static_cast<double>(n) + 1) / 48000.0);
+        computed += output[n] * std::exp(-s * (static_cast<double>(n) + 1) / 48000.0);
       for (std::size_t i = 0; i < 10000; ++i) {
         const double t = (static_cast<double>(i) + 0.5) * kLast / 10000;
         transform += force(t) * std::exp(-s * t / 48000.0) * kLast / 10000.0;
       }
-      const Complex true_level =
-          swing(s, one.mode) * transform * std::exp(-s * (7.3 + BandLimit::kLatency) / 48000.0);
+      const Complex true_level = mode_response(s, one.mode) * transform *
+                                 std::exp(-s * (7.3 + BandLimit::kLatency) / 48000.0);
       CAPTURE(hz);
-      CHECK(std::abs(ours - true_level) <
+      CHECK(std::abs(computed - true_level) <
             0.012 * std::abs(true_level) + 5e-4 * std::abs(transform));
     }
   }
@@ -260,7 +262,7 @@ TEST_CASE("the sound of forces is the same to the bit however it is cut into blo
       free.inertia_kg_m2 = {Vec3{1e-3, 0, 0}, Vec3{0, 1e-3, 0}, Vec3{0, 0, 2e-3}};
       return std::make_shared<const LoadedTable>(std::move(free));
     }();
-    rig.renew(false);
+    rig.rebuild(false);
     static_cast<void>(rig.run(64, block));
     rig.hit({0.03, 0.02, 0}, 1);
     std::vector<float> force(4096);
@@ -279,16 +281,16 @@ TEST_CASE("a body that is pressed stays silent while its listener and its size c
   rig.settings.radiation = Radiation::kModal;
   rig.settings.damping = Damping::kLoss;
   rig.settings.loss_factor = 0.05;
-  rig.renew(false);
+  rig.rebuild(false);
   rig.hit({0.03, 0.02, 0}, 1);
   const auto strike = rig.run(48000).left;
   const double loud = static_cast<double>(*std::max_element(strike.begin(), strike.end()));
   const std::vector<float> press(24000, 10.0F);
   static_cast<void>(rig.run(24000, 64, press));
   static_cast<void>(rig.run(24000, 64, press));
-  for (const Vec3 place : {Vec3{0.1, 0.1, 0.3}, Vec3{-0.1, 0, 0.06}, Vec3{0.02, 0.02, 0.05}}) {
-    rig.settings.listener[0] = place;
-    rig.renew();
+  for (const Vec3 position : {Vec3{0.1, 0.1, 0.3}, Vec3{-0.1, 0, 0.06}, Vec3{0.02, 0.02, 0.05}}) {
+    rig.settings.listener[0] = position;
+    rig.rebuild();
     for (const float x : rig.run(8192, 64, press).left)
       CHECK(std::abs(static_cast<double>(x)) < 1e-3 * loud);
   }
@@ -296,18 +298,18 @@ TEST_CASE("a body that is pressed stays silent while its listener and its size c
 
 TEST_CASE("a pressed body stays silent everywhere while one listener moves, or voices are added" *
           doctest::skip(kSanitized)) {
-  const auto largest = [](const Heard& heard) {
-    double most = 0;
-    for (const std::vector<float>* const side : {&heard.left, &heard.right})
+  const auto largest = [](const Output& output) {
+    double maximum = 0;
+    for (const std::vector<float>* const side : {&output.left, &output.right})
       for (const float x : *side)
-        most = std::max(most, std::abs(static_cast<double>(x)));
-    return most;
+        maximum = std::max(maximum, std::abs(static_cast<double>(x)));
+    return maximum;
   };
   Rig rig;
   rig.settings.radiation = Radiation::kModal;
   rig.settings.damping = Damping::kLoss;
   rig.settings.loss_factor = 0.05;
-  rig.renew(false);
+  rig.rebuild(false);
   rig.hit({0.03, 0.02, 0}, 1);
   const double loud = largest(rig.run(48000));
   const std::vector<float> press(24000, 10.0F);
@@ -318,12 +320,12 @@ TEST_CASE("a pressed body stays silent everywhere while one listener moves, or v
     CAPTURE(moved);
     for (int step = 0; step < 40; ++step) { // every 1.3 ms
       rig.settings.listener[moved] = {0.1, sideways += 0.002, 0.3};
-      rig.renew();
+      rig.rebuild();
       CHECK(largest(rig.run(64, 64, press)) < 1e-5 * loud);
     }
     CHECK(largest(rig.run(8192, 64, press)) < 1e-5 * loud);
     ++rig.settings.voices;
-    rig.renew();
+    rig.rebuild();
     CHECK(largest(rig.run(8192, 64, press)) < 1e-5 * loud);
   }
 }
@@ -338,12 +340,12 @@ TEST_CASE("a force that no body stands does not silence the blows that come afte
   const auto loudest = [](Rig& rig) {
     rig.body.set_striker({});
     rig.hit({0.03, 0.02, 0}, 1);
-    const auto heard = rig.run(2048).left;
-    return static_cast<double>(*std::max_element(heard.begin(), heard.end()));
+    const auto output = rig.run(2048).left;
+    return static_cast<double>(*std::max_element(output.begin(), output.end()));
   };
   Rig rig(48000, free_plate());
   rig.settings.radiation = Radiation::kModal;
-  rig.renew(false);
+  rig.rebuild(false);
   const double before = loudest(rig);
   for (const double speed : {1e15, 1e30, 1e200}) {
     CAPTURE(speed);
@@ -365,15 +367,15 @@ TEST_CASE("a listener that is added or taken away leaves the direct sound of the
     Rig rig(48000, std::move(free));
     rig.settings.radiation = Radiation::kModal;
     rig.settings.listeners = before;
-    rig.renew(false);
+    rig.rebuild(false);
     static_cast<void>(rig.run(64));
     rig.hit({0.03, 0.02, 0}, 1);
-    auto heard = rig.run(12, 12).left; // the strike is on its way
+    auto output = rig.run(12, 12).left; // the strike is on its way
     rig.settings.listeners = after;
-    rig.renew();
+    rig.rebuild();
     const auto rest = rig.run(2048).left;
-    heard.insert(heard.end(), rest.begin(), rest.end());
-    return heard;
+    output.insert(output.end(), rest.begin(), rest.end());
+    return output;
   };
   const auto alone = play(2, 2);
   float loudest = 0;

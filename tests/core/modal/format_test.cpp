@@ -27,7 +27,7 @@ template <class T> std::string refusal_with(const char* name, const std::vector<
   return refusal_of(members);
 }
 
-ModalTable described(const std::string& more) {
+ModalTable table_with_meta(const std::string& more) {
   auto members = small_table();
   Member& meta = named(members, "meta");
   meta.data = R"({"format":"modal-table","version":"1.0")" + more + "}";
@@ -37,7 +37,7 @@ ModalTable described(const std::string& more) {
   return table;
 }
 
-std::string description_refused(const std::string& more) {
+std::string meta_refusal(const std::string& more) {
   auto members = small_table();
   Member& meta = named(members, "meta");
   meta.data = R"({"format":"modal-table","version":"1.0")" + more + "}";
@@ -51,25 +51,25 @@ TEST_CASE("a table's description: what holds it, its material, the air") {
   for (const char* free : {"", R"(,"bc":"free")", R"(,"bc":"free-free")", R"(,"bc":null)",
                            R"(,"bc":[])", R"(,"bc":{})", R"(,"bc":"")"}) {
     CAPTURE(free);
-    CHECK(described(free).free);
+    CHECK(table_with_meta(free).free);
   }
   for (const char* held : {R"(,"bc":"clamped")", R"(,"bc":["edge"])", R"(,"bc":{"nodes":3})",
                            R"(,"bc":1)", R"(,"bc":true)"}) {
     CAPTURE(held);
-    CHECK(!described(held).free);
+    CHECK(!table_with_meta(held).free);
   }
-  CHECK(described(R"(,"bc":"clamped")").boundary == "clamped");
-  CHECK(described(R"(,"bc":["edge"])").boundary == "held");
+  CHECK(table_with_meta(R"(,"bc":"clamped")").boundary == "clamped");
+  CHECK(table_with_meta(R"(,"bc":["edge"])").boundary == "held");
   const ModalTable steel =
-      described(R"(,"material":[{"name":"steel","E":2e11,"nu":0.29,"rho":7800},{"E":1}],)"
-                R"("air":{"rho":1.2,"c":340})");
+      table_with_meta(R"(,"material":[{"name":"steel","E":2e11,"nu":0.29,"rho":7800},{"E":1}],)"
+                      R"("air":{"rho":1.2,"c":340})");
   CHECK(steel.material.name == "steel");
   CHECK(steel.material.youngs_modulus_pa == 2e11);
   CHECK(steel.material.poisson == .29);
   CHECK(steel.material.density_kg_per_m3 == 7800);
   CHECK(steel.air_density_kg_per_m3 == 1.2);
   CHECK(steel.sound_speed_m_per_s == 340);
-  const ModalTable plain = described(R"(,"material":{"name":"x"})");
+  const ModalTable plain = table_with_meta(R"(,"material":{"name":"x"})");
   CHECK(plain.material.poisson == .3);
   CHECK(plain.material.youngs_modulus_pa == 0);
   CHECK(plain.air_density_kg_per_m3 == 1.184);
@@ -78,10 +78,10 @@ TEST_CASE("a table's description: what holds it, its material, the air") {
         R"(,"material":{"nu":-1})", R"(,"air":{"rho":0})", R"(,"air":{"rho":1e4})",
         R"(,"air":{"c":1})", R"(,"air":{"c":1e5})"}) {
     CAPTURE(wrong);
-    CHECK(description_refused(wrong).find("cannot exist") != std::string::npos);
+    CHECK(meta_refusal(wrong).find("cannot exist") != std::string::npos);
   }
-  CHECK(description_refused(R"(,"material":{"nu":0.499})") == "");
-  CHECK(description_refused(R"(,"material":{"nu":-0.999})") == "");
+  CHECK(meta_refusal(R"(,"material":{"nu":0.499})") == "");
+  CHECK(meta_refusal(R"(,"material":{"nu":-0.999})") == "");
 }
 
 TEST_CASE("numbers of a table are held within what a body can be") {

@@ -28,7 +28,7 @@ ModalTable one_mode() {
 
 /// Energy further than `width` Hz from the tone against all of it, in dB, under a window of
 /// Blackman and Harris over the whole sound.
-double far_from_tone(std::span<const float> sound, double tone_hz, double width_hz) {
+double off_tone_level_db(std::span<const float> sound, double tone_hz, double width_hz) {
   const auto count = static_cast<double>(sound.size());
   std::vector<double> windowed(sound.size());
   for (std::size_t n = 0; n < sound.size(); ++n) {
@@ -66,9 +66,9 @@ std::vector<float> listen(Rig& rig, std::size_t every, std::size_t frames, const
   std::vector<float> sound;
   while (sound.size() < frames) {
     rig.settings.listener[0] = move(static_cast<double>(sound.size()) / kRate);
-    rig.renew();
-    const auto heard = rig.run(every, every, {}, std::vector<float>(height));
-    sound.insert(sound.end(), heard.left.begin(), heard.left.end());
+    rig.rebuild();
+    const auto output = rig.run(every, every, {}, std::vector<float>(height));
+    sound.insert(sound.end(), output.left.begin(), output.left.end());
   }
   return sound;
 }
@@ -78,7 +78,7 @@ struct Sounding : Rig {
     settings.radiation = Radiation::kModal;
     options.doppler = doppler;
     settings.listener[0] = {0.4, 0, 0.3};
-    renew(false);
+    rebuild(false);
     hit({0.01, 0.02, 0}, 1);
     static_cast<void>(run(4800));
   }
@@ -97,7 +97,7 @@ TEST_CASE("a listener that moves smoothly is heard without a trace of the update
     const auto sound = listen(rig, every, every == 8 ? 4096 : 16384, [](double t) {
       return Vec3{0.4 * std::cos(3 * t), 0.1, 0.3 + 0.5 * t};
     });
-    CHECK(far_from_tone(sound, tone_of(rig), every == 8 ? 300 : 150) < -60);
+    CHECK(off_tone_level_db(sound, tone_of(rig), every == 8 ? 300 : 150) < -60);
   }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("a listener that leaps by metres, through the plate as well, does not 
     const auto sound = listen(rig, every, 16384, [&](double) {
       return Vec3{coordinate(2), coordinate(2), coordinate(1) + 0.02};
     });
-    CHECK(far_from_tone(sound, tone_of(rig), 1000) < -60);
+    CHECK(off_tone_level_db(sound, tone_of(rig), 1000) < -60);
   }
 }
 
@@ -125,7 +125,7 @@ TEST_CASE("a listener that moves while something touches the body does not click
   // Held by a soft spring: the body swings in a contact that lasts.
   const auto play = [](bool moves) {
     Sounding rig;
-    rig.options.led = true;
+    rig.options.driven = true;
     rig.body.set_options(rig.options);
     rig.body.set_striker({0.01, 0.01, 1e6, 0.3, 100, 1, 0, 1});
     const std::vector<float> pressed(64, -1e-3F);
@@ -141,8 +141,8 @@ TEST_CASE("a listener that moves while something touches the body does not click
     return std::pair(std::move(sound), tone_of(rig));
   };
   const auto [still, tone] = play(false);
-  CHECK(far_from_tone(still, tone, 150) < -60);
-  CHECK(far_from_tone(play(true).first, tone, 150) < -60);
+  CHECK(off_tone_level_db(still, tone, 150) < -60);
+  CHECK(off_tone_level_db(play(true).first, tone, 150) < -60);
 }
 
 TEST_CASE("a listener that arrives hears what one hears that was always there") {
@@ -151,7 +151,7 @@ TEST_CASE("a listener that arrives hears what one hears that was always there") 
   static_cast<void>(there.run(6400));
   for (Rig* each : {static_cast<Rig*>(&rig), static_cast<Rig*>(&there)}) {
     each->settings.listener[0] = {0.2, 0.1, 0.25};
-    each->renew();
+    each->rebuild();
     static_cast<void>(each->run(3 * Glide::kSegment + 200));
   }
   const auto a = rig.run(4800).left, b = there.run(4800).left;
@@ -167,12 +167,12 @@ TEST_CASE("a listener that is placed in silence is there for the first blow") {
   const auto play = [](bool moved) {
     Rig rig(kRate, one_mode());
     rig.settings.radiation = Radiation::kModal;
-    const Vec3 place{0.1, 0.2, 0.6};
-    rig.settings.listener[0] = moved ? Vec3{0, 0, 2} : place;
-    rig.renew(false);
+    const Vec3 position{0.1, 0.2, 0.6};
+    rig.settings.listener[0] = moved ? Vec3{0, 0, 2} : position;
+    rig.rebuild(false);
     static_cast<void>(rig.run(640));
-    rig.settings.listener[0] = place;
-    rig.renew();
+    rig.settings.listener[0] = position;
+    rig.rebuild();
     rig.hit({0.01, 0.02, 0}, 1);
     return rig.run(4800).left;
   };
@@ -188,12 +188,12 @@ TEST_CASE("silence that is asked for, and another body, come without a click") {
     const double tone = tone_of(rig);
     std::vector<float> sound;
     const auto run = [&](std::size_t frames) {
-      const auto heard = rig.run(frames, 64).left;
-      sound.insert(sound.end(), heard.begin(), heard.end());
+      const auto output = rig.run(frames, 64).left;
+      sound.insert(sound.end(), output.begin(), output.end());
     };
     const auto exchange = [&] {
       rig.loaded = std::make_shared<const LoadedTable>(one_mode());
-      rig.renew(false);
+      rig.rebuild(false);
     };
     run(8000);
     if (change != kLoad && change != kThriceLoaded)
@@ -208,7 +208,7 @@ TEST_CASE("silence that is asked for, and another body, come without a click") {
     if (change == kRetunedAfterReset) {
       run(300);
       rig.settings.size = 1.0001; // the same body in all but name
-      rig.renew();
+      rig.rebuild();
     }
     if (change == kStruckAfterReset) { // so softly that it is a contact and no sound
       run(300);
@@ -217,7 +217,7 @@ TEST_CASE("silence that is asked for, and another body, come without a click") {
     }
     const std::size_t changed = sound.size();
     run(8384);
-    CHECK(far_from_tone(std::span(sound).first(16384), tone, 1000) < -60);
+    CHECK(off_tone_level_db(std::span(sound).first(16384), tone, 1000) < -60);
     // It takes no longer than the release and the sound's way: 0.6 m are 84 samples.
     float left = 0, loudest = 0;
     for (std::size_t n = 0; n < sound.size(); ++n) {
@@ -234,12 +234,12 @@ TEST_CASE("what glides and what is released is the same to the bit however it is
     Sounding rig(true);
     std::vector<float> sound;
     const auto run = [&](std::size_t frames) {
-      const auto heard = rig.run(frames, block).left;
-      sound.insert(sound.end(), heard.begin(), heard.end());
+      const auto output = rig.run(frames, block).left;
+      sound.insert(sound.end(), output.begin(), output.end());
     };
     for (int i = 0; i < 6; ++i) {
       rig.settings.listener[0] = {0.4, 0.1 * i, 0.3};
-      rig.renew();
+      rig.rebuild();
       run(300);
     }
     rig.body.reset();
@@ -248,7 +248,7 @@ TEST_CASE("what glides and what is released is the same to the bit however it is
     rig.hit({0.01, 0.02, 0}, 0.1);
     run(500);
     rig.loaded = std::make_shared<const LoadedTable>(one_mode());
-    rig.renew(false);
+    rig.rebuild(false);
     run(1500);
     return sound;
   };

@@ -19,9 +19,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Every mode arrives after its own delay, from so many places.
-class Scattered final : public Arrivals {
+class ScatteredArrivals final : public Arrivals {
 public:
-  Scattered(std::size_t modes, std::size_t samples) : modes_(modes), samples_(samples) {}
+  ScatteredArrivals(std::size_t modes, std::size_t samples) : modes_(modes), samples_(samples) {}
   std::size_t modes() const noexcept override { return modes_; }
   std::size_t samples() const noexcept override { return samples_; }
   void find(std::size_t motion, std::span<double> pressure) const override {
@@ -45,7 +45,7 @@ std::vector<DirectKernels::Mode> ringing(std::size_t count) {
         {{-3.0 - static_cast<double>(k % 7) * 500,
           2 * kPi * (100 + 19000.0 * static_cast<double>(k) / static_cast<double>(count))},
          count - 1 - k, // the table has them in another order
-         k % 11 == 5 ? DirectKernels::Mode::Part::kMute : DirectKernels::Mode::Part::kRings,
+         k % 11 == 5 ? DirectKernels::Mode::Part::kInaudible : DirectKernels::Mode::Part::kRinging,
          1 + 0.1 * static_cast<double>(k % 3)});
   return modes;
 }
@@ -71,7 +71,7 @@ TEST_CASE("sums over the modes taken beforehand give the same kernels as those o
   std::vector<float> shape(kVertices * kModes * 3);
   for (std::size_t i = 0; i < shape.size(); ++i)
     shape[i] = static_cast<float>(std::sin(static_cast<double>(i * i % 9973)));
-  const Scattered arrivals(kModes, 120);
+  const ScatteredArrivals arrivals(kModes, 120);
   const auto modes = ringing(kModes);
   for (const VectorSet set : {VectorSet::kBaseline, VectorSet::kAvx2, VectorSet::kAvx512}) {
     if (!bank_kernel(set))
@@ -149,7 +149,7 @@ TEST_CASE(
     rig.settings.listeners = 2;
     rig.settings.voices = 16;
     rig.options.coupled = false;
-    rig.renew(false);
+    rig.rebuild(false);
     static_cast<void>(rig.run(64));
     Striker soft;
     soft.stiffness = 1e3;
@@ -163,10 +163,10 @@ TEST_CASE(
       static_cast<void>(rig.run(1, 1));
       const std::size_t now = rig.body.contacts();
       if (now > before) {
-        const std::int64_t begun = rig.body.clock() - 1;
-        CHECK(begun >= when);
-        CHECK(begun - last <= (before == 0 ? 0 : apart));
-        last = begun;
+        const std::int64_t start_sample = rig.body.clock() - 1;
+        CHECK(start_sample >= when);
+        CHECK(start_sample - last <= (before == 0 ? 0 : apart));
+        last = start_sample;
       }
       before = std::max(before, now);
     }
@@ -182,7 +182,7 @@ namespace {
 ModalTable many_modes() {
   ModalTable table = plate(0.32, 0.2, 0.005, 20000, 4, 4);
   const std::size_t own = table.modes(), each = table.vertices() * 3;
-  while (table.modes() <= StruckBody::kMaxFreelyMoved) {
+  while (table.modes() <= StruckBody::kMaxUnthrottledModes) {
     const std::size_t k = table.modes() - own;
     table.frequency_hz.push_back(table.frequency_hz.back() + 0.1);
     table.loss_factor.push_back(1e-3);
@@ -201,20 +201,20 @@ TEST_CASE("of force points that come faster than a large body takes them the new
   static_cast<void>(rig.run(64));
   const std::int64_t begin = rig.body.clock();
   const auto gain_at = [&](double x) {
-    const SurfacePoint place = rig.body.model()->nearest({x, 0.01, 0});
+    const SurfacePoint point = rig.body.model()->nearest({x, 0.01, 0});
     std::vector<double> gain(rig.body.model()->mode.size());
-    rig.body.model()->gains(place, place.normal, gain);
+    rig.body.model()->gains(point, point.normal, gain);
     return static_cast<float>(gain[0]);
   };
   for (int i = 0; i < 200; ++i) { // every 4 samples
-    const SurfacePoint place = rig.body.model()->nearest({0.0005 * i, 0.01, 0});
-    rig.body.schedule_point(place, place.normal, begin + 4 * i);
+    const SurfacePoint point = rig.body.model()->nearest({0.0005 * i, 0.01, 0});
+    rig.body.schedule_point(point, point.normal, begin + 4 * i);
   }
   int changes = 0;
-  float before = rig.body.model()->push_gain[0];
+  float before = rig.body.model()->force_gain[0];
   for (int n = 0; n < 900; ++n) {
     static_cast<void>(rig.run(1, 1));
-    const float now = rig.body.model()->push_gain[0];
+    const float now = rig.body.model()->force_gain[0];
     changes += now != before ? 1 : 0;
     before = now;
   }
@@ -229,7 +229,7 @@ TEST_CASE("and of places that a surface slides on to") {
   Rub rub;
   rub.placed = true;
   for (int i = 0; i < 200; ++i) { // every 4 samples
-    rub.place = rig.body.model()->nearest({0.0005 * i, 0.01, 0});
+    rub.point = rig.body.model()->nearest({0.0005 * i, 0.01, 0});
     rub.law.dynamic_coefficient = 0.3 + 0.001 * i;
     rig.body.schedule_rub(rub, begin + 4 * i);
   }

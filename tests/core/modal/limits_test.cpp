@@ -47,8 +47,8 @@ TEST_CASE("a force that no body stands ends the contact, and the next blow is as
     rig.settings.size = 100; // as heavy and stiff as settings make it: 1e14 N/m
     rig.settings.density_kg_per_m3 = 1e5;
     rig.settings.youngs_modulus_pa = 1e13;
-    rig.renew(false);
-    rig.options.led = true;
+    rig.rebuild(false);
+    rig.options.driven = true;
     rig.body.set_options(rig.options);
     if (pressed) {
       const Striker ball = rig.body.striker();
@@ -56,8 +56,8 @@ TEST_CASE("a force that no body stands ends the contact, and the next blow is as
       pin.stiffness = 1e15;
       pin.exponent = 1;
       rig.body.set_striker(pin);
-      const Heard heard = rig.run(2000, 64, {}, std::vector<float>(2000, -10.0F));
-      CHECK(*std::max_element(heard.contact.begin(), heard.contact.end()) < 1e12F);
+      const Output output = rig.run(2000, 64, {}, std::vector<float>(2000, -10.0F));
+      CHECK(*std::max_element(output.contact.begin(), output.contact.end()) < 1e12F);
       rig.body.set_striker(ball);
     }
     static_cast<void>(rig.run(4800, 64, {}, std::vector<float>(4800, 1.0F)));
@@ -78,20 +78,20 @@ TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from t
     Rig rig(kRate, one_mode(frequency, 0.1));
     rig.body.set_striker({kMass, 0.01, 1e6, 0.3, kStiffness, 1, 0, 1});
     rig.body.hit({{}, {0, 0, 1}, kSpeed, true});
-    const Heard heard = rig.run(96000);
+    const Output output = rig.run(96000);
     // The ball's own motion, up, from the force on it.
     double height = 0, speed = -kSpeed;
     std::size_t n = 0;
     const auto fly = [&](std::size_t sample) {
-      const double force = static_cast<double>(heard.contact[sample]);
+      const double force = static_cast<double>(output.contact[sample]);
       const double a = force / kMass - StruckBody::kGravity;
       height += speed / kRate + 0.5 * a / (kRate * kRate);
       speed += a / kRate;
     };
-    while (n < 96000 && (heard.contact[n] > 0 || n < 10))
+    while (n < 96000 && (output.contact[n] > 0 || n < 10))
       fly(n++);
     std::size_t quiet = 0;
-    while (n + quiet < 96000 && heard.contact[n + quiet] <= 0)
+    while (n + quiet < 96000 && output.contact[n + quiet] <= 0)
       ++quiet;
     if (n + quiet >= 95000 || quiet < 480 || height < 1e-3 || speed <= 0)
       continue;
@@ -110,8 +110,8 @@ TEST_CASE("what is culled of a pulse is not missed") {
     rig.options.coupled = false;
     rig.body.set_striker({0.02, 0.02, 3e5, 0.49, 0, 1.5, 0, 1}); // soft
     rig.hit({0.05, 0.03, 0}, 0.5);
-    auto heard = rig.run(48000);
-    return std::tuple(heard.left, rig.body.culled(), rig.body.model()->heard);
+    auto output = rig.run(48000);
+    return std::tuple(output.left, rig.body.culled(), rig.body.model()->audible_modes);
   };
   const auto [all, none, count] = play(200);
   const auto [fewer, culled, same] = play(80);
@@ -132,20 +132,20 @@ TEST_CASE("a crowd of strikers that never leave is worked in bounded time, and t
   // pulses.
   Rig rig;
   rig.settings.voices = 64;
-  rig.renew(false);
+  rig.rebuild(false);
   rig.body.set_striker({1e6, 10, 1e15, .3, 0, 1.5, 0, 1});
   for (int i = 0; i < 66; ++i)
     rig.hit({.001 * i, .0007 * i, 0}, 50);
   CHECK(rig.body.model()->solver.active() <= StruckBody::kMaxCoupled);
-  const Heard heard = rig.run(64);
+  const Output output = rig.run(64);
   CHECK(rig.body.model()->solver.steps() * rig.body.model()->solver.active() <= 1024);
-  for (const auto* sound : {&heard.left, &heard.right, &heard.contact})
+  for (const auto* sound : {&output.left, &output.right, &output.contact})
     CHECK(std::all_of(sound->begin(), sound->end(), [](float y) { return std::isfinite(y); }));
   rig.body.reset();
   static_cast<void>(rig.run(4096));
   rig.body.set_striker({});
   rig.hit({}, 1);
-  const Heard after = rig.run(2000);
+  const Output after = rig.run(2000);
   float peak = 0;
   for (const float y : after.left)
     peak = std::max(peak, std::abs(y));

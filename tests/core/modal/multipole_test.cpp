@@ -36,9 +36,9 @@ Complex sphere(unsigned l, double a, double r, double omega, double air, double 
 Complex lag(double x) { return 1. / Complex(1, .4 * x); }
 
 /// One mode of degree l, known at its own frequency or in a band; P_l about the z axis.
-ModalTable table_of(unsigned l, double own_hz, bool band) {
+ModalTable make_table(unsigned l, double mode_hz, bool band) {
   ModalTable table;
-  table.frequency_hz = {own_hz};
+  table.frequency_hz = {mode_hz};
   MultipoleTable& m = table.multipoles;
   m.centre = {.01, -.02, .03};
   m.highest_degree = {static_cast<std::int32_t>(l)};
@@ -54,7 +54,7 @@ ModalTable table_of(unsigned l, double own_hz, bool band) {
   };
   const std::size_t count = (l + 1) * (l + 1), at = l * l + l;
   m.coefficients.assign(count, 0);
-  m.coefficients[at] = coefficient(own_hz);
+  m.coefficients[at] = coefficient(mode_hz);
   if (!band)
     return table;
   for (double hz = 120; hz < 22000; hz *= 1.12)
@@ -98,14 +98,14 @@ TEST_CASE("multipoles in any size, air and direction sound as the sphere does") 
         Case{.5, 2.8, .6, kSound, 96000, 2.5, .1, true},
         Case{1, 1, kAir, kSound, 44100, 1.2, 2, true}})
     for (const unsigned l : {0U, 1U, 3U}) {
-      const double own_hz = 2500 / c.size; // of the body as it is
-      const ModalTable table = table_of(l, 2500, c.band);
+      const double mode_hz = 2500 / c.size; // of the body as it is
+      const ModalTable table = make_table(l, 2500, c.band);
       const RadiatingSurface::Scene scene{c.size,  c.shape_scale, c.air,
                                           c.sound, c.rate,        Arrivals::kMaxSpread};
       const Vec3 centre = c.size * table.multipoles.centre;
       const Vec3 listener = centre + c.distance * Vec3{std::sin(c.polar) * .6,
                                                        std::sin(c.polar) * .8, std::cos(c.polar)};
-      const std::array<double, 1> omega{2 * kPi * own_hz};
+      const std::array<double, 1> omega{2 * kPi * mode_hz};
       const auto arrivals = multipole_arrivals(table, omega, listener, scene, {}, 1);
       const double a = c.size * kRadius;
       const TravelTime travel((c.distance - a) / c.sound, c.rate);
@@ -115,14 +115,14 @@ TEST_CASE("multipoles in any size, air and direction sound as the sphere does") 
       for (const double hz : {200., 600., 1500., 4000., 9000., 16000.})
         loudest =
             std::max(loudest, std::abs(sphere(l, a, c.distance, 2 * kPi * hz, c.air, c.sound)));
-      for (const double hz : {200., 600., 1500., own_hz, 4000., 9000., 16000.}) {
+      for (const double hz : {200., 600., 1500., mode_hz, 4000., 9000., 16000.}) {
         if (c.band && hz * c.size > 21000) // beyond the table's band
           continue;
         const double w = 2 * kPi * hz;
         const Complex exact = c.shape_scale * legendre *
                               sphere(l, a, c.distance, w, c.air, c.sound) *
                               (c.band ? lag(w * a / c.sound) : 1.) *
-                              std::polar(1., -w * travel.late_samples / c.rate);
+                              std::polar(1., -w * travel.fractional_samples / c.rate);
         CAPTURE(c.size);
         CAPTURE(c.band);
         CAPTURE(l);
@@ -137,7 +137,7 @@ TEST_CASE("multipoles in any size, air and direction sound as the sphere does") 
 }
 
 TEST_CASE("a body's own field is that of its reference sphere nearer than that, and none is none") {
-  const ModalTable table = table_of(0, 2500, false);
+  const ModalTable table = make_table(0, 2500, false);
   const std::array<double, 1> omega{2 * kPi * 2500}, none{0};
   const RadiatingSurface::Scene scene;
   const Vec3 centre = table.multipoles.centre;
@@ -153,22 +153,22 @@ TEST_CASE("a body's own field is that of its reference sphere nearer than that, 
 }
 
 TEST_CASE("recoil sounds along its dipole's axis as the cosine, and turning does not") {
-  const ModalTable table = table_of(0, 2500, false);
+  const ModalTable table = make_table(0, 2500, false);
   const std::array<double, 1> omega{2 * kPi * 2500};
   const double s = std::sqrt(.5);
   const std::array<RigidDipole, 3> dipoles{RigidDipole{{s, s, 0}, .02}, RigidDipole{{s, -s, 0}, 0},
                                            RigidDipole{{0, 0, 1}, 9}}; // wider than the table's
   const RadiatingSurface::Scene scene;
-  for (const Vec3& way : {Vec3{1, 0, 0}, Vec3{.6, .8, 0}, Vec3{0, .6, .8}}) {
-    const auto arrivals =
-        multipole_arrivals(table, omega, table.multipoles.centre + 1.5 * way, scene, dipoles, 4);
+  for (const Vec3& unit_direction : {Vec3{1, 0, 0}, Vec3{.6, .8, 0}, Vec3{0, .6, .8}}) {
+    const auto arrivals = multipole_arrivals(
+        table, omega, table.multipoles.centre + 1.5 * unit_direction, scene, dipoles, 4);
     for (std::size_t motion = 0; motion < 6; ++motion)
       for (const double hz : {300., 2000.}) {
         const double w = 2 * kPi * hz;
         Complex exact = 0;
         for (const RigidDipole& d : dipoles)
           if (motion < 3 && d.radius_m > 0)
-            exact += d.axis[static_cast<int>(motion)] * dot(d.axis, way) / 2 *
+            exact += d.axis[static_cast<int>(motion)] * dot(d.axis, unit_direction) / 2 *
                      sphere(1, std::min(d.radius_m, kRadius), 1.5, w, kAir, kSound);
         const double found = std::abs(spectrum(*arrivals, 1 + motion, hz, 48000)[0]);
         CAPTURE(motion);

@@ -82,7 +82,7 @@ struct Case {
   ModalTable table;
   Striker striker;
   double speed;
-  Vec3 place;
+  Vec3 point;
 };
 
 } // namespace
@@ -129,18 +129,18 @@ TEST_CASE("a pulse sounds within 1 dB of the coupled blow below half its inverse
     const auto play = [&](bool coupled) {
       Rig rig(kRate, each.table);
       rig.settings.listener[0] = {0.033, 0.021, 0.1};
-      rig.renew(false);
+      rig.rebuild(false);
       rig.options.coupled = coupled;
       rig.body.set_striker(each.striker);
-      rig.hit(each.place, each.speed);
+      rig.hit(each.point, each.speed);
       return std::pair(rig.run(48000), rig.body.model()->rate);
     };
     const auto [coupled, rates] = play(true);
     const auto pulse = play(false).first;
-    const auto lasts = [](const Heard& heard) {
+    const auto lasts = [](const Output& output) {
       std::size_t end = 0;
       for (std::size_t n = 0; n < 24000; ++n)
-        if (heard.contact[n] > 0)
+        if (output.contact[n] > 0)
           end = n + 1;
       return static_cast<double>(end) / kRate;
     };

@@ -55,11 +55,11 @@ TEST_CASE("a piston in a baffle sounds on its axis as the closed form says") {
   const LoadedTable loaded(piston(a, 60, 90));
   const Complex s(-20, 2 * kPi * 3000);
   const std::size_t mode = 0;
-  const auto heard = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, 1, 1, kAir, kSound);
+  const auto output = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, 1, 1, kAir, kSound);
   const double far = std::sqrt(z * z + a * a);
   const Complex exact = kAir * kSound * (1.0 - std::exp(-s * (far - z) / kSound));
-  CHECK(heard.delay_s == approx(z / kSound).epsilon(1e-3));
-  CHECK(std::abs(20 * std::log10(std::abs(heard.pressure[0] / exact))) < 0.05);
+  CHECK(output.delay_s == approx(z / kSound).epsilon(1e-3));
+  CHECK(std::abs(20 * std::log10(std::abs(output.pressure[0] / exact))) < 0.05);
 }
 
 TEST_CASE("a piston of few triangles sounds on its axis as the closed form says, near and far") {
@@ -72,20 +72,21 @@ TEST_CASE("a piston of few triangles sounds on its axis as the closed form says,
       CAPTURE(f);
       CAPTURE(z);
       const Complex s(0, 2 * kPi * f);
-      const auto heard = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, 1, 1, kAir, kSound);
+      const auto output =
+          loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, 1, 1, kAir, kSound);
       const double far = std::sqrt(z * z + a * a);
       const double exact = 2 * kAir * kSound * std::abs(std::sin(kPi * f / kSound * (far - z)));
       if (exact < 0.05 * kAir * kSound)
         continue; // where the middle and the rim nearly cancel
-      CHECK(std::abs(20 * std::log10(std::abs(heard.pressure[0]) / exact)) < 0.05);
+      CHECK(std::abs(20 * std::log10(std::abs(output.pressure[0]) / exact)) < 0.05);
     }
   // Beside the axis: a finer surface's own sum.
   const LoadedTable fine(piston(a, 60, 144));
   const Complex s(0, 2 * kPi * 9000);
-  for (const Vec3 place : {Vec3{0.031, 0.007, 0.0008}, Vec3{0.03, 0.01, 0.004},
-                           Vec3{0.049, 0, 0.02}, Vec3{0.2, 0.1, 0.1}}) {
-    const auto x = loaded.radiating.modal({&s, 1}, {&mode, 1}, place, 1, 1, kAir, kSound);
-    const auto y = fine.radiating.modal({&s, 1}, {&mode, 1}, place, 1, 1, kAir, kSound);
+  for (const Vec3 position : {Vec3{0.031, 0.007, 0.0008}, Vec3{0.03, 0.01, 0.004},
+                              Vec3{0.049, 0, 0.02}, Vec3{0.2, 0.1, 0.1}}) {
+    const auto x = loaded.radiating.modal({&s, 1}, {&mode, 1}, position, 1, 1, kAir, kSound);
+    const auto y = fine.radiating.modal({&s, 1}, {&mode, 1}, position, 1, 1, kAir, kSound);
     CHECK(std::abs(20 * std::log10(std::abs(x.pressure[0] / y.pressure[0]))) < 0.05);
   }
 }
@@ -115,7 +116,7 @@ TEST_CASE("what arrives from a piston is the closed form's, all through a sample
             // From the shortest path on; what the delay line leaves of it is in the kernel.
             const Complex exact = kAir * kSound * (motion ? 3. : .5) *
                                   (1. - std::exp(-j * k * (far - z))) / (j * w) *
-                                  std::exp(-j * w * travel.late_samples / 48000.);
+                                  std::exp(-j * w * travel.fractional_samples / 48000.);
             Complex gauss = 0, sampled = 0;
             for (std::size_t n = 0; n < arrivals->samples(); ++n)
               for (std::size_t m = 0; m < BandLimit::kNodes; ++m) {
@@ -150,13 +151,13 @@ TEST_CASE("a shape that changes over a triangle is integrated with its slope") {
   const LoadedTable loaded(std::move(table));
   const Complex s(0, 2 * kPi * f);
   const std::size_t mode = 0;
-  const auto heard = loaded.radiating.modal(
+  const auto output = loaded.radiating.modal(
       {&s, 1}, {&mode, 1}, {r * std::sin(angle), 0, r * std::cos(angle)}, 1, 1, kAir, kSound);
   // int x exp(j k x sin) dS = j 2 pi a^3 J2(q)/q, q = k a sin(angle)
   const double q = 2 * kPi * f / kSound * a * std::sin(angle);
   const double exact = kAir * 2 * kPi * f / (2 * kPi * r) * 2 * kPi * a * a * a *
                        std::abs(std::cyl_bessel_j(2, q)) / q;
-  CHECK(std::abs(20 * std::log10(std::abs(heard.pressure[0]) / exact)) < 0.05);
+  CHECK(std::abs(20 * std::log10(std::abs(output.pressure[0]) / exact)) < 0.05);
 }
 
 TEST_CASE("nodes join what is smooth and part what is an edge") {
@@ -169,11 +170,11 @@ TEST_CASE("nodes join what is smooth and part what is an edge") {
   surface.build(vertex, triangle);
   const SurfaceNodes nodes = surface_nodes(surface, triangle, vertex.size());
   CHECK(nodes.vertex.size() == 10); // 0 and 1 are on the edge
-  CHECK(nodes.of_triangle[0][0] == nodes.of_triangle[1][0]);
-  CHECK(nodes.of_triangle[0][0] != nodes.of_triangle[2][0]);
-  CHECK(nodes.of_triangle[0][1] == nodes.of_triangle[4][0]);
-  CHECK(nodes.normal[nodes.of_triangle[0][0]].z == approx(1));
-  CHECK(nodes.normal[nodes.of_triangle[2][0]].y == approx(-1));
+  CHECK(nodes.triangle_nodes[0][0] == nodes.triangle_nodes[1][0]);
+  CHECK(nodes.triangle_nodes[0][0] != nodes.triangle_nodes[2][0]);
+  CHECK(nodes.triangle_nodes[0][1] == nodes.triangle_nodes[4][0]);
+  CHECK(nodes.normal[nodes.triangle_nodes[0][0]].z == approx(1));
+  CHECK(nodes.normal[nodes.triangle_nodes[2][0]].y == approx(-1));
 }
 
 TEST_CASE("modes that swing against each other cancel on the axis") {
@@ -213,14 +214,14 @@ TEST_CASE("multipoles of degree 0 and 1 are the breathing and the swinging spher
   const Complex rates[] = {{0, 2 * kPi * f}, {0, 2 * kPi * f}};
   const std::size_t modes[] = {0, 1};
   for (const double r : {0.06, 0.2, 1.0}) {
-    const Vec3 place{0, r * 0.6, r * 0.8};
-    const auto heard = multipole_transfer(table, rates, modes, place, 1, 1, kAir, kSound);
+    const Vec3 position{0, r * 0.6, r * 0.8};
+    const auto output = multipole_transfer(table, rates, modes, position, 1, 1, kAir, kSound);
     const Complex delayed = std::polar(1.0, k * (r - a)); // as the delay line holds it
     const Complex p0 = -j * kAir * kSound * h0(k * r) / h0_slope * delayed;
     const Complex p1 = -j * kAir * kSound * h1(k * r) / h1_slope * 0.8 * delayed;
-    CHECK(std::abs(heard.pressure[0] - p0) < 1e-5 * std::abs(p0));
-    CHECK(std::abs(heard.pressure[1] - p1) < 1e-5 * std::abs(p1));
-    CHECK(heard.delay_s == approx((r - a) / kSound));
+    CHECK(std::abs(output.pressure[0] - p0) < 1e-5 * std::abs(p0));
+    CHECK(std::abs(output.pressure[1] - p1) < 1e-5 * std::abs(p1));
+    CHECK(output.delay_s == approx((r - a) / kSound));
   }
 }
 

@@ -35,18 +35,18 @@ std::vector<float> play(DirectSound& direct, std::size_t frames) {
 ModalTable breathing_ball(double a) {
   ModalTable table;
   table.material = {"aluminium", 70.3e9, .33, 2700};
-  constexpr std::int32_t kRings = 16, kAround = 32; // a closed surface, 1 % smaller than the ball
-  for (std::int32_t i = 0; i <= kRings; ++i)
+  constexpr std::int32_t kRinging = 16, kAround = 32; // a closed surface, 1 % smaller than the ball
+  for (std::int32_t i = 0; i <= kRinging; ++i)
     for (std::int32_t k = 0; k < kAround; ++k) {
-      const double polar = kPi * i / kRings, around = 2 * kPi * k / kAround;
+      const double polar = kPi * i / kRinging, around = 2 * kPi * k / kAround;
       table.vertex_m.push_back({a * std::sin(polar) * std::cos(around),
                                 a * std::sin(polar) * std::sin(around), a * std::cos(polar)});
-      if (i == kRings)
+      if (i == kRinging)
         continue;
       const std::int32_t p = i * kAround + k, q = i * kAround + (k + 1) % kAround;
       if (i > 0)
         table.triangle.push_back({p, p + kAround, q});
-      if (i + 1 < kRings)
+      if (i + 1 < kRinging)
         table.triangle.push_back({q, p + kAround, q + kAround});
     }
   table.shape.assign(3 * table.vertices(), 0);
@@ -72,7 +72,7 @@ TEST_CASE("a free body's recoil is heard through its suspension, Butterworth's f
     DirectSound direct;
     direct.prepare(rate);
     const ForceKernel kernel{{0}, {1}};
-    direct.add_sample(0, ModeBank::kFresh, 0, kernel, 1, 1);
+    direct.add_sample(0, ModeBank::kLatest, 0, kernel, 1, 1);
     const auto sound = play(direct, static_cast<std::size_t>(2 * rate) / 64 * 64);
     for (const double hz : {.5, 1., 2., 4., 8., 40., 1000., 15000.}) {
       Complex sum = 0;
@@ -98,9 +98,9 @@ TEST_CASE("a free body recoils as loudly in any size of the same density") {
     rig.settings.size = size;
     rig.settings.density_kg_per_m3 = density;
     rig.settings.listener[0] = {0, 0, 2};
-    rig.renew(false);
+    rig.rebuild(false);
     auto model = std::make_unique<BodyModel>(rig.loaded, rig.settings);
-    model->aim_point(model->nearest({0, 0, size}), {0, 0, 1});
+    model->build_point_kernels(model->nearest({0, 0, size}), {0, 0, 1});
     const ForceKernel& kernel = model->sample_kernel[0][0];
     REQUIRE(!kernel.rigid.empty());
     // Its level at 300 Hz, where the ball is much smaller than the wave.
@@ -138,10 +138,10 @@ TEST_CASE("a force taken as having acted for long gives what one gives that has"
   std::vector<float> sound(64);
   for (int chunk = 0; chunk < 3; ++chunk) {
     for (std::size_t n = 0; n < 64; ++n)
-      acted.add_moments(1, ModeBank::kFresh, n, {kernel.elastic, {}}, taps, force);
+      acted.add_moments(1, ModeBank::kLatest, n, {kernel.elastic, {}}, taps, force);
     acted.finish(1, sound, Glide());
   }
-  taken.add_past(1, {kernel.elastic, {}}, taps, force);
+  taken.add_history(1, {kernel.elastic, {}}, taps, force);
   std::vector<float> a(64), b(64);
   acted.finish(1, a, Glide());
   taken.finish(1, b, Glide());
@@ -163,11 +163,11 @@ TEST_CASE("forces by a glide's three kernels are heard in its blend, and settle 
   static_cast<void>(other.advance(Glide::kSegment + 0));
   static_cast<void>(other.advance(200));
   REQUIRE(other.has_old());
-  REQUIRE(other.has_fresh());
+  REQUIRE(other.has_latest());
   const float level[3] = {1, 10, 100};
   const auto make = [&](DirectSound& direct) {
     direct.prepare(kRate);
-    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kFresh})
+    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kLatest})
       for (std::size_t n = 0; n < 64; ++n)
         direct.add_sample(0, part, n, {{level[part]}, {}}, 1, 1);
   };
@@ -180,7 +180,7 @@ TEST_CASE("forces by a glide's three kernels are heard in its blend, and settle 
     const double u = (200 + static_cast<double>(n) + .5) / 512;
     const double expected = .5 * (1 - u) * (1 - u) * static_cast<double>(level[ModeBank::kOld]) +
                             (.5 + u * (1 - u)) * static_cast<double>(level[ModeBank::kMiddle]) +
-                            .5 * u * u * static_cast<double>(level[ModeBank::kFresh]);
+                            .5 * u * u * static_cast<double>(level[ModeBank::kLatest]);
     CHECK(static_cast<double>(sound[n]) == approx(expected).epsilon(1e-5));
   }
   // Settled: all parts are the blend of now, whatever comes.
@@ -199,7 +199,7 @@ TEST_CASE("forces by a glide's three kernels are heard in its blend, and settle 
   DirectSound two;
   two.prepare(kRate);
   for (std::size_t l = 0; l < 2; ++l)
-    two.add_sample(l, ModeBank::kFresh, 3, {{1, 1}, {1, 1}}, 2, 1);
+    two.add_sample(l, ModeBank::kLatest, 3, {{1, 1}, {1, 1}}, 2, 1);
   two.clear_from(1);
   std::vector<float> first(64), second(64);
   two.finish(0, first, Glide());
@@ -210,7 +210,7 @@ TEST_CASE("forces by a glide's three kernels are heard in its blend, and settle 
 
 TEST_CASE("a source of high degree is heard at low frequencies as a sphere's, far below its own") {
   // p = -rho h_l(k r)/(k h_l'(k a)) for an acceleration P_l(cos theta) of the sphere.
-  const double a = .05, c = 346.1, air = 1.184, own_hz = 9000;
+  const double a = .05, c = 346.1, air = 1.184, mode_hz = 9000;
   const auto hankel = [](int degree, double x) { // h_l and h_l', second kind
     Complex before = Complex(0, 1) * std::polar(1., -x) / x, h = before;
     if (degree > 0)
@@ -229,7 +229,7 @@ TEST_CASE("a source of high degree is heard at low frequencies as a sphere's, fa
              std::polar(1., k * (r - a));
     };
     ModalTable table;
-    table.frequency_hz = {own_hz};
+    table.frequency_hz = {mode_hz};
     MultipoleTable& m = table.multipoles;
     const auto l = static_cast<std::size_t>(degree);
     m.highest_degree = {degree};
@@ -237,9 +237,9 @@ TEST_CASE("a source of high degree is heard at low frequencies as a sphere's, fa
     m.scales = {1};
     m.reference_radius_m = a;
     m.coefficients.assign((l + 1) * (l + 1), 0);
-    const double omega = 2 * kPi * own_hz;
+    const double omega = 2 * kPi * mode_hz;
     m.coefficients[l * l + l] =
-        Complex(Complex(0, omega) * exact(own_hz, a) / std::sqrt((2. * degree + 1) / (4 * kPi)));
+        Complex(Complex(0, omega) * exact(mode_hz, a) / std::sqrt((2. * degree + 1) / (4 * kPi)));
     const std::array<double, 1> rates{omega};
     for (const double r : {.15, .5}) {
       const auto arrivals =

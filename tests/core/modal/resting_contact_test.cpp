@@ -27,7 +27,7 @@ struct BarOnBoard {
   double mass = 0.08, inertia = 2e-4; // kg, kg m^2
   std::vector<Complex> rate{rate_of(310, 2), rate_of(860, 5),  rate_of(1690, 9),
                             rate_of(95, 12), rate_of(240, 20), rate_of(415, 30)};
-  std::array<double, 2> place{-0.06, 0.05}; // m from the centre of mass
+  std::array<double, 2> position{-0.06, 0.05}; // m from the centre of mass
   std::array<std::vector<double>, 2> gain{std::vector<double>{1.3, -2.9, 3.3, -0.9, 1.1, 0.4},
                                           std::vector<double>{0.8, 2.1, 3.9, -0.7, -0.8, 1.2}};
   std::vector<double> struck{-5.1, 0.2, 4.4, 0, 0, 0}; // downwards, on the bar
@@ -37,14 +37,14 @@ struct BarOnBoard {
   }
   /// Static forces of the weight.
   [[nodiscard]] std::array<double, 2> preload() const {
-    const double share = place[1] / (place[1] - place[0]);
+    const double share = position[1] / (position[1] - position[0]);
     return {mass * kGravity * share, mass * kGravity * (1 - share)};
   }
   [[nodiscard]] ContactSolver solver(const tactus::contact::ImpactLaw& law,
                                      double sample_rate = kRate) const {
     ContactSolver solver(rate, sample_rate, 3, true);
     for (std::size_t i = 0; i < 2; ++i)
-      solver.begin_rest(1 + i, {law, preload()[i]}, gain[i], rigid(place[i]));
+      solver.begin_resting_contact(1 + i, {law, preload()[i]}, gain[i], rigid(position[i]));
     return solver;
   }
   void strike(ContactSolver& solver, double speed) const {
@@ -80,7 +80,7 @@ struct Reference {
       equilibrium[i] = std::pow(bodies.preload()[i] / law.stiffness, 1 / law.exponent);
   }
   [[nodiscard]] double gain(std::size_t point, std::size_t k) const {
-    return k < 6 ? bodies.gain[point][k] : bodies.rigid(bodies.place[point])[k - 6];
+    return k < 6 ? bodies.gain[point][k] : bodies.rigid(bodies.position[point])[k - 6];
   }
   [[nodiscard]] State slope(const State& x) const {
     State d{};
@@ -158,7 +158,7 @@ TEST_CASE("two bodies at rest on each other stay at rest") {
     for (int n = 0; n < 20000; ++n) {
       CHECK(solver.step() == 0); // no striker presses
       for (std::size_t i = 0; i < 2; ++i)
-        REQUIRE(std::abs(solver.unbalanced(1 + i)) < 1e-12);
+        REQUIRE(std::abs(solver.net_contact_force(1 + i)) < 1e-12);
     }
     for (std::size_t i = 0; i < 2; ++i)
       CHECK(solver.contact(1 + i).exciter.force_n == doctest::Approx(bodies.preload()[i]));
@@ -223,7 +223,7 @@ TEST_CASE("what a contact gives one body it takes from the other") {
   const std::vector<double> gain{1 / std::sqrt(one), -1 / std::sqrt(two), 2.2, -1.9};
   for (const double preload : {0.0, 4.0}) {
     ContactSolver solver(rate, kRate, 1, false);
-    solver.begin_rest(0, {{2e6, 1.5, 0.3}, preload}, gain, {});
+    solver.begin_resting_contact(0, {{2e6, 1.5, 0.3}, preload}, gain, {});
     const auto momentum = [&] {
       return std::sqrt(one) * solver.state(0).real() + std::sqrt(two) * solver.state(1).real();
     };
@@ -233,7 +233,7 @@ TEST_CASE("what a contact gives one body it takes from the other") {
     double exchanged = 0;
     for (int n = 0; n < 4000; ++n) {
       static_cast<void>(solver.step());
-      exchanged += std::abs(solver.unbalanced(0)) / kRate;
+      exchanged += std::abs(solver.net_contact_force(0)) / kRate;
       REQUIRE(std::abs(momentum() / given - 1) < 1e-12);
     }
     CHECK(exchanged > 0.02); // of 0.025 N s
@@ -247,7 +247,7 @@ TEST_CASE("two modes joined by a spring ring at the eigenfrequencies of both tog
   for (const double k : {2e4, 2e5, 1.5e6}) {
     CAPTURE(k);
     ContactSolver solver(rate, kRate, 1, false);
-    solver.begin_rest(0, {{k, 1, 0}, 5}, b, {}); // pressed so that it never opens
+    solver.begin_resting_contact(0, {{k, 1, 0}, 5}, b, {}); // pressed so that it never opens
     solver.set_state(0, 1e-4);
     // Eigenvalues of diag(omega^2) + k b b^T.
     const double p = omega[0] * omega[0] + k * b[0] * b[0], q = k * b[0] * b[1],
@@ -283,20 +283,21 @@ TEST_CASE("two modes joined by a spring ring at the eigenfrequencies of both tog
 
 TEST_CASE("a contact without stiffness leaves the bodies alone") {
   const BarOnBoard bodies;
-  ContactSolver alone(bodies.rate, kRate, 3, true), touched(bodies.rate, kRate, 3, true);
+  ContactSolver alone(bodies.rate, kRate, 3, true), contacting(bodies.rate, kRate, 3, true);
   for (std::size_t i = 0; i < 2; ++i)
-    touched.begin_rest(1 + i, {{1e-3, 1, 0}, 0}, bodies.gain[i], bodies.rigid(bodies.place[i]));
+    contacting.begin_resting_contact(1 + i, {{1e-3, 1, 0}, 0}, bodies.gain[i],
+                                     bodies.rigid(bodies.position[i]));
   bodies.strike(alone, 1);
-  bodies.strike(touched, 1);
+  bodies.strike(contacting, 1);
   for (int n = 0; n < 2000; ++n) {
     if (!alone.touching())
       break;
-    CHECK(alone.step() == doctest::Approx(touched.step()).epsilon(1e-6));
+    CHECK(alone.step() == doctest::Approx(contacting.step()).epsilon(1e-6));
     for (std::size_t k = 0; k < 3; ++k)
-      CHECK(std::abs(alone.state(k) - touched.state(k)) < 1e-7);
+      CHECK(std::abs(alone.state(k) - contacting.state(k)) < 1e-7);
   }
   for (std::size_t k = 3; k < 6; ++k)
-    CHECK(std::abs(touched.state(k)) < 1e-6); // the board's
+    CHECK(std::abs(contacting.state(k)) < 1e-6); // the board's
 }
 
 TEST_CASE("two bodies stay finite and passive whatever rests on whatever") {
@@ -312,10 +313,11 @@ TEST_CASE("two bodies stay finite and passive whatever rests on whatever") {
     }
     ContactSolver solver(rate, kRate, 4, true);
     for (std::size_t i = 1; i < 4; ++i)
-      solver.begin_rest(i,
-                        {{std::pow(10, 18 * ten(random)), exponent(random), 5 * ten(random)},
-                         std::pow(10, 6 * ten(random) - 3)},
-                        gain[i], {10 * ten(random), ten(random), 0, 0, ten(random), 0});
+      solver.begin_resting_contact(
+          i,
+          {{std::pow(10, 18 * ten(random)), exponent(random), 5 * ten(random)},
+           std::pow(10, 6 * ten(random) - 3)},
+          gain[i], {10 * ten(random), ten(random), 0, 0, ten(random), 0});
     ContactSolver::Strike ball;
     ball.law = {std::pow(10, 4 + 8 * ten(random)), 1.5, 0};
     ball.mass_kg = std::pow(10, -4 * ten(random));

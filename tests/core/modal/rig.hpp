@@ -15,7 +15,7 @@ namespace tactus::test {
 
 using namespace modal;
 
-struct Heard {
+struct Output {
   std::vector<float> left, right, contact;
 };
 
@@ -29,30 +29,31 @@ struct Rig {
     body.prepare(sample_rate);
     options.gain = 1;
     options.cull_db = 200;
-    renew(false);
+    rebuild(false);
   }
-  void renew(bool same = true) {
+  void rebuild(bool same = true) {
     body.set_options(options);
     body.publish(std::make_unique<BodyModel>(loaded, settings), same);
     body.adopt();
   }
-  void hit(Vec3 place, double speed) {
+  void hit(Vec3 point, double speed) {
     body.set_options(options);
-    const SurfacePoint at = body.model()->nearest(place);
+    const SurfacePoint at = body.model()->nearest(point);
     body.hit({at, at.normal, speed});
   }
-  Heard run(std::size_t frames, std::size_t block = 64, std::vector<float> force = {},
-            std::vector<float> height = {}) {
+  Output run(std::size_t frames, std::size_t block = 64, std::vector<float> force = {},
+             std::vector<float> height = {}) {
     force.resize(frames);
     height.resize(frames);
-    Heard heard{std::vector<float>(frames), std::vector<float>(frames), std::vector<float>(frames)};
+    Output output{std::vector<float>(frames), std::vector<float>(frames),
+                  std::vector<float>(frames)};
     for (std::size_t n = 0; n < frames; n += block) {
       const std::size_t count = std::min(block, frames - n);
       const auto part = [&](std::vector<float>& x) { return std::span(x).subspan(n, count); };
-      const std::array<std::span<float>, 2> out{part(heard.left), part(heard.right)};
-      body.process<float>(part(force), part(height), out, part(heard.contact));
+      const std::array<std::span<float>, 2> out{part(output.left), part(output.right)};
+      body.process<float>(part(force), part(height), out, part(output.contact));
     }
-    return heard;
+    return output;
   }
 
   BodySettings settings;
@@ -61,9 +62,9 @@ struct Rig {
   StruckBody body;
 };
 
-inline double impulse(const Heard& heard, double rate) {
+inline double impulse(const Output& output, double rate) {
   double sum = 0;
-  for (const float f : heard.contact)
+  for (const float f : output.contact)
     sum += static_cast<double>(f) / rate;
   return sum;
 }

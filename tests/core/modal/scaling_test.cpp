@@ -45,7 +45,7 @@ struct Body {
 };
 
 std::complex<double> rate(const BodyModel& model, std::size_t mode) {
-  return model.rate[model.place_of[mode]];
+  return model.rate[model.index_of[mode]];
 }
 
 double square(const std::array<double, ContactSolver::kRigid>& gain) {
@@ -82,10 +82,10 @@ TEST_CASE("a free body's recoil is that of its mass and inertia, in any size and
       std::array<Vec3, 3> inertia = table.inertia_kg_m2;
       for (Vec3& row : inertia)
         row = row * (heavier * std::pow(size, 5));
-      for (const Vec3& place :
+      for (const Vec3& point :
            {Vec3{.1, .07, .0025}, Vec3{-.13, .02, .0025}, Vec3{0, -.09, .0025}}) {
-        const SurfacePoint at = model.nearest(size * place);
-        const Vec3 arm = size * (place - table.centre_of_mass_m);
+        const SurfacePoint at = model.nearest(size * point);
+        const Vec3 arm = size * (point - table.centre_of_mass_m);
         for (const Vec3& n : {Vec3{0, 0, 1}, Vec3{.6, 0, .8}, Vec3{.48, -.6, .64}})
           CHECK(square(model.rigid_gains(at, n)) ==
                 approx(mobility(model.mass_kg, inertia, arm, n)).epsilon(1e-6));
@@ -99,7 +99,7 @@ TEST_CASE("what the table left out gives way as 1 over modulus and size") {
     body.settings.size = size;
     body.settings.youngs_modulus_pa = modulus;
     const BodyModel model = body.model();
-    return model.left_out(model.nearest(size * Vec3{.05, .03, .0025}));
+    return model.residual_compliance(model.nearest(size * Vec3{.05, .03, .0025}));
   };
   const double own = compliance(1, 0);
   CHECK(own == approx(1e-8 * (2 + 3 * .05)).epsilon(1e-5));

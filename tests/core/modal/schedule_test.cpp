@@ -14,8 +14,8 @@ using namespace tactus::test;
 
 namespace {
 
-Hit at(const Rig& rig, Vec3 place, double speed = 1) {
-  const SurfacePoint point = rig.body.model()->nearest(place);
+Hit at(const Rig& rig, Vec3 position, double speed = 1) {
+  const SurfacePoint point = rig.body.model()->nearest(position);
   return {point, point.normal, speed};
 }
 
@@ -46,7 +46,7 @@ TEST_CASE("a queue gives events by time, and equal times as they came") {
     CHECK(order == std::vector<int>{6, 2, 4, 3, 7, 8, 1, 5});
   }
   queue.push(50, 1);
-  queue.make_due();
+  queue.expire_all();
   CHECK(queue.next() < 0);
 }
 
@@ -59,12 +59,12 @@ TEST_CASE("scheduled blows begin at their samples in blocks of any size, and sou
       rig.body.schedule_hit(at(rig, {0.05, 0.03, 0}), sample);
     return rig.run(8192, block);
   };
-  const Heard reference = play(64);
-  const auto begun = onsets(reference.contact);
+  const Output reference = play(64);
+  const auto start_sample = onsets(reference.contact);
   for (const std::size_t sample : {350UL, 640UL, 2003UL, 5000UL})
-    CHECK(std::count(begun.begin(), begun.end(), sample) == 1);
+    CHECK(std::count(start_sample.begin(), start_sample.end(), sample) == 1);
   for (const std::size_t block : {1UL, 7UL, 100UL, 4096UL}) {
-    const Heard other = play(block);
+    const Output other = play(block);
     CHECK(other.left == reference.left);
     CHECK(other.contact == reference.contact);
   }
@@ -77,9 +77,9 @@ TEST_CASE("a blow strikes with the striker and at the block's clock of its messa
   rig.body.set_striker({0.001, 0.003, 206e9, 0.29, 0, 1.5, 0, 1});
   rig.body.schedule_hit(at(rig, {0.05, 0.03, 0}), 1000100);
   rig.body.set_striker({0.1, 0.003, 206e9, 0.29, 0, 1.5, 0, 1}); // of a later blow
-  const Heard heard = rig.run(2400);
-  CHECK(onsets(heard.contact).front() == 100);
-  CHECK(impulse(heard, 48000) < 2 * 0.001);
+  const Output output = rig.run(2400);
+  CHECK(onsets(output.contact).front() == 100);
+  CHECK(impulse(output, 48000) < 2 * 0.001);
   // Pd's first long block begins before time 0.
   rig.body.begin_block(-4000);
   rig.body.schedule_hit(at(rig, {0.05, 0.03, 0}), 50);
@@ -120,10 +120,10 @@ TEST_CASE("more events than have room, and a body exchanged under them, come to 
   for (std::size_t i = 0; i < 3 * StruckBody::kMaxScheduled; ++i)
     rig.body.schedule_hit(at(rig, {0.05, 0.03, 0}, 0.1), static_cast<std::int64_t>(i));
   rig.loaded = std::make_shared<const LoadedTable>(plate(0.3, 0.2, 0.005, 5000, 4, 4));
-  rig.renew(false); // fewer triangles than the blows were meant for
-  const Heard heard = rig.run(4800, 100);
-  CHECK(impulse(heard, 48000) > 0);
-  for (const float x : heard.left)
+  rig.rebuild(false); // fewer triangles than the blows were meant for
+  const Output output = rig.run(4800, 100);
+  CHECK(impulse(output, 48000) > 0);
+  for (const float x : output.left)
     CHECK(std::isfinite(x));
 }
 
@@ -133,14 +133,14 @@ TEST_CASE("a pulse under way goes on when a listener moves") {
     rig.options.coupled = false;
     rig.body.set_striker({0.05, 0.02, 1e6, 0.49, 1e5, 1.5, 0, 1}); // milliseconds long
     rig.hit({0.05, 0.03, 0}, 0.5);
-    Heard heard = rig.run(64);
+    Output output = rig.run(64);
     if (moves) {
       rig.settings.listener[1] = {0, 0, 0.3};
-      rig.renew();
+      rig.rebuild();
     }
-    const Heard rest = rig.run(4800);
-    heard.left.insert(heard.left.end(), rest.left.begin(), rest.left.end());
-    return heard.left;
+    const Output rest = rig.run(4800);
+    output.left.insert(output.left.end(), rest.left.begin(), rest.left.end());
+    return output.left;
   };
   const auto a = play(false), b = play(true);
   float loudest = 0, difference = 0;
@@ -164,11 +164,11 @@ TEST_CASE("many blows at once on a large body are one contact and pulses beside 
     rig.body.set_striker({1e-5, 0.002, 1e7, 0.3, 0, 1.5, 0, 1}); // light and soft
     for (std::size_t i = 0; i < blows; ++i)
       rig.hit({}, 0.1);
-    const Heard heard = rig.run(960, block);
+    const Output output = rig.run(960, block);
     CHECK(rig.body.contacts() == 0);
-    return heard;
+    return output;
   };
-  const Heard one = play(1, 64), two = play(2, 64);
+  const Output one = play(1, 64), two = play(2, 64);
   // The second is struck as on a body at rest: twice the impulse and the sound, as the light
   // striker gives way so little.
   CHECK(std::abs(impulse(two, 48000) / impulse(one, 48000) - 2) < 0.06);

@@ -57,7 +57,7 @@ std::unique_ptr<Rig> ringing(double loss = 2e-3) {
 
 void move(Rig& rig, double height, double length = 0) {
   rig.settings.shape_displacement_m = {height, length};
-  rig.renew();
+  rig.rebuild();
 }
 
 float largest_step(const std::vector<float>& x) {
@@ -71,8 +71,8 @@ float largest_step(const std::vector<float>& x) {
 std::vector<double> energies(Rig& rig) {
   auto& model = const_cast<BodyModel&>(*rig.body.model());
   model.bank.settle();
-  std::vector<double> energy(model.heard);
-  for (std::size_t i = 0; i < model.heard; ++i) {
+  std::vector<double> energy(model.audible_modes);
+  for (std::size_t i = 0; i < model.audible_modes; ++i) {
     const std::complex<double> z = model.bank.state(i), s = model.rate[i];
     const double q = z.imag() / s.imag(), speed = z.real() + s.real() * q;
     energy[model.mode[i]] = (speed * speed + std::norm(s) * q * q) / 2;
@@ -119,22 +119,24 @@ TEST_CASE("a table's shape parameters are read, and refused by name and shape") 
   CHECK(read.shape.trust_m == .005);
   CHECK(read.eigenvalue_slope == std::vector<double>{1, 2, 3, 4, 5, 6});
 
-  const auto says = [](const std::string& sentence, std::initializer_list<const char*> words) {
+  const auto contains = [](const std::string& sentence, std::initializer_list<const char*> words) {
     CAPTURE(sentence);
     for (const char* word : words)
       CHECK(sentence.find(word) != std::string::npos);
   };
-  says(refusal_with("domega2_dp", {1, 2, 3, 4}, {2, 2}), {"domega2_dp", "(2, 2)", "(3, 2)"});
-  says(refusal_with("domega2_dp", {1, 2, 3, 4, 5, std::nan("")}, {3, 2}), {"domega2_dp", "finite"});
-  says(refusal_with("control_points", {0, 0, 0, 1}, {2, 2}), {"control_points", "(2, 2)"});
-  says(refusal_with("control_points", {0, 0, 0, 1e5, 0, 0}, {2, 3}), {"control_points", "metres"});
-  says(refusal_with("parameters", {2, 1, -1, 1}, {1, 4}),
-       {"parameters", "control point 2", "0..1"});
-  says(refusal_with("parameters", {0, 3, -1, 1}, {1, 4}), {"parameters", "axis 3"});
-  says(refusal_with("parameters", {0, 1, 1, 2}, {1, 4}), {"parameters", "bounds 1..2"});
-  says(refusal_with("parameters", {0, 1, -1, 1, 0, 1, -1, 1}, {2, 4}), {"parameters", "twice"});
-  says(refusal_with("parameters", {}, {0, 4}), {"parameters", "1..6"});
-  says(refusal_with("trust", {0}, {}), {"trust", "more than 0"});
+  contains(refusal_with("domega2_dp", {1, 2, 3, 4}, {2, 2}), {"domega2_dp", "(2, 2)", "(3, 2)"});
+  contains(refusal_with("domega2_dp", {1, 2, 3, 4, 5, std::nan("")}, {3, 2}),
+           {"domega2_dp", "finite"});
+  contains(refusal_with("control_points", {0, 0, 0, 1}, {2, 2}), {"control_points", "(2, 2)"});
+  contains(refusal_with("control_points", {0, 0, 0, 1e5, 0, 0}, {2, 3}),
+           {"control_points", "metres"});
+  contains(refusal_with("parameters", {2, 1, -1, 1}, {1, 4}),
+           {"parameters", "control point 2", "0..1"});
+  contains(refusal_with("parameters", {0, 3, -1, 1}, {1, 4}), {"parameters", "axis 3"});
+  contains(refusal_with("parameters", {0, 1, 1, 2}, {1, 4}), {"parameters", "bounds 1..2"});
+  contains(refusal_with("parameters", {0, 1, -1, 1, 0, 1, -1, 1}, {2, 4}), {"parameters", "twice"});
+  contains(refusal_with("parameters", {}, {0, 4}), {"parameters", "1..6"});
+  contains(refusal_with("trust", {0}, {}), {"trust", "more than 0"});
 }
 
 TEST_CASE("a cantilever's bending modes follow height and length of its section to first order") {
@@ -152,7 +154,7 @@ TEST_CASE("a cantilever's bending modes follow height and length of its section 
       // ln f ~ n ln(1 + x) against n x, n = 1 and -2: the error is n (x^2/2 - x^3/3 ...).
       const double n = of_length ? -2 : 1, error = n * (x - std::log1p(x));
       for (std::size_t k = 0; k < 5; ++k) {
-        const std::complex<double> s = model.rate[model.place_of[k]];
+        const std::complex<double> s = model.rate[model.index_of[k]];
         const double f = std::abs(s) / (2 * kPi);
         CHECK(std::log(f / exact[k]) == approx(error).epsilon(1e-9));
         CHECK(std::abs(std::log(f / exact[k])) < std::abs(n) * x * x / (2 - std::abs(x) * 4));
@@ -190,7 +192,7 @@ TEST_CASE("two bodies in one list take the shape of the first alone") {
   settings.shape_displacement_m = {0.0005};
   const BodyModel model(joined, settings);
   const auto frequency = [&](std::size_t part, std::size_t k) {
-    return std::abs(model.rate[model.place_of[joined->parts[part].mode[k]]]) / (2 * kPi);
+    return std::abs(model.rate[model.index_of[joined->parts[part].mode[k]]]) / (2 * kPi);
   };
   for (std::size_t k = 0; k < f1.size(); ++k)
     CHECK(frequency(0, k) == approx(f1[k] * std::exp(0.1)).epsilon(1e-9));
@@ -202,7 +204,7 @@ TEST_CASE("displacements of 0 and of another table leave every bit as it is") {
   const auto play = [](const std::vector<double>& displacement) {
     Rig rig(48000, cantilever());
     rig.settings.shape_displacement_m = displacement;
-    rig.renew(false);
+    rig.rebuild(false);
     rig.body.hit({{}, {0, 0, 1}, 0.5});
     return rig.run(4800).left;
   };
@@ -295,7 +297,7 @@ TEST_CASE("no displacement leads outside what a bank can play") {
       Rig& rig = *made;
       move(rig, height, length);
       for (const std::complex<double>& s :
-           std::span(rig.body.model()->rate).first(rig.body.model()->heard))
+           std::span(rig.body.model()->rate).first(rig.body.model()->audible_modes))
         CHECK(std::abs(s) / (2 * kPi) < 0.45 * 48000);
       for (const float x : rig.run(480).left)
         CHECK(std::isfinite(x));

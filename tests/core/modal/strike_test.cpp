@@ -28,7 +28,7 @@ ModalTable unit_modes(const std::vector<double>& hz, double decay_per_s = 5) {
 }
 
 /// Modes from 50 Hz on, all that a body of so many has.
-ModalTable crowd(std::size_t modes) {
+ModalTable many_modes_table(std::size_t modes) {
   std::vector<double> hz;
   for (std::size_t k = 0; k < modes; ++k)
     hz.push_back(50 + 19000. * static_cast<double>(k) / static_cast<double>(modes));
@@ -36,7 +36,7 @@ ModalTable crowd(std::size_t modes) {
 }
 
 /// A contact of half a second.
-constexpr Striker kSlow{1, .01, 1e6, .3, 40, 1, 0, 1};
+constexpr Striker kLongContact{1, .01, 1e6, .3, 40, 1, 0, 1};
 
 const ContactSolver::Contact& contact(const Rig& rig, std::size_t slot) {
   return rig.body.model()->solver.contact(slot);
@@ -47,8 +47,8 @@ const ContactSolver::Contact& contact(const Rig& rig, std::size_t slot) {
 TEST_CASE("a strike takes a free slot, and when there is none that of the oldest") {
   Rig rig(kRate, unit_modes({1000}));
   rig.settings.voices = 3;
-  rig.renew(false);
-  rig.body.set_striker(kSlow);
+  rig.rebuild(false);
+  rig.body.set_striker(kLongContact);
   for (std::size_t i = 0; i < 3; ++i) {
     rig.hit({}, .1);
     CHECK(rig.body.contacts() == i + 1);
@@ -116,9 +116,9 @@ TEST_CASE("strikes that a body has no time for are pulses: by its modes, and bey
   };
   for (const Case& one : {Case{100, 16}, Case{2048, 4}, Case{2049, 3}, Case{9000, 1}}) {
     CAPTURE(one.modes);
-    Rig rig(kRate, crowd(one.modes));
+    Rig rig(kRate, many_modes_table(one.modes));
     rig.settings.voices = 24;
-    rig.renew(false);
+    rig.rebuild(false);
     rig.body.set_striker({1e-4, .01, 1e6, .3, 5, 1, 0, 1}); // light and slow
     for (int i = 0; i < 20; ++i)
       rig.hit({}, .01);
@@ -145,30 +145,30 @@ TEST_CASE("where pulses are asked for, a heavy striker and one that falls are fo
 
 TEST_CASE("a hand on a spring feels k times its depth, to ten metres") {
   Rig rig(kRate, unit_modes({1000}));
-  rig.options.led = true;
+  rig.options.driven = true;
   rig.options.spring_n_per_m = 200;
   rig.body.set_options(rig.options);
-  const Heard heard =
+  const Output output =
       rig.run(6, 64, {}, {-.5F, 2, -9.9F, -12, -std::numeric_limits<float>::infinity(), kNan});
-  CHECK(heard.contact[0] == approx(100));
-  CHECK(heard.contact[1] == 0);
-  CHECK(heard.contact[2] == approx(1980).epsilon(1e-6));
-  CHECK(heard.contact[3] == approx(2000));
-  CHECK(heard.contact[4] == approx(2000));
-  CHECK(heard.contact[5] == 0);
+  CHECK(output.contact[0] == approx(100));
+  CHECK(output.contact[1] == 0);
+  CHECK(output.contact[2] == approx(1980).epsilon(1e-6));
+  CHECK(output.contact[3] == approx(2000));
+  CHECK(output.contact[4] == approx(2000));
+  CHECK(output.contact[5] == 0);
   CHECK(rig.body.contacts() == 0);
-  CHECK(*std::max_element(heard.left.begin(), heard.left.end()) == 0);
+  CHECK(*std::max_element(output.left.begin(), output.left.end()) == 0);
 }
 
 TEST_CASE("a force from the inlet is held within a million newtons, and no number is none") {
   const auto peak = [](float force) {
     Rig rig(kRate, unit_modes({1000}));
-    float most = 0;
+    float maximum = 0;
     std::vector<float> push(64);
     push[3] = force;
     for (const float x : rig.run(64, 64, push).left)
-      most = std::max(most, std::abs(x));
-    return static_cast<double>(most);
+      maximum = std::max(maximum, std::abs(x));
+    return static_cast<double>(maximum);
   };
   const double one = peak(1);
   CHECK(one > 0);
@@ -185,25 +185,25 @@ TEST_CASE("levels are those of the lowest modes by frequency, in dB from full sc
   rig.body.set_options(rig.options);
   CHECK(rig.body.levels(5) == std::vector<double>{-120, -120, -120});
   rig.hit({}, 1);
-  for (const bool touched : {true, false}) {
-    static_cast<void>(rig.run(touched ? 1 : 480));
-    CHECK((rig.body.contacts() > 0) == touched);
+  for (const bool contacting : {true, false}) {
+    static_cast<void>(rig.run(contacting ? 1 : 480));
+    CHECK((rig.body.contacts() > 0) == contacting);
     const BodyModel& model = *rig.body.model();
     const auto levels = rig.body.levels(2);
     REQUIRE(levels.size() == 2);
     const std::size_t lowest[2] = {1, 2}; // of the table
     for (std::size_t i = 0; i < 2; ++i) {
-      const std::size_t k = model.place_of[lowest[i]];
-      const auto z = touched ? model.solver.state(k) : model.bank.state(k);
-      const double heard = std::max(std::abs(model.weight[0][k]), std::abs(model.weight[1][k]));
-      CHECK(levels[i] == approx(20 * std::log10(std::abs(z) * heard * .1)).epsilon(1e-3));
+      const std::size_t k = model.index_of[lowest[i]];
+      const auto z = contacting ? model.solver.state(k) : model.bank.state(k);
+      const double output = std::max(std::abs(model.weight[0][k]), std::abs(model.weight[1][k]));
+      CHECK(levels[i] == approx(20 * std::log10(std::abs(z) * output * .1)).epsilon(1e-3));
     }
   }
 }
 
 TEST_CASE("after a contact modes are left out that are so much quieter, to the ear, than another") {
   // A long contact leaves little in the high modes: their share of a half sine's spectrum.
-  const auto left_out = [](double cull_db) {
+  const auto residual_compliance = [](double cull_db) {
     Rig rig(kRate, unit_modes({200, 900, 4000, 15000}, 1));
     rig.options.cull_db = cull_db;
     rig.body.set_striker({.01, .01, 1e6, .3, 1e4, 1.5, 0, 1});
@@ -217,11 +217,11 @@ TEST_CASE("after a contact modes are left out that are so much quieter, to the e
     CHECK(rig.body.culled() == silent);
     return silent;
   };
-  CHECK(left_out(200) == 0);
-  CHECK(left_out(1e-3) == 3);
+  CHECK(residual_compliance(200) == 0);
+  CHECK(residual_compliance(1e-3) == 3);
   std::size_t before = 3;
   for (const double db : {1., 10., 20., 30., 40., 60., 80., 120.}) {
-    const std::size_t now = left_out(db);
+    const std::size_t now = residual_compliance(db);
     CHECK(now <= before);
     before = now;
   }
@@ -245,26 +245,26 @@ TEST_CASE("a table's recordings sound as they were taken at the nearest place, t
   Rig rig(kRate, table);
   rig.settings.radiation = Radiation::kRaw;
   rig.settings.voices = 2;
-  rig.renew(false);
-  REQUIRE(rig.body.model()->plays_raw);
+  rig.rebuild(false);
+  REQUIRE(rig.body.model()->uses_recordings);
   const auto expected = [&](std::size_t hit, double time) {
     return static_cast<float>(rig.body.model()->raw[0].pressure(rig.loaded->table.raw, hit, time));
   };
-  const auto play = [&](Vec3 place, double speed) {
-    rig.hit(place, speed);
+  const auto play = [&](Vec3 point, double speed) {
+    rig.hit(point, speed);
     CHECK(rig.body.contacts() == 0);
     return rig.run(640).left;
   };
   for (const bool right : {false, true}) {
-    const auto heard = play({right ? .08 : -.12, .03, 0}, right ? 2 : .5);
+    const auto output = play({right ? .08 : -.12, .03, 0}, right ? 2 : .5);
     float loudest = 0;
     for (std::size_t n = 0; n < 400; ++n) {
       const float want = (right ? 2.F : .5F) * expected(right, static_cast<double>(n) / kRate);
-      CHECK(std::abs(heard[n] - want) <= 1e-5F * (1e-3F + std::abs(want)));
+      CHECK(std::abs(output[n] - want) <= 1e-5F * (1e-3F + std::abs(want)));
       loudest = std::max(loudest, std::abs(want));
     }
     CHECK(loudest > 0);
-    CHECK(heard.back() == 0); // it is over
+    CHECK(output.back() == 0); // it is over
   }
   // Three blows in two slots: the oldest is cut.
   rig.hit({-.12, 0, 0}, 1);
@@ -272,10 +272,10 @@ TEST_CASE("a table's recordings sound as they were taken at the nearest place, t
   rig.hit({-.12, 0, 0}, 1);
   static_cast<void>(rig.run(64));
   rig.hit({-.12, 0, 0}, 1);
-  const auto heard = rig.run(64).left;
+  const auto output = rig.run(64).left;
   for (std::size_t n = 0; n < 64; ++n) {
     const double t = static_cast<double>(n) / kRate;
-    CHECK(heard[n] == approx(expected(0, t) + expected(0, t + 64 / kRate)).epsilon(1e-3));
+    CHECK(output[n] == approx(expected(0, t) + expected(0, t + 64 / kRate)).epsilon(1e-3));
   }
   // Silence that is asked for fades them out.
   rig.body.reset();

@@ -82,16 +82,16 @@ TEST_CASE(
   const auto levels = rig.body.levels(2);
   REQUIRE(levels.size() == 2);
   // A second of each mode alone, its decay in it allowed for.
-  const Heard heard = rig.run(48000);
+  const Output output = rig.run(48000);
   const BodyModel& m = *rig.body.model();
-  std::vector<std::complex<double>> rates(m.rate.begin(),
-                                          m.rate.begin() + static_cast<std::ptrdiff_t>(m.heard));
+  std::vector<std::complex<double>> rates(
+      m.rate.begin(), m.rate.begin() + static_cast<std::ptrdiff_t>(m.audible_modes));
   std::sort(rates.begin(), rates.end(),
             [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });
   for (std::size_t k = 0; k < 2; ++k) {
     CAPTURE(k);
     double loudest = 0; // of the listeners
-    for (const auto* side : {&heard.left, &heard.right}) {
+    for (const auto* side : {&output.left, &output.right}) {
       std::complex<double> sum = 0;
       double weight = 0;
       for (std::size_t n = 0; n < side->size(); ++n) {
@@ -109,13 +109,13 @@ TEST_CASE(
 TEST_CASE("a blow on a nodal line leaves that mode silent") {
   Rig rig;
   rig.settings.listener[0] = {0.05, 0.03, 0.1};
-  rig.renew(false);
+  rig.rebuild(false);
   rig.hit({0.0, 0.03, 0}, 1); // the second mode along x has its node in the middle
   static_cast<void>(rig.run(480));
-  const auto heard = rig.run(24000);
+  const auto output = rig.run(24000);
   const BodyModel& model = *rig.body.model();
-  const double loud = std::abs(amplitude(heard.left, model.rate[model.place_of[0]], 48000));
-  const double silent = std::abs(amplitude(heard.left, model.rate[model.place_of[1]], 48000));
+  const double loud = std::abs(amplitude(output.left, model.rate[model.index_of[0]], 48000));
+  const double silent = std::abs(amplitude(output.left, model.rate[model.index_of[1]], 48000));
   CHECK(20 * std::log10(silent / loud) < -50);
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("exchanging blow and pick-up changes nothing") {
   const auto response = [&](const Vec3& from, const Vec3& to) {
     Rig rig;
     rig.settings.listener[0] = to;
-    rig.renew(false);
+    rig.rebuild(false);
     const SurfacePoint at = rig.body.model()->nearest(from);
     rig.body.set_point(at, at.normal);
     std::vector<float> force(4800, 0.0F);
@@ -150,18 +150,18 @@ TEST_CASE("four listeners hear what each would alone, in a contact and after it"
     std::copy(std::begin(places), std::end(places), rig.settings.listener.begin());
     if (listeners == 1)
       rig.settings.listener[0] = first;
-    rig.renew(false);
+    rig.rebuild(false);
     rig.hit({0.05, 0.03, 0}, 1);
-    std::array<std::vector<float>, 4> heard;
+    std::array<std::vector<float>, 4> output;
     std::array<float, 64> silence{}, contact{};
     std::array<std::array<float, 64>, 4> block{};
     for (int n = 0; n < 40; ++n) {
       const std::array<std::span<float>, 4> out{block[0], block[1], block[2], block[3]};
       rig.body.process<float>(silence, silence, out, contact);
       for (std::size_t l = 0; l < 4; ++l)
-        heard[l].insert(heard[l].end(), block[l].begin(), block[l].end());
+        output[l].insert(output[l].end(), block[l].begin(), block[l].end());
     }
-    return heard;
+    return output;
   };
   const auto together = play(4, {});
   for (std::size_t l = 0; l < 4; ++l) {
@@ -187,12 +187,12 @@ TEST_CASE("the sound of blows, pushes and a hand is the same to the bit however 
   const auto play = [&](std::size_t block, bool coupled) {
     Rig rig;
     rig.options.coupled = coupled;
-    rig.options.led = true;
+    rig.options.driven = true;
     rig.hit({0.03, 0.02, 0}, 1);
     rig.hit({-0.1, 0.05, 0}, 0.5);
-    auto heard = rig.run(6000, block, force, height);
-    heard.left.insert(heard.left.end(), heard.contact.begin(), heard.contact.end());
-    return heard.left;
+    auto output = rig.run(6000, block, force, height);
+    output.left.insert(output.left.end(), output.contact.begin(), output.contact.end());
+    return output.left;
   };
   for (const bool coupled : {true, false}) {
     const auto reference = play(64, coupled);
@@ -206,22 +206,22 @@ TEST_CASE(
   ModalTable table;
   table.free = false;
   table.material = {"", 70e9, 0.3, 2700};
-  for (std::size_t k = 0; k < ContactModes::kMostInDouble + 188; ++k) {
+  for (std::size_t k = 0; k < ContactModes::kMaxModesInDouble + 188; ++k) {
     table.frequency_hz.push_back(50 + 30 * static_cast<double>(k));
     table.decay_rate.push_back(1 + 0.02 * static_cast<double>(k));
   }
   const auto play = [&](std::size_t block) {
     Rig rig(48000, table);
-    rig.options.led = true;
+    rig.options.driven = true;
     rig.hit({}, 1);
     std::vector<float> force(2000, 0.0F), height(2000, 0.01F);
     for (std::size_t n = 0; n < 300; ++n) {
       force[700 + n] = 0.3F;
       height[1000 + n] = -1e-6F * static_cast<float>(n % 37);
     }
-    auto heard = rig.run(2000, block, force, height);
-    heard.left.insert(heard.left.end(), heard.contact.begin(), heard.contact.end());
-    return heard.left;
+    auto output = rig.run(2000, block, force, height);
+    output.left.insert(output.left.end(), output.contact.begin(), output.contact.end());
+    return output.left;
   };
   const auto reference = play(64);
   for (const std::size_t block : {1UL, 7UL, 100UL, 2000UL})
@@ -243,7 +243,7 @@ TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inver
   const Rig rig(96000, table);
   const tactus::contact::ImpactLaw law{2e7, 1.5, 0};
   const double highest = 0.5 / law.duration(0.002, 0.5);
-  for (std::size_t k = 0; k < rig.body.model()->heard; ++k) {
+  for (std::size_t k = 0; k < rig.body.model()->audible_modes; ++k) {
     const auto s = rig.body.model()->rate[k];
     const double x = std::abs(amplitude(std::span(a.left).subspan(2000), s, 96000));
     const double y = std::abs(amplitude(std::span(b.left).subspan(2000), s, 96000));
@@ -257,25 +257,25 @@ TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inver
 TEST_CASE("size and material scale frequencies, shapes and mass as elasticity says") {
   Rig rig;
   const BodyModel& before = *rig.body.model();
-  const double f = before.rate[before.place_of[0]].imag();
+  const double f = before.rate[before.index_of[0]].imag();
   const auto fresh = std::make_shared<const LoadedTable>(plate(0.64, 0.4, 0.01));
   BodySettings twice = rig.settings;
   twice.size = 2;
   const BodyModel scaled(rig.loaded, twice), solved(fresh, rig.settings);
-  CHECK(scaled.rate[scaled.place_of[0]].imag() == approx(f / 2).epsilon(1e-6));
+  CHECK(scaled.rate[scaled.index_of[0]].imag() == approx(f / 2).epsilon(1e-6));
   CHECK(scaled.mass_kg == approx(solved.mass_kg).epsilon(1e-9));
   std::vector<double> a(scaled.mode.size()), b(solved.mode.size());
   scaled.gains(scaled.nearest({0.1, 0.07, 0}), {0, 0, 1}, a);
   solved.gains(solved.nearest({0.1, 0.07, 0}), {0, 0, 1}, b);
   for (std::size_t k = 0; k < 20; ++k) {
-    CHECK(scaled.rate[scaled.place_of[k]].imag() ==
-          approx(solved.rate[solved.place_of[k]].imag()).epsilon(1e-6));
-    CHECK(a[scaled.place_of[k]] == approx(b[solved.place_of[k]]).epsilon(1e-5));
+    CHECK(scaled.rate[scaled.index_of[k]].imag() ==
+          approx(solved.rate[solved.index_of[k]].imag()).epsilon(1e-6));
+    CHECK(a[scaled.index_of[k]] == approx(b[solved.index_of[k]]).epsilon(1e-5));
   }
   BodySettings steel = rig.settings;
   steel.youngs_modulus_pa = 4 * 70.3e9;
   const BodyModel stiff(rig.loaded, steel);
-  CHECK(stiff.rate[stiff.place_of[0]].imag() == approx(2 * f).epsilon(1e-6));
+  CHECK(stiff.rate[stiff.index_of[0]].imag() == approx(2 * f).epsilon(1e-6));
 }
 
 TEST_CASE("a gain that is set in silence holds from the first sample, and is smoothed in sound") {
@@ -323,7 +323,7 @@ TEST_CASE("retuning while it sounds keeps modal displacement and velocity, and m
     auto* changing = const_cast<BodyModel*>(old);
     changing->bank.settle();
     for (std::size_t k = 0; k < 10; ++k) {
-      const std::size_t i = old->place_of[k];
+      const std::size_t i = old->index_of[k];
       const auto z = old->bank.state(i);
       const double q = z.imag() / old->rate[i].imag();
       before.push_back({q, z.real() + old->rate[i].real() * q});
@@ -332,7 +332,7 @@ TEST_CASE("retuning while it sounds keeps modal displacement and velocity, and m
   rig.body.publish(std::move(next), true);
   rig.body.adopt();
   for (std::size_t k = 0; k < 10; ++k) {
-    const std::size_t i = now->place_of[k];
+    const std::size_t i = now->index_of[k];
     const auto z = now->bank.state(i);
     const double q = z.imag() / now->rate[i].imag();
     const double speed = z.real() + now->rate[i].real() * q;
@@ -349,7 +349,7 @@ TEST_CASE("a hundred bodies exchanged while they sound leave no step and no rubb
     rig.hit({0.05, 0.03, 0}, 0.001); // quiet: what is heard beside it would be a step
     rig.loaded =
         std::make_shared<const LoadedTable>(plate(0.3 + 0.001 * round, 0.2, 0.005, 5000, 8, 8));
-    rig.renew(false);
+    rig.rebuild(false);
     for (const float x : rig.run(100, 50).left) {
       CHECK(std::isfinite(x));
       step = std::max(step, std::abs(x - last));
@@ -365,7 +365,7 @@ TEST_CASE("absurd forces and heights, at any block size and rate, stay finite") 
   std::mt19937 random(8);
   for (const double rate : {8000.0, 12345.6, 48000.0, 384000.0}) {
     Rig rig(rate);
-    rig.options.led = true;
+    rig.options.driven = true;
     rig.body.set_options(rig.options);
     for (int round = 0; round < 30; ++round) {
       std::vector<float> force(512), height(512);
@@ -381,10 +381,10 @@ TEST_CASE("absurd forces and heights, at any block size and rate, stay finite") 
       }
       if (round % 3 == 0)
         rig.hit({0.1, 0.1, 0.1}, 50);
-      const auto heard = rig.run(512, 1 + random() % 512, force, height);
+      const auto output = rig.run(512, 1 + random() % 512, force, height);
       for (std::size_t n = 0; n < 512; ++n)
-        CHECK((std::isfinite(heard.left[n]) && std::isfinite(heard.right[n]) &&
-               std::isfinite(heard.contact[n])));
+        CHECK((std::isfinite(output.left[n]) && std::isfinite(output.right[n]) &&
+               std::isfinite(output.contact[n])));
     }
   }
 }
@@ -395,8 +395,8 @@ TEST_CASE("what is culled is not missed, and what rings out falls asleep") {
     rig.options.cull_db = cull;
     rig.body.set_striker({0.02, 0.02, 3e5, 0.49, 0, 1.5, 0, 1}); // soft: high modes hardly ring
     rig.hit({0.05, 0.03, 0}, 0.5);
-    auto heard = rig.run(48000);
-    return std::tuple(heard.left, rig.body.culled(), rig.body.model()->heard);
+    auto output = rig.run(48000);
+    return std::tuple(output.left, rig.body.culled(), rig.body.model()->audible_modes);
   };
   const auto [all, none, count] = play(200);
   const auto [fewer, culled, same] = play(80);
@@ -411,7 +411,7 @@ TEST_CASE("what is culled is not missed, and what rings out falls asleep") {
   CHECK(10 * std::log10(difference / whole + 1e-30) < -70);
   Rig rig;
   rig.settings.choke_t60_s = 0.1;
-  rig.renew(false);
+  rig.rebuild(false);
   rig.hit({0.05, 0.03, 0}, 0.5);
   static_cast<void>(rig.run(96000));
   CHECK(rig.body.model()->bank.asleep());

@@ -17,7 +17,7 @@ using namespace tactus::test;
 namespace {
 
 /// The plate's lowest modes, and so many more that move nothing.
-BodyModel body_of(std::size_t silent) {
+BodyModel make_body(std::size_t silent) {
   ModalTable table = plate(.32, .2, .005, 2500, 6, 4);
   table.free = true;
   table.inertia_kg_m2 = {Vec3{3e-3, 0, 0}, Vec3{0, 7e-3, 0}, Vec3{0, 0, 1e-2}};
@@ -42,21 +42,21 @@ void compare(const std::vector<float>& one, const std::vector<float>& two, std::
   REQUIRE(!one.empty());
   REQUIRE(!two.empty());
   const std::size_t a = one.size() / moments, b = two.size() / moments;
-  float most = 0, apart = 0;
+  float maximum = 0, apart = 0;
   for (std::size_t j = 0; j < moments; ++j)
     for (std::size_t n = 0; n < std::max(a, b); ++n) {
       const float x = n < a ? one[j * a + n] : 0, y = n < b ? two[j * b + n] : 0;
-      most = std::max(most, std::abs(x));
+      maximum = std::max(maximum, std::abs(x));
       apart = std::max(apart, std::abs(x - y));
     }
-  CHECK(most > 0);
-  CHECK(apart < 2e-4F * most);
+  CHECK(maximum > 0);
+  CHECK(apart < 2e-4F * maximum);
 }
 
 } // namespace
 
 TEST_CASE("kernels summed beforehand at the vertices are those summed over the modes") {
-  BodyModel few = body_of(0), many = body_of(1500);
+  BodyModel few = make_body(0), many = make_body(1500);
   REQUIRE(!few.direct[0].on_surface());
   REQUIRE(many.direct[0].on_surface());
   REQUIRE(few.direct[0].moments() == many.direct[0].moments());
@@ -65,11 +65,11 @@ TEST_CASE("kernels summed beforehand at the vertices are those summed over the m
   for (const std::array<double, 2>& at : {std::array{0., 0.}, {1., 0.}, {0., 1.}, {.3, .5}}) {
     CAPTURE(at[0]);
     CAPTURE(at[1]);
-    const SurfacePoint place = few.loaded->surface.on(16, at[0], at[1]);
+    const SurfacePoint point = few.loaded->surface.on(16, at[0], at[1]);
     for (BodyModel* const model : {&few, &many}) {
-      model->aim_point(place, direction);
-      model->aim_pulse(1, place, direction);
-      model->aim_contact(2, place, direction);
+      model->build_point_kernels(point, direction);
+      model->build_pulse_kernels(1, point, direction);
+      model->build_contact_kernels(2, point, direction);
     }
     for (std::size_t l = 0; l < 3; ++l) {
       CAPTURE(l);
@@ -86,27 +86,27 @@ TEST_CASE("kernels summed beforehand at the vertices are those summed over the m
 }
 
 TEST_CASE("a pulse's kernel takes the gains that are given: some modes may be left out of it") {
-  BodyModel model = body_of(0);
-  const SurfacePoint place = model.loaded->surface.on(16, .3, .5);
+  BodyModel model = make_body(0);
+  const SurfacePoint point = model.loaded->surface.on(16, .3, .5);
   const Vec3 direction{0, 0, 1};
   std::vector<double> gain(model.mode.size());
-  model.gains(place, direction, gain);
+  model.gains(point, direction, gain);
   for (std::size_t k = 0; k < gain.size(); ++k)
     gain[k] *= model.pulse_gain[k];
-  model.aim_pulse(0, place, direction, gain);
-  model.aim_pulse(1, place, direction); // of all modes
+  model.build_pulse_kernels(0, point, direction, gain);
+  model.build_pulse_kernels(1, point, direction); // of all modes
   compare(model.sample_kernel[1][0].elastic, model.sample_kernel[2][0].elastic, 1);
   // Twice the gains, twice the kernel; the rigid part is the whole body's.
   for (double& b : gain)
     b *= 2;
   const auto once = model.sample_kernel[1][0];
-  model.aim_pulse(0, place, direction, gain);
+  model.build_pulse_kernels(0, point, direction, gain);
   for (std::size_t n = 0; n < once.elastic.size(); ++n)
     CHECK(model.sample_kernel[1][0].elastic[n] == approx(2 * once.elastic[n]).epsilon(1e-5));
   CHECK(model.sample_kernel[1][0].rigid == once.rigid);
   // And those of a contact.
-  model.gains(place, direction, gain);
-  model.aim_contact(0, place, direction, gain);
-  model.aim_contact(3, place, direction);
+  model.gains(point, direction, gain);
+  model.build_contact_kernels(0, point, direction, gain);
+  model.build_contact_kernels(3, point, direction);
   CHECK(model.contact_kernel[0][1].elastic == model.contact_kernel[3][1].elastic);
 }

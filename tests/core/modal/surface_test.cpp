@@ -218,11 +218,11 @@ TEST_CASE("a vertex is one node where its surface turns by less than 30 degrees,
     const SurfaceNodes nodes = surface_nodes(fold.surface, fold.triangle, 4);
     const bool smooth = degrees < 30;
     CHECK(nodes.vertex.size() == (smooth ? 4 : 6));
-    CHECK((nodes.of_triangle[0][0] == nodes.of_triangle[1][0]) == smooth);
-    CHECK((nodes.of_triangle[0][1] == nodes.of_triangle[1][2]) == smooth);
+    CHECK((nodes.triangle_nodes[0][0] == nodes.triangle_nodes[1][0]) == smooth);
+    CHECK((nodes.triangle_nodes[0][1] == nodes.triangle_nodes[1][2]) == smooth);
     for (std::size_t t = 0; t < 2; ++t)
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t node = nodes.of_triangle[t][i];
+        const std::uint32_t node = nodes.triangle_nodes[t][i];
         CHECK(nodes.vertex[node] == static_cast<std::uint32_t>(fold.triangle[t][i]));
         CHECK(norm(nodes.normal[node]) == approx(1));
         const auto& c = fold.surface.corners(t);

@@ -12,7 +12,7 @@
 #include <vector>
 
 using namespace tactus::modal;
-using tactus::test::Heard;
+using tactus::test::Output;
 using tactus::test::plate;
 using tactus::test::Rig;
 
@@ -73,13 +73,13 @@ std::shared_ptr<const LoadedTable> on_board(ModalTable body = bar()) {
                                              Vec3{0.01, 0.02, -0.03});
 }
 
-struct Lying : Rig {
-  explicit Lying(std::vector<Vec3> points = {{-0.0552, 0, -0.01}, {0.0552, 0, -0.01}})
+struct BarOnSupports : Rig {
+  explicit BarOnSupports(std::vector<Vec3> points = {{-0.0552, 0, -0.01}, {0.0552, 0, -0.01}})
       : Rig(48000, bar()) {
     loaded = on_board();
     settings.rest.point_m = std::move(points);
     settings.listener = {Vec3{0, 0, 0.1}, Vec3{0.05, 0.05, -0.2}};
-    renew(false);
+    rebuild(false);
   }
   [[nodiscard]] double energy() { return body.model()->solver.energy(); }
 };
@@ -111,23 +111,23 @@ TEST_CASE("two tables are one, each mode with its shape on its own body alone") 
     const auto& part = both->parts[p];
     const BodyModel alone(part.loaded, settings);
     const Vec3 at{0.03, 0.01, 0.02};
-    const SurfacePoint place = both->nearest_on(p, at + part.displacement_m),
+    const SurfacePoint point = both->nearest_on(p, at + part.displacement_m),
                        own = part.loaded->surface.nearest(at);
-    CHECK(place.distance == doctest::Approx(own.distance));
-    CHECK(norm(place.position - own.position - part.displacement_m) < 1e-9);
-    CHECK(both->part_of_triangle(place.triangle) == p);
+    CHECK(point.distance == doctest::Approx(own.distance));
+    CHECK(norm(point.position - own.position - part.displacement_m) < 1e-9);
+    CHECK(both->part_of_triangle(point.triangle) == p);
     std::vector<double> gain(joined.mode.size()), wanted(alone.mode.size());
     const Vec3 along{0.3, -0.2, 0.9};
-    joined.gains(place, along, gain);
+    joined.gains(point, along, gain);
     alone.gains(own, along, wanted);
     double sum = 0;
     for (std::size_t k = 0; k < part.mode.size(); ++k) {
       CHECK(both->table.frequency_hz[part.mode[k]] == part.loaded->table.frequency_hz[k]);
-      if (alone.place_of[k] == alone.mode.size())
+      if (alone.index_of[k] == alone.mode.size())
         continue; // too high
-      const std::size_t here = joined.place_of[part.mode[k]];
-      CHECK(gain[here] == wanted[alone.place_of[k]]);
-      CHECK(std::abs(joined.rate[here] - alone.rate[alone.place_of[k]]) <
+      const std::size_t here = joined.index_of[part.mode[k]];
+      CHECK(gain[here] == wanted[alone.index_of[k]]);
+      CHECK(std::abs(joined.rate[here] - alone.rate[alone.index_of[k]]) <
             1e-9 * std::abs(joined.rate[here]));
       sum += std::abs(gain[here]);
     }
@@ -162,9 +162,11 @@ TEST_CASE("points carry the weight and what presses, or the body is told to tip 
   const double weight = 0.06 * 9.80665;
   // By the levers; only what lies along the bar is resisted by two points.
   const auto two = model({{-0.05, 0, -0.01}, {0.08, 0, -0.01}}, 2);
-  REQUIRE(two->rests.size() == 2);
-  CHECK(two->rests[0].preload_n == doctest::Approx(weight * 0.08 / 0.13 + 1).epsilon(1e-6));
-  CHECK(two->rests[1].preload_n == doctest::Approx(weight * 0.05 / 0.13 + 1).epsilon(1e-6));
+  REQUIRE(two->resting_contacts.size() == 2);
+  CHECK(two->resting_contacts[0].preload_n ==
+        doctest::Approx(weight * 0.08 / 0.13 + 1).epsilon(1e-6));
+  CHECK(two->resting_contacts[1].preload_n ==
+        doctest::Approx(weight * 0.05 / 0.13 + 1).epsilon(1e-6));
   const SurfacePoint middle = loaded->nearest_on(0, {0, 0, 0.1});
   for (const double b : two->rigid_gains(middle, {0, 1, 0}))
     CHECK(std::abs(b) < 1e-9); // the points hold it sideways
@@ -175,14 +177,14 @@ TEST_CASE("points carry the weight and what presses, or the body is told to tip 
   // Four corners: a quarter each.
   const auto four = model(
       {{-0.08, -0.01, -0.01}, {0.08, -0.01, -0.01}, {-0.08, 0.01, -0.01}, {0.08, 0.01, -0.01}});
-  REQUIRE(four->rests.size() == 4);
-  for (const auto& rest : four->rests)
+  REQUIRE(four->resting_contacts.size() == 4);
+  for (const auto& rest : four->resting_contacts)
     CHECK(rest.preload_n == doctest::Approx(weight / 4).epsilon(1e-6));
   // Both on one side.
   const auto tips = model({{0.02, 0, -0.01}, {0.08, 0, -0.01}});
-  CHECK(tips->rests.empty());
-  CHECK(tips->rest_refusal.find("tips over") != std::string::npos);
-  CHECK(model({{0.02, 0, -0.01}, {0.08, 0, -0.01}}, 3)->rests.size() == 2); // screwed on
+  CHECK(tips->resting_contacts.empty());
+  CHECK(tips->resting_refusal.find("tips over") != std::string::npos);
+  CHECK(model({{0.02, 0, -0.01}, {0.08, 0, -0.01}}, 3)->resting_contacts.size() == 2); // screwed on
 }
 
 TEST_CASE("a point pushes the body away from the board, and the board from the body") {
@@ -196,21 +198,21 @@ TEST_CASE("a point pushes the body away from the board, and the board from the b
   settings.radiation = Radiation::kNone;
   settings.rest.point_m = {{-0.1, 0, -0.005}, {0.1, 0, -0.005}};
   const BodyModel model(both, settings);
-  REQUIRE(model.rests.size() == 2);
-  for (const BodyModel::Rest& rest : model.rests) {
+  REQUIRE(model.resting_contacts.size() == 2);
+  for (const BodyModel::RestingContact& rest : model.resting_contacts) {
     CHECK(rest.direction.z == doctest::Approx(1));
     CHECK(1e7 * rest.law.compliance_m_per_n == doctest::Approx(3).epsilon(1e-5));
     // The lowest modes of both are bulges upwards here.
-    CHECK(rest.gain[model.place_of[both->parts[0].mode[0]]] ==
+    CHECK(rest.gain[model.index_of[both->parts[0].mode[0]]] ==
           doctest::Approx(2 / std::sqrt(0.06)).epsilon(1e-3));
-    CHECK(rest.gain[model.place_of[both->parts[1].mode[0]]] < -0.5);
+    CHECK(rest.gain[model.index_of[both->parts[1].mode[0]]] < -0.5);
   }
 }
 
 TEST_CASE("a body at rest on its board is silent, and costs nothing") {
-  Lying rig;
-  const Heard heard = rig.run(4800);
-  for (const auto* x : {&heard.left, &heard.right, &heard.contact})
+  BarOnSupports rig;
+  const Output output = rig.run(4800);
+  for (const auto* x : {&output.left, &output.right, &output.contact})
     CHECK(*std::max_element(x->begin(), x->end()) == 0);
   CHECK(rig.body.model()->solver.active() == 0);
 }
@@ -220,20 +222,20 @@ TEST_CASE("a bar struck on its board never holds more energy than the blow gave,
     if (kSanitized && stiffness != 4e8)
       continue;
     CAPTURE(stiffness);
-    Lying rig;
+    BarOnSupports rig;
     rig.settings.rest.law = {stiffness, 1.5, 1};
     rig.settings.damping = Damping::kLoss;
     rig.settings.loss_factor = 0.05;
-    rig.renew(false);
+    rig.rebuild(false);
     rig.hit({0.02, 0, 0.02}, 1);
     const double given = 0.5 * 0.0071 * 1;
     rig.run(1);
     const ContactSolver& solver = rig.body.model()->solver;
     double rest = 0;
     for (std::size_t i = 0; i < 2; ++i)
-      rest += solver.contact(rig.body.model()->rest_slot() + i)
+      rest += solver.contact(rig.body.model()->resting_slot() + i)
                   .exciter.impact.law()
-                  .work(solver.contact(rig.body.model()->rest_slot() + i).exciter.place_m);
+                  .work(solver.contact(rig.body.model()->resting_slot() + i).exciter.position_m);
     double before = given + rest;
     for (int n = 0; n < 3000; ++n) {
       rig.run(8, 8);
@@ -243,25 +245,25 @@ TEST_CASE("a bar struck on its board never holds more energy than the blow gave,
       before = rig.energy();
     }
     rig.run(20 * 48000);
-    const Heard heard = rig.run(48000);
-    CHECK(*std::max_element(heard.left.begin(), heard.left.end()) == 0);
+    const Output output = rig.run(48000);
+    CHECK(*std::max_element(output.left.begin(), output.left.end()) == 0);
     CHECK(rig.body.model()->solver.active() == 0);
   }
 }
 
 TEST_CASE("a bar on a board is heard with the board's modes, through felt less of them") {
   const auto level = [](double stiffness, double exponent) {
-    Lying rig;
+    BarOnSupports rig;
     rig.settings.rest.law = {stiffness, exponent, 0};
     rig.settings.rest.pressing_n = stiffness > 1 ? 20 : 0;
     rig.settings.listeners = 1;
     rig.settings.listener[0] = {0.05, 0.05, -0.2}; // the velocity of the board's far side
-    rig.renew(false);
+    rig.rebuild(false);
     rig.hit({0.02, 0, 0.02}, 1);
-    const Heard heard = rig.run(24000);
+    const Output output = rig.run(24000);
     double sum = 0;
     for (std::size_t n = 2400; n < 24000; ++n)
-      sum += std::pow(static_cast<double>(heard.left[n]), 2);
+      sum += std::pow(static_cast<double>(output.left[n]), 2);
     return std::sqrt(sum / 21600);
   };
   const double nothing = level(1, 1), felt = level(3e3, 1), hard = level(1e6, 1);
@@ -272,14 +274,14 @@ TEST_CASE("a bar on a board is heard with the board's modes, through felt less o
 
 TEST_CASE("without stiffness a bar on its board sounds as the bar alone") {
   Rig alone(48000, bar());
-  Lying lying;
-  lying.settings.rest.law = {1, 1, 0};
-  for (Rig* rig : {&alone, static_cast<Rig*>(&lying)}) {
+  BarOnSupports on_supports;
+  on_supports.settings.rest.law = {1, 1, 0};
+  for (Rig* rig : {&alone, static_cast<Rig*>(&on_supports)}) {
     rig->settings.listener = {Vec3{0.02, 0, 0.02}, Vec3{-0.06, 0, 0.02}};
-    rig->renew(false);
+    rig->rebuild(false);
     rig->hit({0.02, 0, 0.02}, 1);
   }
-  const Heard one = alone.run(4800), two = lying.run(4800);
+  const Output one = alone.run(4800), two = on_supports.run(4800);
   double difference = 0, size = 0;
   for (std::size_t n = 0; n < one.left.size(); ++n) {
     difference += std::pow(static_cast<double>(one.left[n] - two.left[n]), 2);
@@ -290,25 +292,25 @@ TEST_CASE("without stiffness a bar on its board sounds as the bar alone") {
 
 TEST_CASE("a body on a board sounds alike however its stream is cut") {
   const auto render = [](std::size_t block) {
-    Lying rig;
+    BarOnSupports rig;
     rig.hit({0.02, 0, 0.02}, 1);
     return rig.run(9600, block);
   };
-  const Heard whole = render(64);
+  const Output whole = render(64);
   for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{480}}) {
-    const Heard cut = render(block);
+    const Output cut = render(block);
     CHECK(cut.left == whole.left);
     CHECK(cut.contact == whole.contact);
   }
 }
 
 TEST_CASE("settings of a body that rings on its board change without a jump") {
-  Lying rig;
+  BarOnSupports rig;
   rig.hit({0.02, 0, 0.02}, 1);
-  Heard before = rig.run(4800);
+  Output before = rig.run(4800);
   rig.settings.rest.pressing_n = 0.001;
-  rig.renew(true);
-  Heard after = rig.run(64);
+  rig.rebuild(true);
+  Output after = rig.run(64);
   const auto change = [](float a, float b) { return std::abs(static_cast<double>(a - b)); };
   double usual = 0;
   for (std::size_t n = 4000; n < 4800; ++n)
@@ -319,7 +321,7 @@ TEST_CASE("settings of a body that rings on its board change without a jump") {
   for (const auto& present : {std::vector<Vec3>{}, points}) {
     before = rig.run(640);
     rig.settings.rest.point_m = present;
-    rig.renew(true);
+    rig.rebuild(true);
     after = rig.run(640);
     CHECK(change(after.left[0], before.left.back()) < 1.5 * usual);
     CHECK(tone(after.left, 0, 640, 400) > 0.3 * tone(before.left, 0, 640, 400));
@@ -328,13 +330,13 @@ TEST_CASE("settings of a body that rings on its board change without a jump") {
 }
 
 TEST_CASE("a reset brings a body on its board back to rest") {
-  Lying rig;
+  BarOnSupports rig;
   rig.hit({0.02, 0, 0.02}, 1);
   rig.run(480);
   rig.body.reset();
   rig.run(2048);
-  const Heard heard = rig.run(480);
-  CHECK(*std::max_element(heard.left.begin(), heard.left.end()) == 0);
+  const Output output = rig.run(480);
+  CHECK(*std::max_element(output.left.begin(), output.left.end()) == 0);
   rig.hit({0.02, 0, 0.02}, 1);
   rig.run(480);
   CHECK(rig.body.model()->solver.active() >= 2);
@@ -343,29 +345,29 @@ TEST_CASE("a reset brings a body on its board back to rest") {
 TEST_CASE("a force, a hand and a surface that rubs move both bodies") {
   for (const int how : {0, 1, 2}) {
     CAPTURE(how);
-    Lying rig;
+    BarOnSupports rig;
     rig.settings.rest.pressing_n = 20;
-    rig.renew(false);
+    rig.rebuild(false);
     rig.body.set_point(rig.loaded->nearest_on(0, {0.02, 0, 0.02}), {0, 0, 1});
     std::vector<float> force(4800, how == 0 ? 5.0F : 0), height(4800, how == 1 ? -1e-5F : 0);
     std::vector<float> normal(4800, how == 2 ? 5.0F : 0), velocity(4800, 0.1F), friction(4800);
     if (how == 1)
-      rig.options.led = true;
+      rig.options.driven = true;
     rig.body.set_options(rig.options);
-    Heard heard{std::vector<float>(4800), std::vector<float>(4800), std::vector<float>(4800)};
-    const std::array<std::span<float>, 2> out{heard.left, heard.right};
+    Output output{std::vector<float>(4800), std::vector<float>(4800), std::vector<float>(4800)};
+    const std::array<std::span<float>, 2> out{output.left, output.right};
     if (how == 2) {
       Rub rub;
       rub.placed = true;
-      rub.place = rig.loaded->nearest_on(0, {0.1, 0, 0});
+      rub.point = rig.loaded->nearest_on(0, {0.1, 0, 0});
       rub.direction = {0, 0, 1};
       rig.body.set_rub(rub);
     }
-    rig.body.process<float>(force, height, out, heard.contact, {normal, velocity, friction});
+    rig.body.process<float>(force, height, out, output.contact, {normal, velocity, friction});
     const BodyModel& model = *rig.body.model();
     double on_board = 0;
     for (std::size_t k = 0; k < model.mode.size(); ++k)
-      if (rig.loaded->is_of_board(model.mode[k]))
+      if (rig.loaded->is_board_mode(model.mode[k]))
         on_board += std::abs(model.solver.state(k));
     CHECK(on_board > 1e-8);
     // A lasting push is carried by the points, and no body runs away from it.
@@ -373,7 +375,7 @@ TEST_CASE("a force, a hand and a surface that rubs move both bodies") {
     if (how == 0) {
       double carried = 0;
       for (std::size_t i = 0; i < 2; ++i)
-        carried += model.solver.unbalanced(model.rest_slot() + i);
+        carried += model.solver.net_contact_force(model.resting_slot() + i);
       CHECK(carried == doctest::Approx(5).epsilon(0.6));
     }
   }
@@ -394,11 +396,11 @@ TEST_CASE("a body and its board are heard as each is alone, together") {
       const double late = alone.delay_s[0] - joined.delay_s[0];
       bool seen = false; // the plate has one face
       for (std::size_t k = 0; k < part.mode.size(); ++k) {
-        const std::size_t own = alone.place_of[k];
-        if (own >= alone.heard)
+        const std::size_t own = alone.index_of[k];
+        if (own >= alone.audible_modes)
           continue;
         const auto there = alone.weight[0][own] * std::exp(-alone.rate[own] * late);
-        const auto here = joined.weight[0][joined.place_of[part.mode[k]]];
+        const auto here = joined.weight[0][joined.index_of[part.mode[k]]];
         CHECK(std::abs(here - there) <= 2e-3 * std::abs(there));
         seen |= there != 0.0;
       }

@@ -51,7 +51,7 @@ TEST_CASE("the energy of a store falls as exp(-t / decay) within 0.1 dB over 60 
   for (const double rate : kRates) {
     EnergyStore store;
     store.set(rate, 1e-5, 0.1);
-    store.blow(1);
+    store.add_energy(1);
     double first = 0;
     double worst = 0;
     const auto begin = static_cast<long>(0.001 * rate); // the blow is in by then
@@ -132,11 +132,11 @@ TEST_CASE("a bubble of 3 mm sounds at 1000 Hz and decays at 87.15 1/s at any sam
                std::polar(1.0, -2000 * std::numbers::pi * static_cast<double>(n) / rate);
       return sum;
     };
-    const double apart = (std::floor(0.02 * rate) - std::floor(0.002 * rate)) / rate;
+    const double difference = (std::floor(0.02 * rate) - std::floor(0.002 * rate)) / rate;
     const auto ratio = at(0.02) / at(0.002);
-    CHECK(1000 + std::arg(ratio) / (2 * std::numbers::pi * apart) ==
+    CHECK(1000 + std::arg(ratio) / (2 * std::numbers::pi * difference) ==
           doctest::Approx(1000).epsilon(0.002));
-    CHECK(-std::log(std::abs(ratio)) / apart == doctest::Approx(decay).epsilon(0.01));
+    CHECK(-std::log(std::abs(ratio)) / difference == doctest::Approx(decay).epsilon(0.01));
   }
 }
 
@@ -204,7 +204,7 @@ TEST_CASE("absurd settings and powers stay finite and end in silence") {
       Cloud cloud;
       cloud.prepare(44100);
       cloud.set(settings);
-      cloud.blow(value);
+      cloud.add_energy(value);
       bool finite = true;
       for (int n = 0; n < 2000; ++n)
         finite = finite && std::isfinite(cloud.next(n % 3 ? value : std::nan("")));

@@ -63,7 +63,7 @@ std::vector<double> sound_of(const CloudSettings& settings, int samples, double 
   cloud.seed(9);
   cloud.prepare(kRate);
   cloud.set(settings);
-  cloud.blow(energy);
+  cloud.add_energy(energy);
   std::vector<double> sound;
   for (int n = 0; n < samples; ++n)
     sound.push_back(cloud.next(0));
@@ -207,25 +207,25 @@ TEST_CASE("what has been reset sounds like new") {
       cloud->prepare(kRate);
       cloud->set(settings);
     }
-    used.blow(1);
+    used.add_energy(1);
     for (int n = 0; n < 3000; ++n)
       used.next(.3);
     used.reset();
     CHECK(used.silent());
     CHECK(used.energy() == 0);
     CHECK(used.next(0) == 0);
-    bool same = true, heard = false;
+    bool same = true, sounds = false;
     for (Cloud* cloud : {&used, &fresh}) {
       cloud->seed(5);
-      cloud->blow(1);
+      cloud->add_energy(1);
     }
     for (int n = 0; n < 3000; ++n) {
       const double y = used.next(0);
       same = same && y == fresh.next(0);
-      heard = heard || y != 0;
+      sounds = sounds || y != 0;
     }
     CHECK(same);
-    CHECK(heard);
+    CHECK(sounds);
   }
 }
 
@@ -235,7 +235,7 @@ TEST_CASE(
     EnergyStore store;
     store.set(kRate, attack, .05);
     CHECK(store.empty());
-    store.blow(2);
+    store.add_energy(2);
     CHECK(!store.empty());
     double sum = 0;
     for (int n = 0; n < 48000 * 7; ++n) {
@@ -259,8 +259,8 @@ TEST_CASE(
   EnergyStore store; // limits: 1000 a blow, 1e6/s, 1e-5 to 60 s
   store.set(kRate, 1e-9, 1e9);
   CHECK(store.decay_s() == 60);
-  store.blow(5000);
-  store.blow(-1);
+  store.add_energy(5000);
+  store.add_energy(-1);
   CHECK(store.advance(0) == doctest::Approx(1000).epsilon(.15));
   store.set(kRate, 1e-9, 1e-9);
   CHECK(store.decay_s() == 1e-5);
@@ -340,7 +340,7 @@ TEST_CASE("variation scales frequency, decay and level, each within its range") 
     cloud.prepare(kRate);
     cloud.set(settings);
     cloud.vary(frequency, decay, level);
-    cloud.blow(1);
+    cloud.add_energy(1);
     std::vector<double> sound;
     for (int n = 0; n < 12000; ++n)
       sound.push_back(cloud.next(0));
@@ -382,12 +382,12 @@ TEST_CASE("big grains sound lower by their exponent") {
   const auto one = sound_of(settings, 4000);
   settings.lower_by_size = 2;
   const auto same = sound_of(settings, 4000);
-  double apart = 0, size = 0;
+  double difference = 0, size = 0;
   for (std::size_t n = 0; n < one.size(); ++n) {
-    apart = std::max(apart, std::abs(one[n] - same[n]));
+    difference = std::max(difference, std::abs(one[n] - same[n]));
     size = std::max(size, std::abs(one[n]));
   }
-  CHECK(apart < .05 * size);
+  CHECK(difference < .05 * size);
   // Sizes spread evenly over the logarithm from 1 to e^4: by the exponent .5 frequencies fall to
   // e^-2.
   settings = {};
@@ -472,12 +472,12 @@ TEST_CASE(
   together.start(b, both);
   one.start(a, first);
   two.start(b, second);
-  double apart = 0, size = 0;
+  double difference = 0, size = 0;
   for (int n = 0; n < 3000; ++n) {
     const double alone = one.next() + two.next();
-    apart = std::max(apart, std::abs(together.next() - alone));
+    difference = std::max(difference, std::abs(together.next() - alone));
     size = std::max(size, std::abs(alone));
   }
   CHECK(one.sounding() == 0);
-  CHECK(apart < 1e-12 * size);
+  CHECK(difference < 1e-12 * size);
 }

@@ -18,17 +18,17 @@ using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// Transfer to the open end, gain included, without the delay.
-Complex arriving(const RoundTrip& trip, double frequency, double rate) {
+Complex incident(const RoundTrip& trip, double frequency, double rate) {
   const Complex back = std::polar(1.0, -kTwoPi * frequency / rate);
   Complex h = 1;
   for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)
     h += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
-  return trip.arriving_gain * h;
+  return trip.incident_gain * h;
 }
 /// And back.
-Complex returning(const RoundTrip& trip, double frequency, double rate) {
+Complex reflected(const RoundTrip& trip, double frequency, double rate) {
   const Complex back = std::polar(1.0, -kTwoPi * frequency / rate);
-  return arriving(trip, frequency, rate) * trip.end.at(back);
+  return incident(trip, frequency, rate) * trip.end.at(back);
 }
 
 TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
@@ -41,8 +41,9 @@ TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
       const RoundTrip trip = design.round_trip(length);
       const double g = wall_loss(p, length, design.air().sound_speed);
       for (double f = 50; f <= 1000; f *= 1.05) {
-        const double wanted = std::exp(-g * std::sqrt(kTwoPi * f / 2));
-        CHECK(std::abs(20 * std::log10(std::abs(arriving(trip, f, rate)) / wanted)) < tolerance_db);
+        const double expected = std::exp(-g * std::sqrt(kTwoPi * f / 2));
+        CHECK(std::abs(20 * std::log10(std::abs(incident(trip, f, rate)) / expected)) <
+              tolerance_db);
       }
     }
 }
@@ -55,8 +56,8 @@ TEST_CASE("the loss is that of exp(-G sqrt(s)) to 10 kHz at every sample rate") 
     const RoundTrip trip = design.round_trip(1);
     const double g = wall_loss(p, 1, design.air().sound_speed);
     for (double f = 50; f <= 10e3; f *= 1.1) {
-      const double wanted = std::exp(-g * std::sqrt(kTwoPi * f / 2));
-      CHECK(std::abs(20 * std::log10(std::abs(arriving(trip, f, rate)) / wanted)) < 0.15);
+      const double expected = std::exp(-g * std::sqrt(kTwoPi * f / 2));
+      CHECK(std::abs(20 * std::log10(std::abs(incident(trip, f, rate)) / expected)) < 0.15);
     }
   }
 }
@@ -87,10 +88,10 @@ TEST_CASE("no filter of the bore amplifies at any frequency") {
         const RoundTrip trip = design.round_trip(length);
         double previous = 1 + 1e-10;
         for (double f = 0; f < 0.5 * rate; f += rate / 512) {
-          const double at_end = std::abs(arriving(trip, f, rate));
+          const double at_end = std::abs(incident(trip, f, rate));
           CHECK(at_end <= 1 + 1e-10);
           CHECK(at_end <= previous); // and losses rise with frequency
-          CHECK(std::abs(returning(trip, f, rate)) <= at_end + 1e-10);
+          CHECK(std::abs(reflected(trip, f, rate)) <= at_end + 1e-10);
           previous = at_end + 1e-9;
         }
       }
@@ -106,13 +107,13 @@ TEST_CASE("the round trip's phase is exact at the lowest resonance") {
       const double f = design.ideal_frequency(p.length);
       const Complex s(0, kTwoPi * f);
       const double c = design.air().sound_speed;
-      const Complex wanted =
+      const Complex expected =
           std::exp(-s * (2 * p.length / c) - wall_loss(p, p.length, c) * std::sqrt(s)) *
           OpenEnd::reflection(s * p.end_radius / c);
-      const Complex have =
-          returning(trip, f, rate) * std::polar(1.0, -kTwoPi * f * trip.delay / rate);
-      CHECK(std::abs(std::arg(have / wanted)) < 1e-9);
-      CHECK(std::abs(std::abs(have / wanted) - 1) < 0.01);
+      const Complex actual =
+          reflected(trip, f, rate) * std::polar(1.0, -kTwoPi * f * trip.delay / rate);
+      CHECK(std::abs(std::arg(actual / expected)) < 1e-9);
+      CHECK(std::abs(std::abs(actual / expected) - 1) < 0.01);
     }
   }
 }
@@ -136,7 +137,7 @@ TEST_CASE("modes 1 to 6 of a plain tube lie within a cent of the poles of the ex
         for (std::size_t k = 0; k < weights.size(); ++k)
           line +=
               weights[k] * std::polar(1.0, -kTwoPi * f / rate * (nearest + static_cast<double>(k)));
-        return std::arg(returning(trip, f, rate) * line);
+        return std::arg(reflected(trip, f, rate) * line);
       };
       for (int mode = 1; mode <= 6; ++mode) {
         const double guess = (2 * mode - 1) * design.ideal_frequency(length);
@@ -182,7 +183,7 @@ TEST_CASE("length and ideal frequency are each other's inverse") {
   BoreDesign clarinet;
   clarinet.set(Parameters{}, 48000);
   CHECK(clarinet.length_for(1e9) == doctest::Approx(5e-3)); // the shortest
-  CHECK(longest_delay(48000) > 2 * clarinet.longest() / clarinet.air().sound_speed * 48000);
+  CHECK(max_delay(48000) > 2 * clarinet.longest() / clarinet.air().sound_speed * 48000);
 }
 
 TEST_CASE("a scalar reflection leaves delay and factor alone") {
@@ -193,7 +194,7 @@ TEST_CASE("a scalar reflection leaves delay and factor alone") {
   const RoundTrip trip = design.round_trip(0.5);
   CHECK(trip.delay == doctest::Approx(2 * 0.5 / design.air().sound_speed * 48000));
   for (const double f : {0.0, 1000.0, 20000.0})
-    CHECK(std::abs(returning(trip, f, 48000) + 0.9) < 1e-12);
+    CHECK(std::abs(reflected(trip, f, 48000) + 0.9) < 1e-12);
 }
 
 } // namespace

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/reed/bore/bore_line.hpp"
-#include "core/reed/bore/holed_end.hpp"
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
+#include "core/reed/bore/tone_hole_end.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,46 +17,46 @@ namespace tactus::reed::test {
 /// Delay line, losses and holes; with a vent the line is divided there, as in ReedBank.
 inline std::vector<double> echo_of(const Parameters& p, const Termination& end, double length,
                                    double rate, std::size_t size, bool vented = false) {
-  constexpr int kStretch = 8;
+  constexpr int kBlock = 8;
   BoreDesign design;
   design.set(p, rate);
   design.set_end(&end);
   const RoundTrip trip = design.round_trip(length);
   RegisterVent vent = RegisterVent::of(p);
   vent.separation = 0; // small waves
-  const BoreDesign::Parts parts = design.parts(trip, length, vent.place);
+  const BoreDesign::Parts parts = design.parts(trip, length, vent.position);
   BoreLine<double, 64> line, below;
-  line.prepare(longest_delay(rate));
-  below.prepare(longest_delay(rate));
+  line.prepare(max_delay(rate));
+  below.prepare(max_delay(rate));
   RoundTripFilter<double> losses, above_losses;
   VentFilter<double> filter;
   filter.set(vent, rate);
-  HoledEnd<double> holes;
+  ToneHoleEnd<double> holes;
   holes.set(rate, 1, p.input_radius);
   holes.finger(&end);
   std::vector<double> echo;
   while (echo.size() < size) {
     BoreLine<double, 64>& last = vented ? below : line;
     double* const wave = line.next();
-    double* const ending = last.next();
-    last.read(vented ? parts.below.delay : trip.delay, 0, ending, kStretch);
+    double* const bore_end_wave = last.next();
+    last.read(vented ? parts.below.delay : trip.delay, 0, bore_end_wave, kBlock);
     {
-      RoundTripFilter<double>::Stretch stretch(losses, vented ? parts.below : trip, 0);
-      for (int i = 0; i < kStretch; ++i)
-        ending[i] = stretch.arriving(ending[i]);
+      RoundTripFilter<double>::BlockFilter block_filter(losses, vented ? parts.below : trip, 0);
+      for (int i = 0; i < kBlock; ++i)
+        bore_end_wave[i] = block_filter.incident(bore_end_wave[i]);
     }
-    holes.reflect(ending, kStretch);
+    holes.reflect(bore_end_wave, kBlock);
     if (vented) {
-      line.read(parts.above.delay, 0, wave, kStretch);
-      RoundTripFilter<double>::Stretch stretch(above_losses, parts.above, 0);
-      filter.pass(stretch, wave, ending, 1, 0, kStretch);
-      below.advance(kStretch);
+      line.read(parts.above.delay, 0, wave, kBlock);
+      RoundTripFilter<double>::BlockFilter block_filter(above_losses, parts.above, 0);
+      filter.pass(block_filter, wave, bore_end_wave, 1, 0, kBlock);
+      below.advance(kBlock);
     }
-    for (int i = 0; i < kStretch; ++i) {
+    for (int i = 0; i < kBlock; ++i) {
       echo.push_back(wave[i]);
       wave[i] = echo.size() == 1 ? 1 : 0;
     }
-    line.advance(kStretch);
+    line.advance(kBlock);
   }
   return echo;
 }

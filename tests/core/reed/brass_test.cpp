@@ -42,7 +42,7 @@ TEST_CASE("tubes with a bell resonate where the horn equation says, and as high"
   double worst_cents = 0, worst_db = 0;
   for (const BellReference& reference : kBellReference)
     for (const double rate : {44100.0, 48000.0, 96000.0}) {
-      Parameters p = with_tube(brass(reference.end));
+      Parameters p = with_brass_tube(brass(reference.end));
       p.cup_volume = 0; // the reference has none
       const auto echo = echo_of(p, bell_of(reference.end), reference.length, rate,
                                 static_cast<std::size_t>(0.5 * rate));
@@ -72,7 +72,7 @@ TEST_CASE("no bell reflects more than arrives, at any frequency and rate") {
       REQUIRE(std::abs(one.reflectance({0, kTwoPi * hz}).value) <= 1 + 1e-9);
     for (const double rate : {8000.0, 48000.0, 192000.0}) {
       DigitalReflection digital;
-      digital.set(one.reflection, one.at_zero, rate, 1.03, 1);
+      digital.set(one.reflection, one.dc_value, rate, 1.03, 1);
       for (int i = 0; i <= 2048; ++i)
         REQUIRE(std::abs(digital.at(std::polar(1.0, std::numbers::pi * i / 2048))) <= 1 + 1e-9);
     }
@@ -105,8 +105,8 @@ TEST_CASE(
 TEST_CASE("players take the usual valves and positions") {
   const BrassTube& trumpet = *brass_tube(BoreEnd::kTrumpet);
   const auto valves = [&](int key) {
-    return usual_valves(
-        static_cast<int>(usual_positions(trumpet, 440 * std::exp2((key - 69) / 12.0)).semitones));
+    return standard_valves(static_cast<int>(
+        standard_positions(trumpet, 440 * std::exp2((key - 69) / 12.0)).semitones));
   };
   // Sounding pitch; every beginner's table: low F sharp 123, C 0, D 13, E 12, F 1, F sharp 2, G 0.
   CHECK(valves(52) == 7);
@@ -119,7 +119,7 @@ TEST_CASE("players take the usual valves and positions") {
   CHECK(valves(70) == 0);
   const BrassTube& trombone = *brass_tube(BoreEnd::kTrombone);
   const auto slide = [&](int key) {
-    return 1 + usual_positions(trombone, 440 * std::exp2((key - 69) / 12.0)).semitones;
+    return 1 + standard_positions(trombone, 440 * std::exp2((key - 69) / 12.0)).semitones;
   };
   CHECK(slide(40) == doctest::Approx(7).epsilon(0.01)); // E2
   CHECK(slide(46) == doctest::Approx(1).epsilon(0.01));
@@ -133,7 +133,7 @@ TEST_CASE(
     Parameters p = brass(end);
     const BrassTube& tube = *brass_tube(end);
     const Termination& bell = bell_of(end);
-    const Parameters played = with_tube(p);
+    const Parameters played = with_brass_tube(p);
     for (int natural = 2; natural <= 8; ++natural) {
       const double wish = natural * tube.fundamental;
       const double open = nearest_natural(played, bell, tube.open_length, wish);
@@ -183,7 +183,7 @@ TEST_CASE("a trumpet with valves plays its compass in the right register" *
       CAPTURE(pressure);
       CHECK(measured.right());
       CHECK(std::abs(measured.cents) < 5);
-      CHECK(measured.foreign_db < -20); // two of its modes sound at some loud keys
+      CHECK(measured.inharmonic_db < -20); // two of its modes sound at some loud keys
     }
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("trumpet and trombone swell in one register, without a foreign tone" *
     CAPTURE(one.preset);
     CAPTURE(one.key);
     CHECK(swell.wrong == 0);
-    CHECK(swell.foreign_db < -30);
+    CHECK(swell.inharmonic_db < -30);
     CHECK(swell.cents < 5);
   }
 }

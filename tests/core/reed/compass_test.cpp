@@ -26,7 +26,7 @@ struct Compass {
 
 double hertz(int key) { return 440 * std::exp2((key - 69) / 12.0); }
 
-Recording sounded(Parameters p, std::span<const double> breath, int key) {
+Recording play_note(Parameters p, std::span<const double> breath, int key) {
   p.tune = true;
   Instrument instrument;
   instrument.set(p);
@@ -34,12 +34,12 @@ Recording sounded(Parameters p, std::span<const double> breath, int key) {
   return play(instrument, breath, kRate, 0, hertz(key));
 }
 
-Recording sounded(const char* preset, std::span<const double> breath, int key) {
-  return sounded(find_preset(preset).value(), breath, key);
+Recording play_note(const char* preset, std::span<const double> breath, int key) {
+  return play_note(find_preset(preset).value(), breath, key);
 }
 
 /// Breath that runs straight from point to point (s, Pa).
-std::vector<double> breath_through(const std::vector<std::pair<double, double>>& points) {
+std::vector<double> pressure_through(const std::vector<std::pair<double, double>>& points) {
   std::vector<double> breath;
   auto [t0, p0] = points.front();
   for (const auto& [t, p] : points) {
@@ -66,12 +66,12 @@ TEST_CASE("the corners of every compass sound one note in its register, soft, mi
         CAPTURE(std::string(compass.preset));
         CAPTURE(key);
         CAPTURE(pressure);
-        const Recording r = sounded(compass.preset, ramp(pressure, 1.2, kRate), key);
+        const Recording r = play_note(compass.preset, ramp(pressure, 1.2, kRate), key);
         const NoteMeasure note = measure_note(r, hertz(key), 0.5, 1.2);
         CHECK(note.right());
         // The softest high voice is 11 cents flat.
         CHECK(std::abs(note.cents) < (compass.preset == std::string("voice") ? 12 : 10));
-        CHECK(note.foreign_db < -30);
+        CHECK(note.inharmonic_db < -30);
       }
 }
 
@@ -83,16 +83,16 @@ TEST_CASE("a crescendo of 2 s and back sounds one note throughout" * doctest::sk
   };
   for (const Swell& swell : {Swell{"clarinet", 60, 700, 5500}, Swell{"sax", 56, 500, 6000},
                              Swell{"oboe", 67, 500, 5000}, Swell{"syrinx", 80, 300, 1500}}) {
-    const Recording r = sounded(
+    const Recording r = play_note(
         swell.preset,
-        breath_through(
+        pressure_through(
             {{0, 0}, {0.02, swell.soft}, {0.3, swell.soft}, {2.3, swell.loud}, {4.3, swell.soft}}),
         swell.key);
     const SwellMeasure measured = measure_swell(r, hertz(swell.key));
     CAPTURE(std::string(swell.preset));
     CHECK(measured.frames > 15);
     CHECK(measured.wrong == 0);
-    CHECK(measured.foreign_db < -30);
+    CHECK(measured.inharmonic_db < -30);
     CHECK(measured.cents < 15);
   }
 }
@@ -107,13 +107,14 @@ TEST_CASE("brass speaks within 120 ms, and short notes are as loud as long ones"
         CAPTURE(std::string(compass.preset));
         CAPTURE(key);
         CAPTURE(pressure);
-        const Recording held = sounded(compass.preset, ramp(pressure, 1.2, kRate), key);
+        const Recording held = play_note(compass.preset, ramp(pressure, 1.2, kRate), key);
         const double level = measure_note(held, hertz(key), 0.5, 1.2).rms;
         times.push_back(time_to(held, hertz(key), 0.5 * level));
         CHECK(times.back() < 0.12);
-        const Recording brief = sounded(
+        const Recording brief = play_note(
             compass.preset,
-            breath_through({{0, 0}, {0.02, pressure}, {0.11, pressure}, {0.12, 0}, {0.3, 0}}), key);
+            pressure_through({{0, 0}, {0.02, pressure}, {0.11, pressure}, {0.12, 0}, {0.3, 0}}),
+            key);
         const auto loudness = envelope(brief.sound, kRate, hertz(key));
         CHECK(*std::max_element(loudness.begin(), loudness.end()) > 0.5 * level);
       }
@@ -135,11 +136,12 @@ TEST_CASE("notes of 60 ms are within 6 dB of held ones" * doctest::skip(kSanitiz
         CAPTURE(std::string(compass.preset));
         CAPTURE(key);
         CAPTURE(pressure);
-        const Recording held = sounded(compass.preset, ramp(pressure, 0.8, kRate), key);
+        const Recording held = play_note(compass.preset, ramp(pressure, 0.8, kRate), key);
         const double level = rms(part(held, held.sound, 0.4, 0.8));
-        const Recording brief = sounded(
+        const Recording brief = play_note(
             compass.preset,
-            breath_through({{0, 0}, {0.02, pressure}, {0.05, pressure}, {0.06, 0}, {0.2, 0}}), key);
+            pressure_through({{0, 0}, {0.02, pressure}, {0.05, pressure}, {0.06, 0}, {0.2, 0}}),
+            key);
         const auto loudness = envelope(brief.sound, kRate, 50);
         // The oboe's 75 at 2000 Pa is 6.5 dB short.
         const double bound = compass.preset == std::string("oboe") && key == 75 ? -7 : -6;
@@ -158,7 +160,7 @@ TEST_CASE("short notes in a row are all alike" * doctest::skip(kSanitized)) {
       if (n % apart < played)
         breath[n] = note.pressures.front() * std::min(1.0, static_cast<double>(n % apart) / 240);
     const auto loudness =
-        envelope(sounded(note.preset, breath, note.keys.front()).sound, kRate, 50);
+        envelope(play_note(note.preset, breath, note.keys.front()).sound, kRate, 50);
     std::vector<double> tops;
     for (std::size_t i = 0; i < kNotes; ++i)
       tops.push_back(*std::max_element(loudness.begin() + static_cast<long>(i * apart),
@@ -176,8 +178,8 @@ TEST_CASE("a breath that rises for 2 s speaks on its way" * doctest::skip(kSanit
     double pressure;
   };
   for (const Slow& note : {Slow{"trombone", 50, 2000}, Slow{"trumpet", 67, 3000}}) {
-    const Recording r = sounded(
-        note.preset, breath_through({{0, 0}, {2, note.pressure}, {3, note.pressure}}), note.key);
+    const Recording r = play_note(
+        note.preset, pressure_through({{0, 0}, {2, note.pressure}, {3, note.pressure}}), note.key);
     const double level = measure_note(r, hertz(note.key), 2.2, 3).rms;
     CAPTURE(std::string(note.preset));
     CHECK(time_to(r, hertz(note.key), 0.1 * level) < 1.3);
@@ -194,7 +196,7 @@ TEST_CASE("from soft to loud the level grows by 20 dB, and brass grows twice as 
   for (const Compass& compass : compasses)
     for (const int key : compass.keys) {
       const auto at = [&](double pressure) {
-        return measure_note(sounded(compass.preset, ramp(pressure, 1.2, kRate), key), hertz(key),
+        return measure_note(play_note(compass.preset, ramp(pressure, 1.2, kRate), key), hertz(key),
                             0.5, 1.2);
       };
       const NoteMeasure soft = at(compass.pressures.front()), loud = at(compass.pressures.back());
@@ -237,7 +239,7 @@ TEST_CASE("noise 0 is none, and the noise of a breath below the threshold is not
   p.breath_reference = 0; // else the lips would follow the breath down
   const auto level = [&](double noise) {
     p.breath_noise = noise;
-    const Recording r = sounded(p, ramp(800, 1.5, kRate), 60);
+    const Recording r = play_note(p, ramp(800, 1.5, kRate), 60);
     return rms(part(r, r.sound, 1, 1.5));
   };
   CHECK(level(0) < 1e-9);

@@ -55,12 +55,12 @@ Parameters clarinet() {
 double frequency_of(double key) { return 440 * std::exp2((key - 69) / 12); }
 
 /// With the register vent in front.
-std::vector<double> with_vent(double vent, std::vector<double> holes) {
+std::vector<double> prepend_vent(double vent, std::vector<double> holes) {
   holes.insert(holes.begin(), vent);
   return holes;
 }
 
-Instrument blown(const Parameters& p) {
+Instrument make_instrument(const Parameters& p) {
   Instrument instrument;
   instrument.set(p);
   instrument.prepare(48000, 64);
@@ -68,12 +68,12 @@ Instrument blown(const Parameters& p) {
 }
 
 /// Hz that the fingering sounds; 0: nothing within 12 % of near.
-double sounding(std::string_view holes, double near) {
-  Instrument instrument = blown(clarinet());
-  REQUIRE(instrument.finger_holes(with_vent(1, state_of(holes))));
+double sounding_pitch(std::string_view holes, double near_hz) {
+  Instrument instrument = make_instrument(clarinet());
+  REQUIRE(instrument.finger_holes(prepend_vent(1, state_of(holes))));
   const Recording r = play(instrument, ramp(2000, 0.8, 48000), 48000, 0, 0);
-  const auto heard = part(r, r.bore_pressure, 0.4, 0.8);
-  return rms(heard) > 100 ? pitch(heard, 48000, 0.89 * near, 1.12 * near) : 0;
+  const auto output = part(r, r.bore_pressure, 0.4, 0.8);
+  return rms(output) > 100 ? pitch(output, 48000, 0.89 * near_hz, 1.12 * near_hz) : 0;
 }
 
 double largest_step(std::span<const double> x) {
@@ -159,7 +159,7 @@ TEST_CASE("no state of the holes reflects more than arrives, at any frequency an
       for (double hz = 0.01; hz < 1e6; hz *= 1.003)
         REQUIRE(std::abs(found.reflectance({0, kTwoPi * hz}).value) <= 1 + 1e-9);
       DigitalReflection digital;
-      digital.set(found.reflection, found.at_zero, 48000, 1.03, 1);
+      digital.set(found.reflection, found.dc_value, 48000, 1.03, 1);
       for (int k = 0; k <= 2048; ++k)
         REQUIRE(std::abs(digital.at(std::polar(1.0, std::numbers::pi * k / 2048))) <= 1 + 1e-9);
       for (const auto& blocks : {std::span<const Termination::Block>(found.reflection),
@@ -193,18 +193,18 @@ TEST_CASE("standard fingerings come out as the tables have them") {
 }
 
 TEST_CASE("fingerings are kept, and refused where they are none") {
-  HoleFingerings kept;
+  HoleFingerings cache;
   const auto states = {standard(*woodwind(BoreEnd::kClarinet), 60),
                        standard(*woodwind(BoreEnd::kClarinet), 62)};
-  const Termination* const first = kept.find(BoreEnd::kClarinet, *states.begin());
+  const Termination* const first = cache.find(BoreEnd::kClarinet, *states.begin());
   REQUIRE(first != nullptr);
-  const Termination* const second = kept.find(BoreEnd::kClarinet, *(states.begin() + 1));
+  const Termination* const second = cache.find(BoreEnd::kClarinet, *(states.begin() + 1));
   CHECK(second != first);
   CHECK(second->key == 62);
-  CHECK(kept.find(BoreEnd::kClarinet, *states.begin()) == first);
-  CHECK(kept.find(BoreEnd::kOboe, *states.begin()) == nullptr);
-  CHECK(kept.find(BoreEnd::kOpen, {}) == nullptr);
-  Instrument instrument = blown(clarinet());
+  CHECK(cache.find(BoreEnd::kClarinet, *states.begin()) == first);
+  CHECK(cache.find(BoreEnd::kOboe, *states.begin()) == nullptr);
+  CHECK(cache.find(BoreEnd::kOpen, {}) == nullptr);
+  Instrument instrument = make_instrument(clarinet());
   std::vector<double> holes(21, 1);
   CHECK(instrument.finger_holes(holes));
   holes[3] = std::nan("");
@@ -218,7 +218,7 @@ TEST_CASE("fingerings are kept, and refused where they are none") {
 TEST_CASE("the vent gains no power, however far it is open") {
   Parameters p = clarinet();
   struct NoLosses {
-    double arriving(double x) const { return x; }
+    double incident(double x) const { return x; }
   } losses;
   for (const double open : {0.0, 0.3, 1.0}) {
     VentFilter<double> vent;
@@ -259,25 +259,26 @@ TEST_CASE("the vent gains no power, however far it is open") {
 
 TEST_CASE("theory undoes what the vent does") {
   const RegisterVent vent = RegisterVent::of(clarinet());
-  const Complex s(0, kTwoPi * 500), way = std::polar(0.97, -1.3), below = std::polar(0.9, 2.1);
+  const Complex s(0, kTwoPi * 500), vent_path = std::polar(0.97, -1.3),
+                                    below = std::polar(0.9, 2.1);
   // What comes back above a vent from what comes back below it.
   const Complex h = vent.at(s), b = below * (1.0 - h) / (1.0 + h * below);
   const Complex up = b - h * (1.0 + b);
-  CHECK(std::abs(vent.left_out(s, way * up, way) - way * below) < 1e-12);
+  CHECK(std::abs(vent.without_vent(s, vent_path * up, vent_path) - vent_path * below) < 1e-12);
 }
 
 TEST_CASE("standard fingerings given as lists are in tune by the places of the holes" *
           doctest::skip(kSanitized)) {
   const Woodwind& wind = *woodwind(BoreEnd::kClarinet);
   for (const int key : {50, 53, 58, 63, 68}) {
-    Instrument instrument = blown(clarinet());
-    REQUIRE(instrument.finger_holes(with_vent(1, standard(wind, key))));
+    Instrument instrument = make_instrument(clarinet());
+    REQUIRE(instrument.finger_holes(prepend_vent(1, standard(wind, key))));
     const Recording r = play(instrument, ramp(2000, 0.8, 48000), 48000, 0, 300);
-    const auto heard = part(r, r.bore_pressure, 0.4, 0.8);
+    const auto output = part(r, r.bore_pressure, 0.4, 0.8);
     const double note = frequency_of(key);
     CAPTURE(key);
-    CHECK(rms(heard) > 100);
-    CHECK(std::abs(cents(pitch(heard, 48000, 0.9 * note, 1.1 * note), note)) < 35);
+    CHECK(rms(output) > 100);
+    CHECK(std::abs(cents(pitch(output, 48000, 0.9 * note, 1.1 * note), note)) < 35);
   }
 }
 
@@ -297,35 +298,35 @@ TEST_CASE("cross fingerings and half holes sound as their bores say" * doctest::
   REQUIRE(finger_holes(wind, standard(wind, 62), end));
   Parameters p = find_preset("clarinet").value();
   p.wall_loss = 1;
-  const auto echo = echo_of(p, end, wind.place(62), 48000, 24000);
+  const auto echo = echo_of(p, end, wind.position(62), 48000, 24000);
   const double plain_peak = peak_near(p, echo, 48000, open_8).hz;
-  const double plain = sounding("ccccccccoooooooooooo", frequency_of(62));
+  const double plain = sounding_pitch("ccccccccoooooooooooo", frequency_of(62));
   REQUIRE(plain > 0);
   for (const std::string_view fork : {"ccccccccoccooooooooo", "ccccccccoccccooooooo"}) {
-    const double heard = sounding(fork, frequency_of(62));
+    const double output = sounding_pitch(fork, frequency_of(62));
     CAPTURE(fork);
-    REQUIRE(heard > 0);
+    REQUIRE(output > 0);
     const double lower = cents(first_peak(fork), plain_peak);
     CHECK(lower < -20);
-    CHECK(std::abs(cents(heard, plain) - lower) < 25);
+    CHECK(std::abs(cents(output, plain) - lower) < 25);
   }
   // Covering a hole step by step lowers the note step by step.
   double before = 1e9;
   for (const std::string_view holes : {"ccccccccccoooooooooo", "cccccccccchooooooooo",
                                        "ccccccccccqooooooooo", "cccccccccccooooooooo"}) {
-    const double heard = sounding(holes, frequency_of(59.5));
-    CHECK(heard > 0);
-    CHECK(heard < before);
-    before = heard;
+    const double output = sounding_pitch(holes, frequency_of(59.5));
+    CHECK(output > 0);
+    CHECK(output < before);
+    before = output;
   }
 }
 
 TEST_CASE("a trill between two lists reaches both notes, without a click" *
           doctest::skip(kSanitized)) {
   const Woodwind& wind = *woodwind(BoreEnd::kClarinet);
-  const std::vector<double> lower = with_vent(1, standard(wind, 60)),
-                            upper = with_vent(1, standard(wind, 62));
-  Instrument instrument = blown(clarinet());
+  const std::vector<double> lower = prepend_vent(1, standard(wind, 60)),
+                            upper = prepend_vent(1, standard(wind, 62));
+  Instrument instrument = make_instrument(clarinet());
   REQUIRE(instrument.finger_holes(lower));
   const std::size_t half = 48000 / 14; // 7 Hz
   std::vector<double> sound;
@@ -342,8 +343,8 @@ TEST_CASE("a trill between two lists reaches both notes, without a click" *
     } else {
       CHECK(largest_step(r.sound) < 2 * steady);
       const double note = frequency_of(turn % 2 == 1 ? 62 : 60);
-      const auto heard = std::span(r.bore_pressure).subspan(half / 3);
-      CHECK(std::abs(cents(pitch(heard, 48000, 0.94 * note, 1.06 * note), note)) < 40);
+      const auto output = std::span(r.bore_pressure).subspan(half / 3);
+      CHECK(std::abs(cents(pitch(output, 48000, 0.94 * note, 1.06 * note), note)) < 40);
     }
   }
 }
@@ -358,31 +359,31 @@ TEST_CASE("the register vent takes the clarinet a twelfth up, and a slur over it
   CHECK(key_of(p, standard_fingering(p, frequency_of(75))) == 75);
   for (const int key : {70, 74, 78})
     for (const double pressure : {900.0, 2000.0, 5500.0}) {
-      Instrument instrument = blown(p);
+      Instrument instrument = make_instrument(p);
       const double note = frequency_of(key);
       const Recording r = play(instrument, ramp(pressure, 1.2, 48000), 48000, 0, note);
       CAPTURE(key);
       CAPTURE(pressure);
-      const NoteMeasure heard = measure_note(r, note, 0.5, 1.2);
-      CHECK(heard.right());
-      CHECK(std::abs(heard.cents) < 10);
-      CHECK(heard.foreign_db < -30);
+      const NoteMeasure output = measure_note(r, note, 0.5, 1.2);
+      CHECK(output.right());
+      CHECK(std::abs(output.cents) < 10);
+      CHECK(output.inharmonic_db < -30);
       // The tube is that of the note a twelfth below, not a short one.
-      CHECK(instrument.length() > 0.8 * woodwind(p.end)->place(key - 19));
+      CHECK(instrument.length() > 0.8 * woodwind(p.end)->position(key - 19));
     }
   // The same tube with and without the vent.
   const Woodwind& wind = *woodwind(BoreEnd::kClarinet);
   for (const double vent : {1.0, 0.0}) {
-    Instrument instrument = blown(p);
-    REQUIRE(instrument.finger_holes(with_vent(vent, standard(wind, 55))));
+    Instrument instrument = make_instrument(p);
+    REQUIRE(instrument.finger_holes(prepend_vent(vent, standard(wind, 55))));
     const Recording r = play(instrument, ramp(2000, 1, 48000), 48000, 0, 0);
     const double note = frequency_of(vent > 0.5 ? 55 : 74);
-    const auto heard = part(r, r.bore_pressure, 0.5, 1);
-    CHECK(std::abs(cents(pitch(heard, 48000, 0.93 * note, 1.07 * note), note)) < 70);
-    CHECK(measure_note(r, note, 0.5, 1).foreign_db < -30);
+    const auto output = part(r, r.bore_pressure, 0.5, 1);
+    CHECK(std::abs(cents(pitch(output, 48000, 0.93 * note, 1.07 * note), note)) < 70);
+    CHECK(measure_note(r, note, 0.5, 1).inharmonic_db < -30);
   }
   // Slurs over the break, up and down.
-  Instrument instrument = blown(p);
+  Instrument instrument = make_instrument(p);
   double steady = 0;
   for (int turn = 0; turn < 5; ++turn) {
     const double note = frequency_of(turn % 2 == 0 ? 67 : 71);

@@ -21,12 +21,12 @@ constexpr double kRate = 48000;
 constexpr Instructions kAll[] = {Instructions::kBaseline, Instructions::kAvx2,
                                  Instructions::kAvx512};
 
-struct Playing {
+struct Tone {
   double frequency, rms;
 };
 
 /// Pitch by interpolated upward crossings and strength of the alternating part, 1.2 to 1.9 s.
-Playing measure(const std::vector<double>& x) {
+Tone measure(const std::vector<double>& x) {
   const std::size_t from = static_cast<std::size_t>(1.2 * kRate), to = x.size();
   double mean = 0, power = 0;
   for (std::size_t n = from; n < to; ++n)
@@ -97,8 +97,8 @@ TEST_CASE("eight reeds side by side play what each of them plays alone") {
       }
       for (const std::size_t lane : {0u, 3u, 7u}) {
         CAPTURE(lane);
-        const Playing one = measure(alone(c.instrument, pressure[lane], reed[lane]));
-        const Playing lanes = measure(bore[lane]);
+        const Tone one = measure(alone(c.instrument, pressure[lane], reed[lane]));
+        const Tone lanes = measure(bore[lane]);
         CHECK(one.rms > 100);
         CHECK(std::abs(cents(lanes.frequency, one.frequency)) < 0.5);
         CHECK(std::abs(lanes.rms / one.rms - 1) < 2e-3);
@@ -107,38 +107,40 @@ TEST_CASE("eight reeds side by side play what each of them plays alone") {
 }
 
 /// f_p and gradient after some time at one place; blocks of the given size.
-struct Felt {
+struct HandState {
   double playability;
   Gradient gradient;
   std::vector<double> sound;
 };
-Felt feel(Instructions instructions, double y, double z, std::size_t block, double seconds) {
+HandState play_at(Instructions instructions, double y, double z, std::size_t block,
+                  double seconds) {
   ReedGradient gradient(instructions);
   gradient.set(reference::trumpet());
   gradient.set_range({0, 8000, 80, 900});
   gradient.prepare(kRate);
-  Felt felt{};
-  felt.sound.resize(static_cast<std::size_t>(seconds * kRate));
-  for (std::size_t at = 0; at < felt.sound.size();) {
-    const std::size_t end = std::min(at + block, felt.sound.size());
+  HandState state{};
+  state.sound.resize(static_cast<std::size_t>(seconds * kRate));
+  for (std::size_t at = 0; at < state.sound.size();) {
+    const std::size_t end = std::min(at + block, state.sound.size());
     while (at < end) {
-      if (gradient.until_hand() == 0)
+      if (gradient.samples_until_hand() == 0)
         gradient.move(y, z, 0);
-      const std::size_t left = gradient.until_hand() ? gradient.until_hand() : ReedGradient::kHold;
+      const std::size_t left =
+          gradient.samples_until_hand() ? gradient.samples_until_hand() : ReedGradient::kHandPeriod;
       const std::size_t count = std::min(left, end - at);
-      gradient.process(std::span(felt.sound).subspan(at, count));
+      gradient.process(std::span(state.sound).subspan(at, count));
       at += count;
     }
   }
-  felt.playability = gradient.playability();
-  felt.gradient = gradient.gradient();
-  return felt;
+  state.playability = gradient.playability();
+  state.gradient = gradient.gradient();
+  return state;
 }
 
 TEST_CASE("the gradient is the same bits however the stream is cut") {
-  const Felt whole = feel(best_instructions(), 0.6, 0.42, 4096, 0.5);
+  const HandState whole = play_at(best_instructions(), 0.6, 0.42, 4096, 0.5);
   for (const std::size_t block : {1u, 7u, 64u}) {
-    const Felt cut = feel(best_instructions(), 0.6, 0.42, block, 0.5);
+    const HandState cut = play_at(best_instructions(), 0.6, 0.42, block, 0.5);
     CHECK(cut.gradient.y == whole.gradient.y);
     CHECK(cut.gradient.z == whole.gradient.z);
     CHECK(cut.sound == whole.sound);
@@ -156,7 +158,7 @@ TEST_CASE("each neighbour of the hand is what a hand in its place would hear") {
     gradient.set_range({0, 8000, 80, 900});
     gradient.set_delta(delta);
     gradient.prepare(kRate);
-    std::array<double, ReedGradient::kHold> sound;
+    std::array<double, ReedGradient::kHandPeriod> sound;
     std::array<double, GradientStencil::kPoints + 2> found{};
     for (int n = 0; n < 601; ++n) {
       gradient.move(there_y, there_z, 0);
@@ -188,16 +190,16 @@ TEST_CASE("each neighbour of the hand is what a hand in its place would hear") {
 
 TEST_CASE("after reset a gradient is a new one, to the bit, wherever it was stopped") {
   const auto feel_on = [](ReedGradient& gradient, double y, double z, int readings) {
-    std::vector<double> felt;
-    std::array<double, ReedGradient::kHold> sound;
+    std::vector<double> state;
+    std::array<double, ReedGradient::kHandPeriod> sound;
     for (int n = 0; n < readings; ++n) {
       gradient.move(y + 1e-3 * n, z, 0);
       gradient.process(sound);
-      felt.insert(felt.end(), sound.begin(), sound.end());
-      felt.push_back(gradient.force().y);
-      felt.push_back(gradient.force().z);
+      state.insert(state.end(), sound.begin(), sound.end());
+      state.push_back(gradient.force().y);
+      state.push_back(gradient.force().z);
     }
-    return felt;
+    return state;
   };
   for (const int readings : {40, 41}) { // of which every second one moves the force
     const auto prepare = [](ReedGradient& gradient) {
@@ -221,14 +223,14 @@ TEST_CASE("after reset a gradient is a new one, to the bit, wherever it was stop
 TEST_CASE("every instruction set feels the same") {
   // Newer processors fuse products and sums, and so round single precision otherwise. What that
   // does to f_p, 1e-7, it does to the gradient fifty times over: the stencil is 0.02 wide.
-  const Felt baseline = feel(Instructions::kBaseline, 0.6, 0.42, 64, 0.5);
+  const HandState baseline = play_at(Instructions::kBaseline, 0.6, 0.42, 64, 0.5);
   for (const Instructions instructions : kAll) {
     if (!make_reed_ensemble(instructions))
       continue;
-    const Felt felt = feel(instructions, 0.6, 0.42, 64, 0.5);
-    CHECK(std::abs(felt.playability - baseline.playability) < 1e-6);
-    CHECK(std::abs(felt.gradient.y - baseline.gradient.y) < 1e-4);
-    CHECK(std::abs(felt.gradient.z - baseline.gradient.z) < 1e-4);
+    const HandState state = play_at(instructions, 0.6, 0.42, 64, 0.5);
+    CHECK(std::abs(state.playability - baseline.playability) < 1e-6);
+    CHECK(std::abs(state.gradient.y - baseline.gradient.y) < 1e-4);
+    CHECK(std::abs(state.gradient.z - baseline.gradient.z) < 1e-4);
   }
 }
 
@@ -238,7 +240,7 @@ double steady_slope(double z) {
   gradient.set(reference::trumpet());
   gradient.set_range({0, 8000, 80, 900});
   gradient.prepare(kRate);
-  std::vector<double> sound(ReedGradient::kHold);
+  std::vector<double> sound(ReedGradient::kHandPeriod);
   double sum = 0;
   int count = 0;
   for (std::size_t n = 0; n < static_cast<std::size_t>(2 * kRate); n += sound.size()) {
@@ -263,7 +265,7 @@ TEST_CASE("growth mode leads out of silence, where five silent reeds know nothin
   gradient.set(reference::trumpet());
   gradient.set_range({0, 8000, 80, 900});
   gradient.prepare(kRate);
-  std::vector<double> sound(ReedGradient::kHold);
+  std::vector<double> sound(ReedGradient::kHandPeriod);
   const auto stay = [&](double y, double z, int readings = 1500) {
     for (int n = 0; n < readings; ++n) {
       gradient.move(y, z, 0);
@@ -284,16 +286,16 @@ TEST_CASE("growth mode leads out of silence, where five silent reeds know nothin
   CHECK(gradient.gradient().y < 0);
   // A change of anything that the map depends on asks for another.
   const PlaneSettings made_for = gradient.plane();
-  CHECK(gradient.plane().served_by(made_for));
+  CHECK(gradient.plane().matches(made_for));
   gradient.set_range({0, 6000, 80, 900});
-  CHECK_FALSE(gradient.plane().served_by(made_for));
+  CHECK_FALSE(gradient.plane().matches(made_for));
 }
 
 TEST_CASE("a hand that is nowhere, or a bore without length, does no harm") {
   ReedGradient gradient;
   gradient.set(reference::trumpet());
   gradient.prepare(kRate);
-  std::vector<double> sound(ReedGradient::kHold);
+  std::vector<double> sound(ReedGradient::kHandPeriod);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const double strange[] = {kNan, kInf, -kInf, 1e300, -5, 0.5, 0, 3};

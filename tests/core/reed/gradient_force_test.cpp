@@ -18,9 +18,9 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kRate = 48000;
-constexpr std::size_t kHold = ReedGradient::kHold;
-constexpr double kHold_s = static_cast<double>(kHold) / kRate;
-constexpr double kForceHold_s = static_cast<double>(ReedGradient::kForceHold) / kRate;
+constexpr std::size_t kHandPeriod = ReedGradient::kHandPeriod;
+constexpr double kHandPeriod_s = static_cast<double>(kHandPeriod) / kRate;
+constexpr double kForcePeriod_s = static_cast<double>(ReedGradient::kForcePeriod) / kRate;
 
 ReedGradient trumpet(ReedGradient::Mode mode) {
   ReedGradient gradient;
@@ -32,8 +32,8 @@ ReedGradient trumpet(ReedGradient::Mode mode) {
 }
 
 void stay(ReedGradient& gradient, double y, double z, double seconds) {
-  std::vector<double> sound(kHold);
-  for (double t = 0; t < seconds; t += kHold_s) {
+  std::vector<double> sound(kHandPeriod);
+  for (double t = 0; t < seconds; t += kHandPeriod_s) {
     gradient.move(y, z, 0);
     gradient.process(sound);
   }
@@ -50,8 +50,8 @@ TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its 
     gradient.set(p);
     gradient.set_range({0, 8000, 82.5, 907.5});
     gradient.prepare(kRate);
-    std::vector<double> sound(kHold);
-    for (double t = 0; t < 3; t += kHold_s) {
+    std::vector<double> sound(kHandPeriod);
+    for (double t = 0; t < 3; t += kHandPeriod_s) {
       gradient.move(0.6 * std::min(1.0, t / 2), 0.5, 0);
       gradient.process(sound);
       for (const double x : sound)
@@ -66,8 +66,8 @@ TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its 
   Parameters p = find_preset("trumpet").value();
   p.breath_noise = 5e-4;
   gradient.set(p);
-  std::vector<double> sound(kHold);
-  for (double t = 0; t < 2; t += kHold_s) { // a step would ring for long
+  std::vector<double> sound(kHandPeriod);
+  for (double t = 0; t < 2; t += kHandPeriod_s) { // a step would ring for long
     gradient.move(0.15 * std::min(1.0, t / 0.3), 0.5, 0);
     gradient.process(sound);
   }
@@ -104,11 +104,11 @@ TEST_CASE(
     double y = 0, z = 0;
     for (double at_y = 0; at_y < 1; at_y += 0.02)
       for (double at_z = 0; at_z < 1; at_z += 0.02)
-        if (guide.way.distance(at_y, at_z) < guide.way.distance(y, z)) {
+        if (guide.distance_field.distance(at_y, at_z) < guide.distance_field.distance(y, z)) {
           y = at_y;
           z = at_z;
         }
-    REQUIRE(guide.way.distance(y, z) < -0.06);
+    REQUIRE(guide.distance_field.distance(y, z) < -0.06);
     stay(gradient, y, z, 0.8);
     CHECK(gradient.playability() > 0.5);
     CHECK(std::hypot(gradient.force().y, gradient.force().z) == 0);
@@ -123,12 +123,12 @@ TEST_CASE("modes reed and growth push with the patch's law of their slope") {
     const PlaneGuide guide = test::guide_of(gradient.plane());
     gradient.set_guide(&guide);
     ForceSmoother smoother; // 30 ms, 20 N/s
-    std::vector<double> sound(kHold);
+    std::vector<double> sound(kHandPeriod);
     PlaneForce expected;
     for (int n = 0; n < 1500; ++n) {
       gradient.move(0.5, 0.42, 0);
       if (n % 2 == 1)
-        expected = smoother.advance(gradient_force(gradient.gradient(), 0.3, 1), kForceHold_s);
+        expected = smoother.advance(gradient_force(gradient.gradient(), 0.3, 1), kForcePeriod_s);
       REQUIRE(gradient.force().y == expected.y);
       REQUIRE(gradient.force().z == expected.z);
       gradient.process(sound);
@@ -143,19 +143,20 @@ TEST_CASE("the force has the same bits however the stream is cut into blocks") {
     const PlaneGuide guide = test::guide_of(gradient.plane());
     gradient.set_guide(&guide);
     std::vector<double> sound(block), seen;
-    std::size_t place = 0;
+    std::size_t sample = 0;
     for (std::size_t n = 0; n < 24000;) {
-      if (gradient.until_hand() == 0) {
+      if (gradient.samples_until_hand() == 0) {
         seen.push_back(gradient.force().y);
         seen.push_back(gradient.force().z);
         const double t = static_cast<double>(n) / kRate;
         gradient.move(0.4 + 0.4 * std::sin(9 * t), 0.5 + 0.3 * std::sin(7 * t), 0);
       }
-      const std::size_t left = gradient.until_hand() > 0 ? gradient.until_hand() : kHold;
-      const std::size_t count = std::min({left, block - place, 24000 - n});
+      const std::size_t left =
+          gradient.samples_until_hand() > 0 ? gradient.samples_until_hand() : kHandPeriod;
+      const std::size_t count = std::min({left, block - sample, 24000 - n});
       gradient.process(std::span(sound).first(count));
       n += count;
-      place = (place + count) % block;
+      sample = (sample + count) % block;
     }
     return seen;
   };
@@ -173,10 +174,10 @@ TEST_CASE("another mode goes on from the force that was, and letting go ends it"
   const PlaneForce before = gradient.force();
   REQUIRE(std::hypot(before.y, before.z) > 1.9);
   gradient.set_mode(ReedGradient::Mode::kReed);
-  stay(gradient, 0.05, 0.45, kForceHold_s);
-  CHECK(std::abs(gradient.force().y - before.y) <= 20 * kForceHold_s * 1.001); // 20 N/s
-  CHECK(std::abs(gradient.force().z - before.z) <= 20 * kForceHold_s * 1.001);
-  gradient.let_go();
+  stay(gradient, 0.05, 0.45, kForcePeriod_s);
+  CHECK(std::abs(gradient.force().y - before.y) <= 20 * kForcePeriod_s * 1.001); // 20 N/s
+  CHECK(std::abs(gradient.force().z - before.z) <= 20 * kForcePeriod_s * 1.001);
+  gradient.release_force();
   CHECK(std::hypot(gradient.force().y, gradient.force().z) == 0);
 }
 
@@ -189,7 +190,7 @@ TEST_CASE("a hand that is nowhere gets a finite force in every mode") {
     ReedGradient gradient = trumpet(mode);
     const PlaneGuide guide = test::guide_of(gradient.plane());
     gradient.set_guide(&guide);
-    std::vector<double> sound(kHold);
+    std::vector<double> sound(kHandPeriod);
     for (int n = 0; n < 1000; ++n) {
       gradient.move(strange[n % 8], strange[(n / 8) % 8], strange[(n / 64) % 8]);
       gradient.process(sound);
@@ -222,7 +223,7 @@ TEST_CASE("theory maps the lips that the player of a tuned note takes" *
     for (std::size_t n = 0; n < played.size();)
       n = played.advance(n);
 
-    const auto agreement = [&](const Playing& playing) {
+    const auto agreement = [&](const PlayingSetup& playing) {
       GrowthMap theory;
       theory.prepare(kNodes, kNodes);
       theory.begin(playing, settings.range);
@@ -252,14 +253,14 @@ TEST_CASE("the player's lips are tuned()'s, and the valve as given without a not
     Parameters p = preset.parameters;
     CAPTURE(preset.name);
     for (const double note : {0.0, 200.0}) {
-      const Playing plain = embouchure_for(p, note, 0.7);
+      const PlayingSetup plain = embouchure_for(p, note, 0.7);
       CHECK(plain.length == 0.7);
       CHECK(plain.reed_scale == 1);
       CHECK(plain.valve.mass == p.mass);
     }
     p.tune = true;
     CHECK(embouchure_for(p, 0, 0.7).valve.mass == p.mass);
-    const Playing held = embouchure_for(p, 200, 0.7), chosen = tuned(p, 200, p.reed_frequency);
+    const PlayingSetup held = embouchure_for(p, 200, 0.7), chosen = tuned(p, 200, p.reed_frequency);
     CHECK(held.valve.mass == chosen.valve.mass);
     CHECK(held.valve.width == chosen.valve.width);
     CHECK(held.reed_scale == chosen.reed_scale);

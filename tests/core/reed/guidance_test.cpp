@@ -35,7 +35,7 @@ GuidanceField half_plane() {
 }
 
 /// The force on a hand that has rested there for half a second.
-PlaneForce resting(const GuidanceField& field, double y, double z, double playability) {
+PlaneForce force_at_rest(const GuidanceField& field, double y, double z, double playability) {
   Guidance guidance;
   guidance.set({});
   PlaneForce force;
@@ -45,7 +45,8 @@ PlaneForce resting(const GuidanceField& field, double y, double z, double playab
 }
 
 /// The force on a hand that has moved steadily along y and is now there.
-PlaneForce passing(const GuidanceField& field, double y, double velocity, double playability) {
+PlaneForce force_at_velocity(const GuidanceField& field, double y, double velocity,
+                             double playability) {
   Guidance guidance;
   guidance.set({.smoothing_s = 0, .slew_n_per_s = 1e9});
   PlaneForce force;
@@ -56,8 +57,8 @@ PlaneForce passing(const GuidanceField& field, double y, double velocity, double
 
 /// Least and greatest y of a handle in the last second, led along y through the whole loop: 1 kHz
 /// servo, 750 Hz blocks, the chain's interpolation, and a note that sounds.
-std::pair<double, double> led(haptic::SimulatedDevice& device, const GuidanceField& field,
-                              double seconds) {
+std::pair<double, double> run_hand(haptic::SimulatedDevice& device, const GuidanceField& field,
+                                   double seconds) {
   haptic::ChainSettings limits;
   limits.allowance_w = 0.05;
   haptic::ChainState chain;
@@ -148,7 +149,7 @@ TEST_CASE("where all of the plane plays, or none, there is no force") {
   for (const double everywhere : {-1.0, 1.0}) {
     const auto field = field_of([&](double, double) { return everywhere; });
     for (const double playability : {0.0, 0.7}) {
-      const PlaneForce force = resting(field, 0.3, 0.6, playability);
+      const PlaneForce force = force_at_rest(field, 0.3, 0.6, playability);
       CHECK(std::hypot(force.y, force.z) == 0);
     }
   }
@@ -157,7 +158,7 @@ TEST_CASE("where all of the plane plays, or none, there is no force") {
 TEST_CASE("in silence the pull is the ceiling, however far the note is") {
   const auto field = half_plane();
   for (const double y : {0.51, 0.6, 0.8, 1.0}) {
-    const PlaneForce force = resting(field, y, 0.4, 0);
+    const PlaneForce force = force_at_rest(field, y, 0.4, 0);
     CHECK(force.y == doctest::Approx(-2).epsilon(1e-6));
     CHECK(std::abs(force.z) < 1e-9);
   }
@@ -166,37 +167,37 @@ TEST_CASE("in silence the pull is the ceiling, however far the note is") {
 TEST_CASE("where a note sounds the hand is free but for a wall inside the border") {
   const auto field = half_plane();
   const double border = 0.50625;
-  CHECK(resting(field, border - 0.06, 0.4, 0.7).y == 0);
-  CHECK(resting(field, border - 0.025, 0.4, 0.7).y == doctest::Approx(-1).epsilon(1e-6));
-  CHECK(resting(field, border, 0.4, 0.7).y == doctest::Approx(-2).epsilon(1e-6));
+  CHECK(force_at_rest(field, border - 0.06, 0.4, 0.7).y == 0);
+  CHECK(force_at_rest(field, border - 0.025, 0.4, 0.7).y == doctest::Approx(-1).epsilon(1e-6));
+  CHECK(force_at_rest(field, border, 0.4, 0.7).y == doctest::Approx(-2).epsilon(1e-6));
 }
 
 TEST_CASE("where a note should sound and does not, the hand is drawn on to twice the margin") {
   const auto field = half_plane();
   const double border = 0.50625;
-  CHECK(resting(field, border - 0.04, 0.4, 0.1).y == doctest::Approx(-2).epsilon(1e-6));
-  CHECK(resting(field, border - 0.075, 0.4, 0.1).y == doctest::Approx(-1).epsilon(1e-6));
-  CHECK(resting(field, border - 0.12, 0.4, 0.1).y == 0);
+  CHECK(force_at_rest(field, border - 0.04, 0.4, 0.1).y == doctest::Approx(-2).epsilon(1e-6));
+  CHECK(force_at_rest(field, border - 0.075, 0.4, 0.1).y == doctest::Approx(-1).epsilon(1e-6));
+  CHECK(force_at_rest(field, border - 0.12, 0.4, 0.1).y == 0);
 }
 
 TEST_CASE("a hand on its way out meets the wall earlier, one on its way in later") {
   const auto field = half_plane();
   const double y = 0.50625 - 0.025;
   // w = 1 + (D + t_a v)/m with D = -m/2; v = 0.5 sides/s at t_a = 30 ms is 0.3 m
-  CHECK(passing(field, y, 0, 0.7).y == doctest::Approx(-1.0).epsilon(1e-6));
-  CHECK(passing(field, y, 0.5, 0.7).y == doctest::Approx(-1.6).epsilon(1e-6));
-  CHECK(passing(field, y, -0.5, 0.7).y == doctest::Approx(-0.4).epsilon(1e-6));
+  CHECK(force_at_velocity(field, y, 0, 0.7).y == doctest::Approx(-1.0).epsilon(1e-6));
+  CHECK(force_at_velocity(field, y, 0.5, 0.7).y == doctest::Approx(-1.6).epsilon(1e-6));
+  CHECK(force_at_velocity(field, y, -0.5, 0.7).y == doctest::Approx(-0.4).epsilon(1e-6));
 }
 
 TEST_CASE("half-way between two notes the force turns over smoothly") {
   const auto field =
       field_of([](double y, double) { return std::max(0.2 - y, y - 0.8); }); // two bands
-  CHECK(std::abs(resting(field, 0.5, 0.5, 0).y) < 1e-6);
-  CHECK(resting(field, 0.4, 0.5, 0).y == doctest::Approx(-2).epsilon(1e-3));
-  CHECK(resting(field, 0.6, 0.5, 0).y == doctest::Approx(2).epsilon(1e-3));
-  double before = resting(field, 0.4, 0.5, 0).y;
+  CHECK(std::abs(force_at_rest(field, 0.5, 0.5, 0).y) < 1e-6);
+  CHECK(force_at_rest(field, 0.4, 0.5, 0).y == doctest::Approx(-2).epsilon(1e-3));
+  CHECK(force_at_rest(field, 0.6, 0.5, 0).y == doctest::Approx(2).epsilon(1e-3));
+  double before = force_at_rest(field, 0.4, 0.5, 0).y;
   for (double y = 0.41; y < 0.6; y += 0.01) {
-    const double now = resting(field, y, 0.5, 0).y;
+    const double now = force_at_rest(field, y, 0.5, 0).y;
     CHECK(now >= before - 1e-6);
     CHECK(now - before < 1.3); // 4 N over a blur of 2 x 0.015
     before = now;
@@ -213,7 +214,7 @@ TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, wit
     const haptic::Vec3 goal{0, 0.045, 0};
     device.follow(haptic::RowPath({{0, {}, 0}, {2, goal, 0}}));
     device.place({}, {});
-    const auto [lowest, highest] = led(device, field, 4);
+    const auto [lowest, highest] = run_hand(device, field, 4);
     // Outside the wall, or within it: K (goal - x) = F_max min(1, 1 + D/m), D = x/side - border.
     const double m = 0.05, border = 0.00625, side = 0.1, x_goal = goal.y;
     double x = x_goal - 2 / stiffness;
@@ -232,10 +233,10 @@ TEST_CASE("a handle that nobody holds comes to rest in a note however narrow") {
       haptic::SimulatedDevice device;
       haptic::SimulatedDevice::Settings handle;
       handle.mass_kg = mass;
-      handle.hand.hold = haptic::HandSettings::Hold::kFree;
+      handle.hand.hold = haptic::HandSettings::Configuration::kFree;
       device.set(handle);
       device.place({0, 0.02, 0}, {}); // 20 mm beside its middle
-      const auto [lowest, highest] = led(device, field, 6);
+      const auto [lowest, highest] = run_hand(device, field, 6);
       CAPTURE(width);
       CAPTURE(mass);
       CHECK(std::abs(0.5 * (lowest + highest) - 0.5) < 0.5 * width);

@@ -12,7 +12,7 @@ inline PlaneGuide guide_of(const PlaneSettings& plane) {
   map.begin(plane.playing, plane.range);
   (void)map.advance(kNodes * kNodes);
   PlaneGuide guide;
-  guide.take(map);
+  guide.build(map);
   return guide;
 }
 

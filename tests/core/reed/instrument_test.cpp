@@ -15,12 +15,12 @@ namespace {
 using namespace test;
 
 /// Moving controls for a second.
-struct Gesture {
+struct Controls {
   std::vector<double> pressure, reed, bore;
 };
 
-Gesture gesture(const Parameters& p, std::size_t size) {
-  Gesture g;
+Controls controls(const Parameters& p, std::size_t size) {
+  Controls g;
   for (std::size_t n = 0; n < size; ++n) {
     const double t = static_cast<double>(n) / 48000;
     g.pressure.push_back(1500 + 1200 * std::sin(9 * t));
@@ -30,7 +30,7 @@ Gesture gesture(const Parameters& p, std::size_t size) {
   return g;
 }
 
-Recording in_blocks(const Parameters& p, const Gesture& g, std::size_t block) {
+Recording in_blocks(const Parameters& p, const Controls& g, std::size_t block) {
   Instrument instrument;
   instrument.set(p);
   instrument.prepare(48000, block);
@@ -55,7 +55,7 @@ TEST_CASE("the same bits come out however the stream is cut into blocks") {
     Parameters p = preset.parameters;
     p.breath_noise = 0.02;
     p.tune = true;
-    const Gesture g = gesture(p, 24000);
+    const Controls g = controls(p, 24000);
     const Recording whole = in_blocks(p, g, 24000);
     for (const std::size_t block : {1u, 7u, 64u, 1000u, 4096u}) {
       const Recording cut = in_blocks(p, g, block);
@@ -72,12 +72,12 @@ TEST_CASE("the same bits come out however the stream is cut into blocks") {
 
 TEST_CASE("outlets may overwrite inlets") {
   const Parameters p = find_preset("trumpet").value();
-  const Gesture g = gesture(p, 9600);
+  const Controls g = controls(p, 9600);
   const Recording apart = in_blocks(p, g, 9600);
   Instrument instrument;
   instrument.set(p);
   instrument.prepare(48000, 64);
-  Gesture own = g;
+  Controls own = g;
   std::vector<double> flow(9600);
   instrument.process<double>(own.pressure, own.reed, own.bore, own.bore, own.pressure, own.reed,
                              flow);
@@ -197,7 +197,7 @@ TEST_CASE("a frequency that is no number leaves the last good one") {
   const double infinity = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* name : {"clarinet", "trumpet"}) {
-    Gesture held{ramp(2200, 1, 48000), {}, {}}, broken = held;
+    Controls held{ramp(2200, 1, 48000), {}, {}}, broken = held;
     for (std::size_t n = 0; n < 48000; ++n) {
       const bool late = n > 20000;
       const double reed = late ? 400 : 380, bore = late ? 240 : 233;
@@ -214,7 +214,7 @@ TEST_CASE("a frequency that is no number leaves the last good one") {
     CAPTURE(name);
     CHECK(in_blocks(p, broken, 64).sound == in_blocks(p, held, 64).sound);
     // Zero and below are numbers: they ask for the preset's own again.
-    Gesture own = held, negative = held;
+    Controls own = held, negative = held;
     own.reed.assign(48000, 0);
     own.bore.assign(48000, 0);
     negative.reed.assign(48000, -3);
@@ -229,21 +229,21 @@ TEST_CASE("a mouth pressure that is no number is the one before it, others are w
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Parameters p = find_preset("clarinet").value();
   std::mt19937 random(4);
-  Gesture given, meant;
+  Controls given, expected;
   for (std::size_t n = 0; n < 9600; ++n) {
     const double good = 1800 + 0.05 * static_cast<double>(n);
     const auto draw = random() % 40;
     // Often at the first sample of a block, where the pressure before is that of the last block.
     const bool none = n > 0 && (draw < 2 || n % 64 == 0 || n % 64 == 1);
     given.pressure.push_back(none ? nan : draw == 2 ? infinity : draw == 3 ? -6e4 : good);
-    meant.pressure.push_back(none        ? meant.pressure.back()
-                             : draw == 2 ? 50000
-                             : draw == 3 ? -50000
-                                         : good);
+    expected.pressure.push_back(none        ? expected.pressure.back()
+                                : draw == 2 ? 50000
+                                : draw == 3 ? -50000
+                                            : good);
   }
-  given.reed = given.bore = meant.reed = meant.bore = std::vector<double>(9600, 0.0);
-  CHECK(in_blocks(p, given, 64).sound == in_blocks(p, meant, 64).sound);
-  CHECK(in_blocks(p, given, 50).bore_pressure == in_blocks(p, meant, 50).bore_pressure);
+  given.reed = given.bore = expected.reed = expected.bore = std::vector<double>(9600, 0.0);
+  CHECK(in_blocks(p, given, 64).sound == in_blocks(p, expected, 64).sound);
+  CHECK(in_blocks(p, given, 50).bore_pressure == in_blocks(p, expected, 50).bore_pressure);
 }
 
 TEST_CASE("a thousand random instruments with jumping controls stay finite and bounded") {
@@ -256,7 +256,7 @@ TEST_CASE("a thousand random instruments with jumping controls stay finite and b
   };
   Instrument instrument;
   instrument.prepare(48000, 64);
-  int stray = 0;
+  int outliers = 0;
   double highest = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     Parameters p;
@@ -299,12 +299,12 @@ TEST_CASE("a thousand random instruments with jumping controls stay finite and b
       for (std::size_t n = 0; n < sound.size(); ++n) {
         if (!(std::abs(sound[n]) <= 1) || !std::isfinite(theta[n]) || !std::isfinite(inside[n]) ||
             !std::isfinite(flow[n]))
-          ++stray;
+          ++outliers;
         highest = std::max(highest, std::abs(inside[n]));
       }
     }
   }
-  CHECK(stray == 0);
+  CHECK(outliers == 0);
   CAPTURE(highest);
   CHECK(highest < 2e9); // Pa: beyond 1e9 (before decimation) the model starts anew
 }
@@ -381,8 +381,8 @@ TEST_CASE("breath noise follows its seed and the jet") {
   p.breath_noise = 0.1;
   const Recording twice = play(p, 800, 1);
   CHECK(std::abs(rms(part(twice, twice.bore_pressure, 0.5, 1)) / half / 2 - 1) < 0.3);
-  const Recording shut = play(p, 9000, 1); // the reed is closed: no jet, no noise
-  CHECK(rms(part(shut, shut.bore_pressure, 0.9, 1)) < 1e-3);
+  const Recording closed = play(p, 9000, 1); // the reed is closed: no jet, no noise
+  CHECK(rms(part(closed, closed.bore_pressure, 0.9, 1)) < 1e-3);
 }
 
 TEST_CASE("the type's sign of the rest angle wins") {

@@ -21,7 +21,7 @@ using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kQuoted = 1e-4;
 
-struct Figure {
+struct ReferenceValue {
   std::string name;
   Parameters instrument;
   double near_hz, pressure, frequency;
@@ -60,12 +60,12 @@ int zeros_right_of(const LinearStability& theory, double quality, double pressur
                              {abscissa, highest}};
   double turned = 0;
   for (int side = 0; side < 4; ++side) {
-    const Complex from = corners[side], way = corners[(side + 1) % 4] - from;
+    const Complex from = corners[side], edge = corners[(side + 1) % 4] - from;
     double at = 0, step = 1e-3;
     Complex here = f(from);
     while (at < 1) {
       const double next = std::min(1.0, at + step);
-      const Complex there = f(from + next * way);
+      const Complex there = f(from + next * edge);
       const double angle = std::arg(there / here);
       if (std::abs(angle) > 0.3 && step > 1e-12) {
         step *= 0.5;
@@ -100,7 +100,7 @@ TEST_CASE("the bore's input impedance peaks where theory puts them") {
 
 TEST_CASE("a valve starts to sing at its threshold pressure, at its threshold pitch") {
   using namespace reference;
-  const std::vector<Figure> figures{
+  const std::vector<ReferenceValue> figures{
       {"clarinet", clarinet(), 0, 1472.3, 171.96},
       {"short clarinet", clarinet(0.3), 0, 1433.7, 272.31},
       {"long clarinet", clarinet(0.8), 0, 1524.1, 103.64},
@@ -112,7 +112,7 @@ TEST_CASE("a valve starts to sing at its threshold pressure, at its threshold pi
       {"voice", voice(), 0, 757.8, 117.64},
       {"syrinx", syrinx(), 0, 248.4, 1052.6},
   };
-  for (const Figure& figure : figures) {
+  for (const ReferenceValue& figure : figures) {
     CAPTURE(figure.name);
     const Parameters& p = figure.instrument;
     const Threshold found =

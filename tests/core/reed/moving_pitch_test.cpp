@@ -1,8 +1,8 @@
 #include "core/reed/instrument/length_table.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/instrument/tuning.hpp"
-#include "core/reed/player/ear.hpp"
 #include "core/reed/player/player.hpp"
+#include "core/reed/player/tuning_controller.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 
@@ -33,40 +33,40 @@ struct Note {
 /// How far the pitch that sounds lies from the one meant at that moment, cents, every kHop samples,
 /// read without delay: the bore pressure turned back by the phase meant, four periods of it under a
 /// Hann window, whose zeros lie on all other harmonics.
-std::vector<double> errors(const std::vector<double>& sound, const std::vector<double>& meant) {
+std::vector<double> errors(const std::vector<double>& sound, const std::vector<double>& expected) {
   std::vector<std::complex<double>> turned(sound.size());
   double phase = 0;
   for (std::size_t i = 0; i < sound.size(); ++i) {
     turned[i] = sound[i] * std::polar(1.0, -phase);
-    phase += 2 * kPi * meant[i] / kRate;
+    phase += 2 * kPi * expected[i] / kRate;
   }
   const auto smooth = [&](std::size_t at) {
-    const auto half = static_cast<std::size_t>(2 * kRate / meant[at]);
+    const auto half = static_cast<std::size_t>(2 * kRate / expected[at]);
     std::complex<double> sum = 0;
     for (std::size_t k = 0; k <= 2 * half; ++k)
       sum += turned[at + k - half] *
              (1 - std::cos(kPi * static_cast<double>(k + 1) / static_cast<double>(half + 1)));
     return sum;
   };
-  std::vector<double> cents_off(sound.size() / kHop, 0.0);
+  std::vector<double> cents_error(sound.size() / kHop, 0.0);
   constexpr std::size_t kMargin = 1200, kApart = 48;
-  for (std::size_t n = 0; n < cents_off.size(); ++n) {
+  for (std::size_t n = 0; n < cents_error.size(); ++n) {
     const std::size_t at = n * kHop;
     if (at < kMargin || at + kMargin >= sound.size())
       continue;
     const double turn = std::arg(smooth(at + kApart) * std::conj(smooth(at - kApart)));
-    const double off = turn / (2.0 * kApart) * kRate / (2 * kPi) / meant[at];
-    cents_off[n] = cents(std::max(0.01, 1 + off), 1);
+    const double deviation = turn / (2.0 * kApart) * kRate / (2 * kPi) / expected[at];
+    cents_error[n] = cents(std::max(0.01, 1 + deviation), 1);
   }
-  return cents_off;
+  return cents_error;
 }
 
 double largest(const std::vector<double>& errors, double from, double to) {
-  double most = 0;
+  double max_error = 0;
   for (auto n = static_cast<std::size_t>(from * kRate / kHop);
        n < static_cast<std::size_t>(to * kRate / kHop); ++n)
-    most = std::max(most, std::abs(errors[n]));
-  return most;
+    max_error = std::max(max_error, std::abs(errors[n]));
+  return max_error;
 }
 
 /// Plays f_b(t) at a pressure; how far it is off.
@@ -100,11 +100,11 @@ TEST_CASE("a vibrato of 50 cents at 6 Hz stays within 10 cents of the pitch mean
   for (const Note& note : kNotes) {
     CAPTURE(std::string(note.preset));
     CAPTURE(note.pressure);
-    const auto off = played(note.preset, note.pressure, 2, [&](double t) {
+    const auto deviation = played(note.preset, note.pressure, 2, [&](double t) {
       return note.frequency *
              std::exp2(t < 0.8 ? 0 : 50 / 1200.0 * std::sin(2 * kPi * 6 * (t - 0.8)));
     });
-    CHECK(largest(off, 1, 1.9) < 10);
+    CHECK(largest(deviation, 1, 1.9) < 10);
   }
 }
 
@@ -113,10 +113,10 @@ TEST_CASE("a vibrato of 2 cents from a note's start does not detune it" *
   for (const Note& note : kNotes) {
     CAPTURE(std::string(note.preset));
     CAPTURE(note.pressure);
-    const auto off = played(note.preset, note.pressure, 1.5, [&](double t) {
+    const auto deviation = played(note.preset, note.pressure, 1.5, [&](double t) {
       return note.frequency * std::exp2(2 / 1200.0 * std::sin(2 * kPi * 6 * t));
     });
-    CHECK(largest(off, 0.7, 1.4) < 10);
+    CHECK(largest(deviation, 0.7, 1.4) < 10);
   }
 }
 
@@ -130,17 +130,17 @@ TEST_CASE("glides and slurs of an octave arrive in tune" * doctest::skip(kSaniti
         CAPTURE(note.pressure);
         CAPTURE(time);
         CAPTURE(up);
-        const auto off = played(note.preset, note.pressure, 1 + time + 0.5, [&](double t) {
-          const double way = t < 1 ? 0 : t >= 1 + time ? 1 : (t - 1) / time;
-          return low * std::exp2(up ? way : 1 - way);
+        const auto deviation = played(note.preset, note.pressure, 1 + time + 0.5, [&](double t) {
+          const double variant = t < 1 ? 0 : t >= 1 + time ? 1 : (t - 1) / time;
+          return low * std::exp2(up ? variant : 1 - variant);
         });
-        CHECK(largest(off, 1 + time + 0.15, 1 + time + 0.45) < 10);
+        CHECK(largest(deviation, 1 + time + 0.15, 1 + time + 0.45) < 10);
         // Underway: where neither the reed nor lips change their register on the way.
         const bool one_register = preset == "clarinet" || preset == "oboe" || preset == "syrinx" ||
                                   preset == "trombone" || (preset == "trumpet" && up) ||
                                   (preset == "voice");
         if (time == 2 && one_register)
-          CHECK(largest(off, 1.15, 1 + time) < 10);
+          CHECK(largest(deviation, 1.15, 1 + time) < 10);
       }
 }
 
@@ -149,32 +149,32 @@ TEST_CASE("a glide whose end lies out of the ear's reach is not stuck there" *
   // The syrinx needs some 200 cents more at one end than at the other.
   const double from = 440 * std::exp2(11 / 12.0), to = 440 * std::exp2(18 / 12.0);
   for (const double time : {0.1, 0.5}) {
-    const auto off = played("syrinx", 800, 2, [&](double t) {
+    const auto deviation = played("syrinx", 800, 2, [&](double t) {
       return from * std::pow(to / from, std::clamp((t - 1) / time, 0.0, 1.0));
     });
-    CHECK(largest(off, 1 + time + 0.15, 1.95) < 10);
+    CHECK(largest(deviation, 1 + time + 0.15, 1.95) < 10);
   }
 }
 
 TEST_CASE("the ear hears no error in a sine that follows the pitch meant") {
   for (const double detuned : {0.0, 0.01}) {
-    Ear ear;
-    ear.prepare(kRate);
+    TuningController controller;
+    controller.prepare(kRate);
     double phase = 0, mean_trim = 0;
     constexpr int kHearings = 1500; // 1 s
     for (int n = 0; n < kHearings; ++n) {
       const double f = 220 * std::exp2(50 / 1200.0 * std::sin(2 * kPi * 6 * n / 1500.0));
-      ear.mean(f);
-      double pressure[Ear::kPeriod];
+      controller.set_target(f);
+      double pressure[TuningController::kPeriod];
       for (double& p : pressure) {
         phase += 2 * kPi * f * (1 + detuned) / kRate;
         p = 500 * std::sin(phase);
       }
-      ear.listen(pressure, Ear::kPeriod);
-      ear.hear();
+      controller.track_pitch(pressure, TuningController::kPeriod);
+      controller.update();
       if (detuned == 0)
-        REQUIRE(std::abs(ear.trim()) < 1e-3); // 1.7 cents
-      mean_trim += ear.trim() / kHearings;
+        REQUIRE(std::abs(controller.trim()) < 1e-3); // 1.7 cents
+      mean_trim += controller.trim() / kHearings;
     }
     // Open loop: nothing heard says that the trim has helped, so it goes on to its limit.
     if (detuned > 0)
@@ -183,56 +183,56 @@ TEST_CASE("the ear hears no error in a sine that follows the pitch meant") {
 }
 
 TEST_CASE("the ear settles without overshoot, for it knows what it has asked for already") {
-  Ear ear;
-  ear.prepare(kRate);
+  TuningController controller;
+  controller.prepare(kRate);
   const double sharp = 0.05; // the instrument, by nearly a semitone
-  double phase = 0, least = 0;
+  double phase = 0, min_trim = 0;
   for (int n = 0; n < 1500; ++n) {
-    ear.mean(110);
-    double pressure[Ear::kPeriod];
+    controller.set_target(110);
+    double pressure[TuningController::kPeriod];
     for (double& p : pressure) {
-      phase += 2 * kPi * 110 * (1 + sharp + ear.trim()) / kRate;
+      phase += 2 * kPi * 110 * (1 + sharp + controller.trim()) / kRate;
       p = 500 * std::sin(phase);
     }
-    ear.listen(pressure, Ear::kPeriod);
-    ear.hear();
-    least = std::min(least, ear.trim());
+    controller.track_pitch(pressure, TuningController::kPeriod);
+    controller.update();
+    min_trim = std::min(min_trim, controller.trim());
   }
-  CHECK(ear.trim() == doctest::Approx(-sharp).epsilon(0.01));
-  CHECK(least > -1.08 * sharp); // an integral controller without that goes 13 % beyond
+  CHECK(controller.trim() == doctest::Approx(-sharp).epsilon(0.01));
+  CHECK(min_trim > -1.08 * sharp); // an integral controller without that goes 13 % beyond
 }
 
 TEST_CASE("what notes needed is remembered, and runs straight between them") {
-  Ear ear;
-  ear.prepare(kRate);
+  TuningController controller;
+  controller.prepare(kRate);
   // An instrument that sounds sharp by so much at a pitch, until it is trimmed.
   const auto sharp = [](double f) { return 0.02 + 0.03 * std::log2(f / 220); };
   double phase = 0;
   const auto play_note = [&](double f, int hearings) {
     for (int n = 0; n < hearings; ++n) {
-      ear.mean(f);
-      double pressure[Ear::kPeriod];
+      controller.set_target(f);
+      double pressure[TuningController::kPeriod];
       for (double& p : pressure) {
-        phase += 2 * kPi * f * (1 + sharp(f) + ear.trim()) / kRate;
+        phase += 2 * kPi * f * (1 + sharp(f) + controller.trim()) / kRate;
         p = 500 * std::sin(phase);
       }
-      ear.listen(pressure, Ear::kPeriod);
-      ear.hear();
+      controller.track_pitch(pressure, TuningController::kPeriod);
+      controller.update();
     }
   };
   for (const double f : {220.0, 330.0, 440.0}) {
     play_note(f, 1500);
-    CHECK(ear.trim() == doctest::Approx(-sharp(f)).epsilon(0.01));
+    CHECK(controller.trim() == doctest::Approx(-sharp(f)).epsilon(0.01));
   }
   for (int n = 0; n <= 3000; ++n) // a glide down from 440 to 220 in 2 s
     play_note(220 * std::exp2(1 - n / 3000.0), 1);
   double before = 0;
   for (int n = 0; n <= 3000; ++n) {
-    ear.mean(220 * std::exp2(n / 3000.0));
+    controller.set_target(220 * std::exp2(n / 3000.0));
     if (n > 0)
-      REQUIRE(std::abs(ear.trim() - before) < 5e-4); // never a jump
-    before = ear.trim();
-    REQUIRE(std::abs(ear.trim() + sharp(220 * std::exp2(n / 3000.0))) < 3e-3);
+      REQUIRE(std::abs(controller.trim() - before) < 5e-4); // never a jump
+    before = controller.trim();
+    REQUIRE(std::abs(controller.trim() + sharp(220 * std::exp2(n / 3000.0))) < 3e-3);
   }
 }
 
@@ -247,8 +247,8 @@ TEST_CASE("lengths between the steps of the table are those of the search") {
       const double length = table.length(f, p.reed_frequency, true, standard_fingering(p, f));
       const double searched = tuned(p, f, p.reed_frequency).length;
       // As the pitch of a bore: a cent is one part in 1731 of the round trip.
-      CHECK(turns_of(p, f, length) ==
-            doctest::Approx(turns_of(p, f, searched)).epsilon(0.5 / 1731));
+      CHECK(round_trip_turns(p, f, length) ==
+            doctest::Approx(round_trip_turns(p, f, searched)).epsilon(0.5 / 1731));
     }
   }
 }
@@ -272,7 +272,8 @@ TEST_CASE("a slide stays on its mode while it glides, and a new note takes the n
 TEST_CASE("bores are turned into round trips and back") {
   for (const Preset& preset : presets())
     for (const double length : {0.05, 0.5, 2.5})
-      CHECK(length_of(preset.parameters, 200, turns_of(preset.parameters, 200, length)) ==
+      CHECK(length_from_turns(preset.parameters, 200,
+                              round_trip_turns(preset.parameters, 200, length)) ==
             doctest::Approx(length).epsilon(1e-5));
 }
 
@@ -285,16 +286,16 @@ TEST_CASE("a gliding note has the same bits however the stream is cut") {
   for (std::size_t i = 0; i < bore.size(); ++i)
     bore[i] = 262 * std::exp2(0.1 * std::sin(0.001 * static_cast<double>(i)));
   std::vector<double> sound[2], theta(bore.size()), inside(bore.size()), flow(bore.size());
-  for (int way = 0; way < 2; ++way) {
-    sound[way].resize(bore.size());
+  for (int variant = 0; variant < 2; ++variant) {
+    sound[variant].resize(bore.size());
     Instrument instrument;
     instrument.set(p);
     instrument.prepare(kRate, 64);
     for (std::size_t at = 0, n = 0; at < bore.size(); at += n) {
-      n = std::min<std::size_t>(way == 0 ? 64 : 1 + at * 7 % 83, bore.size() - at);
+      n = std::min<std::size_t>(variant == 0 ? 64 : 1 + at * 7 % 83, bore.size() - at);
       const auto in = [&](const std::vector<double>& x) { return std::span(x).subspan(at, n); };
       const auto out = [&](std::vector<double>& x) { return std::span(x).subspan(at, n); };
-      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[way]), out(theta),
+      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[variant]), out(theta),
                                  out(inside), out(flow));
     }
   }
@@ -306,7 +307,7 @@ TEST_CASE("with both powers one half a reed behaves alike at every pressure") {
   // inertance and the swept flow do not, which are left out here.
   Parameters p = find_preset("clarinet").value();
   p.tune = true;
-  p.ear = false;
+  p.controller = false;
   p.sweep = false;
   p.channel_length = 1e-7;
   p.breath_reference = 2000;
@@ -360,7 +361,7 @@ TEST_CASE("lips follow the breath within bounds, and not without a reference or 
   p.breath_opening = 0.5;
   p.breath_tension = 0.3;
   for (const double pressure : {0.0, 1.0, 500.0, 2000.0, 6000.0, 5e4}) {
-    const double r = std::clamp(pressure / 2000, Player::kSoftest, Player::kLoudest);
+    const double r = std::clamp(pressure / 2000, Player::kMinBreathRatio, Player::kMaxBreathRatio);
     const auto hold = held(pressure, p, 147);
     CAPTURE(pressure);
     CHECK(hold.valve.rest_angle == doctest::Approx(lips.rest_angle * std::sqrt(r)).epsilon(1e-3));
@@ -380,28 +381,29 @@ TEST_CASE("a note that sounds in another register is tongued anew, three times a
   player.prepare(kRate);
   player.set(p, bore);
   double phase = 0, before = 4000;
-  int shut = 0, opened = 0;
+  int closed_count = 0, reopened_count = 0;
   for (int n = -3000; n < 6000;
        ++n) { // 2 s without and 4 s with breath: the twelfth of what is meant
     const double blown = n < 0 ? 0 : 4000;
     player.control(233, p.reed_frequency, blown);
-    std::array<double, Ear::kPeriod> mouth;
+    std::array<double, TuningController::kPeriod> mouth;
     mouth.fill(blown);
-    player.breathe(mouth.data(), Ear::kPeriod, 50e3);
+    player.apply_tongue(mouth.data(), TuningController::kPeriod, 50e3);
     if (n > 0) {
-      shut += mouth.back() <= 0 && before > 0;
-      opened += mouth.back() >= 4000 && before < 4000;
+      closed_count += mouth.back() <= 0 && before > 0;
+      reopened_count += mouth.back() >= 4000 && before < 4000;
     }
     before = mouth.back();
-    double pressure[Ear::kPeriod];
+    double pressure[TuningController::kPeriod];
     for (double& x : pressure) {
       phase += 2 * kPi * 3 * 233 / kRate;
       x = 1000 * std::sin(phase);
     }
-    player.listen(pressure, Ear::kPeriod);
+    player.track_pitch(pressure, TuningController::kPeriod);
   }
-  CHECK(shut == Player::kTries); // without a burst, the tongue stops the air all the same
-  CHECK(opened == Player::kTries);
+  CHECK(closed_count ==
+        Player::kMaxAttempts); // without a burst, the tongue stops the air all the same
+  CHECK(reopened_count == Player::kMaxAttempts);
 }
 
 TEST_CASE("a note beyond the compass is refused once, and the last good one goes on") {
@@ -460,10 +462,10 @@ TEST_CASE("tongue and steepening are those of the note played, refused or finger
   const std::vector<double> plain = sound(0, note, note);
   CHECK(rms(std::span(plain).last(24000)) > 0.005);
   const auto apart = [&plain](const std::vector<double>& other) {
-    double most = 0;
+    double max_error = 0;
     for (std::size_t i = 0; i < plain.size(); ++i)
-      most = std::max(most, std::abs(other[i] - plain[i]));
-    return most;
+      max_error = std::max(max_error, std::abs(other[i] - plain[i]));
+    return max_error;
   };
   CHECK(apart(sound(0, note, 4000)) < 1e-6); // lips that are held anew are rounded anew
   CHECK(sound(62, 0, 0) == plain);

@@ -52,20 +52,22 @@ public:
         at = k;
     const double left = std::log(amplitude_[at - 1] + 1e-300),
                  here = std::log(amplitude_[at] + 1e-300),
-                 right = std::log(amplitude_[at + 1] + 1e-300), bend = left - 2 * here + right;
-    const double shift = bend < 0 ? std::clamp(0.5 * (left - right) / bend, -0.5, 0.5) : 0.0;
+                 in_register = std::log(amplitude_[at + 1] + 1e-300),
+                 curvature = left - 2 * here + in_register;
+    const double shift =
+        curvature < 0 ? std::clamp(0.5 * (left - in_register) / curvature, -0.5, 0.5) : 0.0;
     return {(static_cast<double>(at) + shift) * spacing_,
-            std::exp(here - 0.25 * (left - right) * shift)};
+            std::exp(here - 0.25 * (left - in_register) * shift)};
   }
 
   /// The strongest partial farther than six bins and `spread` (relative) from every harmonic of f0,
   /// from 30 Hz to 20 kHz: what can be heard.
-  [[nodiscard]] Peak foreign(double f0, double spread = 0.004) const {
+  [[nodiscard]] Peak inharmonic(double f0, double spread = 0.004) const {
     Peak strongest;
     for (std::size_t k = bin(30); k < bin(20e3); ++k) {
       const double f = static_cast<double>(k) * spacing_, n = std::round(f / f0);
-      const double kept = std::min(0.4 * f0, std::max(6 * spacing_, spread * f));
-      const bool harmonic = n >= 1 && std::abs(f - n * f0) < kept;
+      const double guard_band = std::min(0.4 * f0, std::max(6 * spacing_, spread * f));
+      const bool harmonic = n >= 1 && std::abs(f - n * f0) < guard_band;
       if (!harmonic && amplitude_[k] > strongest.amplitude)
         strongest = {f, amplitude_[k]};
     }
@@ -85,10 +87,10 @@ public:
 
   /// Pitch near the one meant (within 60 cents): that of the partial among the first ten that fixes
   /// it best.
-  [[nodiscard]] double pitch_near(double meant_hz) const {
+  [[nodiscard]] double pitch_near(double expected_hz) const {
     Peak best;
     for (int n = 1; n <= 10; ++n) {
-      const double centre = n * meant_hz, reach = std::min(0.035 * centre, 0.4 * meant_hz);
+      const double centre = n * expected_hz, reach = std::min(0.035 * centre, 0.4 * expected_hz);
       const Peak found = peak(centre - reach, centre + reach);
       const double weight = found.amplitude * std::sqrt(n);
       if (weight > best.amplitude)
@@ -121,22 +123,22 @@ private:
 /// One stretch of a note.
 struct NoteMeasure {
   double frequency_hz = 0;
-  double cents = 0;      // from the pitch meant
-  double foreign_db = 0; // strongest tone that is no harmonic, relative to the strongest partial
-  double foreign_hz = 0;
+  double cents = 0;         // from the pitch meant
+  double inharmonic_db = 0; // strongest tone that is no harmonic, relative to the strongest partial
+  double inharmonic_hz = 0;
   double first_db = -300; // first harmonic of the bore pressure, relative to its strongest partial
   double rms = 0, bore_rms = 0;
   double centroid_hz = 0;
   std::array<double, 10> harmonics{}; // dB, relative to the strongest of them
 
   /// It sounds, within half a semitone of the note meant, in its register.
-  [[nodiscard]] bool right() const {
+  [[nodiscard]] bool in_register() const {
     return bore_rms > 20 && std::abs(cents) < 50 && first_db > -20;
   }
 };
 
 /// Measures what sounds between two times, s; at least 2^14 samples for notes below 150 Hz.
-inline NoteMeasure measure_note(const Recording& r, double meant_hz, double from, double to,
+inline NoteMeasure measure_note(const Recording& r, double expected_hz, double from, double to,
                                 double spread = 0.004) {
   NoteMeasure note;
   const auto sound = part(r, r.sound, from, to), bore = part(r, r.bore_pressure, from, to);
@@ -144,23 +146,23 @@ inline NoteMeasure measure_note(const Recording& r, double meant_hz, double from
   note.bore_rms = rms(bore);
   if (!(note.rms > 1e-9))
     return note;
-  const Spectrum heard(sound, r.rate), inside(bore, r.rate);
+  const Spectrum spectrum(sound, r.rate), inside(bore, r.rate);
   const double nyquist = 0.5 * r.rate;
-  note.frequency_hz = heard.pitch_near(meant_hz);
-  note.cents = cents(note.frequency_hz, meant_hz);
+  note.frequency_hz = spectrum.pitch_near(expected_hz);
+  note.cents = cents(note.frequency_hz, expected_hz);
   const auto decibels = [](double a, double b) { return 20 * std::log10((a + 1e-300) / b); };
-  const double strongest = heard.peak(30, nyquist).amplitude;
-  const Spectrum::Peak foreign = heard.foreign(note.frequency_hz, spread);
-  note.foreign_db = decibels(foreign.amplitude, strongest);
-  note.foreign_hz = foreign.frequency_hz;
+  const double strongest = spectrum.peak(30, nyquist).amplitude;
+  const Spectrum::Peak inharmonic = spectrum.inharmonic(note.frequency_hz, spread);
+  note.inharmonic_db = decibels(inharmonic.amplitude, strongest);
+  note.inharmonic_hz = inharmonic.frequency_hz;
   const double f = note.frequency_hz;
   note.first_db =
       decibels(inside.peak(0.97 * f, 1.03 * f).amplitude, inside.peak(30, nyquist).amplitude);
-  note.centroid_hz = heard.centroid_hz();
+  note.centroid_hz = spectrum.centroid_hz();
   double top = 0;
   for (std::size_t n = 0; n < note.harmonics.size(); ++n) {
     const double h = static_cast<double>(n + 1);
-    note.harmonics[n] = heard.peak((h - 0.25) * f, (h + 0.25) * f).amplitude;
+    note.harmonics[n] = spectrum.peak((h - 0.25) * f, (h + 0.25) * f).amplitude;
     top = std::max(top, note.harmonics[n]);
   }
   for (double& h : note.harmonics)
@@ -194,10 +196,10 @@ inline double time_to(const Recording& r, double frequency_hz, double level) {
 /// The worst of overlapping frames (0.34 s at 48 kHz) of a swelling note, of those louder than
 /// -30 dB of the loudest, and so the frame before: foreign tone and distance from the pitch.
 struct SwellMeasure {
-  double foreign_db = -300, foreign_at = 0, cents = 0;
-  int frames = 0, wrong = 0; // measured; not in the note's register
+  double inharmonic_db = -300, inharmonic_at = 0, cents = 0;
+  int frames = 0, wrong_register = 0; // measured; not in the note's register
 };
-inline SwellMeasure measure_swell(const Recording& r, double meant_hz) {
+inline SwellMeasure measure_swell(const Recording& r, double expected_hz) {
   const double frame = 16384 / r.rate;
   const double length = static_cast<double>(r.sound.size()) / r.rate;
   std::vector<double> loudness;
@@ -211,13 +213,13 @@ inline SwellMeasure measure_swell(const Recording& r, double meant_hz) {
     if (loudness[i] < 0.0316 * top || loudness[i - 1] < 0.0316 * top)
       continue;
     const double t = static_cast<double>(i) * frame / 2;
-    const NoteMeasure note = measure_note(r, meant_hz, t, t + frame, 0.01);
+    const NoteMeasure note = measure_note(r, expected_hz, t, t + frame, 0.01);
     ++worst.frames;
-    worst.wrong += note.right() ? 0 : 1;
+    worst.wrong_register += note.in_register() ? 0 : 1;
     worst.cents = std::max(worst.cents, std::abs(note.cents));
-    if (note.foreign_db > worst.foreign_db) {
-      worst.foreign_db = note.foreign_db;
-      worst.foreign_at = t;
+    if (note.inharmonic_db > worst.inharmonic_db) {
+      worst.inharmonic_db = note.inharmonic_db;
+      worst.inharmonic_at = t;
     }
   }
   return worst;

@@ -56,10 +56,10 @@ TEST_CASE("a node is the playability of the instrument played there from rest") 
       Instrument instrument;
       instrument.set(s.parameters);
       instrument.prepare(48000, 64);
-      PlayabilityFollower<double> judge;
-      judge.prepare(48000);
+      PlayabilityFollower<double> estimator;
+      estimator.prepare(48000);
       double sum = 0;
-      int heard = 0;
+      int measurement = 0;
       for (int n = 0; n < 33600; ++n) {
         const double mouth = pressure * std::min(1.0, (n + 1) / 960.0);
         const double bore = 0;
@@ -67,14 +67,14 @@ TEST_CASE("a node is the playability of the instrument played there from rest") 
         const auto one = [](double& x) { return std::span(&x, 1); };
         instrument.process<double>(std::span(&mouth, 1), std::span(&lip, 1), std::span(&bore, 1),
                                    one(out[0]), one(out[1]), one(out[2]), one(out[3]));
-        judge.tick(out[1]);
+        estimator.tick(out[1]);
         if (n < 24000 || n % 64 != 63)
           continue;
-        sum += judge.playability();
-        ++heard;
+        sum += estimator.playability();
+        ++measurement;
       }
       // Single precision near a threshold, and another grid of readings within the listening time.
-      CHECK(std::abs(map.field().node(i, k) - sum / heard) < 5e-3);
+      CHECK(std::abs(map.field().node(i, k) - sum / measurement) < 5e-3);
     }
 }
 
@@ -101,16 +101,16 @@ TEST_CASE("linear theory tells where a trumpet sounds" * doctest::skip(kSanitize
 }
 
 /// Regime and mean periodicity, 1 to 2.5 s, of an instrument at a steady pressure.
-struct Heard {
+struct Measurement {
   Regime regime;
   double periodicity;
 };
-Heard listen(const Parameters& p, double pressure, double rate) {
+Measurement measure(const Parameters& p, double pressure, double rate) {
   Instrument instrument;
   instrument.set(p);
   instrument.prepare(rate, 64);
-  Playability judge;
-  judge.prepare(rate, std::make_shared<reference::RadixTwo>());
+  Playability estimator;
+  estimator.prepare(rate, std::make_shared<reference::RadixTwo>());
   std::vector<double> mouth(64), reed(64, 0.0), bore(64, 0.0), sound(64), angle(64), pb(64), u(64);
   double sum = 0;
   std::size_t frames = 0, before = 0;
@@ -119,16 +119,16 @@ Heard listen(const Parameters& p, double pressure, double rate) {
       mouth[i] = pressure * std::min(1.0, static_cast<double>(n + i + 1) / (0.02 * rate));
     instrument.process<double>(mouth, reed, bore, sound, angle, pb, u);
     for (const double x : angle)
-      judge.tick(x);
-    if (judge.frames() == before)
+      estimator.tick(x);
+    if (estimator.frames() == before)
       continue;
-    before = judge.frames();
+    before = estimator.frames();
     if (static_cast<double>(n) < rate)
       continue;
-    sum += judge.periodicity().periodicity;
+    sum += estimator.periodicity().periodicity;
     ++frames;
   }
-  return {judge.regime(), sum / static_cast<double>(frames)};
+  return {estimator.regime(), sum / static_cast<double>(frames)};
 }
 
 TEST_CASE("a clarinet is periodic, a slack trumpet quasi-periodic, an overblown syrinx chaotic" *
@@ -142,13 +142,13 @@ TEST_CASE("a clarinet is periodic, a slack trumpet quasi-periodic, an overblown 
   chaotic.oversampling = 4;
   for (const double rate : {44100.0, 48000.0, 96000.0}) {
     CAPTURE(rate);
-    const Heard clarinet = listen(reference::clarinet(), 2000, rate);
+    const Measurement clarinet = measure(reference::clarinet(), 2000, rate);
     CHECK(clarinet.regime == Regime::kPeriodic);
     CHECK(clarinet.periodicity > 0.985);
-    const Heard trumpet = listen(reference::trumpet(235), 6000, rate);
+    const Measurement trumpet = measure(reference::trumpet(235), 6000, rate);
     CHECK(trumpet.regime == Regime::kQuasiPeriodic);
     CHECK(std::abs(trumpet.periodicity - 0.96) < 0.02);
-    const Heard syrinx = listen(chaotic, 3700, rate);
+    const Measurement syrinx = measure(chaotic, 3700, rate);
     CHECK(syrinx.regime == Regime::kChaotic);
     CHECK(syrinx.periodicity < 0.35); // of a few frames of chaos, which no two rates share
   }

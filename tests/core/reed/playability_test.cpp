@@ -385,19 +385,19 @@ constexpr PlayabilityParameters::Mode kModes[] = {PlayabilityParameters::Mode::k
                                                   PlayabilityParameters::Mode::kRobust};
 
 /// f_p after a signal, and the largest of its last half.
-struct Judgement {
+struct PlayabilityResult {
   double last = 0, largest = 0, envelope = 0;
 };
 
-Judgement playability_of(const std::vector<double>& x, double rate,
-                         PlayabilityParameters::Mode mode, bool analysis = true) {
+PlayabilityResult playability_of(const std::vector<double>& x, double rate,
+                                 PlayabilityParameters::Mode mode, bool analysis = true) {
   Playability estimator;
   PlayabilityParameters p;
   p.mode = mode;
   estimator.set(p);
   estimator.set_analysis(analysis);
   estimator.prepare(rate, transform());
-  Judgement result;
+  PlayabilityResult result;
   for (std::size_t n = 0; n < x.size(); ++n) {
     estimator.tick(x[n]);
     if (2 * n >= x.size())
@@ -420,7 +420,7 @@ TEST_CASE("every mode tells white noise from a tone of the same level, and leave
       }
       for (const auto mode : kModes) {
         CHECK(playability_of(noise, rate, mode).largest < 0.1);
-        const Judgement played = playability_of(tone, rate, mode);
+        const PlayabilityResult played = playability_of(tone, rate, mode);
         CHECK(played.last == doctest::Approx(played.envelope / (played.envelope + 0.03)));
       }
     }

@@ -1,7 +1,7 @@
 #include "core/reed/bore/radiation_path.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/instrument/tuning.hpp"
-#include "core/reed/player/ear.hpp"
+#include "core/reed/player/tuning_controller.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 
@@ -26,16 +26,17 @@ struct Tune {
 };
 
 /// A note after `settle` seconds, as cents from the one meant.
-double off(const char* preset, double pressure, double note, double rate, double settle = 0.6) {
+double pitch_error(const char* preset, double pressure, double note, double rate,
+                   double settle = 0.6) {
   Parameters p = find_preset(preset).value();
   p.tune = true;
   Instrument instrument;
   instrument.set(p);
   instrument.prepare(rate, 64);
   const Recording r = play(instrument, ramp(pressure, settle + 0.7, rate), rate, 0, note);
-  const auto heard = part(r, r.bore_pressure, settle, settle + 0.7);
-  CHECK(rms(heard) > 100);
-  return cents(pitch(heard, rate, 0.95 * note, 1.05 * note), note);
+  const auto output = part(r, r.bore_pressure, settle, settle + 0.7);
+  CHECK(rms(output) > 100);
+  return cents(pitch(output, rate, 0.95 * note, 1.05 * note), note);
 }
 
 TEST_CASE("with tune every sustained note lies within 10 cents, at any sample rate" *
@@ -53,7 +54,7 @@ TEST_CASE("with tune every sustained note lies within 10 cents, at any sample ra
         CAPTURE(std::string(tune.preset));
         CAPTURE(tune.pressure);
         CAPTURE(note);
-        CHECK(std::abs(off(tune.preset, tune.pressure, note, rate)) < 10);
+        CHECK(std::abs(pitch_error(tune.preset, tune.pressure, note, rate)) < 10);
       }
 }
 
@@ -64,19 +65,19 @@ TEST_CASE("a tuned note has the same bits however the stream is cut") {
   const std::size_t size = mouth.size();
   const std::vector<double> reed(size, 0.0), bore(size, 262.0);
   std::vector<double> sound[2], theta(size), pressure(size), flow(size);
-  for (int way = 0; way < 2; ++way) {
-    sound[way].resize(size);
+  for (int variant = 0; variant < 2; ++variant) {
+    sound[variant].resize(size);
     Instrument instrument;
     instrument.set(p);
     instrument.prepare(48000, 64);
-    const auto block = [way](std::size_t at) { return way == 0 ? 64 : 1 + at * 7 % 83; };
+    const auto block = [variant](std::size_t at) { return variant == 0 ? 64 : 1 + at * 7 % 83; };
     for (std::size_t at = 0, n = 0; at < size; at += n) {
       n = std::min(block(at), size - at);
       const auto in = [&](const std::vector<double>& x) {
         return std::span<const double>(x.data() + at, n);
       };
       const auto out = [&](std::vector<double>& x) { return std::span<double>(x.data() + at, n); };
-      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[way]), out(theta),
+      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[variant]), out(theta),
                                  out(pressure), out(flow));
     }
   }
@@ -86,19 +87,19 @@ TEST_CASE("a tuned note has the same bits however the stream is cut") {
 TEST_CASE("the ear hears a detuned sine and asks for its opposite") {
   // Open loop: the trim runs away at the rate of the integral controller, -error/0.1 s.
   for (const double detuned : {-0.02, -0.001, 0.001, 0.02}) {
-    Ear ear;
-    ear.prepare(48000);
-    ear.mean(220);
+    TuningController controller;
+    controller.prepare(48000);
+    controller.set_target(220);
     double trim = 0, at_start = 0;
-    for (int i = 0; i < 14400; i += Ear::kPeriod) {
-      double pressure[Ear::kPeriod];
-      for (int k = 0; k < Ear::kPeriod; ++k) {
+    for (int i = 0; i < 14400; i += TuningController::kPeriod) {
+      double pressure[TuningController::kPeriod];
+      for (int k = 0; k < TuningController::kPeriod; ++k) {
         const double turn = 2 * kPi * 220 * (1 + detuned) * (i + k) / 48000;
         pressure[k] = 500 * std::sin(turn) + 400 * std::sin(2 * turn + 1) + 200;
       }
-      ear.listen(pressure, Ear::kPeriod);
-      ear.hear();
-      trim = ear.trim();
+      controller.track_pitch(pressure, TuningController::kPeriod);
+      controller.update();
+      trim = controller.trim();
       if (i == 9600) // after the haste of a note's beginning
         at_start = trim;
     }
@@ -108,36 +109,36 @@ TEST_CASE("the ear hears a detuned sine and asks for its opposite") {
 }
 
 TEST_CASE("the ear keeps still in silence, in noise of no pitch and for another register") {
-  Ear ear;
-  ear.prepare(48000);
-  ear.mean(220);
+  TuningController controller;
+  controller.prepare(48000);
+  controller.set_target(220);
   for (const double pitch : {0.0, 330.0, 660.0, 3000.0}) {
-    for (int i = 0; i < 48000; i += Ear::kPeriod) {
-      double pressure[Ear::kPeriod];
-      for (int k = 0; k < Ear::kPeriod; ++k)
+    for (int i = 0; i < 48000; i += TuningController::kPeriod) {
+      double pressure[TuningController::kPeriod];
+      for (int k = 0; k < TuningController::kPeriod; ++k)
         pressure[k] = 800 * std::sin(2 * kPi * pitch * (i + k) / 48000);
-      ear.listen(pressure, Ear::kPeriod);
-      ear.hear();
+      controller.track_pitch(pressure, TuningController::kPeriod);
+      controller.update();
     }
-    CHECK(std::abs(ear.trim()) < 0.01); // a sixth of a semitone, from the beginnings
+    CHECK(std::abs(controller.trim()) < 0.01); // a sixth of a semitone, from the beginnings
   }
 }
 
 TEST_CASE("f_r bends a valve that follows the note, and its own value is no bend") {
   Parameters p = find_preset("voice").value();
   p.tune = true;
-  p.ear = false;
-  const auto heard = [&](double reed) {
+  p.controller = false;
+  const auto output = [&](double reed) {
     Instrument instrument;
     instrument.set(p);
     instrument.prepare(48000, 64);
     const Recording r = play(instrument, ramp(2000, 1.2, 48000), 48000, reed, 175);
     return pitch(part(r, r.bore_pressure, 0.6, 1.2), 48000, 150, 200);
   };
-  CHECK(heard(p.reed_frequency) == heard(0));
+  CHECK(output(p.reed_frequency) == output(0));
   // Folds sound near their own frequency: well over half of a bend is heard.
-  CHECK(heard(1.05 * p.reed_frequency) > heard(0) * 1.025);
-  CHECK(heard(0.95 * p.reed_frequency) < heard(0) * 0.975);
+  CHECK(output(1.05 * p.reed_frequency) > output(0) * 1.025);
+  CHECK(output(0.95 * p.reed_frequency) < output(0) * 0.975);
 }
 
 /// What becomes of a cosine of that frequency and amplitude.
@@ -230,11 +231,11 @@ TEST_CASE("presets radiate at an even level, below the soft clip at a moderate p
     instrument.prepare(48000, 64);
     const Recording r =
         play(instrument, ramp(tune.pressure, 1.2, 48000), 48000, 0, tune.notes.front());
-    const auto heard = part(r, r.sound, 0.7, 1.2);
+    const auto output = part(r, r.sound, 0.7, 1.2);
     CAPTURE(std::string(tune.preset));
-    CHECK(rms(heard) > 0.03);
-    CHECK(rms(heard) < 0.25);
-    for (const double s : heard)
+    CHECK(rms(output) > 0.03);
+    CHECK(rms(output) < 0.25);
+    for (const double s : output)
       REQUIRE(std::abs(s) < 0.6);
   }
 }

@@ -64,10 +64,10 @@ TEST_CASE("a bell is as loud as its equation says, at any rate") {
         const double cutoff = 2 * kPi * 1300;
         for (const double hz : {50.0, 700.0, 1300.0, 2600.0, 5000.0, 8000.0, 10000.0}) {
           const Complex s(0, 2 * kPi * hz);
-          const Complex wanted = 0.5 * 0.006 * s * (s + cutoff * cutoff * opening / speed) /
-                                 (s * s + s * cutoff / quality + cutoff * cutoff);
+          const Complex expected = 0.5 * 0.006 * s * (s + cutoff * cutoff * opening / speed) /
+                                   (s * s + s * cutoff / quality + cutoff * cutoff);
           CAPTURE(hz);
-          CHECK(std::abs(20 * std::log10(std::abs(response(c, hz / rate)) / std::abs(wanted))) <
+          CHECK(std::abs(20 * std::log10(std::abs(response(c, hz / rate)) / std::abs(expected))) <
                 0.03);
         }
       }

@@ -83,8 +83,8 @@ std::vector<double> equal_areas(const std::function<double(double)>& wave, doubl
                    std::clamp((tau + Steepening::kReach) / step, 0.0, static_cast<double>(size)));
     double largest = -1e300;
     for (std::size_t i = from; i <= to; ++i) {
-      const double way = static_cast<double>(i) * step - tau;
-      largest = std::max(largest, integral[i] - 0.5 * way * way / lead);
+      const double shift = static_cast<double>(i) * step - tau;
+      largest = std::max(largest, integral[i] - 0.5 * shift * shift / lead);
     }
     return largest;
   };

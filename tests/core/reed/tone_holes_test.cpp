@@ -1,4 +1,4 @@
-#include "core/reed/bore/holed_end.hpp"
+#include "core/reed/bore/tone_hole_end.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/instrument/tuning.hpp"
 #include "core/reed/playability/linear_stability.hpp"
@@ -91,7 +91,7 @@ TEST_CASE("no fingering reflects more than arrives, at any frequency and rate") 
       left(one.radiation);
       for (const double rate : {8000.0, 48000.0, 192000.0}) {
         DigitalReflection digital;
-        digital.set(one.reflection, one.at_zero, rate, 1.03, 1);
+        digital.set(one.reflection, one.dc_value, rate, 1.03, 1);
         for (int i = 0; i <= 2048; ++i)
           REQUIRE(std::abs(digital.at(std::polar(1.0, std::numbers::pi * i / 2048))) <= 1 + 1e-9);
       }
@@ -104,11 +104,11 @@ TEST_CASE("the sections compute the response that the design says") {
                     [](const auto& block) { return !block.oscillates; }));
   const double rate = 48000;
   DigitalReflection digital;
-  digital.set(one.reflection, one.at_zero, rate, 1.02, 1);
+  digital.set(one.reflection, one.dc_value, rate, 1.02, 1);
   TerminationFilter<double, Termination::kReflectionBlocks> filter;
   std::vector<double> response(48000);
   {
-    decltype(filter)::Stretch stretch(filter, digital);
+    decltype(filter)::BlockFilter stretch(filter, digital);
     for (std::size_t n = 0; n < response.size(); ++n)
       response[n] = stretch(n == 0 ? 1.0 : 0.0);
   }
@@ -122,7 +122,7 @@ TEST_CASE("the sections compute the response that the design says") {
     CHECK(std::abs(sum - digital.at(back)) < 1e-6);
     CHECK(std::abs(sum - one.reflectance({0, kTwoPi * hz / 1.02}).value) < 0.04);
   }
-  CHECK(std::abs(digital.at(1.0) - one.at_zero) < 1e-9);
+  CHECK(std::abs(digital.at(1.0) - one.dc_value) < 1e-9);
   // The derivative, by differences.
   const Complex s(-20, 5000), small(1e-3, 0);
   const Complex slope =
@@ -137,8 +137,8 @@ TEST_CASE("holes are heard as a point source below the cut-off, and let all powe
     const double speed = air_at(20).sound_speed;
     // The doubled flow 2 a S/(rho c) as a point source at 1 m: a r/2 k r.
     const double hz = 150, low = 7.5e-3 / 2 * kTwoPi * hz / speed * 7.5e-3;
-    const double heard = std::abs(radiation.at(std::polar(1.0, -kTwoPi * hz / 192000)));
-    CHECK(std::abs(20 * std::log10(heard / low)) < 0.5);
+    const double output = std::abs(radiation.at(std::polar(1.0, -kTwoPi * hz / 192000)));
+    CHECK(std::abs(20 * std::log10(output / low)) < 0.5);
     // All of a^2 S/(2 rho c) over 4 pi m^2: a r/2.
     const double high = std::abs(radiation.at(std::polar(1.0, -kTwoPi * 5000 / 192000)));
     CHECK(std::abs(20 * std::log10(high / (7.5e-3 / 2))) < 2);
@@ -148,7 +148,7 @@ TEST_CASE("holes are heard as a point source below the cut-off, and let all powe
 
 TEST_CASE("a new fingering is there after 5 ms, and nothing grows on the way") {
   const double rate = 48000;
-  HoledEnd<double> holes, fresh;
+  ToneHoleEnd<double> holes, fresh;
   for (auto* one : {&holes, &fresh})
     one->set(rate, 1, 7.5e-3);
   holes.finger(&row(BoreEnd::kClarinet, 51));
@@ -244,9 +244,9 @@ TEST_CASE("fingering plays the note without a bore frequency, and stands above o
       instrument.set(p);
       instrument.prepare(48000, 64);
       const Recording r = play(instrument, ramp(2200, 1, 48000), 48000, 0, given);
-      const auto heard = part(r, r.bore_pressure, 0.5, 1);
-      CHECK(rms(heard) > 100);
-      CHECK(std::abs(cents(pitch(heard, 48000, 0.95 * note, 1.05 * note), note)) < 10);
+      const auto output = part(r, r.bore_pressure, 0.5, 1);
+      CHECK(rms(output) > 100);
+      CHECK(std::abs(cents(pitch(output, 48000, 0.95 * note, 1.05 * note), note)) < 10);
     }
   }
 }
@@ -277,7 +277,7 @@ TEST_CASE(
     for (const double rate : {22050.0, 32000.0, 44100.0, 48000.0, 96000.0, 192000.0})
       for (const Termination& fingering : terminations(end)) {
         DigitalReflection digital;
-        digital.set(fingering.reflection, fingering.at_zero, rate, 1, 1);
+        digital.set(fingering.reflection, fingering.dc_value, rate, 1, 1);
         double largest = 0, apart = 0;
         for (int i = 1; i <= 1000; ++i)
           largest = std::max(largest,

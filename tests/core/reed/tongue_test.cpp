@@ -19,8 +19,8 @@ using namespace test;
 constexpr double kRate = 48000;
 
 /// What the tongue makes of a breath.
-std::vector<double> tongued(std::vector<double> breath, double burst, int articulated = -1,
-                            double stop = 0) {
+std::vector<double> apply_tongue(std::vector<double> breath, double burst, int articulated = -1,
+                                 double stop = 0) {
   Tongue tongue;
   tongue.prepare(kRate);
   tongue.set_burst(burst);
@@ -37,46 +37,46 @@ std::vector<double> tongued(std::vector<double> breath, double burst, int articu
 }
 
 TEST_CASE("the tongue holds a quick breath back, lets it go with a burst and then lets it be") {
-  const std::vector<double> breath = ramp(2000, 0.5, kRate), felt = tongued(breath, 1);
+  const std::vector<double> breath = ramp(2000, 0.5, kRate), output = apply_tongue(breath, 1);
   const auto at = [](double seconds) { return static_cast<std::size_t>(seconds * kRate); };
   for (std::size_t n = 0; n < at(0.01); ++n)
-    REQUIRE(felt[n] == 0); // at most 12 ms
+    REQUIRE(output[n] == 0); // at most 12 ms
   // 1.5 ms after the release the valve feels p_m (1 + exp(-1.5/25)).
   const std::size_t release = static_cast<std::size_t>(
-      std::find_if(felt.begin(), felt.end(), [](double p) { return p > 0; }) - felt.begin());
+      std::find_if(output.begin(), output.end(), [](double p) { return p > 0; }) - output.begin());
   CHECK(release <= at(0.0125));
   const std::size_t open = release + at(0.0016);
-  CHECK(felt[open] ==
+  CHECK(output[open] ==
         doctest::Approx(breath[open] * (1 + std::exp(-0.0016 / 0.025))).epsilon(0.005));
-  CHECK(felt[release + at(0.1)] == doctest::Approx(2000 * (1 + std::exp(-4.0))).epsilon(0.005));
-  CHECK(felt.back() == doctest::Approx(2000).epsilon(1e-6));
-  CHECK(tongued(breath, 0) == breath); // none
+  CHECK(output[release + at(0.1)] == doctest::Approx(2000 * (1 + std::exp(-4.0))).epsilon(0.005));
+  CHECK(output.back() == doctest::Approx(2000).epsilon(1e-6));
+  CHECK(apply_tongue(breath, 0) == breath); // none
 }
 
 TEST_CASE("the tongue leaves a slow breath alone and stops one within a note when asked") {
-  const std::vector<double> slow = ramp(2000, 2.2, kRate, 2.0), felt = tongued(slow, 1);
+  const std::vector<double> slow = ramp(2000, 2.2, kRate, 2.0), output = apply_tongue(slow, 1);
   for (std::size_t n = 480; n < slow.size(); ++n)
-    REQUIRE(felt[n] == slow[n]);
-  const std::vector<double> breath = ramp(2000, 0.5, kRate), again = tongued(breath, 1, 375);
-  double least = 1e9;
+    REQUIRE(output[n] == slow[n]);
+  const std::vector<double> breath = ramp(2000, 0.5, kRate), again = apply_tongue(breath, 1, 375);
+  double min_pressure = 1e9;
   for (std::size_t n = 12000; n < 13000; ++n)
-    least = std::min(least, again[n]);
-  CHECK(least == 0);
+    min_pressure = std::min(min_pressure, again[n]);
+  CHECK(min_pressure == 0);
   CHECK(again.back() == doctest::Approx(2000).epsilon(0.001));
 }
 
 TEST_CASE("what the tongue is asked for in silence stops no breath that comes later") {
   std::vector<double> breath(9600, 0.0);
   std::fill(breath.begin() + 4800, breath.end(), 2000.0);
-  CHECK(tongued(breath, 1, 75, 0.05) == tongued(breath, 1)); // at the 2400th sample
-  CHECK(tongued(breath, 0, 75, 0.05) == breath);
+  CHECK(apply_tongue(breath, 1, 75, 0.05) == apply_tongue(breath, 1)); // at the 2400th sample
+  CHECK(apply_tongue(breath, 0, 75, 0.05) == breath);
 }
 
 TEST_CASE("the tongue stays bounded for any breath") {
   std::vector<double> breath(4800);
   for (std::size_t n = 0; n < breath.size(); ++n)
     breath[n] = n % 7 == 0 ? 5e4 : n % 7 == 1 ? -5e4 : n % 7 == 2 ? 1e-310 : 0;
-  for (const double p : tongued(breath, 3, 20))
+  for (const double p : apply_tongue(breath, 3, 20))
     REQUIRE(std::abs(p) <= 4 * 5e4);
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("a breath that has begun without a burst is not stopped by one that is
 }
 
 /// By how much the pressure that the valve feels first exceeds p_m.
-double first_push(Parameters p, double note, double pressure) {
+double max_initial_pressure(Parameters p, double note, double pressure) {
   p.tune = true;
   p.lowest_note = p.highest_note = 0;
   BoreDesign bore;
@@ -117,7 +117,7 @@ double first_push(Parameters p, double note, double pressure) {
     std::array<double, 32> mouth;
     mouth.fill(pressure);
     player.control(note, p.reed_frequency, pressure);
-    player.breathe(mouth.data(), 32, 50e3);
+    player.apply_tongue(mouth.data(), 32, 50e3);
     highest = std::max(highest, *std::max_element(mouth.begin(), mouth.end()));
   }
   // What is left of it when the valve is open, 1.5 ms after its release.
@@ -131,17 +131,17 @@ TEST_CASE("the tongue pushes low notes and soft breath harder, and a loud one no
   p.breath_tension = 0.3;
   const double reference = p.breath_reference;
   const auto close = [](double value) { return doctest::Approx(value).epsilon(0.02); };
-  CHECK(first_push(p, 220, reference) == close(0.3));
-  CHECK(first_push(p, 440, reference) == close(0.3 / std::pow(2, 1.5)));
+  CHECK(max_initial_pressure(p, 220, reference) == close(0.3));
+  CHECK(max_initial_pressure(p, 440, reference) == close(0.3 / std::pow(2, 1.5)));
   // P_M goes as r^0.7, p as r.
-  CHECK(first_push(p, 220, 0.5 * reference) ==
+  CHECK(max_initial_pressure(p, 220, 0.5 * reference) ==
         close((1 + 0.3 * std::sqrt(2)) * std::pow(2, 0.3) - 1));
-  CHECK(first_push(p, 220, 4 * reference) == close(0.02));
+  CHECK(max_initial_pressure(p, 220, 4 * reference) == close(0.02));
   Parameters lips = find_preset("trumpet").value();
   lips.tongue = 0.8;
   lips.breath_reference = 0;
-  CHECK(first_push(lips, 440, 3000) == close(0.8 / std::sqrt(2)));
-  CHECK(first_push(lips, 110, 500) == close(0.8 * std::sqrt(2)));
+  CHECK(max_initial_pressure(lips, 440, 3000) == close(0.8 / std::sqrt(2)));
+  CHECK(max_initial_pressure(lips, 110, 500) == close(0.8 * std::sqrt(2)));
 }
 
 TEST_CASE("a change without a way in between keeps the breath while the sound fades out") {
@@ -150,30 +150,30 @@ TEST_CASE("a change without a way in between keeps the breath while the sound fa
   Parameters one, other;
   other.sweep = false;
   glide.jump(one);
-  glide.full();
+  glide.end_silence();
   glide.begin(other);
   int periods = 0;
   while (!glide.fade()) {
     REQUIRE(++periods < 100);
-    CHECK(glide.breath_to() == 1); // a reed that is let go sends a pulse
-    CHECK(glide.loudness_to() < glide.loudness_from());
+    CHECK(glide.breath_gain_to() == 1); // a reed that is let go sends a pulse
+    CHECK(glide.fade_to() < glide.fade_from());
   }
   CHECK(periods <= 1500 * ParameterGlide::kFadeOutTime + 2);
-  for (const bool anew : {false, true}) {
+  for (const bool restarted : {false, true}) {
     glide.jump(other);
-    glide.proceed(anew);
+    glide.proceed(restarted);
     int silent = 0, swelling = 0;
-    for (int n = 0; n < 600 && glide.loudness_from() < 1; ++n) {
+    for (int n = 0; n < 600 && glide.fade_from() < 1; ++n) {
       glide.fade();
-      silent += glide.loudness_to() == 0;
-      swelling += glide.breath_to() < 1;
+      silent += glide.fade_to() == 0;
+      swelling += glide.breath_gain_to() < 1;
     }
     // The breath is full long before the sound comes back.
-    CHECK(silent ==
-          doctest::Approx(1500 * (anew ? ParameterGlide::kSpeakTime : ParameterGlide::kSettleTime))
-              .epsilon(0.1));
-    CHECK(swelling == (anew ? static_cast<int>(1500 * ParameterGlide::kFadeInTime) : 0));
-    CHECK(glide.loudness_to() == 1);
+    CHECK(silent == doctest::Approx(1500 * (restarted ? ParameterGlide::kSpeakTime
+                                                      : ParameterGlide::kSettleTime))
+                        .epsilon(0.1));
+    CHECK(swelling == (restarted ? static_cast<int>(1500 * ParameterGlide::kFadeInTime) : 0));
+    CHECK(glide.fade_to() == 1);
     glide.begin(one);
     while (!glide.fade())
       REQUIRE(++periods < 1000);
@@ -194,7 +194,7 @@ TEST_CASE("a player's breath never exceeds the highest mouth pressure") {
     std::array<double, 32> mouth;
     mouth.fill(20e3);
     player.control(233, p.reed_frequency, 20e3);
-    player.breathe(mouth.data(), 32, 50e3);
+    player.apply_tongue(mouth.data(), 32, 50e3);
     highest = std::max(highest, *std::max_element(mouth.begin(), mouth.end()));
   }
   CHECK(highest == 50e3); // 80 kPa without the bound

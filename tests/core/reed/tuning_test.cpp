@@ -71,7 +71,7 @@ TEST_CASE("a player tunes reeds at one and a half times the threshold, lips at t
     p.lip_cup = 0.7;
     const double f = std::string(name) == "trombone" ? 147 : 262, aimed = f * std::exp2(20 / 1200.);
     const double reed = p.reed_frequency;
-    const Playing playing = tuned(p, f, reed);
+    const PlayingSetup playing = tuned(p, f, reed);
     const bool lips = p.embouchure > 0;
     const double embouchure = p.embouchure * std::pow(aimed / reed, p.embouchure_slope);
     CAPTURE(name);
@@ -100,18 +100,18 @@ TEST_CASE("a tuned clarinet plays its note, an untuned one is flat") {
   for (const double f : {110.0, 147.0, 196.0, 262.0, 349.0}) {
     Parameters p = find_preset("clarinet").value();
     p.lowest_note = 0; // below its compass, too
-    double heard[2];
+    double output[2];
     for (const bool tune : {false, true}) {
       p.tune = tune;
       Instrument instrument;
       instrument.set(p);
       instrument.prepare(48000, 64);
       const Recording r = play(instrument, ramp(2000, 1.5, 48000), 48000, 0, f);
-      heard[tune] = pitch(part(r, r.bore_pressure, 0.8, 1.5), 48000, 0.8 * f, 1.2 * f);
+      output[tune] = pitch(part(r, r.bore_pressure, 0.8, 1.5), 48000, 0.8 * f, 1.2 * f);
     }
     CAPTURE(f);
-    CHECK(cents(heard[0], f) < -30);
-    CHECK(std::abs(cents(heard[1], f)) < 15);
+    CHECK(cents(output[0], f) < -30);
+    CHECK(std::abs(cents(output[1], f)) < 15);
   }
 }
 

@@ -20,16 +20,16 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 struct Sample {
-  double mouth_pressure, arriving, reed_frequency,
+  double mouth_pressure, incident, reed_frequency,
       noise; // p_m, p-, f_r, share of the jet's pressure
 };
-struct Found {
+struct ValveOutput {
   double angle, bore_pressure, flow, leaving; // theta, p_b, U, p+
 };
 
-class PlainValve {
+class ReferenceValve {
 public:
-  PlainValve(const Parameters& parameters, double rate) : p_(parameters), T_(1 / rate) {
+  ReferenceValve(const Parameters& parameters, double rate) : p_(parameters), T_(1 / rate) {
     const double celsius = p_.temperature;
     density_ = 1.2929 * 273.15 / (273.15 + celsius);
     const double c = 331.45 * std::sqrt(1 + celsius / 273.15);
@@ -42,7 +42,7 @@ public:
     x_ = rest_;
   }
 
-  Found step(const Sample& in) {
+  ValveOutput step(const Sample& in) {
     const double w = p_.width, m = p_.mass, omega = kTwoPi * in.reed_frequency;
     const double k = m * omega * omega;
     // The valve that has, in the midpoint rule, the poles of the one given: s_d = s - s^3 T^2/12
@@ -76,7 +76,7 @@ public:
     const double expected = p_.flow == FlowMethod::kPaper ? u_ : u_ + 0.5 * (u_ - mean_u_);
 
     const double admittance = 1 / wave_impedance_ + inertance_ + compliance_;
-    const double given = 2 * in.arriving / wave_impedance_ - inertance_flow_ - inertance_ * bore_ +
+    const double given = 2 * in.incident / wave_impedance_ - inertance_flow_ - inertance_ * bore_ +
                          compliance_ * bore_ + compliance_flow_;
     // The valve moves with v = mobility (base + push - w lambda_b p_b): seen from the port a source
     // and an admittance, p_b = h + Z U.
@@ -103,7 +103,7 @@ public:
     inertance_flow_ += inertance_ * (bore + bore_);
     compliance_flow_ = compliance_ * (bore - bore_) - compliance_flow_;
     bore_ = bore, u_ += (u - u_) / theta(), mean_u_ = u, flow_ = flow, x_ = x, v_ = v;
-    return {x / p_.arm_length, bore, flow, bore - in.arriving};
+    return {x / p_.arm_length, bore, flow, bore - in.incident};
   }
 
   int contacts = 0, crossings = 0, closings = 0;
@@ -170,13 +170,13 @@ private:
 };
 
 /// step_valve in stretches of at most 64 samples.
-std::vector<Found> quick(const Parameters& p, double rate, const std::vector<Sample>& samples,
-                         bool moving) {
+std::vector<ValveOutput> run_step_valve(const Parameters& p, double rate,
+                                        const std::vector<Sample>& samples, bool moving) {
   BoreDesign bore;
   bore.set(p, rate);
   const auto constants = ValveConstants::from(p, bore, rate);
   ValveState<double> state;
-  std::vector<Found> found;
+  std::vector<ValveOutput> found;
   const bool noisy = p.breath_noise > 0;
   for (std::size_t done = 0; done < samples.size();) {
     const std::size_t count = std::min<std::size_t>(1 + done % 64, samples.size() - done);
@@ -185,7 +185,7 @@ std::vector<Found> quick(const Parameters& p, double rate, const std::vector<Sam
     for (std::size_t i = 0; i < count; ++i) {
       const Sample& s = samples[done + i];
       mouth.push_back(s.mouth_pressure);
-      wave.push_back(s.arriving);
+      wave.push_back(s.incident);
       noise.push_back(s.noise);
       coefficients.push_back(ReedCoefficients<double>::at(constants, kTwoPi * s.reed_frequency));
     }
@@ -248,7 +248,7 @@ Parameters random_instrument(Random& random) {
 
 TEST_CASE("the valve's quick step solves the plain equations of valve, jet and port") {
   Random random(77);
-  int contacts = 0, crossings = 0, closings = 0, plain = 0, bounced = 0;
+  int contacts = 0, crossings = 0, closings = 0, plain = 0, rebound_count = 0;
   for (int round = 0; round < 500; ++round) {
     const Parameters p = random_instrument(random);
     const double rate = round % 2 ? 48000 : 192000;
@@ -263,23 +263,23 @@ TEST_CASE("the valve's quick step solves the plain equations of valve, jet and p
       samples.push_back({pressure, wave, p.reed_frequency * (moving ? 1 + 1e-3 * n : 1.0),
                          p.breath_noise > 0 ? 0.2 * random.normal() : 0.0});
     }
-    PlainValve valve(p, rate);
-    const std::vector<Found> found = quick(p, rate, samples, moving);
+    ReferenceValve valve(p, rate);
+    const std::vector<ValveOutput> found = run_step_valve(p, rate, samples, moving);
     double worst = 0;
-    Found largest{1e-6, 1, 1e-9, 1};
+    ValveOutput largest{1e-6, 1, 1e-9, 1};
     for (std::size_t n = 0; n < samples.size(); ++n) {
-      const Found wanted = valve.step(samples[n]);
-      if (!(std::abs(wanted.flow) < 1)) // m^3/s: the paper's explicit rule has become unstable
+      const ValveOutput expected = valve.step(samples[n]);
+      if (!(std::abs(expected.flow) < 1)) // m^3/s: the paper's explicit rule has become unstable
         break;
-      largest = {std::max(largest.angle, std::abs(wanted.angle)),
-                 std::max(largest.bore_pressure, std::abs(wanted.bore_pressure)),
-                 std::max(largest.flow, std::abs(wanted.flow)),
-                 std::max(largest.leaving, std::abs(wanted.leaving))};
-      worst =
-          std::max({worst, std::abs(found[n].angle - wanted.angle) / largest.angle,
-                    std::abs(found[n].bore_pressure - wanted.bore_pressure) / largest.bore_pressure,
-                    std::abs(found[n].flow - wanted.flow) / largest.flow,
-                    std::abs(found[n].leaving - wanted.leaving) / largest.leaving});
+      largest = {std::max(largest.angle, std::abs(expected.angle)),
+                 std::max(largest.bore_pressure, std::abs(expected.bore_pressure)),
+                 std::max(largest.flow, std::abs(expected.flow)),
+                 std::max(largest.leaving, std::abs(expected.leaving))};
+      worst = std::max(
+          {worst, std::abs(found[n].angle - expected.angle) / largest.angle,
+           std::abs(found[n].bore_pressure - expected.bore_pressure) / largest.bore_pressure,
+           std::abs(found[n].flow - expected.flow) / largest.flow,
+           std::abs(found[n].leaving - expected.leaving) / largest.leaving});
     }
     CAPTURE(round);
     CAPTURE(static_cast<int>(p.type));
@@ -287,7 +287,7 @@ TEST_CASE("the valve's quick step solves the plain equations of valve, jet and p
     CAPTURE(moving);
     CHECK(worst < 1e-7); // rounding, which a swinging valve in its own jet amplifies
     contacts += valve.contacts;
-    bounced += valve.contacts > 0 && p.restitution > 0;
+    rebound_count += valve.contacts > 0 && p.restitution > 0;
     crossings += valve.crossings;
     closings += valve.closings;
     plain += p.flow == FlowMethod::kImplicit && !moving && p.breath_noise == 0 &&
@@ -297,7 +297,7 @@ TEST_CASE("the valve's quick step solves the plain equations of valve, jet and p
   CHECK(contacts > 1000);
   CHECK(crossings > 100);
   CHECK(closings > 100);
-  CHECK(bounced > 30);
+  CHECK(rebound_count > 30);
   CHECK(plain > 3);
 }
 

@@ -17,7 +17,7 @@ public:
     int polls_needed = 2;
     std::string start_refusal, result_refusal;
     bool damaged = false;
-    bool old_sensitivities = false; ///< unless new ones are asked for
+    bool stale_sensitivities = false; ///< unless new ones are asked for
     bool lost = false, loaded = true;
     double reached = 1; ///< of the way that is asked for
     Costs costs{1e-3, 1e-3, 0.1};
@@ -47,7 +47,7 @@ public:
                   log_->started.back(),
                   log_->iterations,
                   0.02,
-                  log_->old_sensitivities && !new_sensitivities_,
+                  log_->stale_sensitivities && !new_sensitivities_,
                   log_->lost};
   }
 

@@ -38,7 +38,7 @@ std::string refusal_without(const char* name) {
       [&](auto& members) { std::erase_if(members, [&](auto& m) { return m.name == name; }); });
 }
 
-void says(const std::string& sentence, std::initializer_list<const char*> words) {
+void mentions(const std::string& sentence, std::initializer_list<const char*> words) {
   CAPTURE(sentence);
   for (const char* word : words) {
     CAPTURE(word);
@@ -91,49 +91,51 @@ TEST_CASE("shear, volumes and the surface may be left out, each whole") {
   CHECK(table.surface_node_m.empty());
   for (const char* name : {"meta", "s0", "S", "shear0", "S_shear", "parameters", "control_points",
                            "trust", "surface_triangles", "surface_node_element"})
-    says(refusal_without(name), {"array", name, "missing"});
+    mentions(refusal_without(name), {"array", name, "missing"});
 }
 
 TEST_CASE("damage is one sentence with the array, what it is and what was expected") {
   using D = std::vector<double>;
-  says(refusal_with("s0", D{1, 2, 3}, {3}), {"'S'", "(2, 4)", "expected (2, 3)"});
-  says(refusal_with("s0", D{1, 2, 3, 4}, {2, 2}), {"'s0'", "(2, 2)", "expected (any)"});
-  says(refusal_with("s0", D{1, 2, -3, 4}, {4}), {"'s0'", "0..1e+15 Pa"});
-  says(refusal_with("s0", D{1, 2, 3e15, 4}, {4}), {"'s0'", "0..1e+15 Pa"});
-  says(refusal_with("s0", D{1, 2, NAN, 4}, {4}), {"'s0'", "not finite"});
-  says(refusal_with("s0", D{}, {0}), {"'s0'", "empty"});
-  says(refusal_with("S", D{1, 2, 3, 4}, {1, 4}), {"'S'", "(1, 4)", "expected (2, 4)"});
-  says(refusal_with("S", D{1, 2, 3, 4, 5, 6, 7, 1e300}, {2, 4}), {"'S'", "not finite"});
-  says(refusal_with("shear0", D{1, 2, 3}, {3}), {"'shear0'", "(3)", "expected (4)"});
-  says(refusal_with("weights", D{1, 2, 3}, {3}), {"'weights'", "expected (4)"});
-  says(refusal_with("weights", D{1, 2, 0, 4}, {4}), {"'weights'", "volumes"});
-  says(refusal_with("weights", D{1, 2, 2e12, 4}, {4}), {"'weights'", "volumes"});
-  says(refusal_with("trust", D{0}, {}), {"'trust'", "0 m", "more than 0"});
-  says(refusal_with("trust", D{1, 2}, {2}), {"'trust'", "(2)", "expected ()"});
-  says(refusal_with("control_points", D{0, 0, 2e4, 0, 0, 0}, {2, 3}),
-       {"'control_points'", "metres"});
+  mentions(refusal_with("s0", D{1, 2, 3}, {3}), {"'S'", "(2, 4)", "expected (2, 3)"});
+  mentions(refusal_with("s0", D{1, 2, 3, 4}, {2, 2}), {"'s0'", "(2, 2)", "expected (any)"});
+  mentions(refusal_with("s0", D{1, 2, -3, 4}, {4}), {"'s0'", "0..1e+15 Pa"});
+  mentions(refusal_with("s0", D{1, 2, 3e15, 4}, {4}), {"'s0'", "0..1e+15 Pa"});
+  mentions(refusal_with("s0", D{1, 2, NAN, 4}, {4}), {"'s0'", "not finite"});
+  mentions(refusal_with("s0", D{}, {0}), {"'s0'", "empty"});
+  mentions(refusal_with("S", D{1, 2, 3, 4}, {1, 4}), {"'S'", "(1, 4)", "expected (2, 4)"});
+  mentions(refusal_with("S", D{1, 2, 3, 4, 5, 6, 7, 1e300}, {2, 4}), {"'S'", "not finite"});
+  mentions(refusal_with("shear0", D{1, 2, 3}, {3}), {"'shear0'", "(3)", "expected (4)"});
+  mentions(refusal_with("weights", D{1, 2, 3}, {3}), {"'weights'", "expected (4)"});
+  mentions(refusal_with("weights", D{1, 2, 0, 4}, {4}), {"'weights'", "volumes"});
+  mentions(refusal_with("weights", D{1, 2, 2e12, 4}, {4}), {"'weights'", "volumes"});
+  mentions(refusal_with("trust", D{0}, {}), {"'trust'", "0 m", "more than 0"});
+  mentions(refusal_with("trust", D{1, 2}, {2}), {"'trust'", "(2)", "expected ()"});
+  mentions(refusal_with("control_points", D{0, 0, 2e4, 0, 0, 0}, {2, 3}),
+           {"'control_points'", "metres"});
   const auto rows = [](D numbers) {
     const std::size_t count = numbers.size() / 4;
     return refusal_with("parameters", numbers, {count, 4});
   };
-  says(rows({2, 0, -1, 1}), {"row 0", "control point 2", "expected 0..1"});
-  says(rows({-1, 0, -1, 1}), {"row 0", "control point -1"});
-  says(rows({0.5, 0, -1, 1}), {"row 0", "control point 0.5"});
-  says(rows({0, 3, -1, 1}), {"row 0", "axis 3", "0, 1 or 2"});
-  says(rows({0, 0, 0.1, 1}), {"row 0", "0.1..1", "low <= 0 <= high"});
-  says(rows({0, 0, -1, -0.5}), {"row 0", "low <= 0 <= high"});
-  says(rows({0, 0, 0, 0}), {"row 0", "low <= 0 <= high"});
-  says(rows({0, 0, -2e4, 0}), {"row 0", "low <= 0 <= high"});
-  says(rows({0, 1, -1, 1, 0, 1, -1, 1}), {"row 1", "twice"});
-  says(rows({}), {"'parameters'", "0 rows", "1..6"});
-  says(refusal_with("surface_triangles", D{0, 1, 3}, {1, 3}), {"'surface_triangles'", "corner 3"});
-  says(refusal_with("surface_triangles", D{0, 1, -1}, {1, 3}),
-       {"'surface_triangles'", "corner -1"});
-  says(refusal_with("surface_node_element", D{0, 1, 4}, {3}), {"'surface_node_element'", "4 of 4"});
-  says(refusal_with("surface_node_element", D{0, 1, .5}, {3}), {"'surface_node_element'"});
-  says(refusal_with("surface_weights", D{0, 1, 0, 1}, {2, 2}), {"'surface_weights'"});
-  says(refusal_with("surface_weights", D{0, 1, 0, 1, 0, NAN}, {3, 2}),
-       {"'surface_weights'", "not finite"});
+  mentions(rows({2, 0, -1, 1}), {"row 0", "control point 2", "expected 0..1"});
+  mentions(rows({-1, 0, -1, 1}), {"row 0", "control point -1"});
+  mentions(rows({0.5, 0, -1, 1}), {"row 0", "control point 0.5"});
+  mentions(rows({0, 3, -1, 1}), {"row 0", "axis 3", "0, 1 or 2"});
+  mentions(rows({0, 0, 0.1, 1}), {"row 0", "0.1..1", "low <= 0 <= high"});
+  mentions(rows({0, 0, -1, -0.5}), {"row 0", "low <= 0 <= high"});
+  mentions(rows({0, 0, 0, 0}), {"row 0", "low <= 0 <= high"});
+  mentions(rows({0, 0, -2e4, 0}), {"row 0", "low <= 0 <= high"});
+  mentions(rows({0, 1, -1, 1, 0, 1, -1, 1}), {"row 1", "twice"});
+  mentions(rows({}), {"'parameters'", "0 rows", "1..6"});
+  mentions(refusal_with("surface_triangles", D{0, 1, 3}, {1, 3}),
+           {"'surface_triangles'", "corner 3"});
+  mentions(refusal_with("surface_triangles", D{0, 1, -1}, {1, 3}),
+           {"'surface_triangles'", "corner -1"});
+  mentions(refusal_with("surface_node_element", D{0, 1, 4}, {3}),
+           {"'surface_node_element'", "4 of 4"});
+  mentions(refusal_with("surface_node_element", D{0, 1, .5}, {3}), {"'surface_node_element'"});
+  mentions(refusal_with("surface_weights", D{0, 1, 0, 1}, {2, 2}), {"'surface_weights'"});
+  mentions(refusal_with("surface_weights", D{0, 1, 0, 1, 0, NAN}, {3, 2}),
+           {"'surface_weights'", "not finite"});
 }
 
 TEST_CASE("a table's description says what it is and in which units") {
@@ -146,18 +148,19 @@ TEST_CASE("a table's description says what it is and in which units") {
   };
   CHECK(described(R"({"format":"stress-table","version":"1"})") == "");
   CHECK(described(R"({"format":"stress-table","version":"1.7"})") == "");
-  says(described(R"({"format":"modal-table","version":"1"})"), {"no stress table", "modal-table"});
-  says(described(R"({"format":"stress-table","version":"2"})"), {"version '2'"});
-  says(described(R"({"format":"stress-table","version":"1","units":{"stress":"MPa"}})"),
-       {"stress is in MPa", "expected Pa"});
-  says(described(R"({"format":"stress-table","version":"1","units":{"length":"mm"}})"),
-       {"length is in mm", "expected m"});
-  says(described("nonsense"), {"'meta'", "JSON"});
+  mentions(described(R"({"format":"modal-table","version":"1"})"),
+           {"no stress table", "modal-table"});
+  mentions(described(R"({"format":"stress-table","version":"2"})"), {"version '2'"});
+  mentions(described(R"({"format":"stress-table","version":"1","units":{"stress":"MPa"}})"),
+           {"stress is in MPa", "expected Pa"});
+  mentions(described(R"({"format":"stress-table","version":"1","units":{"length":"mm"}})"),
+           {"length is in mm", "expected m"});
+  mentions(described("nonsense"), {"'meta'", "JSON"});
 }
 
 TEST_CASE("too many control points or sensitivities are refused before they are read") {
-  says(refusal_with("control_points", std::vector<double>(3 * 4097), {4097, 3}),
-       {"4097 points", "at most 4096"});
+  mentions(refusal_with("control_points", std::vector<double>(3 * 4097), {4097, 3}),
+           {"4097 points", "at most 4096"});
 }
 
 TEST_CASE("damaged files crash nothing, and behind right checksums give only sound tables") {
@@ -231,7 +234,7 @@ TEST_CASE("a re-solved base must have the table's sizes and finite numbers") {
   CHECK(check_base(table, base) != "");
   base = Cantilever::solve(0.001, 0);
   base.von_mises.sensitivity[7] = std::numeric_limits<float>::infinity();
-  says(check_base(table, base), {"not finite"});
+  mentions(check_base(table, base), {"not finite"});
   auto with_shear = table;
   with_shear.base.max_shear = with_shear.base.von_mises;
   CHECK(check_base(with_shear, Cantilever::solve(0, 0)) != "");

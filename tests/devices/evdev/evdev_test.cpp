@@ -305,17 +305,17 @@ TEST_CASE("a force that was refused is sent again until it is taken, 250 times a
   CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(190));
   // Whole periods between two looks, by the longest time that lay between them: no stall of the
   // machine makes that rate higher than the device's, and the best of many windows is near it.
-  double most_hz = 0;
-  for (int i = 0; i < 60 && most_hz < 215; ++i) {
+  double max_hz = 0;
+  for (int i = 0; i < 60 && max_hz < 215; ++i) {
     const auto start = std::chrono::steady_clock::now();
     const long first = stick.value("refusals");
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     const long last = stick.value("refusals");
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    most_hz = std::max(most_hz, static_cast<double>(last - first - 1) / passed.count());
+    max_hz = std::max(max_hz, static_cast<double>(last - first - 1) / passed.count());
   }
-  CHECK(most_hz >= 215);
-  CHECK(most_hz <= 250);
+  CHECK(max_hz >= 215);
+  CHECK(max_hz <= 250);
   CHECK(device->trouble().find("the device takes no force") != std::string::npos);
   CHECK_FALSE(device->write({2, 0, 0}));
   stick.ask("fail 0");

@@ -65,7 +65,7 @@ double degrees_between(const Vec3& p, const Vec3& q) {
 
 TEST_CASE("encoder counts give positions and torques of an independent computation") {
   for (const Pose& pose : kPoses) {
-    const Forward found = forward(angles_of(pose.counts));
+    const Forward found = forward(motor_angles(pose.counts));
     REQUIRE(found.found);
     const auto torque = torques(found.position, {1, 0.5, -2});
     for (int axis = 0; axis < 3; ++axis) {
@@ -136,7 +136,7 @@ TEST_CASE("motors that saturate keep the force's direction") {
       largest = std::max(largest, std::abs(counts[motor]));
       torque[motor] = -counts[motor] / 10000.0;
     }
-    CHECK(largest <= kMostMotorCounts);
+    CHECK(largest <= kMaxMotorCounts);
     const Vec3 held = held_force(p, torque);
     if (!is_finite(held) || largest == 0)
       return;
@@ -159,7 +159,7 @@ TEST_CASE("what cannot be reached is refused, and no input does harm") {
   tactus::Random random(7);
   for (int i = 0; i < 20000; ++i) {
     const auto count = [&] { return static_cast<std::int16_t>(random.next() >> 40); };
-    const Forward found = forward(angles_of({count(), count(), count()}));
+    const Forward found = forward(motor_angles({count(), count(), count()}));
     CHECK(found.steps <= 32);
     if (found.found)
       CHECK(is_finite(found.position));
@@ -168,8 +168,8 @@ TEST_CASE("what cannot be reached is refused, and no input does harm") {
 
 TEST_CASE("a reading is good to some hundredths of a millimetre") {
   // Half a count turns an upper arm of 60 mm by 0.318 mrad: 0.019 mm; three legs add up.
-  CHECK(reading_bound_m() > 0.019e-3 / 2);
-  CHECK(reading_bound_m() < 3 * 0.019e-3);
+  CHECK(position_error_m() > 0.019e-3 / 2);
+  CHECK(position_error_m() < 3 * 0.019e-3);
 }
 
 TEST_CASE("at the centre the motors hold some 8 N aside and twice that towards the user") {
@@ -184,7 +184,7 @@ TEST_CASE("at the centre the motors hold some 8 N aside and twice that towards t
     most[axis] = 0.4096 / largest;
   }
   MESSAGE("at the centre x " << most[0] << ", y " << most[1] << ", z " << most[2]
-                             << " N; half a count is " << reading_bound_m() * 1e6 << " um");
+                             << " N; half a count is " << position_error_m() * 1e6 << " um");
   CHECK(most[0] == doctest::Approx(7.7).epsilon(0.01));
   CHECK(most[1] == doctest::Approx(7.8).epsilon(0.01));
   CHECK(most[2] == doctest::Approx(16.9).epsilon(0.01));
@@ -199,7 +199,7 @@ TEST_CASE("a tick's arithmetic needs few Newton steps") {
   const auto begin = Clock::now();
   for (int i = 0; i < kTicks; ++i) {
     const auto count = static_cast<std::int16_t>(-500 + 20 * (i % 25));
-    const Forward found = forward(angles_of({count, -480, -510}), position);
+    const Forward found = forward(motor_angles({count, -480, -510}), position);
     position = found.position;
     steps += found.steps;
     sum += motor_counts(torques(position, {1, 0.5, -2}), 10000)[0];

@@ -13,24 +13,24 @@ std::string text(const Packet& packet) { return {packet.begin(), packet.end()}; 
 } // namespace
 
 TEST_CASE("orders are the bytes that the device's protocol names") {
-  CHECK(text(encode(Order{})) == "<AAAAAAAAAAAAAA>");
-  CHECK(text(encode(Order{{1000, -1000, 4095}, Order::kGreen | Order::kHoming})) ==
+  CHECK(text(encode(Command{})) == "<AAAAAAAAAAAAAA>");
+  CHECK(text(encode(Command{{1000, -1000, 4095}, Command::kGreen | Command::kHoming})) ==
         "<IODAIBMPPPPADA>");
-  CHECK(text(encode(Order{{-4096, 77, -1}, Order::kRed})) == "<AAAPNEAAPPPPIA>");
+  CHECK(text(encode(Command{{-4096, 77, -1}, Command::kRed})) == "<AAAPNEAAPPPPIA>");
 }
 
 TEST_CASE("every value of an encoder and every flag comes through") {
-  AnswerStream stream;
+  ResponseParser stream;
   int wrong = 0;
   for (int value = -32768; value <= 32767; ++value) {
     const auto v = static_cast<std::int16_t>(value);
-    const Answer sent{{v, static_cast<std::int16_t>(-1 - v), 7},
-                      static_cast<std::uint8_t>(value & 0x7f)};
+    const Response sent{{v, static_cast<std::int16_t>(-1 - v), 7},
+                        static_cast<std::uint8_t>(value & 0x7f)};
     int answers = 0;
     for (const std::uint8_t byte : encode(sent))
-      answers += stream.take(byte);
-    wrong += answers != 1 || stream.answer().encoders != sent.encoders ||
-             stream.answer().flags != sent.flags;
+      answers += stream.process(byte);
+    wrong += answers != 1 || stream.response().encoders != sent.encoders ||
+             stream.response().flags != sent.flags;
   }
   CHECK(wrong == 0);
   CHECK(stream.errors() == 0);
@@ -38,44 +38,44 @@ TEST_CASE("every value of an encoder and every flag comes through") {
 
 TEST_CASE("after any garbage the next whole packet is found") {
   tactus::Random random(3);
-  AnswerStream stream;
-  const Answer sent{{-5, 1200, -32768}, 0x75};
+  ResponseParser stream;
+  const Response sent{{-5, 1200, -32768}, 0x75};
   int lost = 0;
   for (int round = 0; round < 2000; ++round) {
     const auto length = random.next() % 40;
     for (std::uint64_t i = 0; i < length; ++i)
-      static_cast<void>(stream.take(static_cast<std::uint8_t>(random.next())));
+      static_cast<void>(stream.process(static_cast<std::uint8_t>(random.next())));
     // one cut short, then a whole one
     const Packet packet = encode(sent);
     for (std::size_t i = 0; i < random.next() % kPacketBytes; ++i)
-      static_cast<void>(stream.take(packet[i]));
+      static_cast<void>(stream.process(packet[i]));
     bool found = false;
     for (const std::uint8_t byte : packet)
-      found = stream.take(byte);
-    lost += !found || stream.answer().encoders != sent.encoders;
+      found = stream.process(byte);
+    lost += !found || stream.response().encoders != sent.encoders;
   }
   CHECK(lost == 0);
   CHECK(stream.errors() > 1000);
 }
 
 TEST_CASE("a packet with one wrong byte is refused and counted once") {
-  const Packet packet = encode(Answer{{1, 2, 3}, 0x70});
+  const Packet packet = encode(Response{{1, 2, 3}, 0x70});
   for (const std::size_t at : {std::size_t{0}, std::size_t{5}, std::size_t{13}, std::size_t{15}}) {
-    AnswerStream stream;
+    ResponseParser stream;
     Packet broken = packet;
     broken[at] = '@';
     for (const std::uint8_t byte : broken)
-      CHECK_FALSE(stream.take(byte));
+      CHECK_FALSE(stream.process(byte));
     CHECK(stream.errors() == 1);
   }
 }
 
 TEST_CASE("a million random bytes do nothing worse than answers that were never sent") {
   tactus::Random random(11);
-  AnswerStream stream;
+  ResponseParser stream;
   std::uint64_t answers = 0;
   for (int i = 0; i < 1000000; ++i)
-    answers += stream.take(static_cast<std::uint8_t>(random.next() >> 20));
+    answers += stream.process(static_cast<std::uint8_t>(random.next() >> 20));
   CHECK(answers <= 1000000 / kPacketBytes);
   CHECK(stream.errors() > 0);
 }

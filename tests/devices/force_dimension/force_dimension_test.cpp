@@ -155,7 +155,7 @@ TEST_CASE("home makes the device wait for its calibration, without force") {
 TEST_CASE("no library, a missing function and no device are three sentences") {
   setenv("TACTUS_LIBDHD", "/nowhere/libdhd.so", 1);
   CHECK(make()->open().find("forcedimension.com") != std::string::npos);
-  CHECK(devices::find_driver("dhd")->obstacle() != "");
+  CHECK(devices::find_driver("dhd")->problem() != "");
   setenv("TACTUS_LIBDHD", FAKE_DHD_INCOMPLETE, 1);
   CHECK(make()->open().find("dhdSetForce") != std::string::npos);
   const Fake fake("none");

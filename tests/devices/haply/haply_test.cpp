@@ -232,13 +232,13 @@ TEST_CASE("an unplugged device falls silent and returns") {
 TEST_CASE("no service, no device, a wrong device and another server are four sentences") {
   std::array<std::string, 4> refusals;
   setenv("TACTUS_HAPLY", "127.0.0.1:1", 1);
-  CHECK(devices::find_driver("haply")->obstacle().find("Haply Hub") != std::string::npos);
+  CHECK(devices::find_driver("haply")->problem().find("Haply Hub") != std::string::npos);
   CHECK(devices::find_driver("haply")->list().empty());
   refusals[0] = make()->open();
   CHECK(refusals[0].find("start Haply Hub") != std::string::npos);
   {
     Mock mock("empty");
-    CHECK(devices::find_driver("haply")->obstacle() == "");
+    CHECK(devices::find_driver("haply")->problem() == "");
     refusals[1] = make()->open();
     CHECK(refusals[1].find("no Inverse3") != std::string::npos);
   }

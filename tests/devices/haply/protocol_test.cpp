@@ -100,21 +100,21 @@ TEST_CASE("a device's message tells who it is") {
       R"({"inverse3":[{"device_id":"04BA","config":{"type":"minverse",
           "extended_firmware_version":"7.4.1"},"state":{"cursor_velocity":{"x":1,"y":2,"z":3}}}]})");
   REQUIRE(message);
-  const devices::haply::Sight& sight = message->devices.at(0);
-  CHECK(sight.id == "04BA");
-  CHECK(sight.type == "minverse");
-  CHECK(sight.firmware == "7.4.1");
-  CHECK(*sight.velocity == Vec3{1, 3, -2});
-  CHECK_FALSE(sight.position);
-  CHECK_FALSE(sight.workspace);
-  CHECK_FALSE(sight.mount);
+  const devices::haply::DeviceState& device_state = message->devices.at(0);
+  CHECK(device_state.id == "04BA");
+  CHECK(device_state.type == "minverse");
+  CHECK(device_state.firmware == "7.4.1");
+  CHECK(*device_state.velocity == Vec3{1, 3, -2});
+  CHECK_FALSE(device_state.position);
+  CHECK_FALSE(device_state.workspace);
+  CHECK_FALSE(device_state.mount);
 }
 
 TEST_CASE("a placement can be undone from scale 1/1000 to 1000 and with a turn of unit length") {
-  using devices::haply::Placement;
+  using devices::haply::Transform;
   for (const double scale : {1.01e-3, 990.0, -1.0})
     for (int axis = 0; axis < 3; ++axis) {
-      Placement placed;
+      Transform placed;
       placed.pose.position = {1, 2, 3};
       placed.scale[axis] = scale;
       CHECK(placed.valid());
@@ -126,19 +126,19 @@ TEST_CASE("a placement can be undone from scale 1/1000 to 1000 and with a turn o
       CHECK(norm(placed.motion(far - Vec3{1, 2, 3}) - own) < 1e-9);
     }
   for (const double scale : {0.0, 0.99e-3, 1010.0, -1010.0, double(NAN)}) {
-    Placement placed;
+    Transform placed;
     placed.scale.z = scale;
     CHECK_FALSE(placed.valid());
   }
   for (const auto& [w, valid] :
        {std::pair{1.0049, true}, {1.0051, false}, {0.9951, true}, {0.9949, false}}) {
-    Placement placed;
+    Transform placed;
     placed.pose.rotation.w = w; // the square within a hundredth of 1
     CHECK(placed.valid() == valid);
     placed.pose.rotation = {0, 0.6 * w, 0, 0.8 * w};
     CHECK(placed.valid() == valid);
   }
-  Placement nowhere;
+  Transform nowhere;
   nowhere.pose.position.y = NAN;
   CHECK_FALSE(nowhere.valid());
 }
@@ -152,7 +152,7 @@ TEST_CASE(
         R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":{"x":0.0,"y":-0.0,"z":0.0}}},)"
         R"("configure":{"preset":{"preset":"arm_front_centered"}},"device_id":"049D"}],)"
         R"("session":{"configure":{"basis":{"permutation":"XYZ"},"profile":{"name":"tactus"}}}})");
-  CHECK(devices::haply::question("049D", false).find(R"("force_render_full_state":{})") !=
+  CHECK(devices::haply::status_request("049D", false).find(R"("force_render_full_state":{})") !=
         std::string::npos);
 }
 
@@ -163,18 +163,18 @@ TEST_CASE("a placement is undone: turned back, then scaled back, in the project'
           "state":{"transform":{"position":{"x":1,"y":2,"z":3},
           "rotation":{"w":0.7071067811865476,"x":0,"y":0,"z":0.7071067811865476}}}}]})");
   REQUIRE(message);
-  const devices::haply::Sight& sight = message->devices.at(0);
-  CHECK(sight.preset == "arm_front_centered");
-  CHECK(sight.basis == "XYZ");
-  REQUIRE(sight.workspace);
-  REQUIRE(sight.mount);
-  CHECK(sight.mount->scale == Vec3{2, 4, 3});
-  CHECK(sight.workspace->scale == Vec3{1, 1, 1});
+  const devices::haply::DeviceState& device_state = message->devices.at(0);
+  CHECK(device_state.preset == "arm_front_centered");
+  CHECK(device_state.basis == "XYZ");
+  REQUIRE(device_state.workspace);
+  REQUIRE(device_state.mount);
+  CHECK(device_state.mount->scale == Vec3{2, 4, 3});
+  CHECK(device_state.workspace->scale == Vec3{1, 1, 1});
   // The service's (1, 0, 0), turned a quarter about its z, is (0, 1, 0), forward: our -z.
   const Vec3 seen = devices::haply::to_project({1, 3, 3});
-  CHECK(norm(sight.workspace->point(seen) - devices::haply::to_project({1, 0, 0})) < 1e-12);
-  CHECK(norm(sight.workspace->rotated({1, 0, 0}) - Vec3{0, 0, -1}) < 1e-12);
-  CHECK(sight.workspace->valid());
+  CHECK(norm(device_state.workspace->point(seen) - devices::haply::to_project({1, 0, 0})) < 1e-12);
+  CHECK(norm(device_state.workspace->rotated({1, 0, 0}) - Vec3{0, 0, -1}) < 1e-12);
+  CHECK(device_state.workspace->valid());
   for (const char* wrong :
        {R"("scale":{"x":0,"y":1,"z":1})", R"("rotation":{"w":9,"x":0,"y":0,"z":0})",
         R"("scale":{"x":1e9,"y":1,"z":1})"}) {

@@ -43,7 +43,7 @@ std::string set(haptic::Backend& device, const std::vector<std::string>& words) 
 TEST_CASE("the service is looked for where the environment says, whole, or else at port 10001") {
   const auto looked_for = [](const char* text) {
     setenv("TACTUS_HAPLY", text, 1);
-    const devices::haply::Address address = devices::haply::usual_address();
+    const devices::haply::Address address = devices::haply::default_address();
     return address.host + " " + address.port;
   };
   CHECK(looked_for("robot:99") == "robot 99");
@@ -51,7 +51,7 @@ TEST_CASE("the service is looked for where the environment says, whole, or else 
   for (const char* half : {"", "robot", "robot:", ":99", ":"})
     CHECK(looked_for(half) == "127.0.0.1 10001");
   unsetenv("TACTUS_HAPLY");
-  CHECK(devices::haply::usual_address().port == "10001");
+  CHECK(devices::haply::default_address().port == "10001");
 }
 
 TEST_CASE("what a device can do, and what it is before it is opened") {

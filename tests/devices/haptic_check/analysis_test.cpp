@@ -44,11 +44,11 @@ TEST_CASE("motion has a box, a smallest step and a share of new readings") {
   const Motion motion = motion_of(all);
   CHECK(motion.highest.x == doctest::Approx(0.049));
   CHECK(motion.lowest.y == doctest::Approx(-0.099));
-  CHECK(motion.smallest_step_m == doctest::Approx(1e-3));
-  CHECK(motion.fresh_share == 1);
+  CHECK(motion.min_step_m == doctest::Approx(1e-3));
+  CHECK(motion.changed_fraction == 1);
   const auto still = records(10, none, none);
-  CHECK(motion_of(still).fresh_share == 0);
-  CHECK(motion_of({}).smallest_step_m == 0);
+  CHECK(motion_of(still).changed_fraction == 0);
+  CHECK(motion_of({}).min_step_m == 0);
 }
 
 TEST_CASE("intervals are sorted by how far they are from the period") {
@@ -60,16 +60,16 @@ TEST_CASE("intervals are sorted by how far they are from the period") {
   CHECK(intervals.counts[0] == 1);
   CHECK(intervals.counts[1] == 2);
   CHECK(intervals.counts[7] == 1);
-  CHECK(intervals.longest_s == doctest::Approx(4e-3));
+  CHECK(intervals.max_s == doctest::Approx(4e-3));
   CHECK(intervals.mean_s == doctest::Approx(1.75e-3));
 }
 
 TEST_CASE("a wall's stiffness, depth and hum come back") {
   const Wall wall{{0, -0.01, 0}, {0, 1, 0}};
-  const double hum = 20e-6, stiffness = 400;
+  const double vibration_rms = 20e-6, stiffness = 400;
   const auto depth = [=](double t) {
     return 0.002 * std::sin(2 * std::numbers::pi * t) +
-           hum * std::numbers::sqrt2 * std::sin(2 * std::numbers::pi * 120 * t);
+           vibration_rms * std::numbers::sqrt2 * std::sin(2 * std::numbers::pi * 120 * t);
   };
   const auto all = records(
       4000,
@@ -81,10 +81,10 @@ TEST_CASE("a wall's stiffness, depth and hum come back") {
       });
   const WallResult result = wall_result(all, wall, 1, 0.5, kPeriod_s);
   CHECK(result.stiffness_n_per_m == doctest::Approx(stiffness)); // where the limit is not reached
-  CHECK(result.deepest_m == doctest::Approx(0.002).epsilon(0.02));
-  CHECK(result.largest_n == doctest::Approx(0.5));
+  CHECK(result.max_depth_m == doctest::Approx(0.002).epsilon(0.02));
+  CHECK(result.max_force_n == doctest::Approx(0.5));
   // The slow sine of 1 Hz leaves less than a micrometre behind the parabola.
-  CHECK(result.hum_m == doctest::Approx(hum).epsilon(0.08));
+  CHECK(result.vibration_rms_m == doctest::Approx(vibration_rms).epsilon(0.08));
   CHECK(wall_result(all, {{0, -1, 0}, {0, 1, 0}}, 0, 1, kPeriod_s).ticks == 0);
   CHECK(wall_result({}, wall, 0, 1, kPeriod_s).ticks == 0);
 }

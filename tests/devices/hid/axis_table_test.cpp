@@ -7,16 +7,16 @@ using namespace tactus::devices::hid;
 TEST_CASE("the usual table turns right, towards, down into right, up, towards") {
   Knob knob;
   knob.share = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
-  const AxisTable table = AxisTable::usual(0x3f);
+  const AxisTable table = AxisTable::default_for(0x3f);
   CHECK(table.position(knob) == tactus::haptic::Vec3{0.1, -0.3, 0.2});
   CHECK(table.rotation(knob) == tactus::haptic::Vec3{0.4, -0.6, 0.5});
-  CHECK(AxisTable::usual(0x43).position(knob) == tactus::haptic::Vec3{0.1, 0.7, 0.2});
+  CHECK(AxisTable::default_for(0x43).position(knob) == tactus::haptic::Vec3{0.1, 0.7, 0.2});
 }
 
 TEST_CASE("a table of the user's replaces the rows that it names") {
   Knob knob;
   knob.share = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
-  AxisTable table = AxisTable::usual(0x3f);
+  AxisTable table = AxisTable::default_for(0x3f);
   CHECK(table.read("# stick\n\n x -Rz  # twisted\ny none\nrz Wheel\n") == "");
   CHECK(table.position(knob) == tactus::haptic::Vec3{-0.6, 0, 0.2});
   CHECK(table.rotation(knob) == tactus::haptic::Vec3{0.4, -0.6, 0.9});
@@ -26,7 +26,7 @@ TEST_CASE("a mistake in a table is named by its line and changes nothing") {
   Knob knob;
   knob.share[0] = 1;
   for (const char* text : {"x", "x Q", "w X", "x X X", "x -", "x -none"}) {
-    AxisTable table = AxisTable::usual(0x3f);
+    AxisTable table = AxisTable::default_for(0x3f);
     const std::string mistake = table.read(std::string("y X\n") + text + "\n");
     CHECK(mistake.find("line 2") != std::string::npos);
     CHECK(table.position(knob) == tactus::haptic::Vec3{1, 0, 0});
@@ -34,10 +34,10 @@ TEST_CASE("a mistake in a table is named by its line and changes nothing") {
 }
 
 TEST_CASE("the dead zone is silent and full deflection stays full") {
-  CHECK(beyond_dead_zone(0.03, 0.03) == 0);
-  CHECK(beyond_dead_zone(-0.02, 0.03) == 0);
-  CHECK(beyond_dead_zone(1, 0.03) == 1);
-  CHECK(beyond_dead_zone(-1, 0.03) == -1);
-  CHECK(beyond_dead_zone(0.515, 0.03) == doctest::Approx(0.5));
-  CHECK(beyond_dead_zone(0.5, 0) == 0.5);
+  CHECK(apply_dead_zone(0.03, 0.03) == 0);
+  CHECK(apply_dead_zone(-0.02, 0.03) == 0);
+  CHECK(apply_dead_zone(1, 0.03) == 1);
+  CHECK(apply_dead_zone(-1, 0.03) == -1);
+  CHECK(apply_dead_zone(0.515, 0.03) == doctest::Approx(0.5));
+  CHECK(apply_dead_zone(0.5, 0) == 0.5);
 }

@@ -114,11 +114,11 @@ TEST_CASE("names are ASCII, and the ids in hexadecimal where there is none") {
 TEST_CASE("permission is asked of the kernel's files alone") {
   Library library;
   devices.push_back(info("/nowhere/hidraw0", 1, 1, 1, 4));
-  CHECK(catalogue(library).at(0).obstacle == "");
+  CHECK(catalogue(library).at(0).problem == "");
   library.hidraw = true;
-  CHECK(catalogue(library).at(0).obstacle.find("udev") != std::string::npos);
+  CHECK(catalogue(library).at(0).problem.find("udev") != std::string::npos);
   devices[0].path = const_cast<char*>("/dev/null");
-  CHECK(catalogue(library).at(0).obstacle == "");
+  CHECK(catalogue(library).at(0).problem == "");
 }
 
 TEST_CASE("the six-axis controllers that are known by their ids") { // docs/devices/hid.md

@@ -16,8 +16,8 @@ double counts(const Decoder& decoder, std::size_t axis) { return decoder.knob().
 
 TEST_CASE("a SpaceMouse's reports of seven bytes bring three axes each") {
   Decoder decoder = Decoder::space_mouse({});
-  CHECK(decoder.take(Bytes{0x01, 0x5e, 0x01, 0xa2, 0xfe, 0x0a, 0x00}));
-  CHECK(decoder.take(Bytes{0x02, 0x01, 0x00, 0xff, 0xff, 0x00, 0x01}));
+  CHECK(decoder.decode(Bytes{0x01, 0x5e, 0x01, 0xa2, 0xfe, 0x0a, 0x00}));
+  CHECK(decoder.decode(Bytes{0x02, 0x01, 0x00, 0xff, 0xff, 0x00, 0x01}));
   const double expected[] = {350, -350, 10, 1, -1, 256};
   for (std::size_t axis = 0; axis < 6; ++axis)
     CHECK(counts(decoder, axis) == doctest::Approx(expected[axis]).epsilon(1e-12));
@@ -25,31 +25,31 @@ TEST_CASE("a SpaceMouse's reports of seven bytes bring three axes each") {
 
 TEST_CASE("reports of thirteen bytes bring all six, from the same device") {
   Decoder decoder = Decoder::space_mouse({});
-  CHECK(decoder.take(
+  CHECK(decoder.decode(
       Bytes{0x01, 0x0a, 0x00, 0xec, 0xff, 0x1e, 0x00, 0xd8, 0xff, 0x32, 0x00, 0xc4, 0xff}));
   const double expected[] = {10, -20, 30, -40, 50, -60};
   for (std::size_t axis = 0; axis < 6; ++axis)
     CHECK(counts(decoder, axis) == doctest::Approx(expected[axis]).epsilon(1e-12));
-  CHECK(decoder.take(Bytes{0x01, 0x5e, 0x01, 0x00, 0x00, 0x00, 0x00}));
+  CHECK(decoder.decode(Bytes{0x01, 0x5e, 0x01, 0x00, 0x00, 0x00, 0x00}));
   CHECK(counts(decoder, 0) == doctest::Approx(350));
   CHECK(counts(decoder, 5) == doctest::Approx(-60));
 }
 
 TEST_CASE("buttons, battery, and what is beyond full scale") {
   Decoder decoder = Decoder::space_mouse({});
-  CHECK(decoder.take(Bytes{0x03, 0x02, 0x01, 0x00, 0x80}));
+  CHECK(decoder.decode(Bytes{0x03, 0x02, 0x01, 0x00, 0x80}));
   CHECK(decoder.knob().buttons == 0x80000102u);
-  CHECK(decoder.take(Bytes{0x03, 0x00}));
+  CHECK(decoder.decode(Bytes{0x03, 0x00}));
   CHECK(decoder.knob().buttons == 0);
   CHECK(decoder.knob().battery_percent == -1);
-  CHECK(decoder.take(Bytes{0x17, 0x2a, 0x00}));
+  CHECK(decoder.decode(Bytes{0x17, 0x2a, 0x00}));
   CHECK(decoder.knob().battery_percent == 42);
-  CHECK(decoder.take(Bytes{0x01, 0xff, 0x7f, 0x00, 0x80, 0x00, 0x00}));
+  CHECK(decoder.decode(Bytes{0x01, 0xff, 0x7f, 0x00, 0x80, 0x00, 0x00}));
   CHECK(decoder.knob().share[0] == 1);
   CHECK(decoder.knob().share[1] == -1);
   for (const Bytes& report : {Bytes{}, Bytes{0x01}, Bytes{0x01, 1, 2, 3, 4, 5}, Bytes{0x02, 0},
                               Bytes{0x03}, Bytes{0x17, 0xff}, Bytes{0x99, 1, 2, 3, 4, 5, 6}})
-    CHECK_FALSE(decoder.take(report));
+    CHECK_FALSE(decoder.decode(report));
 }
 
 TEST_CASE("the full scale is the description's, if that can be believed") {
@@ -61,9 +61,9 @@ TEST_CASE("the full scale is the description's, if that can be believed") {
   };
   Decoder wide = with_range(500), absurd = with_range(32767);
   const Bytes report{0x01, 0xfa, 0x00, 0, 0, 0, 0}; // 250
-  CHECK(wide.take(report));
+  CHECK(wide.decode(report));
   CHECK(wide.knob().share[0] == doctest::Approx(0.5));
-  CHECK(absurd.take(report));
+  CHECK(absurd.decode(report));
   CHECK(absurd.knob().share[0] == doctest::Approx(250.0 / 350));
 }
 
@@ -75,16 +75,16 @@ TEST_CASE("a described device's axes are shares of their range around its middle
   CHECK(decoder.axes() == 0x41u);
   CHECK(decoder.has_buttons());
   CHECK(decoder.step() == doctest::Approx(2.0 / 255));
-  CHECK(decoder.take(Bytes{0, 255, 3, 1}));
+  CHECK(decoder.decode(Bytes{0, 255, 3, 1}));
   CHECK(decoder.knob().share[0] == -1);
   CHECK(decoder.knob().share[6] == 1);
   CHECK(decoder.knob().buttons == 5); // two choices at once: buttons 3 and 1
-  CHECK(decoder.take(Bytes{0, 255, 0, 0}));
+  CHECK(decoder.decode(Bytes{0, 255, 0, 0}));
   CHECK(decoder.knob().buttons == 0);
   // Without report numbers the first byte is the first axis, whatever its value.
-  CHECK(decoder.take(Bytes{9, 255, 2, 0}));
+  CHECK(decoder.decode(Bytes{9, 255, 2, 0}));
   CHECK(decoder.knob().buttons == 2);
-  CHECK(decoder.take(Bytes{9, 255, 0, 0}));
+  CHECK(decoder.decode(Bytes{9, 255, 0, 0}));
   CHECK(decoder.knob().buttons == 0);
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("a described device without buttons says so, and its axes are the desc
   Decoder decoder = Decoder::described(parse_report_descriptor(text));
   CHECK(decoder.axes() == 0x02u);
   CHECK_FALSE(decoder.has_buttons());
-  CHECK(decoder.take(Bytes{255}));
+  CHECK(decoder.decode(Bytes{255}));
   CHECK(decoder.knob().share[1] == 1);
   CHECK(decoder.knob().share[0] == 0);
   CHECK(Decoder::space_mouse({}).has_buttons());
@@ -110,7 +110,7 @@ TEST_CASE("random reports leave shares within one") {
       byte = static_cast<std::uint8_t>(random.next());
     if (!report.empty() && i % 2)
       report[0] = static_cast<std::uint8_t>(1 + random.next() % 3);
-    static_cast<void>(decoder.take(report));
+    static_cast<void>(decoder.decode(report));
     for (const double share : decoder.knob().share)
       if (!(std::abs(share) <= 1))
         FAIL("a share of " << share);
@@ -130,7 +130,7 @@ TEST_CASE("a description's full scale is believed from 100 to 2000 counts, else 
     field.high = maximum;
     description.fields.push_back(field);
     Decoder decoder = Decoder::space_mouse(description);
-    REQUIRE(decoder.take(Bytes{0x01, 0x32, 0x00, 0x00, 0x00, 0x00, 0x00})); // 50 counts
+    REQUIRE(decoder.decode(Bytes{0x01, 0x32, 0x00, 0x00, 0x00, 0x00, 0x00})); // 50 counts
     INFO("maximum " << maximum);
     CHECK(decoder.knob().share[0] == doctest::Approx(50 / scale));
     CHECK(decoder.step() == doctest::Approx(1 / scale));

@@ -44,7 +44,7 @@ std::int32_t value(const Bytes& report, const Field* field) {
 
 TEST_CASE("axes and buttons are found where the description puts them") {
   const ReportDescriptor d = parse_report_descriptor(kStick);
-  CHECK(d.whole);
+  CHECK(d.complete);
   CHECK(d.numbered);
   CHECK(d.page == kDesktopPage);
   CHECK(d.usage == static_cast<std::uint16_t>(Usage::kJoystick));
@@ -109,7 +109,7 @@ TEST_CASE("designators and strings of a field are no usages, and a range ends wh
                     0x95, 0x01, 0x19, 0x35, 0x29, 0x34, 0x81, 0x02, // a range that goes backwards
                     0xc0};
   const ReportDescriptor d = parse_report_descriptor(stick);
-  CHECK(d.whole);
+  CHECK(d.complete);
   std::vector<int> usages;
   for (const Field& field : d.fields)
     usages.push_back(field.usage);
@@ -127,13 +127,13 @@ TEST_CASE("descriptions that are cut short or absurd end the reading and keep wh
   }
   Bytes endless{0x05, 0x01, 0x09, 0x30, 0x15, 0x00, 0x25, 0x01, 0x75, 0x20};
   endless.insert(endless.end(), {0x97, 0xff, 0xff, 0xff, 0xff, 0x81, 0x02}); // 4e9 fields
-  CHECK_FALSE(parse_report_descriptor(endless).whole);
+  CHECK_FALSE(parse_report_descriptor(endless).complete);
   CHECK(parse_report_descriptor(endless).fields.empty());
-  CHECK_FALSE(parse_report_descriptor(Bytes(1000, 0xa4)).whole); // a thousand pushes
-  CHECK_FALSE(parse_report_descriptor(Bytes{0xb4}).whole);       // a pop of nothing
-  CHECK_FALSE(parse_report_descriptor(Bytes{0x85, 0x00}).whole); // report 0
-  CHECK_FALSE(parse_report_descriptor(Bytes{0xfe, 0x50}).whole); // a long item cut short
-  CHECK(parse_report_descriptor(Bytes{0xfe, 0x01, 0x00, 0x55}).whole);
+  CHECK_FALSE(parse_report_descriptor(Bytes(1000, 0xa4)).complete); // a thousand pushes
+  CHECK_FALSE(parse_report_descriptor(Bytes{0xb4}).complete);       // a pop of nothing
+  CHECK_FALSE(parse_report_descriptor(Bytes{0x85, 0x00}).complete); // report 0
+  CHECK_FALSE(parse_report_descriptor(Bytes{0xfe, 0x50}).complete); // a long item cut short
+  CHECK(parse_report_descriptor(Bytes{0xfe, 0x01, 0x00, 0x55}).complete);
 }
 
 TEST_CASE("a million random bytes, and broken descriptions of real form, are only ever data") {

@@ -50,17 +50,17 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   SimulatedDevice device;
   SimulatedDevice::Settings hand;
   device.set(hand);
-  device.follow(CirclePath{{}, 0.02, 0.3});
+  device.set_path(CirclePath{{}, 0.02, 0.3});
   SceneModel scene;
   SignalLink link;
   EffectModel effects;
   NetworkModel network;
   LocalModels<3> models{{&scene, &effects, &network}};
-  effects.watch(scene, models.force_of(0));
-  link.watch(scene);
-  link.listen(network);
+  effects.set_scene(scene, models.force_of(0));
+  link.set_scene(scene);
+  link.set_network(network);
   link.set_workspace({});
-  link.place(SignalLink::Time::kWall, 1000, {});
+  link.configure(SignalLink::Time::kWall, 1000, {});
   Servo servo;
   servo.attach(device, &models, &link);
   devices::ServoThread runner;
@@ -85,7 +85,7 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   Exchange& exchange = servo.exchange();
   Command command;
   ServoSettings settings;
-  std::uint64_t events = 0, newest = 0, at_rest = 0;
+  std::uint64_t events = 0, newest = 0, zero_force_confirmed = 0;
   bool in_order = true;
   for (int round = 0; round < 500; ++round) {
     command.force_n = {0.001 * round, 0, 0};
@@ -102,11 +102,11 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
       exchange.motors.emergency_stop();
     if (round % 10 == 0)
       ++exchange.statistics_resets;
-    at_rest += exchange.motors.at_rest();
+    zero_force_confirmed += exchange.motors.zero_force_confirmed();
     exchange.tracing = round % 2 == 0;
     scene.publish(scene_of(round));
     network.publish(network_of(round));
-    network.act({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 0.1}, 1e-3});
+    network.queue_action({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 0.1}, 1e-3});
     EffectSettings felt;
     felt.inertia = {0.01 * (1 + round % 9)};
     felt.relief = {1e-4, 1e-3, {1, 0, 0}};
@@ -134,5 +134,5 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   CHECK(in_order);
   CHECK(newest > 10);
   CHECK(events > 0);
-  CHECK(at_rest > 0);
+  CHECK(zero_force_confirmed > 0);
 }

@@ -31,7 +31,7 @@ struct Gate {
 
 struct Plan {
   std::atomic<int> failures{0}; ///< openings that fail before one succeeds
-  std::atomic<int> opened{0}, closed{0}, busy_ms{0}, lists{0}, obstacles{0}, cancelled{0};
+  std::atomic<int> opened{0}, closed{0}, busy_ms{0}, lists{0}, problems{0}, cancelled{0};
   std::atomic<bool> open{false}, twice{false}, cancels{false};
   Gate opening, closing, reading, listing;
   std::atomic<double> newest_force_n{0};
@@ -74,7 +74,7 @@ public:
 };
 
 const devices::Driver kPlanned{
-    "planned", "a test's", [] { return ++plan.obstacles, std::string(); },
+    "planned", "a test's", [] { return ++plan.problems, std::string(); },
     [] {
       ++plan.lists;
       plan.listing.pass();
@@ -92,7 +92,7 @@ struct Rig {
   std::shared_ptr<haptic::Backend> device = kPlanned.make();
 
   Rig() {
-    plan.failures = plan.opened = plan.closed = plan.busy_ms = plan.lists = plan.obstacles = 0;
+    plan.failures = plan.opened = plan.closed = plan.busy_ms = plan.lists = plan.problems = 0;
     plan.open = plan.twice = plan.cancels = false;
     plan.cancelled = 0;
     for (Gate* gate : {&plan.opening, &plan.closing, &plan.reading, &plan.listing})
@@ -184,19 +184,19 @@ TEST_CASE("a list asks the drivers that are not in use, and answers from what is
   REQUIRE(listed.found.size() == 1);
   CHECK(listed.found[0].identity.serial == "7");
   CHECK(listed.found[0].state == "ready");
-  REQUIRE(listed.obstacles.size() == 1);
-  CHECK(listed.obstacles[0].second == "hindered: install it");
+  REQUIRE(listed.problems.size() == 1);
+  CHECK(listed.problems[0].second == "hindered: install it");
   CHECK(plan.lists == 1);
 
   CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
   CHECK(rig.wait().kind == Answer::Kind::kOpened);
-  const int asked = plan.obstacles;
+  const int asked = plan.problems;
   CHECK(lister.list() == "");
   listed = Rig::wait(lister);
   REQUIRE(listed.found.size() == 1);
   CHECK(listed.found[0].state == "open");
   CHECK(plan.lists == 1); // nobody asked the driver
-  CHECK(plan.obstacles == asked);
+  CHECK(plan.problems == asked);
 
   CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
   CHECK(rig.wait().kind == Answer::Kind::kClosed);
@@ -229,7 +229,7 @@ TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
       plan.busy_ms = 5;
       CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
       std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
-      rig.worker.forget();
+      rig.worker.abandon();
       while (const auto answer = rig.worker.take())
         if (answer->kind == Answer::Kind::kOpened)
           CHECK(rig.worker.close(&kPlanned, {}, answer->device) == "");
@@ -336,7 +336,7 @@ TEST_CASE("an opening that nobody wants is cancelled until it ends") {
   CHECK(rig.worker.overdue(0) == ""); // it is wanted
   rig.worker.cancel_unwanted();
   CHECK(plan.cancelled == 0);
-  rig.worker.forget();
+  rig.worker.abandon();
   until([&] {
     rig.worker.cancel_unwanted();
     return !rig.worker.busy();
@@ -356,10 +356,10 @@ TEST_CASE("the end of the program waits for all workers together, not for each")
   }
   until([] { return plan.opening.waiting == 5; });
   const double begun_s = now_s();
-  DeviceWorker::finish_all(1);
+  DeviceWorker::join_all(1);
   CHECK(now_s() - begun_s >= 1);
   CHECK(now_s() - begun_s < 4); // each on its own: 5 s
   plan.opening.shut = false;
-  DeviceWorker::finish_all(20);
+  DeviceWorker::join_all(20);
   CHECK_FALSE(plan.open);
 }

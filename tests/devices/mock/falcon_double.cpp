@@ -151,7 +151,7 @@ void FalconDouble::frame() {
     if (i->second == "unplug" || i->second == "plug")
       requests_.push_back(i->second);
     else
-      obey(i->second);
+      handle_command(i->second);
   if (flags_ & 1) { // homing: each arm passes its mark in turn
     ++homing_frames_;
     homed_ = homing_frames_ > 60 ? 7 : homing_frames_ > 40 ? 3 : homing_frames_ > 20 ? 1 : homed_;
@@ -207,7 +207,7 @@ int FalconDouble::in(std::uint8_t, std::span<std::uint8_t> payload) {
 
 std::string FalconDouble::command(const std::string& line) {
   const std::scoped_lock lock(mutex_);
-  return obey(line);
+  return handle_command(line);
 }
 
 std::deque<std::string> FalconDouble::take_requests() {
@@ -215,7 +215,7 @@ std::deque<std::string> FalconDouble::take_requests() {
   return std::exchange(requests_, {});
 }
 
-std::string FalconDouble::obey(const std::string& line) {
+std::string FalconDouble::handle_command(const std::string& line) {
   std::istringstream words(line);
   std::string name;
   int value = 0;

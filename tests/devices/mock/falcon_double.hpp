@@ -57,7 +57,7 @@ private:
   void run(std::uint8_t byte);
   void frame();
   void move();
-  std::string obey(const std::string& line);
+  std::string handle_command(const std::string& line);
   [[nodiscard]] std::string state() const;
 
   mutable std::mutex mutex_;

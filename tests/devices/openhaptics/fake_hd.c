@@ -24,7 +24,7 @@ static double torque[3];
 static int torques;
 static _Atomic int enabled_force;
 static int clamping, ramping, rate_hz, buttons, in_frame, open_devices, calibration_checks;
-static int updates, openings, style_asked, calibration;
+static int updates, openings, style_requested, calibration;
 static unsigned long frames, forces_outside_frame;
 static Callback callback;
 static void* callback_context;
@@ -66,7 +66,7 @@ void fake_hd_reset(void) {
   torques = error_count = buttons = clamping = calibration_checks = updates = 0;
   frames = forces_outside_frame = 0;
   ramping = rate_hz = openings = calibration = 0;
-  style_asked = -1;
+  style_requested = -1;
   pthread_mutex_unlock(&guard);
 }
 /* Where the handle is, mm. */
@@ -86,7 +86,7 @@ void fake_hd_calibration(int answer) {
 void fake_hd_more_counts(int out[5]) {
   pthread_mutex_lock(&guard);
   out[0] = ramping, out[1] = rate_hz, out[2] = openings, out[3] = calibration_checks;
-  out[4] = style_asked;
+  out[4] = style_requested;
   pthread_mutex_unlock(&guard);
 }
 void fake_hd_fail(unsigned code) {
@@ -239,7 +239,7 @@ unsigned hdCheckCalibration(void) {
 }
 void hdUpdateCalibration(unsigned style) {
   pthread_mutex_lock(&guard);
-  style_asked = (int)style;
+  style_requested = (int)style;
   ++updates;
   pthread_mutex_unlock(&guard);
 }

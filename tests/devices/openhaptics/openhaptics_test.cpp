@@ -95,7 +95,7 @@ TEST_CASE("no library, a missing function and a device that does not open are th
   const std::string absent = make()->open();
   CHECK(absent.find("/nowhere/libHD.so") != std::string::npos);
   CHECK(absent.find("install") != std::string::npos);
-  CHECK(devices::find_driver("openhaptics")->obstacle() != "");
+  CHECK(devices::find_driver("openhaptics")->problem() != "");
   CHECK(devices::find_driver("openhaptics")->list().empty());
 
   setenv("PHANTOM_LIBHD", FAKE_HD_INCOMPLETE, 1);
@@ -196,7 +196,7 @@ TEST_CASE("the library is loaded once, whatever is listed, opened and closed") {
   setenv("PHANTOM_LIBHD", FAKE_HD, 1);
   const devices::Driver& driver = *devices::find_driver("openhaptics");
   for (int round = 0; round < 3; ++round) {
-    CHECK(driver.obstacle() == "");
+    CHECK(driver.problem() == "");
     CHECK(driver.list().size() == 1);
     const auto device = make();
     REQUIRE(device->open() == "");

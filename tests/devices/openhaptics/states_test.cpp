@@ -25,10 +25,10 @@ namespace {
 
 /// Ticks in the device's own thread: what `each` says of a tick's number happens between read and
 /// write, and is the force.
-struct Rehearsal {
-  Rehearsal(const Fake& of, haptic::Backend& backend, int count, std::function<Vec3(int)> each)
+struct ScriptedRun {
+  ScriptedRun(const Fake& of, haptic::Backend& backend, int count, std::function<Vec3(int)> each)
       : fake(of), device(backend), act(std::move(each)), left(count) {
-    REQUIRE(device.run([](void* self) { static_cast<Rehearsal*>(self)->tick(); }, this));
+    REQUIRE(device.run([](void* self) { static_cast<ScriptedRun*>(self)->tick(); }, this));
     for (int i = 0; i < 60000 && left > 0; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     REQUIRE(left == 0);
@@ -85,7 +85,7 @@ TEST_CASE("positions are metres, velocities their change, and one out of reach i
   const Fake fake;
   const auto device = make();
   REQUIRE(device->open() == "");
-  const Rehearsal r(fake, *device, 300, [&](int tick) {
+  const ScriptedRun r(fake, *device, 300, [&](int tick) {
     if (tick == 0)
       fake.place(10, 20, -30);
     if (tick == 250)
@@ -110,7 +110,7 @@ TEST_CASE("the calibration is looked at in the first tick and every 256, and ask
   const auto device = make();
   REQUIRE(device->open() == "");
   int first = 0, before = 0, later = 0, after = 0;
-  const Rehearsal r(fake, *device, 1100, [&](int tick) {
+  const ScriptedRun r(fake, *device, 1100, [&](int tick) {
     if (tick == 0)
       first = fake.more().calibration_checks;
     if (tick == 255)
@@ -139,7 +139,7 @@ TEST_CASE("no force while the calibration needs the library or the hand, each wi
     fake.calibration(answer);
     CHECK(device->trouble() == ""); // not yet looked at
     std::string sentence;
-    const Rehearsal r(fake, *device, 20, [&](int tick) {
+    const ScriptedRun r(fake, *device, 20, [&](int tick) {
       if (tick == 10)
         sentence = device->trouble();
       return Vec3{1, 0, 0};
@@ -153,16 +153,16 @@ TEST_CASE("no force while the calibration needs the library or the hand, each wi
 }
 
 TEST_CASE("too much force and warm motors are told for 500 ticks, and force goes on") {
-  const std::pair<Code, State::Flags> told_of[] = {{kTooMuchForce, State::kForceLimited},
-                                                   {kWarmMotors, State::kMotorsHot}};
-  for (const auto& one : told_of) {
+  const std::pair<Code, State::Flags> error_flags[] = {{kTooMuchForce, State::kForceLimited},
+                                                       {kWarmMotors, State::kMotorsHot}};
+  for (const auto& one : error_flags) {
     const Code code = one.first;
     CAPTURE(code);
     const Fake fake;
     const auto device = make();
     REQUIRE(device->open() == "");
     std::string during, after;
-    const Rehearsal r(fake, *device, 700, [&](int tick) {
+    const ScriptedRun r(fake, *device, 700, [&](int tick) {
       if (tick == 50)
         fake.fail(code);
       if (tick == 500)
@@ -189,7 +189,7 @@ TEST_CASE("what switches force off keeps it off until none was asked for during 
     const Fake fake;
     const auto device = make();
     REQUIRE(device->open() == "");
-    const Rehearsal r(fake, *device, 500, [&](int tick) {
+    const ScriptedRun r(fake, *device, 500, [&](int tick) {
       if (tick == 20)
         fake.fail(code);
       return tick < 100 || tick > 400 ? Vec3{0.1, 0, 0} : Vec3{};
@@ -215,7 +215,7 @@ TEST_CASE("no more than the peak is sent, in the same direction, and no number i
   const auto device = make();
   REQUIRE(device->open() == "");
   const double peak = device->caps().peak_force_n;
-  const Rehearsal r(fake, *device, 30, [](int tick) {
+  const ScriptedRun r(fake, *device, 30, [](int tick) {
     return tick < 10 ? Vec3{30, 0, 40} : tick < 20 ? Vec3{0, NAN, 0} : Vec3{0, 1, 0};
   });
   CHECK(norm(r.sent[5] - Vec3{0.6, 0, 0.8} * peak) < 1e-12);
@@ -233,7 +233,7 @@ TEST_CASE("every error has its own sentence, and one that nobody knows has its n
     const auto device = make();
     REQUIRE(device->open() == "");
     std::string sentence;
-    const Rehearsal r(fake, *device, 5, [&](int tick) {
+    const ScriptedRun r(fake, *device, 5, [&](int tick) {
       if (tick == 1)
         fake.fail(code);
       if (tick == 3)
@@ -277,7 +277,7 @@ TEST_CASE("a halt waits for the last call, which takes the force away, up to a t
   const Fake fake("slow");
   const auto device = make();
   REQUIRE(device->open() == "");
-  const Rehearsal r(fake, *device, 5, [](int) { return Vec3{1, 0, 0}; });
+  const ScriptedRun r(fake, *device, 5, [](int) { return Vec3{1, 0, 0}; });
   CHECK(r.sent[4] == Vec3{1, 0, 0});
   CHECK(fake.force() == Vec3{});
 }

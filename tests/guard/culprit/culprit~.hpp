@@ -19,21 +19,22 @@ namespace tactus::test {
 
 /// Breaks one rule on demand, to prove that the guard or the sanitizers see it.
 struct Culprit {
-  static constexpr std::array<std::string_view, 8> kCrimes{
+  static constexpr std::array<std::string_view, 8> kViolations{
       "none", "allocate", "lock", "write", "sleep", "syscall", "float-mode", "overflow"};
-  static constexpr std::array kParameters{Parameter{"crime", "", 0, 0, 7, "to commit", kCrimes}};
+  static constexpr std::array kParameters{
+      Parameter{"crime", "", 0, 0, 7, "to commit", kViolations}};
   static constexpr std::array kPorts{Port{Port::Kind::kSignal, "signal", "", "passed through"}};
   static constexpr std::array kArguments{CreationArgument{"crime"}};
   static constexpr Declaration declaration{
       "culprit~", "breaks a rule", "For the guard's own test.", "test", kPorts, kPorts, kParameters,
       {},         kArguments};
 
-  void set(std::size_t, double value) noexcept { crime = value; }
-  [[nodiscard]] double get(std::size_t) const noexcept { return crime; }
+  void set(std::size_t, double value) noexcept { violation = value; }
+  [[nodiscard]] double get(std::size_t) const noexcept { return violation; }
   template <class S> void process(const Block<S>& block) noexcept {
     for (std::size_t n = 0; n < block.frames; ++n)
       block.outputs[0][n] = block.inputs[0][n];
-    switch (static_cast<int>(crime)) {
+    switch (static_cast<int>(violation)) {
     case 1:
       text = std::string(1000 + block.frames, 'x');
       break;
@@ -66,7 +67,7 @@ struct Culprit {
     }
   }
 
-  double crime = 0;
+  double violation = 0;
   std::string text;
   std::mutex mutex;
 };

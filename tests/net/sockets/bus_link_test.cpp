@@ -15,7 +15,7 @@
 /// long they take is the machine's affair.
 using namespace tactus;
 using namespace tactus::net;
-using What = BusExchange::News::What;
+using What = BusExchange::Notice::What;
 
 namespace {
 
@@ -23,38 +23,38 @@ double now_s() { return haptic::ForceTimeout::now_s(); }
 
 /// A link with the patch around it, whose logical time is the wall's and begins with it.
 struct Side {
-  struct Heard {
+  struct Received {
     std::string topic;
     double number, sent_s, let_out_s;
   };
   void step() {
-    for (auto& one : link.take_news())
-      news.push_back(std::move(one));
+    for (auto& one : link.take_notices())
+      notices.push_back(std::move(one));
     const double time_s = time();
     static_cast<void>(link.poll(time_s, [&](const BusLink::Delivered& one) {
-      heard.push_back(
+      received.push_back(
           {std::string(one.topic.name()), one.topic.number_at(0).value_or(-1), one.sent_s, time_s});
       late += one.late ? 1 : 0;
     }));
   }
   [[nodiscard]] double time() const { return now_s() - born_s; }
-  [[nodiscard]] const BusExchange::News* find(What what) const {
-    const auto found = std::find_if(news.begin(), news.end(),
+  [[nodiscard]] const BusExchange::Notice* find(What what) const {
+    const auto found = std::find_if(notices.begin(), notices.end(),
                                     [what](const auto& one) { return one.what == what; });
-    return found != news.end() ? &*found : nullptr;
+    return found != notices.end() ? &*found : nullptr;
   }
   void send(std::string_view topic, double number) {
     CHECK(link.send(Message(Address::kTopic, topic).real(number), time()));
   }
   BusLink link{};
   double born_s = now_s();
-  std::vector<BusExchange::News> news{};
-  std::vector<Heard> heard{};
+  std::vector<BusExchange::Notice> notices{};
+  std::vector<Received> received{};
   int late = 0;
 };
 
 /// Steps both patches until that holds; half a minute at most.
-template <class Condition> bool becomes(std::initializer_list<Side*> sides, Condition holds) {
+template <class Condition> bool eventually(std::initializer_list<Side*> sides, Condition holds) {
   for (const double end_s = now_s() + 30; now_s() < end_s;) {
     for (Side* side : sides)
       side->step();
@@ -67,7 +67,7 @@ template <class Condition> bool becomes(std::initializer_list<Side*> sides, Cond
 
 int listening(Side& side, int port = 0) {
   side.link.listen(port, "");
-  REQUIRE(becomes({&side}, [&] { return side.find(What::kListening) != nullptr; }));
+  REQUIRE(eventually({&side}, [&] { return side.find(What::kListening) != nullptr; }));
   return side.find(What::kListening)->number;
 }
 
@@ -79,8 +79,8 @@ TEST_CASE("two links give each other every event in order, evenly, with times of
   std::this_thread::sleep_for(std::chrono::milliseconds(300)); // so that their times differ
   Side caller;
   caller.link.connect("127.0.0.1", port);
-  REQUIRE(becomes({&listener, &caller},
-                  [&] { return caller.link.peers() == 1 && listener.link.peers() == 1; }));
+  REQUIRE(eventually({&listener, &caller},
+                     [&] { return caller.link.peers() == 1 && listener.link.peers() == 1; }));
   constexpr int kEvents = 2000;
   std::vector<double> sent_s;
   for (int i = 0; i < kEvents; ++i) {
@@ -94,15 +94,15 @@ TEST_CASE("two links give each other every event in order, evenly, with times of
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   const auto count = [](const Side& side, std::string_view topic) {
-    return std::count_if(side.heard.begin(), side.heard.end(),
+    return std::count_if(side.received.begin(), side.received.end(),
                          [topic](const auto& one) { return one.topic == topic; });
   };
-  CHECK(becomes({&listener, &caller}, [&] {
+  CHECK(eventually({&listener, &caller}, [&] {
     return count(listener, "hit") == kEvents && count(caller, "release") == kEvents;
   }));
   int hit = 0, release = 0;
   double last_s = 0;
-  for (const auto& one : listener.heard) {
+  for (const auto& one : listener.received) {
     CHECK(one.let_out_s >= last_s);
     last_s = one.let_out_s;
     if (one.topic != "hit")
@@ -113,7 +113,7 @@ TEST_CASE("two links give each other every event in order, evenly, with times of
     CHECK(std::abs(one.sent_s - true_s) < 0.05);
     ++hit;
   }
-  for (const auto& one : caller.heard)
+  for (const auto& one : caller.received)
     CHECK(one.number == release++);
 }
 
@@ -122,16 +122,16 @@ TEST_CASE("a link that ends is found again by who calls, and events pass again")
   const int port = listening(*listener);
   Side caller;
   caller.link.connect("127.0.0.1", port);
-  REQUIRE(becomes({listener.get(), &caller}, [&] { return caller.link.peers() == 1; }));
+  REQUIRE(eventually({listener.get(), &caller}, [&] { return caller.link.peers() == 1; }));
   listener.reset();
-  REQUIRE(becomes({&caller}, [&] { return caller.link.peers() == 0; }));
+  REQUIRE(eventually({&caller}, [&] { return caller.link.peers() == 0; }));
   REQUIRE(caller.find(What::kEnded) != nullptr);
   listener = std::make_unique<Side>();
   CHECK(listening(*listener, port) == port); // the same port at once
-  REQUIRE(becomes({listener.get(), &caller},
-                  [&] { return caller.link.peers() == 1 && listener->link.peers() == 1; }));
+  REQUIRE(eventually({listener.get(), &caller},
+                     [&] { return caller.link.peers() == 1 && listener->link.peers() == 1; }));
   caller.send("hit", 7);
-  CHECK(becomes({listener.get(), &caller}, [&] { return listener->heard.size() == 1; }));
+  CHECK(eventually({listener.get(), &caller}, [&] { return listener->received.size() == 1; }));
 }
 
 TEST_CASE("ending a link takes no time, though a peer does not read what it is sent") {
@@ -159,37 +159,37 @@ TEST_CASE("what cannot be opened or reached is told in one sentence, once") {
   Side first, second;
   const int port = listening(first);
   second.link.listen(port, "");
-  REQUIRE(becomes({&second}, [&] { return second.find(What::kFailed) != nullptr; }));
+  REQUIRE(eventually({&second}, [&] { return second.find(What::kFailed) != nullptr; }));
   CHECK(second.find(What::kFailed)->text.find("choose another port") != std::string::npos);
-  second.news.clear();
+  second.notices.clear();
   second.link.listen(0, "0.0.0.0");
-  REQUIRE(becomes({&second}, [&] { return second.find(What::kFailed) != nullptr; }));
+  REQUIRE(eventually({&second}, [&] { return second.find(What::kFailed) != nullptr; }));
   CHECK(second.find(What::kFailed)->text.find("needs a token file") != std::string::npos);
-  second.news.clear();
+  second.notices.clear();
   first.link.disconnect();
-  Side lonely;
-  lonely.link.connect("127.0.0.1", 9);
-  REQUIRE(becomes({&lonely}, [&] { return lonely.find(What::kFailed) != nullptr; }));
-  CHECK(lonely.find(What::kFailed)->text.find("trying again") != std::string::npos);
+  Side unconnected;
+  unconnected.link.connect("127.0.0.1", 9);
+  REQUIRE(eventually({&unconnected}, [&] { return unconnected.find(What::kFailed) != nullptr; }));
+  CHECK(unconnected.find(What::kFailed)->text.find("trying again") != std::string::npos);
 }
 
 TEST_CASE("a patch that ends its link from what it lets out is safe") {
   Side listener, caller;
   const int port = listening(listener);
   caller.link.connect("127.0.0.1", port);
-  REQUIRE(becomes({&listener, &caller}, [&] { return caller.link.peers() == 1; }));
-  REQUIRE(becomes({&listener, &caller}, [&] { return listener.link.peers() == 1; }));
+  REQUIRE(eventually({&listener, &caller}, [&] { return caller.link.peers() == 1; }));
+  REQUIRE(eventually({&listener, &caller}, [&] { return listener.link.peers() == 1; }));
   for (int i = 0; i < 10; ++i)
     caller.send("hit", i);
-  int heard = 0;
-  for (int i = 0; i < 30000 && heard == 0; ++i) {
+  int received = 0;
+  for (int i = 0; i < 30000 && received == 0; ++i) {
     static_cast<void>(listener.link.poll(listener.time(), [&](const BusLink::Delivered&) {
-      ++heard;
+      ++received;
       listener.link.disconnect();
     }));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  CHECK(heard == 1);
+  CHECK(received == 1);
   CHECK(listener.link.peers() == 0);
 }
 
@@ -199,11 +199,11 @@ TEST_CASE("a token that differs is refused, and the right one from a file's text
   const int port = listening(listener);
   wrong.link.set_token("sixteen bytes no");
   wrong.link.connect("127.0.0.1", port);
-  REQUIRE(becomes({&listener, &wrong}, [&] { return wrong.find(What::kComplaint) != nullptr; }));
-  CHECK(wrong.find(What::kComplaint)->text.find("token is wrong") != std::string::npos);
+  REQUIRE(eventually({&listener, &wrong}, [&] { return wrong.find(What::kWarning) != nullptr; }));
+  CHECK(wrong.find(What::kWarning)->text.find("token is wrong") != std::string::npos);
   CHECK(listener.link.peers() == 0);
   wrong.link.disconnect();
   right.link.set_token("sixteen bytes ok");
   right.link.connect("127.0.0.1", port);
-  CHECK(becomes({&listener, &right}, [&] { return right.link.peers() == 1; }));
+  CHECK(eventually({&listener, &right}, [&] { return right.link.peers() == 1; }));
 }

@@ -24,7 +24,7 @@ namespace {
 void wait_1ms() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
 
 /// Half a minute at most.
-template <class Condition> bool becomes(Condition holds) {
+template <class Condition> bool eventually(Condition holds) {
   for (int i = 0; i < 30000; ++i) {
     if (holds())
       return true;
@@ -34,14 +34,14 @@ template <class Condition> bool becomes(Condition holds) {
 }
 
 /// A server whose servo is stepped by the thread of its sockets.
-class Serving {
+class ServerThread {
 public:
-  explicit Serving(int port = 0, const ServerSettings& settings = {}, bool udp = false)
+  explicit ServerThread(int port = 0, const ServerSettings& settings = {}, bool udp = false)
       : server_(settings) {
     haptic::SimulatedDevice::Settings held;
     held.hand.hold = haptic::HandSettings::Hold::kRigid;
     device_.set(held);
-    device_.follow(haptic::LinePath{{0.01, 0.02, 0.03}, {0.01, 0.02, 0.03}, 1});
+    device_.set_path(haptic::LinePath{{0.01, 0.02, 0.03}, {0.01, 0.02, 0.03}, 1});
     servo_.attach(device_, &model_);
     bool open = false;
     for (int i = 0; i < 2000 && !open; ++i) { // the port of a server that has just ended
@@ -52,7 +52,7 @@ public:
     port_ = sockets_.port();
     thread_ = std::thread([this] { sockets_.run(); });
   }
-  ~Serving() {
+  ~ServerThread() {
     sockets_.stop();
     thread_.join();
   }
@@ -69,7 +69,7 @@ private:
   void tick(double now_s) {
     std::this_thread::sleep_for(std::chrono::duration<double>(stall_s_.exchange(0)));
     if (moves_.exchange(false))
-      device_.follow(haptic::LinePath{{0, 0, 0}, {0.02, 0, 0}, 0.2});
+      device_.set_path(haptic::LinePath{{0, 0, 0}, {0.02, 0, 0}, 0.2});
     link_.exchange(server_, now_s);
     servo_.step({++ticks_, now_s, 1e-3});
     force_x_ = servo_.chain().written.x;
@@ -80,7 +80,8 @@ private:
   haptic::Servo servo_{};
   ServoLink link_{servo_, model_, {}};
   TcpServer sockets_{
-      server_, {[this](double now_s) { tick(now_s); }, [this] { link_.give(server_.orders()); }}};
+      server_,
+      {[this](double now_s) { tick(now_s); }, [this] { link_.send(server_.servo_command()); }}};
   std::uint64_t ticks_ = 0;
   int port_ = 0;
   std::atomic<bool> moves_{false};
@@ -89,9 +90,9 @@ private:
 };
 
 /// A remote device with a servo's thread that writes a force.
-class Using {
+class ClientThread {
 public:
-  explicit Using(int port, bool udp = false) {
+  explicit ClientThread(int port, bool udp = false) {
     const std::string words[] = {"127.0.0.1", std::to_string(port), "udp", udp ? "1" : "0"};
     REQUIRE(device.configure(words) == "");
     const std::string refusal = device.open();
@@ -123,7 +124,7 @@ public:
   }
   /// Writes no force, then this one, as an operator who lets go and takes hold again; on a computer
   /// whose threads were late, as often as it takes. True if the server then has it.
-  bool takes_hold(const Serving& server, double force_n) {
+  bool takes_hold(const ServerThread& server, double force_n) {
     for (int i = 0; i < 30; ++i) {
       force = 0;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -136,7 +137,7 @@ public:
     }
     return false;
   }
-  ~Using() {
+  ~ClientThread() {
     stop_ = true;
     thread_.join();
     device.close();
@@ -159,35 +160,35 @@ private:
 TEST_CASE("a remote device gives positions and takes forces; a servo that stalls has none") {
   ServerSettings settings;
   settings.force_limit_n = 2;
-  Serving server(0, settings);
-  Using client(server.port());
+  ServerThread server(0, settings);
+  ClientThread client(server.port());
   CHECK(client.device.caps().peak_force_n == 2);
   CHECK(client.device.caps().latency_ticks >= 1);
   CHECK(client.device.identity().model == "simulated");
-  CHECK(becomes([&] { return client.alive && client.x == doctest::Approx(0.01); }));
-  CHECK(becomes([&] { return client.alive.load(); }));
+  CHECK(eventually([&] { return client.alive && client.x == doctest::Approx(0.01); }));
+  CHECK(eventually([&] { return client.alive.load(); }));
   client.force = 5; // beyond the limit
-  CHECK(becomes([&] { return server.force_x() > 1.9; }));
+  CHECK(eventually([&] { return server.force_x() > 1.9; }));
   CHECK(server.force_x() <= 2 * (1 + 1e-12));
   client.writes = false;
-  CHECK(becomes([&] { return server.force_x() == 0; }));
+  CHECK(eventually([&] { return server.force_x() == 0; }));
   client.writes = true;
-  CHECK(becomes([&] { return server.force_x() > 1; }));
+  CHECK(eventually([&] { return server.force_x() > 1; }));
   client.device.close();
-  CHECK(becomes([&] { return server.force_x() == 0; }));
+  CHECK(eventually([&] { return server.force_x() == 0; }));
 }
 
 TEST_CASE("a server that ends is a failure of the device, and one that comes back is found") {
-  auto server = std::make_unique<Serving>();
+  auto server = std::make_unique<ServerThread>();
   const int port = server->port();
-  Using client(port);
-  CHECK(becomes([&] { return client.alive.load(); }));
+  ClientThread client(port);
+  CHECK(eventually([&] { return client.alive.load(); }));
   CHECK(client.takes_hold(*server, 0.5));
   server.reset();
-  CHECK(becomes([&] { return !client.alive; }));
-  CHECK(becomes([&] { return !client.device.trouble().empty(); }));
-  server = std::make_unique<Serving>(port);
-  CHECK(becomes([&] { return client.alive.load(); }));
+  CHECK(eventually([&] { return !client.alive; }));
+  CHECK(eventually([&] { return !client.device.trouble().empty(); }));
+  server = std::make_unique<ServerThread>(port);
+  CHECK(eventually([&] { return client.alive.load(); }));
   for (int i = 0; i < 300; ++i) { // the force of before is still wanted, and does not come
     CHECK(server->force_x() == 0);
     wait_1ms();
@@ -196,48 +197,48 @@ TEST_CASE("a server that ends is a failure of the device, and one that comes bac
 }
 
 TEST_CASE("positions that stop coming take the force away, later they are a failure") {
-  Serving server;
-  Using client(server.port());
-  CHECK(becomes([&] { return client.alive.load(); }));
+  ServerThread server;
+  ClientThread client(server.port());
+  CHECK(eventually([&] { return client.alive.load(); }));
   server.stall(0.3);
-  CHECK(becomes([&] { return client.no_positions > 0; }));
-  CHECK(becomes([&] { return client.alive.load(); }));
+  CHECK(eventually([&] { return client.no_positions > 0; }));
+  CHECK(eventually([&] { return client.alive.load(); }));
   client.no_answers = 0;
   server.stall(0.8);
-  CHECK(becomes([&] { return client.no_answers > 0; }));
-  CHECK(becomes([&] { return client.alive.load(); }));
+  CHECK(eventually([&] { return client.no_answers > 0; }));
+  CHECK(eventually([&] { return client.alive.load(); }));
 }
 
 TEST_CASE("positions and velocities come as datagrams, too") {
-  Serving server(0, {}, true);
-  Using client(server.port(), true);
-  CHECK(becomes([&] { return client.alive && client.x == doctest::Approx(0.01); }));
+  ServerThread server(0, {}, true);
+  ClientThread client(server.port(), true);
+  CHECK(eventually([&] { return client.alive && client.x == doctest::Approx(0.01); }));
   CHECK(client.device.trouble().empty());
   server.move();
-  CHECK(becomes([&] { return client.fast > 100; }));
+  CHECK(eventually([&] { return client.fast > 100; }));
   server.stall(0.3); // the last velocity is not held for ever
-  CHECK(becomes([&] { return client.still > 0; }));
-  CHECK(becomes([&] { return client.alive.load(); }));
+  CHECK(eventually([&] { return client.still > 0; }));
+  CHECK(eventually([&] { return client.alive.load(); }));
   CHECK(client.takes_hold(server, 0.5)); // forces go by TCP as before
 }
 
 TEST_CASE("a server without datagrams is told of, and serves by TCP") {
-  Serving server;
-  Using client(server.port(), true);
-  CHECK(becomes([&] { return client.device.trouble().find("--udp") != std::string::npos; }));
-  CHECK(becomes([&] { return client.alive && client.x == doctest::Approx(0.01); }));
+  ServerThread server;
+  ClientThread client(server.port(), true);
+  CHECK(eventually([&] { return client.device.trouble().find("--udp") != std::string::npos; }));
+  CHECK(eventually([&] { return client.alive && client.x == doctest::Approx(0.01); }));
 }
 
 TEST_CASE("an emergency stop at the server is a fault of the device here") {
-  Serving server;
-  Using client(server.port());
-  CHECK(becomes([&] { return client.alive.load(); }));
+  ServerThread server;
+  ClientThread client(server.port());
+  CHECK(eventually([&] { return client.alive.load(); }));
   CHECK(client.takes_hold(server, 0.5));
   server.stop_motors();
-  CHECK(becomes([&] { return client.failures > 0; }));
-  CHECK(becomes([&] { return client.device.trouble().find("stop") != std::string::npos; }));
+  CHECK(eventually([&] { return client.failures > 0; }));
+  CHECK(eventually([&] { return client.device.trouble().find("stop") != std::string::npos; }));
   server.release_motors();
-  CHECK(becomes([&] { return !client.failed; }));
+  CHECK(eventually([&] { return !client.failed; }));
   for (int i = 0; i < 300; ++i) {
     CHECK(server.force_x() == 0);
     wait_1ms();
@@ -245,19 +246,19 @@ TEST_CASE("an emergency stop at the server is a fault of the device here") {
 }
 
 TEST_CASE("a failure waits for a servo that was late, and pauses of a servo start no motor") {
-  Serving server;
-  Using client(server.port());
-  CHECK(becomes([&] { return client.alive.load(); }));
+  ServerThread server;
+  ClientThread client(server.port());
+  CHECK(eventually([&] { return client.alive.load(); }));
   CHECK(client.takes_hold(server, 0.5));
   client.reads = false;
   client.failures = 0;
   server.stop_motors();
-  CHECK(becomes([&] { return client.device.trouble().find("stop") != std::string::npos; }));
+  CHECK(eventually([&] { return client.device.trouble().find("stop") != std::string::npos; }));
   server.release_motors();
   std::this_thread::sleep_for(std::chrono::milliseconds(300)); // longer than a failure is shown
   client.reads = true;
-  CHECK(becomes([&] { return client.failures > 0; }));
-  CHECK(becomes([&] { return !client.failed; }));
+  CHECK(eventually([&] { return client.failures > 0; }));
+  CHECK(eventually([&] { return !client.failed; }));
   client.writes = false;
   std::this_thread::sleep_for(std::chrono::milliseconds(100)); // the force times out
   client.writes = true;
@@ -306,7 +307,7 @@ TEST_CASE("settings that are not understood are refused with what there is") {
 namespace {
 
 /// Two clients: what they say is of no account, what they are told is what the test puts there.
-class Speaking final : public Service {
+class GreetingService final : public Service {
 public:
   std::optional<ClientId> connect(std::string_view, double, int) override {
     return count < out_.size() ? std::optional(count++) : std::nullopt;
@@ -348,13 +349,13 @@ TEST_CASE("a server in a patch closes without waiting for a client that does not
   // the shortest of five tells.
   double shortest_s = 1e9;
   for (int i = 0; i < 5; ++i) {
-    Speaking service;
+    GreetingService service;
     TcpServer server(service, {});
     REQUIRE(server.open({0, ""}).empty());
     const int deaf = call(server.port());
-    REQUIRE(becomes([&] { return server.poll(), service.count == 1; }));
+    REQUIRE(eventually([&] { return server.poll(), service.count == 1; }));
     const int listening = call(server.port());
-    REQUIRE(becomes([&] { return server.poll(), service.count == 2; }));
+    REQUIRE(eventually([&] { return server.poll(), service.count == 2; }));
     const std::vector<std::uint8_t> much(1u << 18, 'x');
     while (service.out(0).add_event(much)) // until the system's buffers are full, and ours
       server.poll();

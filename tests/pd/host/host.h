@@ -52,12 +52,12 @@ void host_run(host_object*, const double* const* inputs, double* const* outputs)
 void host_advance(double ms);
 double host_now(void);
 
-/* What was said and sent since the last host_forget(). */
+/* What was said and sent since the last host_clear_events(). */
 int host_error_count(void);
 const char* host_error(int index);
 int host_event_count(void);
 host_event host_get_event(int index);
-void host_forget(void);
+void host_clear_events(void);
 
 /* A named array that objects can read, and the folder that file names are relative to. */
 void host_set_array(const char* name, int size, const double* values);

@@ -65,7 +65,7 @@ struct host_object {
 
 host_object* host_of(const void* pd);
 void host_die(const char* why);
-void host_say_error(const char* sentence);
+void host_record_error(const char* sentence);
 void host_add_event(t_outlet*, const char* selector, int count, const t_atom*);
 void host_set_channels(host_signal*, int channels);
 void host_deliver_queue(void);     /* of the newer host */

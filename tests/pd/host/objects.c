@@ -211,7 +211,7 @@ static void call(const method_entry* m, t_pd* pd, t_symbol* selector, int count,
     ((void (*)(t_pd*))m->function)(pd);
   } else if ((m->types[0] == A_FLOAT || m->types[0] == A_DEFFLOAT) && m->types[1] == A_NULL) {
     if (count && atoms[0].a_type != A_FLOAT)
-      host_say_error("bad arguments for message");
+      host_record_error("bad arguments for message");
     else
       ((void (*)(t_pd*, t_floatarg))m->function)(pd, count ? atoms[0].a_w.w_float : 0);
   } else {
@@ -239,7 +239,7 @@ void pd_typedmess(t_pd* pd, t_symbol* selector, int count, t_atom* atoms) {
   if (!direct)
     direct = c->anything;
   if (!direct)
-    host_say_error("no method for that message");
+    host_record_error("no method for that message");
   else
     ((void (*)(t_pd*, t_symbol*, int, t_atom*))direct)(pd, selector, count, atoms);
 }
@@ -260,7 +260,7 @@ void host_message(host_object* o, int inlet, const char* selector, int count,
     else if (s == i->from || (i->from == &s_list && s == &s_float))
       pd_typedmess(i->target, i->to, count, given);
     else
-      host_say_error("inlet: expected another type of message");
+      host_record_error("inlet: expected another type of message");
   }
   free(given);
 }

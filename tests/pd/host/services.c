@@ -71,7 +71,7 @@ typedef struct {
 static kept_event* events;
 static int event_count, event_room;
 
-void host_say_error(const char* sentence) {
+void host_record_error(const char* sentence) {
   errors = realloc(errors, (size_t)(error_count + 1) * sizeof *errors);
   errors[error_count++] = strdup(sentence);
 }
@@ -84,7 +84,7 @@ void pd_error(const void* object, const char* format, ...) {
   va_start(values, format);
   vsnprintf(text, sizeof text, format, values);
   va_end(values);
-  host_say_error(text);
+  host_record_error(text);
 }
 
 void logpost(const void* object, int level, const char* format, ...) {
@@ -134,7 +134,7 @@ const char* host_error(int index) { return errors[index]; }
 int host_event_count(void) { return event_count; }
 host_event host_get_event(int index) { return events[index].event; }
 
-void host_forget(void) {
+void host_clear_events(void) {
   for (int i = 0; i < error_count; ++i)
     free(errors[i]);
   for (int i = 0; i < event_count; ++i)

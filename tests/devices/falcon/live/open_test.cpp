@@ -12,7 +12,7 @@ TEST_CASE("a Falcon on the bus is listed, and one that has left is not") {
   Rig rig;
   const auto* driver = tactus::devices::find_driver("falcon");
   REQUIRE(driver);
-  CHECK(driver->obstacle().empty());
+  CHECK(driver->problem().empty());
   auto found = driver->list();
   REQUIRE(found.size() == 1);
   CHECK(found[0].driver == "falcon");
@@ -78,10 +78,10 @@ TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with
   Rig rig;
   rig.control.ask("forget");
   rig.control.ask("echo 1000");
-  const std::string obstacle = rig.open(200);
+  const std::string problem = rig.open(200);
   rig.control.ask("echo 0");
-  CHECK(obstacle.find("echoed the firmware wrongly near byte 62") != std::string::npos);
-  CHECK(obstacle.find("another port") != std::string::npos);
+  CHECK(problem.find("echoed the firmware wrongly near byte 62") != std::string::npos);
+  CHECK(problem.find("another port") != std::string::npos);
   CHECK(rig.open() == "");
 }
 

@@ -21,7 +21,7 @@ TEST_CASE("five hundred frames carry positions in and the right motor commands o
         const auto count = [&](int i) {
           return static_cast<std::int16_t>(rig.control.value("count" + std::to_string(i)));
         };
-        const Forward found = forward(angles_of({count(0), count(1), count(2)}));
+        const Forward found = forward(motor_angles({count(0), count(1), count(2)}));
         const Counts expected = motor_counts(torques(found.position, force), 10000);
         bool right = found.found && norm(rig.state.position - (found.position - kCentre)) < 0.1e-3;
         for (int i = 0; i < 3; ++i)

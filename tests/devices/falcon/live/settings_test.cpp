@@ -20,7 +20,7 @@ TEST_CASE("a Falcon has the limits that CHAI3D gives it, and the step of its enc
   CHECK(caps.damping_limit_n_s_per_m == 20);
   CHECK(caps.workspace_min == Vec3{-0.04, -0.04, -0.04});
   CHECK(caps.workspace_max == Vec3{0.04, 0.04, 0.04});
-  CHECK(caps.position_noise_m == reading_bound_m());
+  CHECK(caps.position_noise_m == position_error_m());
   CHECK(caps.has_velocity);
   CHECK(caps.has_buttons);
   CHECK(caps.needs_home);
@@ -80,9 +80,9 @@ TEST_CASE("the motors' gain is what was said, and their order in proportion to i
     CHECK(rig.until(
         [&] {
           const Forward found =
-              forward(angles_of({static_cast<std::int16_t>(rig.control.value("count0")),
-                                 static_cast<std::int16_t>(rig.control.value("count1")),
-                                 static_cast<std::int16_t>(rig.control.value("count2"))}));
+              forward(motor_angles({static_cast<std::int16_t>(rig.control.value("count0")),
+                                    static_cast<std::int16_t>(rig.control.value("count1")),
+                                    static_cast<std::int16_t>(rig.control.value("count2"))}));
           const Counts expected = motor_counts(torques(found.position, force), std::stod(gain));
           bool right = found.found;
           for (int i = 0; i < 3; ++i)

@@ -24,7 +24,7 @@ struct FakeUsb {
   std::mutex mutex;
   std::condition_variable work;
   std::deque<libusb_transfer*> in, out, done;
-  Order last;
+  Command last;
   std::vector<int> history; // of the first motor's commands, one a change
   long orders = 0;
   bool gone = false, stuck = false;
@@ -71,22 +71,22 @@ struct FakeUsb {
       out.pop_front();
     }
     for (; !mute && unanswered > 0 && !in.empty(); --unanswered)
-      answer({});
+      response({});
     while (!stuck && !mute && !out.empty() && !in.empty()) {
-      AnswerStream decoder;
+      ResponseParser decoder;
       for (int i = 0; i < out.front()->length; ++i)
-        decoder.take(out.front()->buffer[i]);
-      last = {decoder.answer().encoders, decoder.answer().flags};
+        decoder.process(out.front()->buffer[i]);
+      last = {decoder.response().encoders, decoder.response().flags};
       ++orders;
       if (history.empty() || history.back() != last.motors[0])
         history.push_back(last.motors[0]);
       finish(out.front(), LIBUSB_TRANSFER_COMPLETED, out.front()->length);
       out.pop_front();
-      answer(last.motors);
+      response(last.motors);
     }
   }
-  void answer(const Values& encoders) {
-    const Packet packet = encode(Answer{encoders, 0x70});
+  void response(const Values& encoders) {
+    const Packet packet = encode(Response{encoders, 0x70});
     std::copy(packet.begin(), packet.end(), in.front()->buffer + kStatusBytes);
     finish(in.front(), LIBUSB_TRANSFER_COMPLETED, static_cast<int>(kStatusBytes + kPacketBytes));
     in.pop_front();
@@ -151,14 +151,14 @@ std::shared_ptr<UsbLibrary> fake_library() {
   return library;
 }
 
-Order order(int value) {
+Command command(int value) {
   const auto v = static_cast<std::int16_t>(value);
-  return {{v, static_cast<std::int16_t>(-v), static_cast<std::int16_t>(v / 2)}, Order::kGreen};
+  return {{v, static_cast<std::int16_t>(-v), static_cast<std::int16_t>(v / 2)}, Command::kGreen};
 }
 
 /// A servo that writes this order every millisecond until the device has it in full: the force of
 /// one that begins to write rises over 0.1 s.
-bool press(Stream& stream, const Order& wanted) {
+bool press(Stream& stream, const Command& wanted) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
   FakeUsb& usb = FakeUsb::instance();
   while (std::chrono::steady_clock::now() < end) {
@@ -171,7 +171,7 @@ bool press(Stream& stream, const Order& wanted) {
   return false;
 }
 
-template <class Condition> bool soon(Condition condition) {
+template <class Condition> bool eventually(Condition condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
   while (!condition())
     if (std::chrono::steady_clock::now() > end)
@@ -194,19 +194,19 @@ TEST_CASE("orders go out and answers come in while the servo allocates nothing")
   Link link(fake_library());
   Stream stream(link);
   REQUIRE(stream.start() == "");
-  REQUIRE(press(stream, order(4000)));
+  REQUIRE(press(stream, command(4000)));
   long received = 0, torn = 0;
   std::uint64_t number = 0;
   const std::uint64_t first_sends = stream.counts().sent + stream.counts().skipped;
   std::uint64_t sends = 0;
   const long before = allocations;
-  const bool flows = soon([&] {
-    stream.send(order(static_cast<int>(++sends % 4000)));
+  const bool flows = eventually([&] {
+    stream.send(command(static_cast<int>(++sends % 4000)));
     if (!stream.receive())
       return false;
     ++received;
     const Frame& frame = stream.latest();
-    const auto& counts = frame.answer.encoders;
+    const auto& counts = frame.response.encoders;
     torn += counts[1] != -counts[0] || counts[2] != counts[0] / 2 || frame.number <= number;
     number = frame.number;
     return received == 5000;
@@ -214,8 +214,8 @@ TEST_CASE("orders go out and answers come in while the servo allocates nothing")
   CHECK(flows);
   CHECK(allocations == before);
   CHECK(torn == 0);
-  stream.send(order(-5));
-  CHECK(soon([&] { return stream.receive() && stream.latest().answer.encoders[0] == -5; }));
+  stream.send(command(-5));
+  CHECK(eventually([&] { return stream.receive() && stream.latest().response.encoders[0] == -5; }));
   const Stream::Counts counts = stream.counts();
   CHECK(counts.broken == 0);
   CHECK(counts.failed == 0);
@@ -228,21 +228,21 @@ TEST_CASE("the newest order is the one that is sent last, and stopping sends non
   {
     Stream stream(link);
     REQUIRE(stream.start() == "");
-    REQUIRE(press(stream, order(4000)));
+    REQUIRE(press(stream, command(4000)));
     {
       const std::scoped_lock lock(usb.mutex);
       usb.stuck = true;
       usb.orders = 0;
     }
     for (int i = 1; i <= 100; ++i)
-      stream.send(order(i));
+      stream.send(command(i));
     {
       const std::scoped_lock lock(usb.mutex);
       usb.stuck = false;
       usb.work.notify_all();
     }
     long orders = 0;
-    CHECK(soon([&] {
+    CHECK(eventually([&] {
       const std::scoped_lock lock(usb.mutex);
       orders = usb.orders;
       return std::count(usb.history.begin(), usb.history.end(), 100) > 0;
@@ -259,14 +259,14 @@ TEST_CASE("a device that leaves is lost at once and can be let go") {
   FakeUsb& usb = FakeUsb::instance();
   Stream stream(link);
   REQUIRE(stream.start() == "");
-  stream.send(order(7));
+  stream.send(command(7));
   {
     const std::scoped_lock lock(usb.mutex);
     usb.gone = true;
     usb.work.notify_all();
   }
-  CHECK(soon([&] { return stream.lost(); }));
-  stream.send(order(8));
+  CHECK(eventually([&] { return stream.lost(); }));
+  stream.send(command(8));
   stream.stop();
   stream.stop();
   CHECK(usb.allocated > 0);
@@ -293,22 +293,22 @@ TEST_CASE("fifty transfers that fail in a row are a lost line, fewer are counted
         (in ? usb.failing_in : usb.failing_out) = count;
         usb.work.notify_all();
       }
-      return soon([&] {
-        stream.send(order(4000));
+      return eventually([&] {
+        stream.send(command(4000));
         std::this_thread::sleep_for(std::chrono::microseconds(200));
         const std::scoped_lock lock(usb.mutex);
         return (in ? usb.failing_in : usb.failing_out) == 0 || stream.lost();
       });
     };
     for (int row = 1; row <= 3; ++row) { // what goes well in between ends it
-      REQUIRE(press(stream, order(1000 * row)));
+      REQUIRE(press(stream, command(1000 * row)));
       REQUIRE(fail(30));
-      CHECK(soon([&] { return stream.counts().failed == 30u * static_cast<unsigned>(row); }));
+      CHECK(eventually([&] { return stream.counts().failed == 30u * static_cast<unsigned>(row); }));
     }
-    REQUIRE(press(stream, order(500)));
+    REQUIRE(press(stream, command(500)));
     CHECK_FALSE(stream.lost());
     static_cast<void>(fail(1000));
-    CHECK(soon([&] { return stream.lost(); }));
+    CHECK(eventually([&] { return stream.lost(); }));
     // In and out are two transfers each, some of which may be under way.
     CHECK(stream.counts().failed >= 90 + 50);
     CHECK(stream.counts().failed <= 90 + 50 + 4);
@@ -325,7 +325,7 @@ TEST_CASE("an order that waits for an answer goes out when the answer comes") {
     FakeUsb& usb = FakeUsb::instance();
     Stream stream(link);
     REQUIRE(stream.start() == "");
-    REQUIRE(press(stream, order(4000)));
+    REQUIRE(press(stream, command(4000)));
     const auto silence = [&usb](bool mute) {
       const std::scoped_lock lock(usb.mutex);
       usb.mute = mute;
@@ -338,10 +338,10 @@ TEST_CASE("an order that waits for an answer goes out when the answer comes") {
     std::this_thread::sleep_for(std::chrono::milliseconds(2)); // what was under way is answered
     silence(true);
     for (int i = 1; i <= 2; ++i) {
-      stream.send(order(4000));
-      soon([&] { return taken() >= i; });
+      stream.send(command(4000));
+      eventually([&] { return taken() >= i; });
     }
-    stream.send(order(3210));
+    stream.send(command(3210));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const bool waited = taken() == 2; // after 10 ms it would go without an answer
     silence(false);
@@ -350,7 +350,7 @@ TEST_CASE("an order that waits for an answer goes out when the answer comes") {
     const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(30);
     while (!went && std::chrono::steady_clock::now() < end) {
       const std::scoped_lock lock(usb.mutex);
-      went = usb.last.motors == order(3210).motors;
+      went = usb.last.motors == command(3210).motors;
     }
   }
   CHECK(went);
@@ -366,7 +366,7 @@ TEST_CASE("a device that takes no more orders does not keep the stream from stop
     usb.stuck = true;
   }
   for (int i = 0; i < 10; ++i)
-    stream.send(order(i));
+    stream.send(command(i));
   const auto begin = std::chrono::steady_clock::now();
   stream.stop();
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(800));
@@ -377,22 +377,22 @@ TEST_CASE("a servo that stalls leaves no force, and its return is soft") {
   FakeUsb& usb = FakeUsb::instance();
   Stream stream(link);
   REQUIRE(stream.start() == "");
-  REQUIRE(press(stream, order(4000)));
+  REQUIRE(press(stream, command(4000)));
   const auto none = [&] {
     const std::scoped_lock lock(usb.mutex);
     return usb.last.motors == Values{};
   };
   const auto stalled = std::chrono::steady_clock::now();
-  REQUIRE(soon(none));
+  REQUIRE(eventually(none));
   CHECK(std::chrono::steady_clock::now() - stalled > std::chrono::milliseconds(40));
   long orders = 0;
   {
     const std::scoped_lock lock(usb.mutex);
-    CHECK(usb.last.flags == Order::kGreen);
+    CHECK(usb.last.flags == Command::kGreen);
     orders = usb.orders;
   }
   // It is said again and again, in case an order was lost.
-  CHECK(soon([&] {
+  CHECK(eventually([&] {
     const std::scoped_lock lock(usb.mutex);
     return usb.orders >= orders + 5;
   }));
@@ -403,7 +403,7 @@ TEST_CASE("a servo that stalls leaves no force, and its return is soft") {
     usb.history.clear();
   }
   const auto returned = std::chrono::steady_clock::now();
-  REQUIRE(press(stream, order(4000)));
+  REQUIRE(press(stream, command(4000)));
   CHECK(std::chrono::steady_clock::now() - returned > std::chrono::milliseconds(95));
   const std::scoped_lock lock(usb.mutex);
   CHECK(std::is_sorted(usb.history.begin(), usb.history.end()));

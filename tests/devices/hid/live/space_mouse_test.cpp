@@ -30,18 +30,18 @@ std::string report(int x, int y, int z) {
 
 TEST_CASE("a SpaceMouse is listed with its name" * doctest::skip(skipped())) {
   Rig rig;
-  std::string obstacle;
+  std::string problem;
   auto* library = tactus::devices::hid::HidLibrary::get(
       Rig::world("TRANSPORT") == "libusb" ? tactus::devices::hid::Transport::kLibusb
                                           : tactus::devices::hid::Transport::kHidraw,
-      obstacle);
-  REQUIRE_MESSAGE(library, obstacle);
+      problem);
+  REQUIRE_MESSAGE(library, problem);
   const auto entries = tactus::devices::hid::catalogue(*library);
   REQUIRE(entries.size() == 1);
   CHECK(entries[0].space_mouse);
   CHECK(entries[0].identity.model ==
         (Rig::is("compact") ? "SpaceMouse Compact" : "SpaceNavigator"));
-  CHECK(entries[0].obstacle.empty());
+  CHECK(entries[0].problem.empty());
 }
 
 TEST_CASE("full deflection to the right is the workspace's edge" * doctest::skip(skipped())) {

@@ -1,0 +1,107 @@
+#include "core/declaration_text.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+namespace tactus {
+namespace {
+
+template <class List>
+std::optional<std::size_t> find_named(const List& list, std::string_view name) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (list[i].name == name)
+      return i;
+  return std::nullopt;
+}
+
+/// Levenshtein distance: single-letter edits from one word to the other.
+std::size_t edits(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j)
+    row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
+    }
+  }
+  return row[b.size()];
+}
+
+/// "closed, open or swing"
+template <class List, class Text> std::string alternatives(const List& list, Text text) {
+  std::string sentence;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (i > 0)
+      sentence += i + 1 == list.size() ? " or " : ", ";
+    sentence += text(list[i]);
+  }
+  return sentence;
+}
+
+} // namespace
+
+std::string number_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.7g", value);
+  return text;
+}
+
+std::optional<std::size_t> find_parameter(const Declaration& declaration, std::string_view name) {
+  return find_named(declaration.parameters, name);
+}
+
+std::optional<std::size_t> find_message(const Declaration& declaration, std::string_view name) {
+  return find_named(declaration.messages, name);
+}
+
+std::optional<std::size_t> find_choice(const Parameter& parameter, std::string_view word) {
+  for (std::size_t i = 0; i < parameter.choices.size(); ++i)
+    if (parameter.choices[i] == word)
+      return i;
+  return std::nullopt;
+}
+
+bool is_allowed(const Parameter& parameter, double value) {
+  return value >= parameter.lowest && value <= parameter.highest &&
+         (parameter.values.empty() || std::find(parameter.values.begin(), parameter.values.end(),
+                                                value) != parameter.values.end());
+}
+
+std::string out_of_range_text(const Parameter& parameter, std::string_view given) {
+  std::string sentence = std::string(parameter.name) + " " + std::string(given);
+  if (!parameter.choices.empty())
+    return sentence + ": expected " +
+           alternatives(parameter.choices, [](std::string_view word) { return std::string(word); });
+  if (!parameter.unit.empty())
+    sentence += " " + std::string(parameter.unit);
+  sentence += ": expected ";
+  return parameter.values.empty()
+             ? sentence + number_text(parameter.lowest) + ".." + number_text(parameter.highest)
+             : sentence + alternatives(parameter.values, number_text);
+}
+
+std::string unknown_name_text(const Declaration& declaration, std::string_view name) {
+  std::string_view nearest;
+  std::size_t min_distance = 3;
+  const auto consider = [&](std::string_view candidate) {
+    const std::size_t distance = edits(name, candidate);
+    if (distance < min_distance && distance < candidate.size())
+      min_distance = distance, nearest = candidate;
+  };
+  for (const Parameter& parameter : declaration.parameters)
+    consider(parameter.name);
+  for (const Message& message : declaration.messages)
+    consider(message.name);
+  std::string sentence = "no message '" + std::string(name) + "'";
+  if (!nearest.empty())
+    sentence += "; did you mean '" + std::string(nearest) + "'?";
+  else
+    sentence += "; 'get' lists the parameters, the help patch all messages";
+  return sentence;
+}
+
+} // namespace tactus

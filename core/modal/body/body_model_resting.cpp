@@ -1,0 +1,116 @@
+#include "core/modal/body/body_model.hpp"
+#include "core/modal/contact/rest_equilibrium.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+/// How a body lies on its board: where they touch, what each point carries, what is heard of it.
+namespace tactus::modal {
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s^2
+constexpr double kMinAlignment = 0.1; // of their sum's length: directions that agree on an up
+
+} // namespace
+
+double BodyModel::shape_scale_of(std::size_t part) const noexcept {
+  return part == LoadedTable::kBoard ? board_shape_scale_ : shape_scale;
+}
+
+double BodyModel::modulus_at(const SurfacePoint& point) const noexcept {
+  if (loaded->part_of_triangle(point.triangle) == 0)
+    return youngs_modulus_pa;
+  const double modulus =
+      loaded->parts[LoadedTable::kBoard].loaded->table.material.youngs_modulus_pa;
+  return modulus > 0 ? modulus : youngs_modulus_pa;
+}
+
+double BodyModel::poisson_at(const SurfacePoint& point) const noexcept {
+  return loaded->part_of_triangle(point.triangle) == 0
+             ? poisson
+             : loaded->parts[LoadedTable::kBoard].loaded->table.material.poisson;
+}
+
+bool BodyModel::recoils(const SurfacePoint& point) const noexcept {
+  return !resting_contacts.empty() && loaded->part_of_triangle(point.triangle) == 0;
+}
+
+/// The force at a point pushes the body inwards. The weight acts against the mean of these
+/// directions: the body lies, whichever way its axes turn.
+void BodyModel::find_resting_contacts() {
+  if (loaded->parts.empty() || settings.rest.point_m.empty())
+    return;
+  const std::size_t count = settings.rest.point_m.size();
+  if (count > RestSettings::kMaxPoints || mode.size() * count > ContactSolver::kMaxWork) {
+    resting_refusal = std::to_string(count) + " points for " + std::to_string(mode.size()) +
+                      " modes: expected at most " + std::to_string(RestSettings::kMaxPoints) +
+                      " points, and " + std::to_string(ContactSolver::kMaxWork) +
+                      " modes times points";
+    return;
+  }
+  std::vector<RestingContact> found(count);
+  std::vector<RigidGain> rigid;
+  Vec3 up{};
+  for (std::size_t i = 0; i < count; ++i) {
+    RestingContact& rest = found[i];
+    rest.on_body = loaded->nearest_on(0, settings.rest.point_m[i] * (1 / settings.size));
+    rest.on_board = loaded->nearest_on(LoadedTable::kBoard, rest.on_body.position);
+    largest_gap_m = std::max(largest_gap_m, settings.size * rest.on_board.distance);
+    rest.direction = -rest.on_body.normal;
+    rest.gain.resize(mode.size());
+    gains(rest.on_body, -rest.direction, rest.gain);
+    gains(rest.on_board, rest.direction, scratch);
+    for (std::size_t k = 0; k < mode.size(); ++k)
+      rest.gain[k] += scratch[k];
+    rest.rigid = rigid_gains(rest.on_body, -rest.direction);
+    rigid.push_back(rest.rigid);
+    rest.law = settings.rest.law;
+    rest.law.compliance_m_per_n =
+        residual_compliance(rest.on_body) + residual_compliance(rest.on_board);
+    up += rest.direction;
+  }
+  RigidGain load{};
+  if (loaded->table.free && mass_kg > 0 && norm(up) > kMinAlignment * static_cast<double>(count))
+    for (int axis = 0; axis < 3; ++axis)
+      load[static_cast<std::size_t>(axis)] = -up[axis] / norm(up) * std::sqrt(mass_kg) * kGravity;
+  const RestEquilibrium equilibrium(rigid, load,
+                                    settings.rest.pressing_n / static_cast<double>(count));
+  if (!equilibrium.balanced) {
+    resting_refusal = "the body tips over: expected its centre of mass between the points, or what "
+                      "presses it on (rest_force)";
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    RestingContact& rest = found[i];
+    rest.preload_n = equilibrium.force_n[i];
+    constexpr double kMaxIndentation = 1; // m
+    if (const double depth = rest.law.penetration(rest.preload_n); !(depth < kMaxIndentation)) {
+      resting_refusal = "a point that carries " + std::to_string(rest.preload_n) +
+                        " N gives way by more than a metre: expected a larger rest_stiffness";
+      return;
+    }
+  }
+  rigid_basis_ = equilibrium.basis;
+  resting_contacts = std::move(found);
+}
+
+/// The force on the one body and its opposite on the other, as each sounds at the listeners.
+void BodyModel::make_resting_kernels() {
+  std::vector<float> other;
+  for (std::size_t i = 0; i < resting_contacts.size(); ++i) {
+    const RestingContact& rest = resting_contacts[i];
+    const std::size_t slot = resting_slot() + i;
+    build_contact_kernels(slot, rest.on_body, -rest.direction, rest.gain); // modes of both
+    for (std::size_t l = 0; l < settings.listeners; ++l) {
+      if (!direct[l].on_surface())
+        continue;
+      std::vector<float>& elastic = contact_kernel[slot][l].elastic;
+      other.resize(elastic.size());
+      direct[l].assemble_moments(surface_gain(rest.on_board, rest.direction), other);
+      for (std::size_t n = 0; n < other.size(); ++n)
+        elastic[n] += other[n];
+    }
+  }
+}
+
+} // namespace tactus::modal

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "core/haptic/scene/pose.hpp"
+
+#include <cmath>
+
+namespace tactus::devices::haply {
+
+/// How the service places the device in the application's space: p_application = t + R (s p), axis
+/// by axis in s. Project frame. A mount (where the device stands, set by a preset) and a workspace
+/// transform (navigation of a scene, which another program may set) are both of this kind.
+struct Transform {
+  haptic::Pose pose{};         ///< t, m, and R
+  haptic::Vec3 scale{1, 1, 1}; ///< s
+
+  /// False for a scale or a quaternion that cannot be undone.
+  [[nodiscard]] bool valid() const noexcept {
+    constexpr double kMin = 1e-3, kMax = 1e3, kUnit = 1e-2;
+    for (const double s : {scale.x, scale.y, scale.z})
+      if (!(std::abs(s) >= kMin && std::abs(s) <= kMax))
+        return false;
+    const haptic::Rotation& q = pose.rotation;
+    return is_finite(pose.position) &&
+           std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < kUnit;
+  }
+  /// R v.
+  [[nodiscard]] haptic::Vec3 rotated(const haptic::Vec3& v) const noexcept {
+    return pose.rotation.rotated(v);
+  }
+  /// A position of the application's space as the device's own: metres of the handle.
+  [[nodiscard]] haptic::Vec3 point(const haptic::Vec3& p) const noexcept {
+    return unscaled(pose.to_local(p));
+  }
+  /// A velocity of the application's space as the device's own.
+  [[nodiscard]] haptic::Vec3 motion(const haptic::Vec3& v) const noexcept {
+    return unscaled(pose.rotation.inverse().rotated(v));
+  }
+
+private:
+  [[nodiscard]] haptic::Vec3 unscaled(const haptic::Vec3& v) const noexcept {
+    return {v.x / scale.x, v.y / scale.y, v.z / scale.z};
+  }
+};
+
+} // namespace tactus::devices::haply

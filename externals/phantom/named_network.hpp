@@ -1,0 +1,78 @@
+#pragma once
+
+#include "core/haptic/network/network.hpp"
+#include "core/haptic/network/shapes.hpp"
+#include "core/object.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tactus::phantom {
+
+/// A mass-spring network by the names that a patch gives its masses; docs/network.md lists the
+/// messages.
+class NamedNetwork {
+public:
+  using Words = std::span<const Atom>;
+
+  NamedNetwork() { network_.drag_per_s = kDrag_per_s; }
+  /// One of the messages that change the network: mass, anchor, link, string, membrane, load, del,
+  /// touch, grab, listen, drag, gravity or rate. A sentence when it is refused, also because a
+  /// servo tick of that length could not step the network; nothing has changed then.
+  [[nodiscard]] std::string handle(Words words, const Host& host, double period_s);
+  /// What the servo is to step.
+  [[nodiscard]] std::unique_ptr<const haptic::Network> snapshot() const {
+    return std::make_unique<const haptic::Network>(network_);
+  }
+  [[nodiscard]] const haptic::Network& network() const noexcept { return network_; }
+  /// Key of a mass that can move; 0 and a sentence when there is none of that name.
+  struct Found {
+    std::uint64_t key = 0;
+    std::string refusal{};
+  };
+  [[nodiscard]] Found movable(const Atom& name) const;
+  /// Steps a second in ticks of that length, 0 when they are too many for a tick; and why they are
+  /// not as many as the set rate.
+  struct Stepping {
+    double rate_hz = 0;
+    std::string reason{};
+  };
+  [[nodiscard]] Stepping stepping(double period_s) const;
+  void dump(Host& host, double period_s) const;
+
+private:
+  struct Name {
+    std::string name;
+    std::string group; ///< of a string's or membrane's masses: its name
+  };
+  static constexpr double kDrag_per_s = 1; // a sound dies by 60 dB in 14 s without a damper
+  static constexpr std::size_t kNone = haptic::NetworkPickup::kNone;
+
+  [[nodiscard]] std::string change(Words words, const Host& host);
+  [[nodiscard]] std::string add_mass(Words words);
+  [[nodiscard]] std::string add_anchor(Words words);
+  [[nodiscard]] std::string add_link(Words words);
+  [[nodiscard]] std::string add_string(Words words);
+  [[nodiscard]] std::string add_membrane(Words words);
+  [[nodiscard]] std::string load(Words words, const Host& host);
+  [[nodiscard]] std::string remove(Words words);
+  [[nodiscard]] std::string set_motion(Words words);
+  [[nodiscard]] std::string set_touch(Words words);
+  [[nodiscard]] std::string set_grab(Words words);
+  [[nodiscard]] std::string set_pickup(Words words);
+  [[nodiscard]] std::size_t find(const std::string& name) const noexcept;
+  void add(haptic::NetworkMass mass, std::string name, std::string group);
+  void add(const haptic::NetworkPart& part, const std::string& group,
+           const std::vector<std::string>& names);
+  bool remove_named(const std::string& name);
+  bool remove_mass(const std::string& name);
+  template <class Predicate> bool remove_if(const Predicate& predicate);
+  [[nodiscard]] std::string too_large() const;
+
+  haptic::Network network_{};
+  std::vector<Name> names_; // of network_.masses
+  std::uint64_t keys_ = 0;
+};
+
+} // namespace tactus::phantom

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "core/haptic/scene/scene.hpp"
+#include "core/object.hpp"
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tactus::phantom {
+
+/// The bodies of a scene by the names that a patch gives them.
+class NamedScene {
+public:
+  static constexpr std::size_t kMaxSolids = 64, kMaxMeshes = 8;
+  using Words = std::span<const Atom>;
+
+  static constexpr double kMinTool_mm = 0.01, kMaxTool_mm = 50;
+  /// One of the scene's messages: add, mat, move, del, tool, k or load. A sentence when it is
+  /// refused; nothing has changed then.
+  [[nodiscard]] std::string handle(Words words, const Host& host);
+  /// What the servo is to feel. Bodies whose names are numbers come first, by their number, then
+  /// those with words in the order in which these were first added: so do the events of one tick.
+  [[nodiscard]] std::unique_ptr<const haptic::Scene> snapshot() const;
+  /// The name of a body, also of one that is gone since a short time.
+  [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept;
+  /// The stiffest body and its name; none in an empty scene.
+  struct NamedStiffness {
+    std::string name;
+    double stiffness_n_per_m = 0;
+  };
+  [[nodiscard]] NamedStiffness max_stiffness() const;
+  struct NamedDamping {
+    std::string name;
+    double damping_n_s_per_m = 0;
+  };
+  [[nodiscard]] NamedDamping max_damping() const;
+  void dump(Host& host) const;
+
+private:
+  struct Entry {
+    std::string name;
+    bool is_number = false;
+    haptic::Body body;
+    std::string description; ///< as it was added
+  };
+  struct RemovedBody {
+    std::uint64_t key;
+    std::string name;
+    bool is_number;
+  };
+  static constexpr std::size_t kMaxRemoved = 128;
+
+  [[nodiscard]] std::string add(Words words, const Host& host);
+  [[nodiscard]] std::string set_material(Words words);
+  [[nodiscard]] std::string move(Words words);
+  [[nodiscard]] std::string remove(Words words);
+  [[nodiscard]] std::string set_tool(Words words);
+  [[nodiscard]] std::string load(Words words, const Host& host);
+  [[nodiscard]] Entry* find(const Atom& name) noexcept;
+  void remember_removed(const Entry& entry);
+
+  std::vector<Entry> entries_;
+  std::deque<RemovedBody> removed_;
+  std::uint64_t keys_ = 0;
+  double tool_radius_m_ = 0;
+  haptic::Material material_{}; // of bodies that are added from now on
+};
+
+} // namespace tactus::phantom

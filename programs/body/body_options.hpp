@@ -1,0 +1,94 @@
+#pragma once
+#include "fem/io/load.hpp"
+#include "fem/material/material.hpp"
+#include "fem/shapes/shapes.hpp"
+#include "programs/body/progress.hpp"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// The body that a command line names: its shape or file, material and mesh.
+struct BodyOptions {
+  std::string body; ///< a shape's name or a file
+  bool is_file = false;
+  std::map<std::string, double> dimensions; ///< m
+  std::string profile;
+  double unit = 1e-3;
+  bool unit_given = false;
+  MeshChoice choice;
+  std::string default_material = "aluminium";                 ///< where --material names none
+  std::vector<std::pair<std::string, std::string>> materials; ///< region (or "") and name
+  std::map<std::string, double> changes;                      ///< young, poisson, density, loss
+  std::vector<double> axes;
+  bool several_parts = false, quiet = false, straight = false, remesh = false;
+  std::string part; ///< the one to take of a file's separate parts
+  int threads = 1;
+  double time_limit_s = 1200; ///< without progress, for reading and meshing a file
+  double memory_bytes = 0;    ///< 0: half of what is free
+  double fillet = 0;          ///< m
+  double shrink_wrap = 0;     ///< m; below 0: the gap is chosen; 0: no wrap
+
+  /// The body's name without folder and ending.
+  [[nodiscard]] std::string name() const;
+};
+
+/// A number in its range; refuses by the option's name.
+[[nodiscard]] double number(const std::string& option, const std::string& word, double low,
+                            double high);
+
+/// Reads a command line BODY [options] word by word into a BodyOptions. A program reads its own
+/// options from option() and leaves the others to take().
+class BodyReader {
+public:
+  /// The body and, wherever it stands, --unit: lengths depend on it. `program` is named in errors.
+  BodyReader(BodyOptions& options, const std::vector<std::string>& words,
+             std::span<const ShapeEntry> shapes, const char* program);
+
+  /// Goes on to the next option; false at the end.
+  [[nodiscard]] bool next();
+  [[nodiscard]] const std::string& option() const { return words_[option_]; }
+  /// The option's next value. Refuses when there is none.
+  const std::string& value();
+  /// The next value as a number, and as a length in --unit.
+  double number(double low, double high);
+  double length(double low, double high) { return options_.unit * number(low, high); }
+  [[nodiscard]] double unit() const { return options_.unit; } ///< m
+  /// An option of the body, its material or its mesh, or a dimension of the shape; refuses what is
+  /// none.
+  void take();
+
+private:
+  void take_dimension();
+
+  BodyOptions& options_;
+  const std::vector<std::string>& words_;
+  const ShapeEntry* shape_ = nullptr;
+  std::string program_;
+  std::size_t option_ = 0, at_ = 0; ///< of the present option, and of the last word read
+};
+
+/// Help text: shapes with their dimensions, and the options that take() knows.
+[[nodiscard]] std::string usage_of_shapes(std::span<const ShapeEntry>);
+[[nodiscard]] std::string usage_of_material();
+[[nodiscard]] std::string usage_of_mesh();
+
+/// One material a region of the mesh, as ordered. Refuses unknown names and changes that do not
+/// apply.
+[[nodiscard]] std::vector<Material> materials_of(const BodyOptions&, const Mesh&);
+/// The material of the first region.
+[[nodiscard]] Material first_material(const BodyOptions&);
+
+/// How the body's file is read, with progress on the line.
+[[nodiscard]] LoadChoice load_choice(const BodyOptions&, ProgressLine&);
+
+/// Refuses a file that cannot be read; pipes and devices before they are opened, which might never
+/// return.
+void check_readable(const std::string& path);
+
+/// Says sizes, and warns of linear elements, which are too stiff for `what`.
+void describe(const Mesh&, ProgressLine&, const std::string& what);
+
+} // namespace tactus::fem

@@ -1,0 +1,45 @@
+#pragma once
+#include "fem/assembly/matrices.hpp"
+#include "programs/body/design_space.hpp"
+
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// Where a support or spring acts, in metres.
+struct FixedRegion {
+  std::string words; ///< as given
+  std::string set;   ///< a named node set of the mesh file, or empty
+  Vector3 centre;    ///< of a ball of `radius` around a point of the skin
+  double radius = 0;
+  int plane = -1; ///< or a plane x, y, z = level
+  double level = 0;
+  std::array<bool, 3> directions{true, true, true};
+  double stiffness = 0;
+};
+
+/// What the command line asks for.
+struct ModalOptions : BodyOptions {
+  std::vector<FixedRegion> fixed_regions;
+  std::size_t modes = 40;
+  double tolerance = .002; ///< largest error of a frequency; 0: the first mesh stays
+  bool tolerance_given = false;
+  bool slepc = false;    ///< solve with SLEPc on `ranks` processes
+  int ranks = 0;         ///< 0: not given
+  bool residual = false; ///< also what the modes left out would yield
+  bool radiation = false;
+  std::size_t acoustic_triangles = 2000;
+  DesignOptions design;          ///< control points that the frequencies follow
+  std::vector<double> ratios{1}; ///< of frequency, at which radiation is tabulated
+  double air_density = 1.184, sound_speed = 346.1; ///< air at 25 degrees
+  std::string output, csv, vtu, sheet, inp, petsc, import_values, import_vectors;
+};
+
+/// Refuses what it does not understand. Lengths are in `--unit`.
+[[nodiscard]] ModalOptions read_options(const std::vector<std::string>& words);
+
+/// The help text.
+[[nodiscard]] std::string usage();
+
+} // namespace tactus::fem

@@ -1,0 +1,61 @@
+#pragma once
+#include "fem/shapes/lift_arm.hpp"
+#include "programs/body/design_space.hpp"
+#include "programs/body/output_files.hpp"
+#include "programs/part_stress/region.hpp"
+
+namespace tactus::fem {
+
+/// A support: nodes held in directions, or an elastic bedding of faces.
+struct SupportOptions {
+  std::string words;
+  Region at_region;
+  std::array<bool, 3> directions{true, true, true};
+  Vector3 stiffness_n_per_m{}; ///< zero: held
+};
+
+struct LoadOptions {
+  enum class Kind : std::uint8_t { force, traction, pressure, bolt, point };
+  Kind kind;
+  std::string words;
+  Region at_region; ///< none for a point
+  Vector3 point;    ///< m
+  Vector3 value;    ///< N or Pa; a pressure's is in x
+};
+
+/// A control point moved by so much, m.
+struct Move {
+  int control = 0;
+  Vector3 displacement;
+};
+
+/// What the command line asks for.
+struct PartOptions : BodyOptions {
+  std::vector<SupportOptions> supports;
+  std::vector<LoadOptions> loads;
+  Vector3 gravity; ///< m/s^2
+
+  DesignOptions design; ///< control points
+  double skin_edge = 0; ///< m; 0: the skin in the table is the mesh's
+  std::vector<Move> moves;
+
+  bool petsc = false; ///< solve with PETSc on `ranks` processes
+  int ranks = 0;      ///< 2 unless given
+
+  bool list_faces = false;
+  std::string output, vtu, sheet, inp, step;
+
+  /// The dimensions of the shape lift_arm. Refuses as check() does.
+  [[nodiscard]] LiftArm lift_arm() const;
+  [[nodiscard]] bool is_lift_arm() const { return !is_file && body == "lift_arm"; }
+  [[nodiscard]] bool needs_faces() const; ///< some region is a CAD face by its number
+  [[nodiscard]] std::vector<Output> outputs() const;
+};
+
+/// Refuses what it does not understand. Lengths are in `--unit`.
+[[nodiscard]] PartOptions read_options(const std::vector<std::string>& words);
+
+/// The help text.
+[[nodiscard]] std::string usage();
+
+} // namespace tactus::fem
