@@ -54,7 +54,7 @@ public:
                                                             std::string& refusal);
 
   /// Sends a request, whose answer is awaited for so long.
-  void ask(table::ServeKind kind, std::span<const std::byte> payload, double limit_s);
+  void send_request(table::ServeKind kind, std::span<const std::byte> payload, double limit_s);
   /// Waits for bytes from the child or for its end.
   void wait(double seconds) { child_->wait(seconds); }
   /// Sends and receives what the pipes take. A message when one is whole; none, and the reason in

@@ -128,7 +128,7 @@ std::string ModeSolver::exchange(const Request& request, const std::stop_token& 
   std::vector<double> shapes = request.displacement_m;
   for (std::size_t p = 0; p < sensitivity.parameters(); ++p)
     shapes.push_back(sensitivity.solved_at(p));
-  child_->ask(ServeKind::solve, std::as_bytes(std::span(shapes)), limits_.solve_s);
+  child_->send_request(ServeKind::solve, std::as_bytes(std::span(shapes)), limits_.solve_s);
   const std::uint64_t limit = max_answer_bytes(body.table);
   const auto reply = await(
       request, stop,
