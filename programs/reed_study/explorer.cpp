@@ -34,15 +34,15 @@ haptic::HandSettings Explorer::hand_settings(haptic::HandSettings hand) const {
 }
 
 void Explorer::begin(haptic::SimulatedDevice& device, const Vec3& start, double period_s) const {
-  device.place(start, {});
-  device.follow(haptic::RowPath({{0, start, 0}}));
+  device.set_state(start, {});
+  device.set_path(haptic::RowPath({{0, start, 0}}));
   haptic::State state;
   (void)device.read({0, 0, period_s}, state);
   if (settings_.strategy != Strategy::kWanders)
     return;
   const haptic::Workspace& box = device.settings().workspace;
   const Vec3 drift = device.hand_point().position - start;
-  device.follow(haptic::RowPath(
+  device.set_path(haptic::RowPath(
       {{0, start - drift, 0}, {settings_.arrival_s, (box.min + box.max) * 0.5, 0}}));
 }
 
@@ -59,7 +59,7 @@ void Explorer::advance(haptic::SimulatedDevice& device, double time_s) {
       std::max(norm(to - from) / settings_.speed_m_per_s, settings_.shortest_move_s);
   const double stay_s = settings_.shortest_stay_s +
                         random_.uniform() * (settings_.longest_stay_s - settings_.shortest_stay_s);
-  device.follow(move(from, to, move_s));
+  device.set_path(move(from, to, move_s));
   next_move_s_ = time_s + move_s + stay_s;
 }
 
