@@ -1,0 +1,30 @@
+"""Every file of the repository that a page of docs/ or a README names exists."""
+import pathlib
+import re
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOMS = "core|files|fem|devices|net|pd|max|externals|programs|patches|help|tests|bench|packaging|data|scripts|cmake"
+NAMED = re.compile(rf"`((?:{ROOMS})/[\w~./-]+)`")
+
+
+def pages():
+    names = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True,
+                           check=True).stdout.split()
+    return [name for name in names if name != "CHANGELOG.md"]
+
+
+def exists(path):
+    """A file, a folder, or a header and source named without their ending; NAME stands for any."""
+    named = ROOT / path.rstrip("/.")
+    return "NAME" in path or named.exists() or named.with_name(named.name + ".hpp").exists()
+
+
+def test_the_pages_name_files_that_exist():
+    missing = [f"{page}: {path}" for page in pages() for path in NAMED.findall((ROOT / page).read_text())
+               if not exists(path)]
+    assert not missing, "\n".join(missing)
+
+
+def test_the_pages_are_found():
+    assert "docs/architecture.md" in pages()
