@@ -9,6 +9,7 @@
 // of 1.4 m/s under 700 N in shoe 0.4 has the level of the table below and the median peaks of its
 // drives are 0.4 under the heel and 3 dB less under the ball.
 #include "bench/walking_foot.hpp"
+#include "files/recipe.hpp"
 
 #include <algorithm>
 #include <array>
@@ -129,7 +130,8 @@ std::string with(const std::string& text, const std::string& key, double value) 
 
 Recipe recipe_of(const std::string& text, const std::string& path) {
   Recipe recipe;
-  if (const std::string error_text = read_recipe(text, recipe); !error_text.empty()) {
+  if (const std::string error_text = tactus::files::read_recipe(text, recipe);
+      !error_text.empty()) {
     std::fprintf(stderr, "%s: %s\n", path.c_str(), error_text.c_str());
     std::exit(1);
   }

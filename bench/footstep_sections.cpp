@@ -10,6 +10,7 @@
 // within 40 dB of the whole; a section is heard when one of the three changes by 1 dB or more.
 #include "bench/recipe_sections.hpp"
 #include "bench/walking_foot.hpp"
+#include "files/recipe.hpp"
 
 #include <algorithm>
 #include <array>
@@ -84,7 +85,8 @@ private:
 
 Energy walk(const std::string& text, double speed, double seconds) {
   Recipe recipe;
-  if (const std::string error_text = read_recipe(text, recipe); !error_text.empty()) {
+  if (const std::string error_text = tactus::files::read_recipe(text, recipe);
+      !error_text.empty()) {
     std::fprintf(stderr, "%s\n", error_text.c_str());
     std::exit(1);
   }

@@ -2,6 +2,7 @@
 // core.
 #include "core/footstep/foot.hpp"
 #include "core/footstep/gait.hpp"
+#include "files/recipe.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -30,7 +31,7 @@ constexpr std::string_view kRoomRecipe = "[solid]\nmodes 12\nfrequency 120\nrati
 struct Walker48k {
   Walker48k(std::uint64_t seed, std::string_view text) : foot(std::make_unique<Foot>()) {
     Recipe recipe;
-    static_cast<void>(read_recipe(text, recipe));
+    static_cast<void>(tactus::files::read_recipe(text, recipe));
     foot->prepare(kRate);
     foot->seed(seed);
     foot->set_grounds(1, recipe, 1, recipe, 0);

@@ -12,8 +12,8 @@
 
 namespace tactus {
 
-using table::ServeHeader;
-using table::ServeKind;
+using serve::ServeHeader;
+using serve::ServeKind;
 
 namespace {
 
@@ -80,7 +80,8 @@ void ServedProgram::set_limit(double seconds) {
            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-void ServedProgram::send_request(ServeKind kind, std::span<const std::byte> payload, double limit_s) {
+void ServedProgram::send_request(ServeKind kind, std::span<const std::byte> payload,
+                                 double limit_s) {
   const ServeHeader header{ServeHeader::kMagic, static_cast<std::uint32_t>(kind), payload.size()};
   const auto bytes = std::as_bytes(std::span(&header, 1));
   out_.assign(bytes.begin(), bytes.end());

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/table/serve_protocol.hpp"
+#include "core/serve/protocol.hpp"
 #include "externals/child_process.hpp"
 
 #include <bit>
@@ -37,16 +37,16 @@ template <class T>
 }
 
 /// `part_stress serve` or `modal_fem serve` as a child process: messages to and from it, none of
-/// which blocks, with a limit of time for each answer (core/table/serve_protocol.hpp). Not safe for
+/// which blocks, with a limit of time for each answer (core/serve/protocol.hpp). Not safe for
 /// use by two threads at once.
 class ServedProgram {
 public:
   struct Message {
-    table::ServeKind kind = table::ServeKind::refused;
+    serve::ServeKind kind = serve::ServeKind::refused;
     std::vector<std::byte> payload;
   };
   /// Whether a header is that of an answer that is awaited now.
-  using Expects = std::function<bool(const table::ServeHeader&)>;
+  using Expects = std::function<bool(const serve::ServeHeader&)>;
 
   /// Runs `words`, words[0] a path; null after a reason. `name`: of the program, for sentences.
   [[nodiscard]] static std::unique_ptr<ServedProgram> start(const std::vector<std::string>& words,
@@ -54,7 +54,7 @@ public:
                                                             std::string& refusal);
 
   /// Sends a request, whose answer is awaited for so long.
-  void send_request(table::ServeKind kind, std::span<const std::byte> payload, double limit_s);
+  void send_request(serve::ServeKind kind, std::span<const std::byte> payload, double limit_s);
   /// Waits for bytes from the child or for its end.
   void wait(double seconds) { child_->wait(seconds); }
   /// Sends and receives what the pipes take. A message when one is whole; none, and the reason in

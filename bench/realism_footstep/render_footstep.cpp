@@ -7,6 +7,7 @@
 #include "bench/recipe_sections.hpp"
 #include "core/footstep/foot.hpp"
 #include "core/footstep/gait.hpp"
+#include "files/recipe.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -90,7 +91,7 @@ int main(int count, char** arguments) {
   std::ifstream file(arguments[1]);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   Recipe recipe;
-  if (const std::string error = read_recipe(text, recipe); !file || !error.empty()) {
+  if (const std::string error = tactus::files::read_recipe(text, recipe); !file || !error.empty()) {
     std::fprintf(stderr, "%s: %s\n", arguments[1], file ? error.c_str() : "cannot be read");
     return 1;
   }
@@ -109,7 +110,8 @@ int main(int count, char** arguments) {
   if (shares)
     for (const auto& section : tactus::bench::sounding_sections(text)) {
       Recipe alone;
-      if (const std::string error = read_recipe(tactus::bench::only(text, section), alone);
+      if (const std::string error =
+              tactus::files::read_recipe(tactus::bench::only(text, section), alone);
           !error.empty()) {
         std::fprintf(stderr, "%s: %s\n", arguments[1], error.c_str());
         return 1;

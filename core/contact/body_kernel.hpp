@@ -74,7 +74,7 @@ public:
   /// Foresight from the state alone.
   [[nodiscard]] virtual Prediction predict(const ModesView&, const PointView&) const noexcept = 0;
   /// Samples with one exciter on the body that is near; no outer forces. Returns how many: it ends
-  /// early after one that leaves the exciter in need of a look (ExcitedBody::update_proximity).
+  /// early after one that leaves the exciter in need of a look (ExcitedBody::look_around).
   virtual std::size_t advance_contact(const ModesView&, const PointView&, Prediction&, Exciter&,
                                       Steps, const SampleBatch&) const noexcept = 0;
   /// mean[i] = the modes' mean velocity in a step with these forces. Null `outer`: none.

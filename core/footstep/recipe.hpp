@@ -8,10 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <string>
 #include <string_view>
 
-/// What a ground is made of, as users write it down: a text of sections and `key value` lines.
+/// What a ground is made of, as users write it down (files/recipe.hpp).
 namespace tactus::footstep {
 
 inline constexpr std::size_t kMaxModes = 32, kMaxClouds = 4, kMaxPatches = 8;
@@ -89,12 +88,6 @@ struct Recipe {
   std::array<CloudRecipe, kMaxClouds> cloud{};
   Room::Settings room; ///< where one usually meets that ground
 };
-
-/// Reads a recipe. Lines: `level 1` before any section; `[solid]`, `[friction]`, `[grains]`,
-/// `[bubbles]` and `[rustle]` (together up to four of these three), `[room]`, then `key value` in
-/// the units that docs/footstep.md lists; `#` begins a comment. Returns an empty text, or one
-/// sentence that names line, key, value and what was expected; `recipe` is then unchanged.
-[[nodiscard]] std::string read_recipe(std::string_view text, Recipe& recipe);
 
 /// One key of a section, for documents and tools.
 struct RecipeKey {

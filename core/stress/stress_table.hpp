@@ -1,12 +1,11 @@
 #pragma once
 
+#include "core/design/shape_parameters.hpp"
 #include "core/geometry/vec3.hpp"
-#include "core/table/shape_parameters.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,10 +26,11 @@ struct StressBase {
   std::vector<double> displacement_m; ///< [P] of the parameters; zeros in a table
 };
 
-using table::DesignParameter;
-using table::kMaxControlPoints;
+using design::DesignParameter;
+using design::kMaxControlPoints;
 
-/// Written by an offline finite-element program; docs/stress_haptic.md lists the arrays.
+/// Written by an offline finite-element program, read by files/stress_table.hpp;
+/// docs/stress_haptic.md lists the arrays.
 struct StressTable {
   StressBase base;
   std::vector<float> weight; ///< [N] m^3, or empty
@@ -50,10 +50,6 @@ struct StressTable {
 
 inline constexpr std::size_t kMaxElements = 5'000'000;
 inline constexpr std::size_t kMaxSensitivities = 1ULL << 28; // N P: 1 GB a field
-
-/// Reads a `.stress.npz` that lies in memory. Returns a sentence that names the array, its shape or
-/// value and what was expected, and then leaves `table` as it was; else an empty one. Allocates.
-[[nodiscard]] std::string read_stress_table(std::span<const std::byte> file, StressTable& table);
 
 /// Why a re-solved base does not fit the table (sizes, numbers that are not finite), else empty.
 [[nodiscard]] std::string check_base(const StressTable& table, const StressBase& base);

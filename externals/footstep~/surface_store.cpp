@@ -1,5 +1,7 @@
 #include "externals/footstep~/surface_store.hpp"
 
+#include "files/recipe.hpp"
+
 #include <algorithm>
 #include <fstream>
 #include <utility>
@@ -26,7 +28,7 @@ std::shared_ptr<const Surface> SurfaceStore::from_text(std::string_view name, st
     if (surface->name == name && surface->text == text)
       return surface;
   auto made = std::make_shared<Surface>();
-  error_text = read_recipe(text, made->recipe);
+  error_text = files::read_recipe(text, made->recipe);
   if (!error_text.empty())
     return nullptr;
   made->name = name;

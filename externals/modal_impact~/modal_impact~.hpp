@@ -86,10 +86,10 @@ private:
   void post_ring(Host& host);
   void post_shape(Host& host) const;
   /// What the body's shape depends on; null after one sentence when it has no such parameters.
-  const table::ShapeParameters* shape_parameters(std::string_view message, Host& host);
+  const design::ShapeParameters* shape_parameters(std::string_view message, Host& host);
   /// Displacements of the shape's parameters now, as many as there are.
-  [[nodiscard]] std::vector<double> shape_displacement_m(const table::ShapeParameters&) const;
-  void deform(std::vector<double> displacement_m, const table::ShapeParameters&, Host& host);
+  [[nodiscard]] std::vector<double> shape_displacement_m(const design::ShapeParameters&) const;
+  void deform(std::vector<double> displacement_m, const design::ShapeParameters&, Host& host);
   // A shape that is solved anew: resolve.cpp.
   [[nodiscard]] bool needs_solve() const;
   /// Displacements of the control points from the shape that was solved, m.

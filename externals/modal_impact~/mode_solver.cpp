@@ -1,7 +1,9 @@
 #include "externals/modal_impact~/mode_solver.hpp"
 
 #include "core/modal/table/resolved_modes.hpp"
+#include "core/serve/modal_fem.hpp"
 #include "externals/normal_priority.hpp"
+#include "files/resolved_modes.hpp"
 
 #include <algorithm>
 #include <new>
@@ -9,6 +11,11 @@
 #include <utility>
 
 namespace tactus::modal {
+
+using serve::ModesReady;
+using serve::ServeHeader;
+using serve::ServeKind;
+
 namespace {
 
 constexpr const char* kProgram = "modal_fem";
@@ -143,7 +150,7 @@ std::string ModeSolver::exchange(const Request& request, const std::stop_token& 
     return {};
   }
   ResolvedModes resolved;
-  if (const std::string refusal = read_resolved_modes(reply->payload, body.table, resolved);
+  if (const std::string refusal = files::read_resolved_modes(reply->payload, body.table, resolved);
       !refusal.empty())
     return "the solver's answer cannot be, and it was ended: " + refusal;
   result.seconds = resolved.seconds;

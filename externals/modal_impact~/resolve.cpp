@@ -38,7 +38,7 @@ ModalImpact::control_point_offsets_m(const std::vector<double>& displacement_m) 
   const ShapeSensitivity& sensitivity = table_->table.sensitivity;
   std::vector<Vec3> moved(sensitivity.shape.control_point_m.size());
   for (std::size_t p = 0; p < sensitivity.parameters(); ++p) {
-    const table::DesignParameter& at = sensitivity.shape.parameters[p];
+    const design::DesignParameter& at = sensitivity.shape.parameters[p];
     moved[at.control_point][at.axis] =
         (p < displacement_m.size() ? displacement_m[p] : 0) - sensitivity.solved_at(p);
   }

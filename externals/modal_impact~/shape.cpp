@@ -14,7 +14,7 @@ constexpr std::size_t kMaxListed = 128; // control points that info lists
 
 } // namespace
 
-const table::ShapeParameters* ModalImpact::shape_parameters(std::string_view message, Host& host) {
+const design::ShapeParameters* ModalImpact::shape_parameters(std::string_view message, Host& host) {
   if (!table_) {
     host.error(std::string(message) + ": there is no body yet: load one");
     return nullptr;
@@ -28,7 +28,7 @@ const table::ShapeParameters* ModalImpact::shape_parameters(std::string_view mes
   return &sensitivity.shape;
 }
 
-std::vector<double> ModalImpact::shape_displacement_m(const table::ShapeParameters& shape) const {
+std::vector<double> ModalImpact::shape_displacement_m(const design::ShapeParameters& shape) const {
   std::vector<double> displacement = settings_.shape_displacement_m;
   displacement.resize(shape.parameters.size());
   return displacement;
@@ -64,7 +64,7 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
   deform(std::move(displacement), *shape, host);
 }
 
-void ModalImpact::deform(std::vector<double> displacement, const table::ShapeParameters& shape,
+void ModalImpact::deform(std::vector<double> displacement, const design::ShapeParameters& shape,
                          Host& host) {
   if (displacement == shape_displacement_m(shape))
     return; // what is sent again is no move
@@ -90,7 +90,7 @@ void ModalImpact::post_shape(Host& host) const {
   if (sensitivity.empty())
     return;
   const double mm = value_[modal_impact::kSize] / kMillimetre;
-  const table::ShapeParameters& shape = sensitivity.shape;
+  const design::ShapeParameters& shape = sensitivity.shape;
   const std::vector<double> displacement = shape_displacement_m(shape);
   std::vector<Atom> list{"shape"};
   for (const double d : displacement)
@@ -99,7 +99,7 @@ void ModalImpact::post_shape(Host& host) const {
   std::size_t listed = 0;
   for (std::size_t c = 0; c < shape.control_point_m.size() && listed < kMaxListed; ++c) {
     if (std::none_of(shape.parameters.begin(), shape.parameters.end(),
-                     [c](const table::DesignParameter& p) { return p.control_point == c; }))
+                     [c](const design::DesignParameter& p) { return p.control_point == c; }))
       continue;
     ++listed;
     const Vec3 position =

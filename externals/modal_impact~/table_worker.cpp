@@ -1,6 +1,7 @@
 #include "externals/modal_impact~/table_worker.hpp"
 
-#include "externals/read_file.hpp"
+#include "files/file_bytes.hpp"
+#include "files/modal_table.hpp"
 
 #include <cstddef>
 #include <new>
@@ -73,9 +74,9 @@ TableWorker::Result TableWorker::carry_out(const Request& request) {
   const auto read = [&](const std::string& path) -> std::shared_ptr<const LoadedTable> {
     std::vector<std::byte> bytes;
     ModalTable table;
-    result.refusal = read_file(path, bytes);
+    result.refusal = files::read_file(path, bytes);
     if (result.refusal.empty())
-      result.refusal = read_modal_table(bytes, table);
+      result.refusal = files::read_modal_table(bytes, table);
     return result.refusal.empty() ? std::make_shared<const LoadedTable>(std::move(table)) : nullptr;
   };
   try {

@@ -1,6 +1,7 @@
 #include "externals/phantom/path_message.hpp"
 
 #include "externals/phantom/numbers.hpp"
+#include "files/path_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -91,7 +92,7 @@ PathChoice file(std::string_view name, const Host& host) {
     return {{}, "no such file; or use line, circle, lissajous or array"};
   std::ostringstream text;
   text << stream.rdbuf();
-  haptic::ParsedPath parsed = haptic::parse_path(text.str());
+  files::ParsedPath parsed = files::parse_path(text.str());
   if (!parsed.error.empty())
     return {{}, std::move(parsed.error)};
   return {haptic::RowPath(std::move(parsed.rows)), {}};

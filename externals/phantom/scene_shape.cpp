@@ -1,7 +1,8 @@
 #include "externals/phantom/scene_shape.hpp"
 
-#include "core/haptic/scene/mesh_file.hpp"
+#include "core/haptic/scene/triangle_mesh.hpp"
 #include "externals/phantom/numbers.hpp"
+#include "files/mesh_file.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -12,6 +13,8 @@ namespace {
 using haptic::Rotation;
 using haptic::Vec3;
 using Words = std::span<const Atom>;
+
+constexpr std::size_t kMaxTriangles = 4'000'000; // of a mesh that is felt
 
 constexpr Range direction(std::string_view name) { return {name, "", -1e6, 1e6}; }
 constexpr Range length(std::string_view name) { return {name, "mm", 0.01, kMaxCoordinate_mm}; }
@@ -93,15 +96,16 @@ ShapeChoice mesh(Words words, const Host& host) {
     return refused(std::string(words[0].word) + ": no such file");
   std::ostringstream bytes;
   bytes << stream.rdbuf();
-  haptic::ParsedMesh parsed = haptic::parse_mesh(bytes.str());
-  if (!parsed.error.empty())
-    return refused(std::string(words[0].word) + ": " + parsed.error);
-  for (Vec3& corner : parsed.corners) {
+  files::PolygonMesh read = files::read_mesh(bytes.view(), files::MeshFormat::kByContent,
+                                             {.max_triangles = kMaxTriangles});
+  if (!read.error.empty())
+    return refused(std::string(words[0].word) + ": " + read.error);
+  for (Vec3& corner : read.points) {
     corner = corner * (scale * 1e-3);
     if (!is_finite(corner) || norm(corner) > kMaxCoordinate_mm * 1e-3)
       return refused(std::string(words[0].word) + ": reaches beyond 10000 mm; give a scale");
   }
-  auto made = std::make_shared<const haptic::TriangleMesh>(parsed.corners, parsed.triangles);
+  auto made = std::make_shared<const haptic::TriangleMesh>(read.points, files::fan_triangles(read));
   if (made->size() == 0)
     return refused(std::string(words[0].word) + ": all its triangles are smaller than 0.001 mm");
   return {haptic::MeshSurface{std::move(made)}, {}, {}};

@@ -127,7 +127,7 @@ std::optional<std::size_t> StressHaptic::control_point(std::string_view message,
   if (!has_table(message, host))
     return {};
   if (const std::string refusal =
-          table::control_point_refusal(table_->parameters, table_->control_point_m.size(), id);
+          design::control_point_refusal(table_->parameters, table_->control_point_m.size(), id);
       !refusal.empty()) {
     host.error(std::string(message) + ": " + refusal);
     return {};
@@ -136,11 +136,11 @@ std::optional<std::size_t> StressHaptic::control_point(std::string_view message,
 }
 
 void StressHaptic::displace(std::size_t control_point, const Vec3& displacement_m) noexcept {
-  table::displace(table_->parameters, control_point, displacement_m, request_.displacement_m);
+  design::displace(table_->parameters, control_point, displacement_m, request_.displacement_m);
 }
 
 Vec3 StressHaptic::displacement_of(std::size_t control_point) const noexcept {
-  return table::displacement_of(table_->parameters, control_point, request_.displacement_m);
+  return design::displacement_of(table_->parameters, control_point, request_.displacement_m);
 }
 
 void StressHaptic::set_control_point(Numbers numbers, Host& host) {

@@ -10,6 +10,12 @@
 #include <utility>
 
 namespace tactus::stress {
+
+using serve::kKeepFactor;
+using serve::kWithDerivatives;
+using serve::ServeReady;
+using serve::StressAnswer;
+
 namespace {
 
 constexpr const char* kProgram = "part_stress";

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/serve/part_stress.hpp"
 #include "core/stress/reanalysis.hpp"
-#include "core/stress/serve_protocol.hpp"
 #include "externals/served_program.hpp"
 
 #include <cstdint>
@@ -11,6 +11,10 @@
 #include <vector>
 
 namespace tactus::stress {
+
+using serve::ServeHeader;
+using serve::ServeKind;
+using serve::ServeMethod;
 
 /// What a solver is made for.
 struct SolverOptions {

@@ -53,8 +53,8 @@ void StressHaptic::send_picture(Host& host) {
     sent_faces_ = picture.faces;
   std::vector<std::size_t> movable;
   for (std::size_t c = 0; c < table_->control_point_m.size(); ++c)
-    if (table::control_point_refusal(table_->parameters, table_->control_point_m.size(),
-                                     static_cast<double>(c))
+    if (design::control_point_refusal(table_->parameters, table_->control_point_m.size(),
+                                      static_cast<double>(c))
             .empty())
       movable.push_back(c);
   host.info({"picture", static_cast<double>(picture.faces.size()),

@@ -1,7 +1,8 @@
 #include "externals/stress_haptic/stress_worker.hpp"
 
 #include "externals/normal_priority.hpp"
-#include "externals/read_file.hpp"
+#include "files/file_bytes.hpp"
+#include "files/stress_table.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -110,9 +111,9 @@ void StressWorker::execute_load(const std::string& path, std::uint64_t number) {
   try {
     std::vector<std::byte> bytes;
     StressTable table;
-    loaded.refusal = read_file(path, bytes);
+    loaded.refusal = files::read_file(path, bytes);
     if (loaded.refusal.empty())
-      loaded.refusal = read_stress_table(bytes, table);
+      loaded.refusal = files::read_stress_table(bytes, table);
     if (loaded.refusal.empty()) {
       loaded.table = std::make_shared<const StressTable>(std::move(table));
       path_ = path;

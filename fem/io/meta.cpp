@@ -2,26 +2,14 @@
 
 #include "fem/io/checksums.hpp"
 #include "fem/io/text.hpp"
+#include "files/json.hpp"
 
 namespace tactus::fem {
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += '\\';
-    if (static_cast<unsigned char>(c) < 32)
-      out += format("\\u%04x", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
 
 std::string list(const std::vector<std::string>& words) {
   std::string out = "[";
   for (std::size_t i = 0; i < words.size(); ++i)
-    out += (i ? ", " : "") + quoted(words[i]);
+    out += (i ? ", " : "") + files::quoted_json(words[i]);
   return out + "]";
 }
 
@@ -33,7 +21,8 @@ std::string list(std::span<const double> values) {
 }
 
 std::string json_of(const Material& m, const std::string& region) {
-  std::string out = "{\"region\": " + quoted(region) + ", \"name\": " + quoted(m.name) +
+  std::string out = "{\"region\": " + files::quoted_json(region) +
+                    ", \"name\": " + files::quoted_json(m.name) +
                     format(", \"rho\": %.9g", m.density);
   if (m.isotropic())
     out += format(", \"E\": %.9g, \"nu\": %.9g", m.young_pa[0], m.poisson[0]);
@@ -45,7 +34,7 @@ std::string json_of(const Material& m, const std::string& region) {
   return out +
          format(", \"eta\": %.9g, \"rayleigh_a\": %.9g, \"rayleigh_b\": %.9g, ", m.loss_factor,
                 m.rayleigh_a, m.rayleigh_b) +
-         "\"source\": " + quoted(m.source) + "}";
+         "\"source\": " + files::quoted_json(m.source) + "}";
 }
 
 std::string mesh_hash(const Mesh& mesh) {

@@ -8,9 +8,9 @@
 
 namespace tactus::fem {
 
-/// Pieces of the JSON text that goes into tables as `meta`: a string, a list of words, a list of
-/// numbers (nine digits), a material of a region with its constants in SI.
-[[nodiscard]] std::string quoted(const std::string& text);
+/// Pieces of the JSON text that goes into tables as `meta`: a list of words, a list of numbers
+/// (nine digits), a material of a region with its constants in SI. files::quoted_json() writes a
+/// string.
 [[nodiscard]] std::string list(const std::vector<std::string>& words);
 [[nodiscard]] std::string list(std::span<const double> values);
 [[nodiscard]] std::string json_of(const Material&, const std::string& region);

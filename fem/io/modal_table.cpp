@@ -7,6 +7,7 @@
 #include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
 #include "fem/mesh/surface.hpp"
+#include "files/json.hpp"
 
 #include <numbers>
 
@@ -18,17 +19,18 @@ std::string meta_of(const ModalTable& t) {
   std::string out =
       "{\"format\": \"modal-table\", \"version\": \"1.0\", \"generator\": \"tactus modal_fem\"";
   if (!metadata.created.empty())
-    out += ", \"created\": " + quoted(metadata.created);
-  out += ", \"units\": \"SI\", \"body_name\": " + quoted(metadata.body_name) +
+    out += ", \"created\": " + files::quoted_json(metadata.created);
+  out += ", \"units\": \"SI\", \"body_name\": " + files::quoted_json(metadata.body_name) +
          ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
          format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
                 t.mesh.elements.size(), t.mesh.dofs()) +
-         ", \"element\": " + quoted(t.mesh.element_names()) +
+         ", \"element\": " + files::quoted_json(t.mesh.element_names()) +
          ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
   for (std::size_t i = 0; i < t.materials.size(); ++i)
     out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
   out +=
-      "], \"bc\": " + quoted(metadata.support) + format(", \"rigid_modes\": %zu", t.modes.rigid) +
+      "], \"bc\": " + files::quoted_json(metadata.support) +
+      format(", \"rigid_modes\": %zu", t.modes.rigid) +
       format(", \"air\": {\"rho\": %.9g, \"c\": %.9g}", metadata.air_density, metadata.air_speed) +
       ", \"accuracy\": {\"est_rel_error\": " + list(metadata.relative_error) + "}" +
       (metadata.command.empty() ? "" : ", \"command\": " + list(metadata.command)) +
@@ -122,10 +124,10 @@ void write_table(const std::string& path, const ModalTable& t) {
     const std::string mesh = to_bytes(t.mesh);
     npz.add_bytes("mesh", "|u1", std::as_bytes(std::span(mesh)), {mesh.size()});
   }
-  npz.write(path);
+  write_npz(path, npz);
 }
 
-std::string table_bytes(const ModalTable& t) { return arrays_of(t).bytes(); }
+std::string table_bytes(const ModalTable& t) { return npz_bytes(arrays_of(t)); }
 
 void write_csv(const std::string& path, const ModalTable& t) {
   SafeFile file(path);

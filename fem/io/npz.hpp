@@ -1,43 +1,15 @@
 #pragma once
-#include <array>
-#include <complex>
-#include <cstdint>
-#include <functional>
-#include <span>
+#include "files/npz_writer.hpp"
+
 #include <string>
-#include <vector>
 
 namespace tactus::fem {
 
-/// Arrays for numpy.load: a ZIP of .npy files, stored without compression, little-endian, C order.
-class NpzWriter {
-public:
-  void add(const std::string& name, std::span<const double>, const std::vector<std::size_t>& shape);
-  void add(const std::string& name, std::span<const float>, const std::vector<std::size_t>& shape);
-  void add(const std::string& name, std::span<const std::int32_t>,
-           const std::vector<std::size_t>& shape);
-  void add(const std::string& name, std::span<const std::int64_t>,
-           const std::vector<std::size_t>& shape);
-  void add(const std::string& name, std::span<const std::complex<float>>,
-           const std::vector<std::size_t>& shape);
-  void add(const std::string& name, std::span<const std::uint8_t>,
-           const std::vector<std::size_t>& shape);
-  /// Little-endian elements in C order, `kind` as NumPy's descr: "<f8".
-  void add_bytes(const std::string& name, const char* kind, std::span<const std::byte> bytes,
-                 const std::vector<std::size_t>& shape);
-  /// Writes all arrays; the file appears only when complete. Same arrays, same bytes.
-  void write(const std::string& path) const;
-  /// The same file in memory.
-  [[nodiscard]] std::string bytes() const;
+using files::NpzWriter;
 
-private:
-  using Sink = std::function<void(const void*, std::size_t)>;
-  void emit(const Sink&) const;
-  struct Member {
-    std::string name;
-    std::vector<std::byte> bytes;
-  };
-  std::vector<Member> members_;
-};
+/// Writes all arrays; the file appears only when complete. Refuses what is larger than 4 GB.
+void write_npz(const std::string& path, const NpzWriter& arrays);
+/// The same file in memory.
+[[nodiscard]] std::string npz_bytes(const NpzWriter& arrays);
 
 } // namespace tactus::fem

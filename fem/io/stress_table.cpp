@@ -5,6 +5,7 @@
 #include "fem/io/npz.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/simplify.hpp"
+#include "files/json.hpp"
 
 #include <map>
 
@@ -23,17 +24,18 @@ std::string meta_of(const StressTable& t) {
   std::string out = "{\"format\": \"stress-table\", \"version\": \"1.0\", \"generator\": \"tactus "
                     "part_stress\"";
   if (!metadata.created.empty())
-    out += ", \"created\": " + quoted(metadata.created);
+    out += ", \"created\": " + files::quoted_json(metadata.created);
   out += ", \"units\": {\"stress\": \"Pa\", \"length\": \"m\"}, \"name\": " +
-         quoted(metadata.body_name) + ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
+         files::quoted_json(metadata.body_name) + ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) +
+         "\"" +
          format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
                 t.mesh.elements.size(), t.mesh.dofs()) +
-         ", \"element\": " + quoted(t.mesh.element_names()) +
+         ", \"element\": " + files::quoted_json(t.mesh.element_names()) +
          ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
   for (std::size_t i = 0; i < t.materials.size(); ++i)
     out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
   out += "], \"supports\": " + list(metadata.supports) +
-         ", \"loads\": " + quoted(joined(metadata.loads)) +
+         ", \"loads\": " + files::quoted_json(joined(metadata.loads)) +
          ", \"load_list\": " + list(metadata.loads) +
          format(", \"lattice\": [%d, %d, %d]", t.lattice[0], t.lattice[1], t.lattice[2]) +
          format(", \"mass\": %.9g, \"volume\": %.9g, \"max_displacement\": %.9g", metadata.mass,
@@ -144,7 +146,7 @@ void write_stress_table(const std::string& path, const StressTable& t) {
   npz.add("surface_weights", weights_of(t.control_weights, skin),
           {vertices.size(), control_points.size()});
   npz.add("mesh", mesh_bytes, {mesh_bytes.size()});
-  npz.write(path);
+  write_npz(path, npz);
 }
 
 } // namespace tactus::fem

@@ -1,19 +1,18 @@
 #pragma once
-#include <optional>
+#include "files/text.hpp"
+
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace tactus::fem {
 
-/// The whole text as a finite number, else nothing. Blanks around it are allowed.
-[[nodiscard]] std::optional<double> to_number(std::string_view);
-[[nodiscard]] std::optional<int> to_integer(std::string_view);
+using files::lower;
+using files::to_integer;
+using files::to_number;
 
 /// Cells between separators, blanks and carriage returns around them removed.
 [[nodiscard]] std::vector<std::string> split(std::string_view, char separator);
-
-[[nodiscard]] std::string lower(std::string_view);
 
 /// The text as it may be shown on a terminal: control characters become '?', and what is longer
 /// than `longest` bytes ends with "...".

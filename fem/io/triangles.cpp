@@ -1,29 +1,35 @@
 #include "fem/io/triangles.hpp"
 
-#include "fem/io/obj.hpp"
-#include "fem/io/stl.hpp"
+#include "fem/io/file_bytes.hpp"
 #include "fem/io/text.hpp"
+#include "fem/mesh/ears.hpp"
+#include "files/mesh_file.hpp"
 
-#include <fstream>
-#include <iterator>
+#include <limits>
 #include <numbers>
 
 namespace tactus::fem {
 namespace {
 
-/// Text with its byte order mark removed; UTF-16 becomes ASCII, other letters question marks.
-std::string plain_text(std::string bytes) {
-  if (bytes.starts_with("\xEF\xBB\xBF"))
-    return bytes.substr(3);
-  const bool big = bytes.starts_with("\xFE\xFF"), little = bytes.starts_with("\xFF\xFE");
-  if (!big && !little)
-    return bytes;
-  std::string text;
-  for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
-    const char high = bytes[big ? i : i + 1], low = bytes[big ? i + 1 : i];
-    text += high == 0 && static_cast<unsigned char>(low) < 128 ? low : '?';
+/// Adds a polygon's triangles.
+void add_polygon(std::span<const std::uint32_t> polygon, int group, Triangles& out) {
+  const auto index = [&](std::size_t k) { return static_cast<int>(polygon[k]); };
+  if (polygon.size() == 3) {
+    out.triangles.push_back({index(0), index(1), index(2)});
+    out.group.push_back(group);
+    return;
   }
-  return text;
+  std::vector<Vector3> corners;
+  corners.reserve(polygon.size());
+  for (const std::uint32_t p : polygon)
+    corners.push_back(out.points[p]);
+  for (const auto& ear : clip_ears(corners)) {
+    std::array<int, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle[k] = index(static_cast<std::size_t>(ear[k]));
+    out.triangles.push_back(triangle);
+    out.group.push_back(group);
+  }
 }
 
 } // namespace
@@ -36,16 +42,28 @@ std::string triangle_location(const Triangles& t, std::size_t i) {
   return "triangle " + std::to_string(i + 1) + near_position(t.corner(i, 0));
 }
 
-Triangles read_triangles(const std::string& path, double unit) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw InputError("cannot read " + path);
-  const std::string bytes = plain_text({std::istreambuf_iterator<char>(file), {}});
-  Triangles out =
-      lower(path).ends_with(".obj") ? read_obj(path, bytes, unit) : read_stl(path, bytes, unit);
-  if (out.triangles.empty())
-    throw InputError(path + " holds no triangle");
+Triangles triangles_of(const std::string& path, std::string_view bytes, double unit) {
+  files::PolygonMesh mesh = files::read_mesh(
+      bytes, lower(path).ends_with(".obj") ? files::MeshFormat::kObj : files::MeshFormat::kStl,
+      {.max_face_corners = kMaxEarCorners});
+  if (!mesh.free_form.empty())
+    throw InputError(path + " " + mesh.free_form + ": export the body as polygons, or as STEP");
+  if (!mesh.error.empty())
+    throw InputError(path + (mesh.error.starts_with("triangle") ? ": " : " ") + mesh.error);
+  Triangles out;
+  out.points.reserve(mesh.points.size());
+  for (const haptic::Vec3& p : mesh.points)
+    out.points.push_back({unit * p.x, unit * p.y, unit * p.z});
+  out.triangles.reserve(mesh.polygons());
+  out.group.reserve(mesh.polygons());
+  for (std::size_t i = 0; i < mesh.polygons(); ++i)
+    add_polygon(mesh.polygon(i), static_cast<int>(mesh.group_of(i)), out);
+  out.groups = std::move(mesh.groups);
   return out;
+}
+
+Triangles read_triangles(const std::string& path, double unit) {
+  return triangles_of(path, read_bytes(path, std::numeric_limits<std::uint64_t>::max()), unit);
 }
 
 double share_of_slivers(const Triangles& t, double degrees) {

@@ -2,6 +2,9 @@
 #include "fem/mesh/mesh.hpp"
 
 #include <array>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace tactus::fem {
 
@@ -25,9 +28,12 @@ struct Triangles {
   }
 };
 
-/// Reads an STL (ASCII or binary, told by its content) or OBJ file as it is, lengths times `unit`.
-/// Refuses an unreadable file, naming line or byte.
+/// Reads an STL (text or binary, told by its content) or OBJ file as it is (files/mesh_file.hpp),
+/// polygons cut into triangles by their ears, lengths times `unit`. Refuses an unreadable file,
+/// naming its line or triangle.
 [[nodiscard]] Triangles read_triangles(const std::string& path, double unit);
+/// The same of a file's bytes; `path` tells OBJ from STL by its ending, and stands in refusals.
+[[nodiscard]] Triangles triangles_of(const std::string& path, std::string_view bytes, double unit);
 
 /// " near (1, 2, 3) mm", for sentences to the user.
 [[nodiscard]] std::string near_position(const Vector3&);

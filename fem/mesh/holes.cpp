@@ -1,6 +1,6 @@
 #include "fem/mesh/holes.hpp"
 
-#include "fem/io/obj.hpp"
+#include "fem/mesh/ears.hpp"
 #include "fem/mesh/edge_uses.hpp"
 
 #include <functional>

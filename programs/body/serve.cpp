@@ -1,10 +1,10 @@
 #include "programs/body/serve.hpp"
 
-#include "core/table/json.hpp"
-#include "core/table/npz.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/text.hpp"
+#include "files/json.hpp"
+#include "files/npz.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -14,8 +14,8 @@
 
 namespace tactus::fem {
 
-using table::ServeHeader;
-using table::ServeKind;
+using serve::ServeHeader;
+using serve::ServeKind;
 
 namespace {
 
@@ -49,28 +49,28 @@ ServedPart read_served_part(const std::string& path, const std::string& format_n
                             const std::string& program) {
   ServedPart part;
   part.bytes = read_bytes(path);
-  table::NpzFile archive;
+  files::NpzFile archive;
   if (const std::string refusal = archive.open(std::as_bytes(std::span(part.bytes)));
       !refusal.empty())
     throw InputError(path + ": " + refusal);
   const auto text = [&](const char* name) {
-    const table::NpzArray* array = archive.find(name);
+    const files::NpzArray* array = archive.find(name);
     if (!array || array->item_bytes != 1)
       throw InputError(path + " has no array of bytes '" + name + "', expected a table of " +
                        program);
     return std::string_view(reinterpret_cast<const char*>(array->bytes.data()),
                             array->bytes.size());
   };
-  table::Json meta;
-  if (!table::read_json(text("meta"), meta))
+  files::Json meta;
+  if (!files::read_json(text("meta"), meta))
     throw InputError(path + ": array 'meta' is not JSON");
   if (meta.text_or("format", "") != format_name) {
     std::string words = format_name;
     std::replace(words.begin(), words.end(), '-', ' ');
     throw InputError(path + " is no " + words + ": expected one of " + program);
   }
-  if (const table::Json* command = meta.find("command"))
-    for (const table::Json& word : command->list)
+  if (const files::Json* command = meta.find("command"))
+    for (const files::Json& word : command->list)
       part.command.push_back(word.text);
   if (part.command.empty())
     throw InputError(path + " does not say how it was made: expected 'command' in its meta");

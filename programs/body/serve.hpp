@@ -1,5 +1,5 @@
 #pragma once
-#include "core/table/serve_protocol.hpp"
+#include "core/serve/protocol.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <functional>
@@ -8,7 +8,7 @@
 #include <vector>
 
 /// What `part_stress serve` and `modal_fem serve` share: the table that says how its part was made,
-/// and messages on stdin and stdout (core/table/serve_protocol.hpp).
+/// and messages on stdin and stdout (core/serve/protocol.hpp).
 namespace tactus::fem {
 
 /// A part as its table keeps it.
@@ -37,7 +37,7 @@ template <class Read>
 /// A message to stdout.
 class ServeMessage {
 public:
-  explicit ServeMessage(table::ServeKind kind) { header_.kind = static_cast<std::uint32_t>(kind); }
+  explicit ServeMessage(serve::ServeKind kind) { header_.kind = static_cast<std::uint32_t>(kind); }
   template <class T> void add(const T& value) { append(&value, sizeof value); }
   template <class T> void add(std::span<const T> values) {
     append(values.data(), values.size_bytes());
@@ -50,7 +50,7 @@ private:
   void append(const void* from, std::size_t size) {
     bytes_.append(static_cast<const char*>(from), size);
   }
-  table::ServeHeader header_;
+  serve::ServeHeader header_;
   std::string bytes_;
 };
 

@@ -3,6 +3,8 @@
 // and traits, as in core/declaration.hpp.
 #include "programs/describe/describe.hpp"
 
+#include "files/json.hpp"
+
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -11,19 +13,6 @@ namespace {
 
 using namespace tactus;
 
-std::string quoted(std::string_view text) {
-  std::string result = "\"";
-  for (const char letter : text) {
-    if (letter == '"' || letter == '\\')
-      result += '\\';
-    if (letter == '\n')
-      result += "\\n";
-    else
-      result += letter;
-  }
-  return result + '"';
-}
-
 std::string number(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.17g", value);
@@ -31,7 +20,7 @@ std::string number(double value) {
 }
 
 std::string field(std::string_view name, const std::string& json) {
-  return quoted(name) + ": " + json;
+  return files::quoted_json(name) + ": " + json;
 }
 
 template <class List, class Write> std::string array(const List& list, Write write) {
@@ -42,35 +31,42 @@ template <class List, class Write> std::string array(const List& list, Write wri
 }
 
 std::string port(const Port& p) {
-  return "{" + field("kind", quoted(p.kind == Port::Kind::kSignal ? "signal" : "control")) + ", " +
-         field("name", quoted(p.name)) + ", " + field("unit", quoted(p.unit)) + ", " +
-         field("text", quoted(p.text)) + "}";
+  return "{" +
+         field("kind", files::quoted_json(p.kind == Port::Kind::kSignal ? "signal" : "control")) +
+         ", " + field("name", files::quoted_json(p.name)) + ", " +
+         field("unit", files::quoted_json(p.unit)) + ", " +
+         field("text", files::quoted_json(p.text)) + "}";
 }
 
 std::string parameter(const Parameter& p) {
-  return "{" + field("name", quoted(p.name)) + ", " + field("unit", quoted(p.unit)) + ", " +
-         field("initial", number(p.initial)) + ", " + field("lowest", number(p.lowest)) + ", " +
-         field("highest", number(p.highest)) + ", " + field("text", quoted(p.text)) + ", " +
-         field("choices", array(p.choices, quoted)) + ", " +
+  return "{" + field("name", files::quoted_json(p.name)) + ", " +
+         field("unit", files::quoted_json(p.unit)) + ", " + field("initial", number(p.initial)) +
+         ", " + field("lowest", number(p.lowest)) + ", " + field("highest", number(p.highest)) +
+         ", " + field("text", files::quoted_json(p.text)) + ", " +
+         field("choices", array(p.choices, files::quoted_json)) + ", " +
          field("values", array(p.values, number)) + "}";
 }
 
 std::string message(const Message& m) {
-  return "{" + field("name", quoted(m.name)) + ", " + field("arguments", quoted(m.arguments)) +
-         ", " + field("fewest", std::to_string(m.min_arguments)) + ", " +
-         field("most", std::to_string(m.max_arguments)) + ", " + field("text", quoted(m.text)) +
-         "}";
+  return "{" + field("name", files::quoted_json(m.name)) + ", " +
+         field("arguments", files::quoted_json(m.arguments)) + ", " +
+         field("fewest", std::to_string(m.min_arguments)) + ", " +
+         field("most", std::to_string(m.max_arguments)) + ", " +
+         field("text", files::quoted_json(m.text)) + "}";
 }
 
 std::string object(const ObjectDescription& described) {
   const Declaration& d = *described.declaration;
   const auto flag = [](bool value) { return std::string(value ? "true" : "false"); };
-  return "{" + field("name", quoted(d.name)) + ",\n  " + field("title", quoted(d.title)) + ",\n  " +
-         field("description", quoted(d.description)) + ",\n  " +
-         field("keywords", quoted(d.keywords)) + ",\n  " + field("inlets", array(d.inlets, port)) +
-         ",\n  " + field("outlets", array(d.outlets, port)) + ",\n  " +
+  return "{" + field("name", files::quoted_json(d.name)) + ",\n  " +
+         field("title", files::quoted_json(d.title)) + ",\n  " +
+         field("description", files::quoted_json(d.description)) + ",\n  " +
+         field("keywords", files::quoted_json(d.keywords)) + ",\n  " +
+         field("inlets", array(d.inlets, port)) + ",\n  " +
+         field("outlets", array(d.outlets, port)) + ",\n  " +
          field("arguments",
-               array(d.arguments, [](const CreationArgument& a) { return quoted(a.parameter); })) +
+               array(d.arguments,
+                     [](const CreationArgument& a) { return files::quoted_json(a.parameter); })) +
          ",\n  " + field("parameters", array(d.parameters, parameter)) + ",\n  " +
          field("messages", array(d.messages, message)) + ",\n  " +
          field("signal", flag(described.traits.processes)) + ",\n  " +

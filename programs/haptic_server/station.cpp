@@ -3,6 +3,7 @@
 #include "core/haptic/device/path.hpp"
 #include "devices/driver.hpp"
 #include "devices/scoped_signal_mask.hpp"
+#include "files/path_file.hpp"
 #include "net/token_file.hpp"
 
 #include <cstdio>
@@ -56,7 +57,7 @@ std::string Station::hold_simulated(const Options& options) {
   if (!file)
     return "the path " + options.path + " cannot be read";
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  haptic::ParsedPath parsed = haptic::parse_path(text);
+  files::ParsedPath parsed = files::parse_path(text);
   if (!parsed.error.empty())
     return options.path + ": " + parsed.error;
   simulated_->set_path(haptic::RowPath(std::move(parsed.rows)));

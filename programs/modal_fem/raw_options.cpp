@@ -1,11 +1,12 @@
 #include "programs/body/output_files.hpp"
 #include "programs/modal_fem/raw.hpp"
 
-#include "core/table/npz.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/mesh.hpp"
+#include "files/modal_table.hpp"
+#include "files/npz.hpp"
 
 #include <cstdio>
 #include <numbers>
@@ -105,15 +106,15 @@ int run_raw(const std::vector<std::string>& words) {
   const std::string text = read_bytes(input);
   const auto bytes = std::as_bytes(std::span(text));
   modal::ModalTable table;
-  if (const std::string refusal = modal::read_modal_table(bytes, table); !refusal.empty())
+  if (const std::string refusal = files::read_modal_table(bytes, table); !refusal.empty())
     throw InputError(input + ": " + refusal);
   const modal::RawTable raw = make_raw(table, settings);
 
-  table::NpzFile archive;
+  files::NpzFile archive;
   if (const std::string refusal = archive.open(bytes); !refusal.empty())
     throw InputError(input + ": " + refusal);
   NpzWriter npz;
-  for (const table::NpzArray& a : archive.arrays()) {
+  for (const files::NpzArray& a : archive.arrays()) {
     if (a.name.starts_with("raw_"))
       continue; // made anew
     if (a.big_endian || a.fortran_order)
@@ -135,7 +136,7 @@ int run_raw(const std::vector<std::string>& words) {
   npz.add("raw_ds", raw.area_m2, {raw.points});
   npz.add("raw_hit", flat(raw.hit_m), {raw.hits, 3});
   npz.add("raw_fs", std::span(&raw.sample_rate_hz, 1), {});
-  npz.write(output);
+  write_npz(output, npz);
   std::printf("%zu places struck, %zu points, %zu samples at %g Hz: %.1f MB\n", raw.hits,
               raw.points, raw.samples, raw.sample_rate_hz,
               4e-6 * static_cast<double>(raw.velocity_m_per_s.size()));

@@ -1,11 +1,13 @@
 #include "programs/modal_fem/serve.hpp"
 
 #include "core/modal/table/modal_table.hpp"
-#include "core/modal/table/serve_protocol.hpp"
+#include "core/modal/table/mode_share.hpp"
+#include "core/serve/modal_fem.hpp"
 #include "fem/design/valid_step.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/mode_match.hpp"
+#include "files/modal_table.hpp"
 #include "programs/body/serve.hpp"
 #include "programs/modal_fem/run.hpp"
 
@@ -31,7 +33,7 @@ public:
         supports_(supports_of(options_, part_.mesh)),
         space_(design_space_of(options_.design, part_.mesh)) {
     if (const std::string refusal =
-            modal::read_modal_table(std::as_bytes(std::span(part_.bytes)), table_);
+            files::read_modal_table(std::as_bytes(std::span(part_.bytes)), table_);
         !refusal.empty())
       throw InputError(path_ + ": " + refusal);
     if (table_.sensitivity.parameters() != parameters())
@@ -63,13 +65,13 @@ public:
     const auto shares =
         match_modes(*now.body.matrices, latest_->body.modes.shapes, now.body.modes.shapes);
     latest_ = std::move(now);
-    modal::ModesAnswer fixed;
+    serve::ModesAnswer fixed;
     fixed.fraction = latest_->fraction;
     fixed.shares = shares.size();
     const std::string bytes_of_table = table_bytes(table_of(options_, latest_->body, ""));
     fixed.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
-    ServeMessage message(modal::ServeKind::modes);
+    ServeMessage message(serve::ServeKind::modes);
     message.add(fixed);
     for (const ModeMatch& match : shares)
       message.add(modal::ModeShare{static_cast<std::uint32_t>(match.before),
@@ -160,8 +162,8 @@ int serve(const std::vector<std::string>& words) {
     throw InputError("serve: expected one file, NAME.modal.npz");
   ServedBody body(words[0]);
   {
-    ServeMessage ready(modal::ServeKind::ready);
-    ready.add(modal::ModesReady{body.table().modes(), body.table().vertices(), body.parameters()});
+    ServeMessage ready(serve::ServeKind::ready);
+    ready.add(serve::ModesReady{body.table().modes(), body.table().vertices(), body.parameters()});
     ready.send();
   }
   return serve_requests("modal_fem", [&](std::span<const char> request) { body.answer(request); });

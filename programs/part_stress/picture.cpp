@@ -3,6 +3,7 @@
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/text.hpp"
+#include "files/json.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -116,7 +117,7 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
   std::string arrows;
   std::vector<double> arrow_rows;
   for (const Arrow& a : arrows_of(start, model)) {
-    arrows += (arrows.empty() ? "" : ", ") + quoted(a.words);
+    arrows += (arrows.empty() ? "" : ", ") + files::quoted_json(a.words);
     arrow_rows.insert(arrow_rows.end(), {a.at.x, a.at.y, a.at.z, a.force.x, a.force.y, a.force.z});
   }
   std::vector<double> constrained;
@@ -129,9 +130,9 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
   for (const SpringPatch& patch : model.springs)
     for (const Vector3& p : positions(start, nodes_of_faces(start, patch.faces)))
       constrained.insert(constrained.end(), {p.x, p.y, p.z});
-  const std::string meta = "{\"title\": " + quoted(labels.title) +
-                           ", \"subtitle\": " + quoted(labels.subtitle) + ", \"arrows\": [" +
-                           arrows + "]" +
+  const std::string meta = "{\"title\": " + files::quoted_json(labels.title) +
+                           ", \"subtitle\": " + files::quoted_json(labels.subtitle) +
+                           ", \"arrows\": [" + arrows + "]" +
                            format(", \"lattice\": [%d, %d, %d]}", space.lattice.points[0],
                                   space.lattice.points[1], space.lattice.points[2]);
   const std::vector<std::uint8_t> meta_bytes(meta.begin(), meta.end());
@@ -159,7 +160,7 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
       std::filesystem::remove(path, error);
     }
   } const remover{between};
-  npz.write(between);
+  write_npz(between, npz);
   draw_sheet("stress_sheet.py", between, picture);
 }
 

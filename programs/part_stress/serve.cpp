@@ -1,6 +1,6 @@
 #include "programs/part_stress/serve.hpp"
 
-#include "core/stress/serve_protocol.hpp"
+#include "core/serve/part_stress.hpp"
 #include "fem/io/text.hpp"
 #include "programs/body/body_options.hpp"
 #include "programs/body/serve.hpp"
@@ -14,10 +14,10 @@
 
 namespace tactus::fem {
 
-using stress::ServeKind;
-using stress::ServeMethod;
-using stress::ServeReady;
-using stress::StressAnswer;
+using serve::ServeKind;
+using serve::ServeMethod;
+using serve::ServeReady;
+using serve::StressAnswer;
 
 namespace {
 
@@ -36,11 +36,11 @@ bool answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
   std::uint32_t method = 0, flags = 0;
   std::memcpy(&method, request.data(), sizeof method);
   std::memcpy(&flags, request.data() + sizeof method, sizeof flags);
-  if (method > 2 || flags > (stress::kWithDerivatives | stress::kKeepFactor))
+  if (method > 2 || flags > (serve::kWithDerivatives | serve::kKeepFactor))
     throw InputError(
         format("a request to solve has method %u and flags %u, expected 0 to 2 and 0 to 3", method,
                flags));
-  const bool derivatives = (flags & stress::kWithDerivatives) != 0;
+  const bool derivatives = (flags & serve::kWithDerivatives) != 0;
   std::vector<double> requested(parameters);
   if (parameters > 0)
     std::memcpy(requested.data(), request.data() + 2 * sizeof(std::uint32_t),
@@ -77,7 +77,7 @@ bool answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
     message.add(std::span<const float>(part.sensitivity().max_shear));
   }
   message.send();
-  return update.refactor_recommended && (flags & stress::kKeepFactor) == 0;
+  return update.refactor_recommended && (flags & serve::kKeepFactor) == 0;
 }
 
 /// Whether the next request has begun to arrive, or stdin has ended.

@@ -2,7 +2,8 @@
 // stands for modal_fem (fake_modal_fem.py); tests/patches/test_shape_solver.py runs the program
 // itself.
 #include "externals/modal_impact~/mode_solver.hpp"
-#include "tests/core/modal/tables.hpp"
+#include "files/modal_table.hpp"
+#include "tests/files/modal_members.hpp"
 
 #include <doctest/doctest.h>
 
@@ -47,7 +48,7 @@ struct Rig {
     const std::string bytes = test::archive(reshaped_table());
     std::ofstream(folder / "body.modal.npz", std::ios::binary) << bytes;
     ModalTable read;
-    REQUIRE(read_modal_table(std::as_bytes(std::span(bytes)), read) == "");
+    REQUIRE(files::read_modal_table(std::as_bytes(std::span(bytes)), read) == "");
     REQUIRE(read.has_mesh);
     table = std::make_shared<const LoadedTable>(std::move(read));
     fs::create_symlink(fs::path(TACTUS_FAKE_MODAL_FEM), folder / ("fake." + mode));

@@ -2,6 +2,7 @@
 
 #include "core/stress/stress_table.hpp"
 #include "tests/core/stress/tables.hpp"
+#include "tests/files/archives.hpp"
 
 #include <atomic>
 #include <chrono>

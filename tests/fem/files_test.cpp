@@ -1,7 +1,7 @@
 // Surfaces as other people's programs write them: welded, closed, united, wrapped.
-#include "fem/io/obj.hpp"
-#include "fem/io/stl.hpp"
+#include "fem/io/triangles.hpp"
 #include "fem/mesh/crossing.hpp"
+#include "fem/mesh/ears.hpp"
 #include "fem/mesh/holes.hpp"
 #include "fem/mesh/remesh.hpp"
 #include "fem/mesh/resurface.hpp"
@@ -275,45 +275,44 @@ TEST_CASE("ears of a concave polygon fill it once") {
   CHECK(area == doctest::Approx(5 + 2 + 2));
 }
 
-TEST_CASE("STL text in any case, with marks and several solids, is read") {
-  const std::string facet =
-      "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 "
-      "0\n endloop\nendfacet\n";
-  std::string loud = "  SOLID left wheel\r\n";
-  for (const char c : facet)
-    loud += c == '\n' ? std::string("\r\n") : std::string(1, static_cast<char>(std::toupper(c)));
-  const Triangles t =
-      read_stl("a.stl", loud + "ENDSOLID left wheel\r\nsolid hub\n" + facet + "endsolid hub\n", 1);
-  CHECK(t.triangles.size() == 2);
-  REQUIRE(t.groups == std::vector<std::string>{"left wheel", "hub"});
-  CHECK(t.group == std::vector<int>{0, 1});
-  // Binary that begins like text, with bytes after its last triangle.
-  std::string binary = "solid facet" + std::string(73, ' ');
-  binary[80] = 1;
-  binary[81] = binary[82] = binary[83] = 0;
-  const std::array<float, 12> numbers{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
-  binary.append(reinterpret_cast<const char*>(numbers.data()), 48);
-  binary.append(2, '\0');
-  CHECK(read_stl("b.stl", binary, 1).triangles.size() == 1);
-  CHECK(read_stl("b.stl", binary + "extra", 1).triangles.size() == 1);
+TEST_CASE("polygons of a file are cut by their ears, in metres, by group") {
+  const std::string u = "v 0 0 0\nv 3 0 0\nv 3 2 0\nv 2 2 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+  const Triangles t = triangles_of("a.OBJ", u + "o u\nf 1 2 3 4 5 6 7 8\no flap\nf 1 2 3\n", 2);
+  REQUIRE(t.triangles.size() == 7);
+  CHECK(t.groups == std::vector<std::string>{"u", "flap"});
+  CHECK(t.group == std::vector<int>{0, 0, 0, 0, 0, 0, 1});
+  CHECK(t.points[2] == Vector3{6, 4, 0});
+  double area = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    CHECK(t.normal(i).z > 0);
+    area += t.normal(i).z / 2;
+  }
+  CHECK(area == doctest::Approx(4 * 5));
 }
 
-TEST_CASE("OBJ indices, groups, concave faces and free form") {
-  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0 # corner\nv 0 1 0\n";
-  const Triangles t = read_obj("a.obj", square + "o lid\nf -4/1/1 -3//2 \\\n -2 -1\nl 1 2\n", 2);
-  CHECK(t.triangles.size() == 2);
-  CHECK(t.groups == std::vector<std::string>{"lid"});
-  CHECK(t.points[2].x == 2);
-  const auto refused = [&](const std::string& text) {
+TEST_CASE("files of triangles are refused with path and place") {
+  const auto refused = [&](const std::string& path, const std::string& bytes) {
     try {
-      static_cast<void>(read_obj("a.obj", text, 1));
+      static_cast<void>(triangles_of(path, bytes, 1));
     } catch (const InputError& refusal) {
       return std::string(refusal.what());
     }
     return std::string();
   };
-  CHECK(refused(square + "surf 0 1 0 1 1 2 3 4\n").find("line 5") != std::string::npos);
-  CHECK(refused(square + "surf 0 1 0 1 1 2 3 4\n").find("surf") != std::string::npos);
-  CHECK(refused(square + "l 1 2 3\n").find("1 lines") != std::string::npos);
-  CHECK(refused(square + "f 1 2 9\n").find("vertex 9") != std::string::npos);
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0 # corner\nv 0 1 0\n";
+  CHECK(refused("a.obj", square + "surf 0 1 0 1 1 2 3 4\nf 1 2 9\n") ==
+        "a.obj line 5: \"surf\" is a free-form curve or surface, expected polygons (f): export the "
+        "body as polygons, or as STEP");
+  CHECK(refused("a.obj", square + "f 1 2 9\n") == "a.obj line 5: vertex 9 does not exist");
+  CHECK(refused("a.stl", "cube") ==
+        "a.stl is no STL file: it has 4 bytes and does not start with \"solid\"");
+  std::string nan(84, ' ');
+  nan.replace(80, 4, std::string("\1\0\0\0", 4));
+  nan += std::string(50, '\xff');
+  CHECK(refused("a.stl", nan) == "a.stl: triangle 1 has a corner that is no number");
+  std::string face = "f";
+  for (int i = 0; i < 4097; ++i)
+    face += " 1";
+  CHECK(refused("a.obj", square + face) ==
+        "a.obj line 5: a face with 4097 corners, expected 3 to 4096");
 }

@@ -3,6 +3,7 @@
 #include "core/modal/radiation/raw_radiation.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/radiation/spherical_waves.hpp"
+#include "files/modal_table.hpp"
 #include "programs/modal_fem/raw.hpp"
 #include "solve.hpp"
 #include "tests/sanitized.hpp"
@@ -47,7 +48,7 @@ struct Body {
                  yields});
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    CHECK(modal::read_modal_table(std::as_bytes(std::span(text)), table) == "");
+    CHECK(files::read_modal_table(std::as_bytes(std::span(text)), table) == "");
     std::remove(path.c_str());
   }
 };

@@ -23,6 +23,8 @@ ROOMS = {
     "reed": core("reed", "^patches_(greed|playability|reed)"),
     "haptic": core("haptic", "^(patches_(phantom|mass_spring)|devices_haptic_check)"),
     "dsp": core("dsp", "^core_", unit=["core_dsp_test", "core_dsp_avx2_test"]),
+    "files": {"sources": ["files"], "unit": ["files_test"],
+              "all": "^(fem_files|externals|core_footstep|patches_(modal|stress|phantom|footstep))"},
     "falcon": device("falcon", "devices_falcon_stream_test", ("devices_falcon_live_test", "falcon_double"),
                      everything="|devices_haptic_check|devices_live$"),
     "force_dimension": device("force_dimension"),

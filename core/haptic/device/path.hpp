@@ -3,8 +3,7 @@
 #include "core/geometry/vec3.hpp"
 
 #include <cstdint>
-#include <string>
-#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,7 +26,7 @@ struct PathRow {
 /// Two rows of one time are a jump.
 class RowPath {
 public:
-  /// Rows in order of time; nothing else is accepted by parse_path.
+  /// Rows in order of time, as files/path_file.hpp reads them.
   explicit RowPath(std::vector<PathRow> rows) : rows_(std::move(rows)) {}
   [[nodiscard]] PathPoint at(double time_s) const noexcept;
   [[nodiscard]] std::size_t size() const noexcept { return rows_.size(); }
@@ -65,13 +64,5 @@ using Path = std::variant<LinePath, CirclePath, LissajousPath, RowPath>;
 [[nodiscard]] inline PathPoint point_at(const Path& path, double time_s) noexcept {
   return std::visit([time_s](const auto& shape) { return shape.at(time_s); }, path);
 }
-
-/// Rows `ms x y z [buttonmask]`, positions in mm, separated by blanks, tabs or commas; `#` starts a
-/// comment. Either rows or one sentence with the number of the line that is wrong.
-struct ParsedPath {
-  std::vector<PathRow> rows;
-  std::string error;
-};
-[[nodiscard]] ParsedPath parse_path(std::string_view text);
 
 } // namespace tactus::haptic

@@ -116,7 +116,7 @@ private:
   std::size_t count_ = 0;
   std::array<Obstacle, Scene::kMaxBodies> near_bodies_{};
   std::array<std::size_t, Scene::kMaxBodies>
-      near_body_index_{}; ///< of a slot; kNoSlot: it is not near
+      near_body_index_{}; ///< of a slot; kNobody: it is not near
   std::size_t near_body_count_ = 0;
   std::size_t first_moving_ = 0;                     ///< whose motion had to wait comes first
   std::size_t first_overlapping_ = 0;                ///< whose exit had to wait comes first

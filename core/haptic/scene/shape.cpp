@@ -84,19 +84,19 @@ Found enters(const Disk& disk, const Vec3& from, const Vec3& to) noexcept {
   return Crossing{*fraction, {x / r, y / r, 0}};
 }
 
-using Exit = std::optional<SurfacePoint>;
+using OutputFilter = std::optional<SurfacePoint>;
 
-Exit exit_from(const Plane&, const Vec3& p) noexcept {
-  return p.z < 0.0 ? Exit({{p.x, p.y, 0}, {0, 0, 1}}) : std::nullopt;
+OutputFilter exit_from(const Plane&, const Vec3& p) noexcept {
+  return p.z < 0.0 ? OutputFilter({{p.x, p.y, 0}, {0, 0, 1}}) : std::nullopt;
 }
-Exit exit_from(const Sphere& sphere, const Vec3& p) noexcept {
+OutputFilter exit_from(const Sphere& sphere, const Vec3& p) noexcept {
   const double distance = norm(p);
   if (!(distance < sphere.radius))
     return {};
   const Vec3 normal = distance > 0.0 ? p * (1.0 / distance) : Vec3{0, 1, 0};
   return SurfacePoint{normal * sphere.radius, normal};
 }
-Exit exit_from(const Box& box, const Vec3& p) noexcept {
+OutputFilter exit_from(const Box& box, const Vec3& p) noexcept {
   int nearest = 0;
   double depth = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -112,7 +112,7 @@ Exit exit_from(const Box& box, const Vec3& p) noexcept {
   out.normal[nearest] = sign;
   return out;
 }
-Exit exit_from(const Disk& disk, const Vec3& p) noexcept {
+OutputFilter exit_from(const Disk& disk, const Vec3& p) noexcept {
   const double r = std::hypot(p.x, p.y), to_rim = disk.radius - r,
                to_face = disk.half_thickness - std::abs(p.z);
   if (!(to_rim > 0.0 && to_face > 0.0))
@@ -149,21 +149,21 @@ struct Entry {
 };
 
 /// Where a tool that overlaps a shape leaves it.
-struct Leaving {
+struct FadingBody {
   double radius;
   Vec3 inside;
   WorkLimit& work;
 
-  Exit operator()(const Plane& plane) const noexcept {
-    Exit out = exit_from(plane, inside - Vec3{0, 0, radius});
+  OutputFilter operator()(const Plane& plane) const noexcept {
+    OutputFilter out = exit_from(plane, inside - Vec3{0, 0, radius});
     if (out)
       out->point.z += radius;
     return out;
   }
-  Exit operator()(const Sphere& sphere) const noexcept {
+  OutputFilter operator()(const Sphere& sphere) const noexcept {
     return exit_from(Sphere{sphere.radius + radius}, inside);
   }
-  template <class Solid> Exit operator()(const Solid& solid) const noexcept {
+  template <class Solid> OutputFilter operator()(const Solid& solid) const noexcept {
     if (radius == 0.0)
       return exit_from(solid, inside);
     const Vec3 core = nearest_point(solid, inside), gap = inside - core;
@@ -172,12 +172,13 @@ struct Leaving {
       return {};
     if (distance > 0.0)
       return SurfacePoint{core + gap * (radius / distance), gap * (1.0 / distance)};
-    Exit out = exit_from(solid, inside * (1.0 - 1e-12)); // one that lies on the surface, too
+    OutputFilter out =
+        exit_from(solid, inside * (1.0 - 1e-12)); // one that lies on the surface, too
     if (out)
       out->point += out->normal * radius;
     return out;
   }
-  Exit operator()(const MeshSurface& surface) const noexcept {
+  OutputFilter operator()(const MeshSurface& surface) const noexcept {
     if (radius == 0.0)
       return {};
     const auto nearest = surface.mesh->nearest(inside, radius, work);
@@ -199,7 +200,7 @@ std::optional<Crossing> crossing(const Shape& shape, double tool_radius, const V
 
 std::optional<SurfacePoint> nearest_exit(const Shape& shape, double tool_radius, const Vec3& inside,
                                          WorkLimit& work) noexcept {
-  return std::visit(Leaving{tool_radius, inside, work}, shape);
+  return std::visit(FadingBody{tool_radius, inside, work}, shape);
 }
 
 std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, double tool_radius,

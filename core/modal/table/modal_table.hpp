@@ -7,7 +7,6 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -55,7 +54,7 @@ struct RawTable {
 };
 
 /// Everything about a body that the ear and the hand can find out: the modes of its surface.
-/// Written by modal_fem; docs/modal_impact.md lists the arrays.
+/// Written by modal_fem and read by files/modal_table.hpp; docs/modal_impact.md lists the arrays.
 struct ModalTable {
   std::vector<double> frequency_hz; ///< [K], ascending, elastic modes only
   std::vector<float> shape;         ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain
@@ -89,9 +88,5 @@ struct ModalTable {
 
 inline constexpr std::size_t kMaxModes = 20000;
 inline constexpr std::size_t kMaxVertices = 5'000'000;
-
-/// Reads a `.modal.npz` that lies in memory. Returns a sentence when anything in it cannot be
-/// right, and then leaves `table` as it was; else an empty one. Allocates; not for the audio path.
-[[nodiscard]] std::string read_modal_table(std::span<const std::byte> file, ModalTable& table);
 
 } // namespace tactus::modal

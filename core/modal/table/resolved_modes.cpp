@@ -3,16 +3,12 @@
 #include "core/declaration_text.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <complex>
-#include <cstring>
 #include <utility>
 
 namespace tactus::modal {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
 
 constexpr double kRounding = 1e-6;
 
@@ -87,7 +83,7 @@ void map_radiation(const ModalTable& before, std::span<const ModeShare> shares, 
   now.multipoles = std::move(kept);
 }
 
-bool same_parameters(const table::ShapeParameters& a, const table::ShapeParameters& b) {
+bool same_parameters(const design::ShapeParameters& a, const design::ShapeParameters& b) {
   return a.control_point_m == b.control_point_m &&
          std::equal(a.parameters.begin(), a.parameters.end(), b.parameters.begin(),
                     b.parameters.end(), [](const auto& p, const auto& q) {
@@ -106,31 +102,8 @@ std::uint64_t max_answer_bytes(const ModalTable& before) noexcept {
          12 * before.triangle.size() + 48 * parameters + 24 * points;
 }
 
-std::string read_resolved_modes(std::span<const std::byte> payload, const ModalTable& before,
-                                ResolvedModes& resolved) {
-  ModesAnswer fixed;
-  if (payload.size() < sizeof fixed)
-    return "an answer has " + std::to_string(payload.size()) + " bytes: expected " +
-           std::to_string(sizeof fixed) + " or more";
-  std::memcpy(&fixed, payload.data(), sizeof fixed);
-  payload = payload.subspan(sizeof fixed);
-  if (!(fixed.seconds >= 0 && fixed.seconds < 1e6) || !(fixed.fraction >= 0 && fixed.fraction <= 1))
-    return "an answer took " + number_text(fixed.seconds) + " s for " +
-           number_text(fixed.fraction) + " of the move: expected 0..1e+06 s and 0..1";
-  if (fixed.shares > payload.size() / sizeof(ModeShare))
-    return "an answer has " + std::to_string(fixed.shares) + " shares: expected at most " +
-           std::to_string(payload.size() / sizeof(ModeShare));
-  ResolvedModes read;
-  read.seconds = fixed.seconds;
-  read.fraction = fixed.fraction;
-  read.share.resize(fixed.shares);
-  if (!read.share.empty())
-    std::memcpy(read.share.data(), payload.data(), read.share.size() * sizeof(ModeShare));
-  std::string refusal =
-      read_modal_table(payload.subspan(read.share.size() * sizeof(ModeShare)), read.table);
-  if (!refusal.empty())
-    return refusal;
-  const ModalTable& now = read.table;
+std::string complete_resolved_modes(const ModalTable& before, ResolvedModes& resolved) {
+  const ModalTable& now = resolved.table;
   if (now.vertices() != before.vertices() || now.triangle.size() != before.triangle.size())
     return "another surface is answered, of " + std::to_string(now.vertices()) + " vertices and " +
            std::to_string(now.triangle.size()) + " triangles: expected the table's " +
@@ -139,13 +112,13 @@ std::string read_resolved_modes(std::span<const std::byte> payload, const ModalT
       now.sensitivity.solved_at_m.size() != before.sensitivity.parameters())
     return "other shape parameters are answered: expected the table's " +
            std::to_string(before.sensitivity.parameters()) + ", and their displacement";
-  if (refusal = share_refusal(read.share, before.modes(), now.modes()); !refusal.empty())
+  if (std::string refusal = share_refusal(resolved.share, before.modes(), now.modes());
+      !refusal.empty())
     return refusal;
   // Quadrilaterals may be cut along their other diagonal now; places count the table's triangles.
-  read.table.triangle = before.triangle;
-  map_radiation(before, read.share, read.table);
-  read.table.has_mesh = before.has_mesh;
-  resolved = std::move(read);
+  resolved.table.triangle = before.triangle;
+  map_radiation(before, resolved.share, resolved.table);
+  resolved.table.has_mesh = before.has_mesh;
   return {};
 }
 

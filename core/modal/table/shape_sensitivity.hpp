@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/table/shape_parameters.hpp"
+#include "core/design/shape_parameters.hpp"
 
 #include <cstddef>
 #include <span>
@@ -18,7 +18,7 @@ namespace tactus::modal {
 /// stretches and squeezes of bars and plates (docs/modal_impact.md, "Shape"). Mode shapes, mass and
 /// surface stay those of the table.
 struct ShapeSensitivity {
-  table::ShapeParameters shape;
+  design::ShapeParameters shape;
   std::vector<double> eigenvalue_slope; ///< [P][K] d(omega^2)/dp, rad^2/s^2 per m
   std::vector<double> solved_at_m;      ///< [P] d_0, or empty: 0. Control points are those of d = 0
 

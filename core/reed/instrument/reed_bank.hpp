@@ -474,7 +474,7 @@ private:
   }
   void flush_denormals() noexcept {
     for (V* value : {&state_.jet, &state_.jet_history, &state_.flow, &state_.inertance_flow,
-                     &state_.compliance_flow, &state_.port_history, &state_.base_deflection,
+                     &state_.compliance_flow, &state_.port_history, &state_.position,
                      &state_.base_velocity, &state_.base_pressure, &state_.pending_flow})
       flush_denormals(*value);
     filter_.each([](auto& value) { flush_denormals(value); });

@@ -1,4 +1,5 @@
 #include "core/footstep/foot.hpp"
+#include "files/recipe.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,6 +14,7 @@
 // hear the same noise, so that their quotient is what the foot does with it.
 
 using namespace tactus::footstep;
+using tactus::files::read_recipe;
 
 namespace {
 

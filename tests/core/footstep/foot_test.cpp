@@ -1,6 +1,7 @@
 #include "core/footstep/foot.hpp"
 #include "core/footstep/gait.hpp"
 #include "core/footstep/ground.hpp"
+#include "files/recipe.hpp"
 #include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
@@ -17,6 +18,7 @@
 #include <vector>
 
 using namespace tactus::footstep;
+using tactus::files::read_recipe;
 
 namespace {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/footstep/ground.hpp"
+#include "files/recipe.hpp"
 
 #include <doctest/doctest.h>
 
@@ -20,7 +21,7 @@ using namespace footstep;
 inline Recipe recipe_of(const std::string& text) {
   Recipe recipe;
   INFO(text);
-  REQUIRE(read_recipe(text, recipe) == "");
+  REQUIRE(files::read_recipe(text, recipe) == "");
   return recipe;
 }
 

@@ -1,4 +1,5 @@
 #include "bench/walking_foot.hpp"
+#include "files/recipe.hpp"
 #include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
@@ -24,6 +25,7 @@
 
 using namespace tactus::footstep;
 using tactus::bench::Walk;
+using tactus::files::read_recipe;
 
 namespace {
 

@@ -1,4 +1,3 @@
-#include "core/dsp/random.hpp"
 #include "core/haptic/device/path.hpp"
 
 #include "tests/core/haptic/approx.hpp"
@@ -6,14 +5,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <string>
 
 using namespace tactus::haptic;
 
 TEST_CASE("rows are joined by straight lines and held outside") {
-  const auto parsed = parse_path("# a stroke\n0 0 0 0\n100, 10 0 -5 1\n\n200\t10 20 -5 # end\r\n");
-  REQUIRE(parsed.error.empty());
-  const RowPath path(parsed.rows);
+  const RowPath path({{0, {}, 0}, {0.1, {0.01, 0, -0.005}, 1}, {0.2, {0.01, 0.02, -0.005}, 0}});
   CHECK(path.size() == 3);
   CHECK(path.at(-1).position == Vec3{});
   const PathPoint middle = path.at(0.05);
@@ -28,37 +24,10 @@ TEST_CASE("rows are joined by straight lines and held outside") {
 }
 
 TEST_CASE("two rows of one time are a jump") {
-  const auto parsed = parse_path("0 0 0 0\n10 1 0 0\n10 5 0 0\n20 5 0 0");
-  REQUIRE(parsed.error.empty());
-  const RowPath path(parsed.rows);
+  const RowPath path(
+      {{0, {}, 0}, {0.01, {1e-3, 0, 0}, 0}, {0.01, {5e-3, 0, 0}, 0}, {0.02, {5e-3, 0, 0}, 0}});
   CHECK(path.at(0.0099).position.x < 1e-3);
   CHECK(path.at(0.01).position.x == test::approx(5e-3));
-}
-
-TEST_CASE("a file that is wrong is refused with the line") {
-  CHECK(parse_path("").error == "no row of the form ms x y z [buttonmask]");
-  CHECK(parse_path("0 0 0").error == "line 1: expected ms x y z [buttonmask]");
-  CHECK(parse_path("0 0 0 0\n1 2 3 four").error == "line 2: expected ms x y z [buttonmask]");
-  CHECK(parse_path("0 0 0 0\n1 2 3 nan").error == "line 2: expected ms x y z [buttonmask]");
-  CHECK(parse_path("0 0 0 0 1 7").error == "line 1: expected ms x y z [buttonmask]");
-  CHECK(parse_path("5 0 0 0\n\n1 0 0 0").error == "line 3: time goes backwards");
-  CHECK(parse_path("0 0 1e9 0").error == "line 1: a position is beyond 100000 mm");
-  CHECK(parse_path("0 0 0 0 1.5").error ==
-        "line 1: the button mask is not a whole number from 0 to 4294967295");
-}
-
-TEST_CASE("random bytes never break the reader") {
-  tactus::Random random(6);
-  const std::string alphabet = "0123456789+-.eE \t\n,#naif\r\x80";
-  for (int round = 0; round < 5000; ++round) {
-    std::string text;
-    for (auto left = random.next() % 60; left > 0; --left)
-      text += alphabet[random.next() % alphabet.size()];
-    const auto parsed = parse_path(text);
-    CHECK(parsed.rows.empty() != parsed.error.empty());
-    if (!parsed.rows.empty())
-      CHECK(is_finite(RowPath(parsed.rows).at(0.5).position));
-  }
 }
 
 TEST_CASE("the velocities of the built-in paths are the slopes of their positions") {

@@ -1,13 +1,9 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/scene/half_spaces.hpp"
-#include "core/haptic/scene/mesh_file.hpp"
 #include "tests/core/haptic/scene_rig.hpp"
 
 #include <doctest/doctest.h>
-
-#include <bit>
-#include <cstring>
 
 // Bodies that move, appear and go; the parts that the scene is made of.
 
@@ -18,12 +14,6 @@ using Kind = ContactEvent::Kind;
 namespace {
 
 double error(const Vec3& is, const Vec3& should) { return norm(is - should); }
-
-void put(std::string& bytes, float value) {
-  const auto word = std::bit_cast<std::uint32_t>(value);
-  for (int i = 0; i < 4; ++i)
-    bytes += static_cast<char>(word >> (8 * i) & 255);
-}
 
 } // namespace
 
@@ -229,46 +219,6 @@ TEST_CASE("the nearest point of half spaces is the one that alternating projecti
     }
   }
   CHECK(compared > 380);
-}
-
-TEST_CASE("meshes are read from text and binary, and what is wrong is named") {
-  const ParsedMesh obj = parse_mesh("# tetra\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n"
-                                    "f 1/1/1 2//1 3\nf -4 -1 -3\r\nf 1 2 3 4\n");
-  CHECK(obj.error == "");
-  CHECK(obj.corners.size() == 4);
-  CHECK(obj.triangles == std::vector<Triangle>{{0, 1, 2}, {0, 3, 1}, {0, 1, 2}, {0, 2, 3}});
-  const ParsedMesh text = parse_mesh("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
-                                     "vertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\nendsolid\n");
-  CHECK(text.error == "");
-  CHECK(text.triangles.size() == 1);
-  std::string binary(80, 'x');
-  binary += std::string("\x01\0\0\0", 4);
-  for (const float value : {0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 2.f, 0.f, 0.f, 0.f, 3.f, 0.f})
-    put(binary, value);
-  binary += std::string(2, '\0');
-  const ParsedMesh stl = parse_mesh(binary);
-  CHECK(stl.error == "");
-  REQUIRE(stl.corners.size() == 3);
-  CHECK(stl.corners[2] == Vec3{0, 3, 0});
-  CHECK(parse_mesh("v 1 2\n").error == "line 1: expected three numbers");
-  CHECK(parse_mesh("v 0 0 0\nf 1 2 3\n").error == "line 2: a face has no corner 2");
-  CHECK(parse_mesh("v 0 0 nan\n").error == "line 1: expected three numbers");
-  CHECK(parse_mesh("").error == "holds no triangles; expected an STL or OBJ file");
-  CHECK(parse_mesh(std::string(84, '\xff')).error != "");
-}
-
-TEST_CASE("random bytes are no mesh, and no harm") {
-  tactus::Random random(9);
-  for (int round = 0; round < 2000; ++round) {
-    std::string bytes;
-    for (std::size_t n = static_cast<std::size_t>(random.uniform() * 200); n-- > 0;)
-      bytes += "vf 0123456789-+.e/\n\r solidvertexfacet\0\xff"[static_cast<std::size_t>(
-          random.uniform() * 37)];
-    const ParsedMesh mesh = parse_mesh(bytes);
-    const TriangleMesh made(mesh.corners, mesh.triangles);
-    WorkLimit work;
-    static_cast<void>(made.crossing({0, 0, 1}, {0, 0, -1}, work));
-  }
 }
 
 TEST_CASE("a body that pushes the hand does not push it through another") {

@@ -87,7 +87,7 @@ TEST_CASE("a loud body that is retuned begins its new sound where the old one st
     const auto sound = [](BodyModel& model, ModeBank::Part part) {
       model.bank.settle();
       double sum = 0;
-      for (std::size_t k = 0; k < model.audible_modes; ++k)
+      for (std::size_t k = 0; k < model.output; ++k)
         sum += (model.bank.weight(0, part, k) * model.bank.state(k)).imag();
       return sum;
     };

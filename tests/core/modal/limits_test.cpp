@@ -111,7 +111,7 @@ TEST_CASE("what is culled of a pulse is not missed") {
     rig.body.set_striker({0.02, 0.02, 3e5, 0.49, 0, 1.5, 0, 1}); // soft
     rig.hit({0.05, 0.03, 0}, 0.5);
     auto output = rig.run(48000);
-    return std::tuple(output.left, rig.body.culled(), rig.body.model()->audible_modes);
+    return std::tuple(output.left, rig.body.culled(), rig.body.model()->output);
   };
   const auto [all, none, count] = play(200);
   const auto [fewer, culled, same] = play(80);

@@ -23,10 +23,10 @@ void hdStopScheduler(void) { may_hang("hdStopScheduler"), plain_hdStopScheduler(
 void hdEndFrame(unsigned device) {
   static int fast;
   may_hang("hdEndFrame");
-  if (asked_for("warm"))
+  if (still_requested("warm"))
     fake_hd_fail(0x0200); /* in each frame, as the device does */
-  if (asked_for("fast") && !fast)
+  if (still_requested("fast") && !fast)
     fake_hd_fail(0x0203);
-  fast = asked_for("fast");
+  fast = still_requested("fast");
   plain_hdEndFrame(device);
 }

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/serve/protocol.hpp"
+
+#include <cstdint>
+
+/// Messages of `modal_fem serve FILE.modal.npz`, which finds the modes of a table's body at other
+/// shapes. docs/modal_fem.md lists them. A request `solve` is f64 parameters [P], then f64 [P] the
+/// parameters of the shape whose modes are to be matched with the new ones, m. Solves are functions
+/// of the request alone: the program may be started anew between two of them.
+namespace tactus::serve {
+
+struct ModesReady {
+  std::uint64_t modes = 0, vertices = 0, parameters = 0; ///< of the table: K, V, P
+};
+
+/// The fixed part of an answer. `shares` modal::ModeShares follow
+/// (core/modal/table/mode_share.hpp), then to the end a modal table (NPZ) of the new shape, whose
+/// array `displacement` [P] holds the parameters that were reached.
+struct ModesAnswer {
+  double seconds = 0;  ///< that the solve took
+  double fraction = 1; ///< of the move that keeps the mesh valid
+  std::uint64_t shares = 0;
+};
+
+} // namespace tactus::serve

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "files/mesh_file.hpp"
+#include "files/text_lines.hpp"
+
+/// The parts of read_mesh(): one reader a format, and what they share.
+namespace tactus::files {
+
+/// Points are numbered by 32-bit integers, signed ones in some programs.
+inline constexpr std::size_t kMaxMeshPoints = std::numeric_limits<std::int32_t>::max();
+
+[[nodiscard]] bool is_binary_stl_by_size(std::string_view bytes) noexcept;
+[[nodiscard]] bool is_stl_text(std::string_view bytes);
+void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMesh& mesh);
+void read_stl_text(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh);
+void read_obj(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh);
+
+/// "line 7: ".
+[[nodiscard]] std::string line_text(std::size_t line);
+/// Appends the next three words as a point; else says so in `mesh.error` and returns false.
+[[nodiscard]] bool add_point(Words& words, std::size_t line, PolygonMesh& mesh);
+/// Whether a number of triangles is accepted; else says so in `mesh.error`.
+[[nodiscard]] bool accepts(std::size_t triangles, const MeshLimits& limits, PolygonMesh& mesh);
+
+} // namespace tactus::files

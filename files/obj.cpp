@@ -1,0 +1,124 @@
+#include "files/mesh_formats.hpp"
+#include "files/text.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace tactus::files {
+namespace {
+
+constexpr std::array<std::string_view, 5> kFreeForm{"curv", "curv2", "surf", "bmat", "cstype"};
+
+/// Joins lines that end with a backslash; the line numbers after them stay.
+std::string joined(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  std::size_t skipped = 0; // line ends of the line being joined
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\\') {
+      const std::size_t end = text.find_first_not_of(" \t\r", i + 1);
+      if (end != std::string_view::npos && text[end] == '\n') {
+        out += ' ';
+        ++skipped;
+        i = end;
+        continue;
+      }
+    } else if (text[i] == '\n') {
+      out.append(skipped, '\n');
+      skipped = 0;
+    }
+    out += text[i];
+  }
+  return out;
+}
+
+class ObjReader {
+public:
+  ObjReader(const MeshLimits& limits, PolygonMesh& mesh) : limits_(limits), mesh_(mesh) {}
+
+  /// One line; false when it is wrong.
+  bool line(std::size_t number, Words words) {
+    const std::string_view kind = words.next();
+    if (kind == "v")
+      return add_point(words, number, mesh_);
+    if (kind == "f")
+      return face(number, words);
+    if (kind == "o" || (kind == "g" && !objects_)) {
+      if (kind == "o" && !objects_ && mesh_.polygons() == 0)
+        mesh_.groups.clear();
+      objects_ = objects_ || kind == "o";
+      begin_group(words.rest());
+    } else if (kind == "l") {
+      ++lines_;
+    } else if (kind == "p") {
+      ++single_points_;
+    } else if (mesh_.free_form.empty() &&
+               std::find(kFreeForm.begin(), kFreeForm.end(), kind) != kFreeForm.end()) {
+      mesh_.free_form = line_text(number) + "\"" + std::string(kind) +
+                        "\" is a free-form curve or surface, expected polygons (f)";
+    }
+    return true;
+  }
+
+  void end() {
+    if (mesh_.error.empty() && mesh_.polygons() == 0 && lines_ + single_points_ > 0)
+      mesh_.error = "holds " + std::to_string(lines_) + " lines and " +
+                    std::to_string(single_points_) +
+                    " points and no face: expected the polygons (f) of a closed surface";
+  }
+
+private:
+  void begin_group(std::string_view name) {
+    mesh_.groups.emplace_back(name.empty() ? "part" + std::to_string(mesh_.groups.size() + 1)
+                                           : std::string(name));
+  }
+
+  /// Corners are "7", "7/1", "7//2" or from the end "-1".
+  bool face(std::size_t number, Words words) {
+    const std::size_t begin = mesh_.corner.size();
+    const auto count = static_cast<std::int64_t>(mesh_.points.size());
+    for (std::string_view word = words.next(); !word.empty() && word[0] != '#';
+         word = words.next()) {
+      const auto index = to_integer(word.substr(0, word.find('/')));
+      const std::int64_t at = !index ? -1 : *index < 0 ? count + *index : *index - std::int64_t{1};
+      if (at < 0 || at >= count) {
+        mesh_.error = line_text(number) + "vertex " + std::string(word) + " does not exist";
+        return false;
+      }
+      mesh_.corner.push_back(static_cast<std::uint32_t>(at));
+    }
+    const std::size_t corners = mesh_.corner.size() - begin;
+    if (corners < 3 || corners > limits_.max_face_corners) {
+      mesh_.error = line_text(number) + "a face with " + std::to_string(corners) +
+                    " corners, expected 3 " +
+                    (limits_.max_face_corners == MeshLimits{}.max_face_corners
+                         ? std::string("or more")
+                         : "to " + std::to_string(limits_.max_face_corners));
+      return false;
+    }
+    if (mesh_.groups.empty())
+      begin_group("");
+    mesh_.end.push_back(static_cast<std::uint32_t>(mesh_.corner.size()));
+    mesh_.group.push_back(static_cast<std::uint32_t>(mesh_.groups.size() - 1));
+    triangles_ += corners - 2;
+    return accepts(triangles_, limits_, mesh_);
+  }
+
+  const MeshLimits& limits_;
+  PolygonMesh& mesh_;
+  bool objects_ = false;
+  std::size_t lines_ = 0, single_points_ = 0, triangles_ = 0;
+};
+
+} // namespace
+
+void read_obj(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh) {
+  std::string whole_lines;
+  if (text.find('\\') != std::string_view::npos)
+    text = whole_lines = joined(text);
+  ObjReader reader(limits, mesh);
+  for_each_line(text, [&](std::size_t number, Words words) { return reader.line(number, words); });
+  reader.end();
+}
+
+} // namespace tactus::files

@@ -1,0 +1,135 @@
+#include "files/recipe.hpp"
+
+#include "core/declaration_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+namespace tactus::files {
+namespace {
+
+using footstep::CloudRecipe;
+using footstep::kMaxClouds;
+using footstep::kMaxModes;
+using footstep::ModesRecipe;
+using footstep::Recipe;
+using footstep::recipe_keys;
+using footstep::RecipeKey;
+
+constexpr std::string_view kBlanks = " \t\r";
+constexpr double kDefaultRoomLevel = -10; // dB, where a section [room] names none
+constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
+                                                    "bubbles", "rustle",   "room"};
+
+std::vector<std::string_view> split_words(std::string_view line) {
+  std::vector<std::string_view> words;
+  line = line.substr(0, line.find('#'));
+  for (;;) {
+    const auto begin = line.find_first_not_of(kBlanks);
+    if (begin == line.npos)
+      return words;
+    line.remove_prefix(begin);
+    const auto end = std::min(line.find_first_of(kBlanks), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+}
+
+bool to_number(std::string_view word, double& value) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+}
+
+class Reader {
+public:
+  std::string line(std::string_view text) {
+    const auto words = split_words(text);
+    if (words.empty())
+      return {};
+    if (words[0].front() == '[')
+      return open(words[0]);
+    if (words[0] == "gains" && (section_ == "solid" || section_ == "friction"))
+      return gains(words);
+    const auto keys = recipe_keys();
+    const auto key = std::find_if(keys.begin(), keys.end(), [&](const RecipeKey& k) {
+      return k.section == section_ && k.name == words[0];
+    });
+    if (key == keys.end())
+      return "there is no '" + std::string(words[0]) + "' " +
+             (section_.empty() ? "before the first section" : "in [" + std::string(section_) + "]");
+    const std::string label = std::string(words[0]);
+    double value = 0;
+    if (words.size() != 2 || !to_number(words[1], value))
+      return label + ": expected one number";
+    if (value < key->lowest || value > key->highest)
+      return label + " " + number_text(value) + (key->unit.empty() ? "" : " ") +
+             std::string(key->unit) + ": expected " + number_text(key->lowest) + ".." +
+             number_text(key->highest);
+    key->member(recipe) = value;
+    return {};
+  }
+
+  Recipe recipe;
+
+private:
+  std::string open(std::string_view word) {
+    const auto name = word.substr(1, word.size() - std::min<std::size_t>(word.size(), 2));
+    const auto* section = std::find(kSections.begin(), kSections.end(), name);
+    if (word.back() != ']' || section == kSections.end())
+      return std::string(word) +
+             ": expected [solid], [friction], [grains], [bubbles], [rustle] or [room]";
+    section_ = *section;
+    if (section_ == "solid") {
+      recipe.solid.present = true;
+    } else if (section_ == "friction") {
+      recipe.friction.present = true;
+    } else if (section_ == "room") {
+      recipe.room.level_db = kDefaultRoomLevel;
+    } else {
+      if (recipe.clouds == kMaxClouds)
+        return "more than " + number_text(kMaxClouds) + " sections of grains, bubbles and rustle";
+      CloudRecipe& cloud = recipe.cloud[recipe.clouds++];
+      if (section_ == "bubbles")
+        cloud.settings.kind = particle::CloudSettings::Kind::kBubbles;
+      else if (section_ == "rustle")
+        cloud.settings.kind = particle::CloudSettings::Kind::kRustle;
+    }
+    return {};
+  }
+
+  std::string gains(const std::vector<std::string_view>& words) {
+    ModesRecipe& modes = section_ == "solid" ? recipe.solid.modes : recipe.friction.modes;
+    if (words.size() < 2 || words.size() > kMaxModes + 1)
+      return "gains: expected 1.." + number_text(kMaxModes) + " numbers";
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      double value = 0;
+      if (!to_number(words[i], value) || std::abs(value) > 120)
+        return "gains " + std::string(words[i]) + " dB: expected -120..120";
+      modes.gains_db[i - 1] = value;
+    }
+    return {};
+  }
+
+  std::string_view section_;
+};
+
+} // namespace
+
+std::string read_recipe(std::string_view text, Recipe& recipe) {
+  Reader reader;
+  for (int number = 1; !text.empty(); ++number) {
+    const auto end = std::min(text.find('\n'), text.size());
+    if (const std::string error_text = reader.line(text.substr(0, end)); !error_text.empty())
+      return "line " + number_text(number) + ": " + error_text;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  if (!reader.recipe.solid.present && !reader.recipe.friction.present && reader.recipe.clouds == 0)
+    return "it has no section that sounds";
+  recipe = reader.recipe;
+  return {};
+}
+
+} // namespace tactus::files

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/footstep/recipe.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace tactus::files {
+
+/// Reads a ground's recipe. Lines: `level 1` before any section; `[solid]`, `[friction]`,
+/// `[grains]`, `[bubbles]` and `[rustle]` (together up to four of these three), `[room]`, then
+/// `key value` in the units that docs/footstep.md lists; `#` begins a comment. Returns an empty
+/// text, or one sentence that names line, key, value and what was expected; `recipe` is then
+/// unchanged.
+[[nodiscard]] std::string read_recipe(std::string_view text, footstep::Recipe& recipe);
+
+} // namespace tactus::files

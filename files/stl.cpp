@@ -1,0 +1,112 @@
+#include "files/mesh_formats.hpp"
+#include "files/text.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace tactus::files {
+namespace {
+
+constexpr std::size_t kHeader = 84, kRecord = 50; // bytes
+constexpr std::size_t kNormal = 12;               // bytes of a record before its corners
+
+std::uint32_t read_uint32(std::string_view bytes, std::size_t at) noexcept {
+  std::uint32_t word = 0;
+  for (std::size_t i = 4; i-- > 0;)
+    word = word << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return word;
+}
+
+std::size_t binary_count(std::string_view bytes) noexcept {
+  return bytes.size() >= kHeader ? read_uint32(bytes, 80) : 0;
+}
+
+/// A facet ends: its corners are the points since `first`.
+bool close_facet(std::size_t first, std::size_t line, const MeshLimits& limits, PolygonMesh& mesh) {
+  const std::size_t corners = mesh.points.size() - first;
+  if (corners != 3) {
+    mesh.error =
+        line_text(line) + "a facet with " + std::to_string(corners) + " corners, expected 3";
+    return false;
+  }
+  for (std::size_t p = first; p < mesh.points.size(); ++p)
+    mesh.corner.push_back(static_cast<std::uint32_t>(p));
+  mesh.group.push_back(
+      static_cast<std::uint32_t>(std::max<std::size_t>(mesh.groups.size(), 1) - 1));
+  return accepts(mesh.polygons(), limits, mesh);
+}
+
+} // namespace
+
+bool is_binary_stl_by_size(std::string_view bytes) noexcept {
+  return bytes.size() >= kHeader && bytes.size() == kHeader + kRecord * binary_count(bytes);
+}
+
+bool is_stl_text(std::string_view bytes) {
+  const auto start = bytes.find_first_not_of(" \t\r\n");
+  if (start == std::string_view::npos || !is_word(bytes.substr(start, 5), "solid"))
+    return false;
+  const std::string beginning = lower(bytes.substr(0, 1 << 16));
+  return beginning.find('\0') == std::string::npos &&
+         (beginning.find("facet") != std::string::npos ||
+          beginning.find("endsolid") != std::string::npos);
+}
+
+void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMesh& mesh) {
+  if (bytes.size() < kHeader) {
+    mesh.error = "is no STL file: it has " + std::to_string(bytes.size()) +
+                 " bytes and does not start with \"solid\"";
+    return;
+  }
+  const std::size_t available = (bytes.size() - kHeader) / kRecord;
+  std::size_t count = binary_count(bytes);
+  if (count == 0) // left out by some writers
+    count = (bytes.size() - kHeader) % kRecord == 0 ? available : 0;
+  if (count > available) {
+    mesh.error = "promises " + std::to_string(count) + " triangles and ends after " +
+                 std::to_string(available);
+    return;
+  }
+  if (!accepts(count, limits, mesh))
+    return;
+  mesh.groups = {"solid"};
+  mesh.points.reserve(3 * count);
+  mesh.corner.reserve(3 * count);
+  for (std::size_t t = 0; t < count; ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t at = kHeader + kRecord * t + kNormal + 12 * c;
+      haptic::Vec3 p;
+      for (int axis = 0; axis < 3; ++axis)
+        p[axis] = static_cast<double>(
+            std::bit_cast<float>(read_uint32(bytes, at + 4 * static_cast<std::size_t>(axis))));
+      if (!is_finite(p)) {
+        mesh.error = "triangle " + std::to_string(t + 1) + " has a corner that is no number";
+        return;
+      }
+      mesh.corner.push_back(static_cast<std::uint32_t>(mesh.points.size()));
+      mesh.points.push_back(p);
+    }
+  }
+}
+
+void read_stl_text(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh) {
+  std::size_t first = 0; // corner of the facet being read
+  for_each_line(text, [&](std::size_t line, Words words) {
+    const std::string_view word = words.next();
+    if (is_word(word, "solid")) {
+      const std::string name(words.rest());
+      mesh.groups.push_back(name.empty() ? "solid" + std::to_string(mesh.groups.size() + 1) : name);
+    } else if (is_word(word, "vertex")) {
+      return add_point(words, line, mesh);
+    } else if (is_word(word, "endfacet")) {
+      const bool good = close_facet(first, line, limits, mesh);
+      first = mesh.points.size();
+      return good;
+    }
+    return true;
+  });
+  if (mesh.error.empty() && first != mesh.points.size())
+    mesh.error = "ends within a facet";
+}
+
+} // namespace tactus::files

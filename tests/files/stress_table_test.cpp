@@ -1,0 +1,222 @@
+// Stress tables as files: what is read where, and one sentence for every damage.
+#include "files/stress_table.hpp"
+#include "tests/core/stress/tables.hpp"
+#include "tests/files/stress_members.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <random>
+
+using namespace tactus;
+using namespace tactus::test;
+using files::read_stress_table;
+using stress::StressTable;
+
+namespace {
+
+template <class Change> std::string refusal_after(const Change& change) {
+  auto members = small_stress_table();
+  change(members);
+  StressTable table;
+  return read_stress_table(bytes_of(archive(members)), table);
+}
+
+/// The sentence when an array has these numbers and this shape.
+template <class T>
+std::string refusal_with(const char* name, const std::vector<T>& numbers,
+                         std::vector<std::size_t> shape) {
+  return refusal_after([&](auto& members) {
+    Member& m = named(members, name);
+    m.type = sizeof(T) == 8 ? "<f8" : "<f4";
+    m.data = raw(numbers);
+    m.shape = shape;
+  });
+}
+
+std::string refusal_without(const char* name) {
+  return refusal_after(
+      [&](auto& members) { std::erase_if(members, [&](auto& m) { return m.name == name; }); });
+}
+
+void mentions(const std::string& sentence, std::initializer_list<const char*> words) {
+  CAPTURE(sentence);
+  for (const char* word : words) {
+    CAPTURE(word);
+    CHECK(sentence.find(word) != std::string::npos);
+  }
+  CHECK(sentence.find('\n') == std::string::npos);
+}
+
+} // namespace
+
+TEST_CASE("every array of a stress table is read with its units") {
+  StressTable table;
+  REQUIRE(read_stress_table(bytes_of(archive(small_stress_table())), table) == "");
+  CHECK(table.elements() == 4);
+  CHECK(table.base.von_mises.stress == std::vector<float>{10, 20, 30, 40});
+  CHECK(table.base.von_mises.sensitivity == std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8});
+  CHECK(table.has_shear());
+  CHECK(table.base.max_shear.stress == std::vector<float>{5, 6, 7, 8});
+  CHECK(table.base.max_shear.sensitivity == std::vector<float>{8, 7, 6, 5, 4, 3, 2, 1});
+  CHECK(table.base.displacement_m == std::vector<double>{0, 0});
+  CHECK(table.weight == std::vector<float>{1e-6F, 2e-6F, 3e-6F, 4e-6F});
+  REQUIRE(table.parameters.size() == 2);
+  CHECK(table.parameters[0].control_point == 1);
+  CHECK(table.parameters[0].axis == 0);
+  CHECK(table.parameters[0].low_m == -0.01);
+  CHECK(table.parameters[0].high_m == 0.02);
+  CHECK(table.parameters[1].control_point == 0);
+  CHECK(table.parameters[1].axis == 2);
+  CHECK(table.control_point_m[1] == haptic::Vec3{0.3, 0.4, 0.5});
+  CHECK(table.trust_m == 0.005);
+  CHECK(table.surface_node_m[1] == haptic::Vec3{1, 0, 0});
+  CHECK(table.surface_triangle[0] == std::array<std::int32_t, 3>{0, 1, 2});
+  CHECK(table.surface_node_element == std::vector<std::int32_t>{3, 2, 0});
+  CHECK(table.surface_weight == std::vector<float>{1, 0, 0.5F, 0.5F, 0, 1});
+  CHECK(table.name == "four");
+  CHECK(table.material == "steel");
+  CHECK(table.loads == "1 N");
+}
+
+TEST_CASE("shear, volumes and the surface may be left out, each whole") {
+  StressTable table;
+  auto members = small_stress_table();
+  std::erase_if(members, [](const Member& m) {
+    return m.name.find("shear") != std::string::npos || m.name == "weights" ||
+           m.name.starts_with("surface");
+  });
+  REQUIRE(read_stress_table(bytes_of(archive(members)), table) == "");
+  CHECK(!table.has_shear());
+  CHECK(table.weight.empty());
+  CHECK(table.surface_node_m.empty());
+  for (const char* name : {"meta", "s0", "S", "shear0", "S_shear", "parameters", "control_points",
+                           "trust", "surface_triangles", "surface_node_element"})
+    mentions(refusal_without(name), {"array", name, "missing"});
+}
+
+TEST_CASE("damage is one sentence with the array, what it is and what was expected") {
+  using D = std::vector<double>;
+  mentions(refusal_with("s0", D{1, 2, 3}, {3}), {"'S'", "(2, 4)", "expected (2, 3)"});
+  mentions(refusal_with("s0", D{1, 2, 3, 4}, {2, 2}), {"'s0'", "(2, 2)", "expected (any)"});
+  mentions(refusal_with("s0", D{1, 2, -3, 4}, {4}), {"'s0'", "0..1e+15 Pa"});
+  mentions(refusal_with("s0", D{1, 2, 3e15, 4}, {4}), {"'s0'", "0..1e+15 Pa"});
+  mentions(refusal_with("s0", D{1, 2, NAN, 4}, {4}), {"'s0'", "not finite"});
+  mentions(refusal_with("s0", D{}, {0}), {"'s0'", "empty"});
+  mentions(refusal_with("S", D{1, 2, 3, 4}, {1, 4}), {"'S'", "(1, 4)", "expected (2, 4)"});
+  mentions(refusal_with("S", D{1, 2, 3, 4, 5, 6, 7, 1e300}, {2, 4}), {"'S'", "not finite"});
+  mentions(refusal_with("shear0", D{1, 2, 3}, {3}), {"'shear0'", "(3)", "expected (4)"});
+  mentions(refusal_with("weights", D{1, 2, 3}, {3}), {"'weights'", "expected (4)"});
+  mentions(refusal_with("weights", D{1, 2, 0, 4}, {4}), {"'weights'", "volumes"});
+  mentions(refusal_with("weights", D{1, 2, 2e12, 4}, {4}), {"'weights'", "volumes"});
+  mentions(refusal_with("trust", D{0}, {}), {"'trust'", "0 m", "more than 0"});
+  mentions(refusal_with("trust", D{1, 2}, {2}), {"'trust'", "(2)", "expected ()"});
+  mentions(refusal_with("control_points", D{0, 0, 2e4, 0, 0, 0}, {2, 3}),
+           {"'control_points'", "metres"});
+  const auto rows = [](D numbers) {
+    const std::size_t count = numbers.size() / 4;
+    return refusal_with("parameters", numbers, {count, 4});
+  };
+  mentions(rows({2, 0, -1, 1}), {"row 0", "control point 2", "expected 0..1"});
+  mentions(rows({-1, 0, -1, 1}), {"row 0", "control point -1"});
+  mentions(rows({0.5, 0, -1, 1}), {"row 0", "control point 0.5"});
+  mentions(rows({0, 3, -1, 1}), {"row 0", "axis 3", "0, 1 or 2"});
+  mentions(rows({0, 0, 0.1, 1}), {"row 0", "0.1..1", "low <= 0 <= high"});
+  mentions(rows({0, 0, -1, -0.5}), {"row 0", "low <= 0 <= high"});
+  mentions(rows({0, 0, 0, 0}), {"row 0", "low <= 0 <= high"});
+  mentions(rows({0, 0, -2e4, 0}), {"row 0", "low <= 0 <= high"});
+  mentions(rows({0, 1, -1, 1, 0, 1, -1, 1}), {"row 1", "twice"});
+  mentions(rows({}), {"'parameters'", "0 rows", "1..6"});
+  mentions(refusal_with("surface_triangles", D{0, 1, 3}, {1, 3}),
+           {"'surface_triangles'", "corner 3"});
+  mentions(refusal_with("surface_triangles", D{0, 1, -1}, {1, 3}),
+           {"'surface_triangles'", "corner -1"});
+  mentions(refusal_with("surface_node_element", D{0, 1, 4}, {3}),
+           {"'surface_node_element'", "4 of 4"});
+  mentions(refusal_with("surface_node_element", D{0, 1, .5}, {3}), {"'surface_node_element'"});
+  mentions(refusal_with("surface_weights", D{0, 1, 0, 1}, {2, 2}), {"'surface_weights'"});
+  mentions(refusal_with("surface_weights", D{0, 1, 0, 1, 0, NAN}, {3, 2}),
+           {"'surface_weights'", "not finite"});
+}
+
+TEST_CASE("a table's description says what it is and in which units") {
+  const auto described = [](const std::string& meta) {
+    return refusal_after([&](auto& members) {
+      Member& m = named(members, "meta");
+      m.data = meta;
+      m.shape = {meta.size()};
+    });
+  };
+  CHECK(described(R"({"format":"stress-table","version":"1"})") == "");
+  CHECK(described(R"({"format":"stress-table","version":"1.7"})") == "");
+  mentions(described(R"({"format":"modal-table","version":"1"})"),
+           {"no stress table", "modal-table"});
+  mentions(described(R"({"format":"stress-table","version":"2"})"), {"version '2'"});
+  mentions(described(R"({"format":"stress-table","version":"1","units":{"stress":"MPa"}})"),
+           {"stress is in MPa", "expected Pa"});
+  mentions(described(R"({"format":"stress-table","version":"1","units":{"length":"mm"}})"),
+           {"length is in mm", "expected m"});
+  mentions(described("nonsense"), {"'meta'", "JSON"});
+}
+
+TEST_CASE("too many control points or sensitivities are refused before they are read") {
+  mentions(refusal_with("control_points", std::vector<double>(3 * 4097), {4097, 3}),
+           {"4097 points", "at most 4096"});
+}
+
+TEST_CASE("damaged files crash nothing, and behind right checksums give only sound tables") {
+  const std::string good = archive(small_stress_table());
+  std::mt19937 random(5);
+  StressTable table;
+  std::size_t refused = 0;
+  for (int round = 0; round < 10000; ++round) {
+    std::string bad = good;
+    for (unsigned n = 1 + random() % 4; n-- > 0;) {
+      const std::size_t at = random() % bad.size();
+      switch (random() % 3) {
+      case 0:
+        bad[at] = static_cast<char>(random());
+        break;
+      case 1:
+        bad.erase(at, random() % 9);
+        break;
+      default:
+        bad.insert(at, std::string(random() % 9, static_cast<char>(random())));
+        break;
+      }
+      if (bad.empty())
+        bad = "x";
+    }
+    refused += read_stress_table(bytes_of(bad), table).empty() ? 0 : 1;
+  }
+  CHECK(refused > 7000);
+  for (int round = 0; round < 10000; ++round) {
+    auto members = small_stress_table();
+    Member& m = members[random() % members.size()];
+    for (unsigned n = 1 + random() % 8; n-- > 0 && !m.data.empty();)
+      m.data[random() % m.data.size()] = static_cast<char>(random());
+    if (random() % 3 == 0 && !m.shape.empty())
+      m.shape[random() % m.shape.size()] = random() % 6;
+    StressTable read;
+    if (!read_stress_table(bytes_of(archive(members)), read).empty())
+      continue;
+    CHECK(stress::check_base(read, read.base) == "");
+    CHECK(read.trust_m > 0);
+    for (const auto& p : read.parameters)
+      CHECK((p.control_point < read.control_point_m.size() && p.low_m <= 0 && p.high_m >= 0));
+    for (const auto& t : read.surface_triangle)
+      for (const std::int32_t v : t)
+        CHECK((v >= 0 && static_cast<std::size_t>(v) < read.surface_node_m.size()));
+    for (const std::int32_t e : read.surface_node_element)
+      CHECK((e >= 0 && static_cast<std::size_t>(e) < read.elements()));
+  }
+}
+
+TEST_CASE("a refused file leaves the table as it was") {
+  StressTable table = four_elements();
+  auto members = small_stress_table();
+  members.pop_back();
+  CHECK(read_stress_table(bytes_of(archive(members)), table) != "");
+  CHECK(table.elements() == 4);
+  CHECK(table.parameters.size() == 3);
+}

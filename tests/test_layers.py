@@ -1,0 +1,90 @@
+"""Includes go down the house's floors alone, as docs/architecture.md draws them; the core includes the
+standard library alone and reads no file; a library's header stays in the room that wraps it."""
+import pathlib
+import re
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+# Whose headers the sources of a room may include.
+ROOMS = {
+    "core": {"core"},
+    "files": {"files", "core"},
+    "fem": {"fem", "files", "core"},
+    "devices": {"devices", "core"},
+    "net": {"net", "files", "core"},
+    "pd": {"pd", "core"},
+    "externals": {"externals", "devices", "net", "files", "core"},
+    "programs": {"programs", "externals", "fem", "devices", "net", "files", "core"},
+}
+# Headers in angle brackets, and the only files that may include them.
+HOMES = {
+    "m_pd.h": r"pd/.*",
+    "nlohmann/json.hpp": r"(files|devices/haply)/[^/]*\.cpp",
+    "Eigen/.*": r"fem/.*\.cpp",
+    "(cblas|cholmod|gmsh).h": r"fem/.*",
+    "boost/.*": r"(net|devices/haply)/.*",
+    "(hidapi|libusb).h": r"devices/.*",
+    "(petsc|slepc).*": r"programs/.*",
+    "doctest/.*|benchmark/.*": r"-",
+}
+STANDARD = re.compile(r"[a-z_0-9]+")  # <vector>; <unistd.h> has a point
+INSTRUCTIONS = {"immintrin.h", "xmmintrin.h", "arm_neon.h"}
+FILES = {"fstream", "filesystem", "iostream", "syncstream"}
+READS = re.compile(r"\b(fopen|freopen|fread|fwrite|fgets|fputs|tmpfile|FILE)\b")
+INCLUDE = re.compile(r"^\s*#\s*include\s*([<\"])([^>\"]+)[>\"]", re.M)
+
+
+def wrong_in(room, path, text):
+    """What a source of a room includes that it may not, one sentence each; path is from the root."""
+    for kind, header in INCLUDE.findall(text):
+        if kind == '"':
+            first = header.split("/")[0]
+            # A header without a folder, or one that CMake makes, lies beside its source.
+            if "/" in header and first not in ROOMS[room]:
+                yield f'{path} includes "{header}": {room}/ may include {", ".join(sorted(ROOMS[room]))}'
+            continue
+        homes = [home for pattern, home in HOMES.items() if re.fullmatch(pattern, header)]
+        if any(not re.fullmatch(home, path) for home in homes):
+            yield f"{path} includes <{header}>, whose place is {' '.join(homes)}"
+        if room != "core":
+            continue
+        if header in FILES or not (STANDARD.fullmatch(header) or header in INSTRUCTIONS):
+            yield f"{path} includes <{header}>: the core includes the standard library alone, and reads no file"
+    if room == "core" and (found := READS.search(re.sub(r"//.*", "", text))):
+        yield f"{path} uses {found[0]}: the core reads no file"
+
+
+def violations(root):
+    for room in ROOMS:
+        for path in sorted((root / room).rglob("*")):
+            if path.suffix in (".cpp", ".hpp", ".h", ".c", ".in") and path.is_file():
+                yield from wrong_in(room, path.relative_to(root).as_posix(), path.read_text(errors="replace"))
+
+
+def test_includes_go_down_alone():
+    assert all((ROOT / room).is_dir() for room in ROOMS)
+    assert list(violations(ROOT)) == []
+
+
+def test_what_goes_up_or_sideways_is_found(tmp_path):
+    lines = {
+        "core/a.cpp": '#include "files/npz.hpp"\n#include <fstream>\n#include <unistd.h>\n#include <cmath>\n',
+        "core/b.hpp": "#include <nlohmann/json.hpp>\n",
+        "core/c.cpp": '#include <cstdio>\nauto* f = std::fopen("x", "r"); // FILE\n',
+        "core/d.cpp": '#include <cstdio>\n#include <immintrin.h>\n#include "core/b.hpp"\n// a FILE in words\n',
+        "files/a.hpp": '#include "fem/io/npz.hpp"\n  #  include <nlohmann/json.hpp>\n',
+        "files/b.cpp": '#include "files/a.hpp"\n#include <nlohmann/json.hpp>\n#include <fstream>\n',
+        "fem/a.cpp": '#include "devices/a.hpp"\n#include "files/a.hpp"\n',
+        "externals/x/a.cpp": '#include "fem/a.hpp"\n#include <m_pd.h>\n',
+        "programs/x/a.cpp": '#include "externals/x/a.hpp"\n#include "pd/shell.hpp"\n',
+    }
+    for name, text in lines.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    found = list(violations(tmp_path))
+    words = [("core/a.cpp", "files/npz.hpp"), ("core/a.cpp", "fstream"), ("core/a.cpp", "unistd.h"),
+             ("core/b.hpp", "place"), ("core/b.hpp", "standard"), ("core/c.cpp", "fopen"),
+             ("files/a.hpp", "fem/io"), ("files/a.hpp", "nlohmann"), ("fem/a.cpp", "devices/a.hpp"),
+             ("externals/x/a.cpp", "fem/a.hpp"), ("externals/x/a.cpp", "m_pd.h"), ("programs/x/a.cpp", "pd/shell")]
+    assert len(found) == len(words), found
+    for name, word in words:
+        assert any(name in sentence and word in sentence for sentence in found), (name, word)
