@@ -1,9 +1,12 @@
-# precompile_headers(): call once, when every target is known. The build with sanitizers then reads the
-# standard library's headers once for all files that are compiled alike, which saves it a seventh of its
-# time. g++ reads every file by itself, so that a missing include is found.
-set(often_included <algorithm> <array> <atomic> <charconv> <chrono> <cmath> <complex> <cstddef> <cstdint>
-  <cstdio> <cstdlib> <cstring> <fstream> <functional> <limits> <map> <memory> <mutex> <numbers> <optional>
-  <random> <span> <sstream> <string> <string_view> <thread> <utility> <vector>)
+# precompile_headers(): call once, when every target is known. The standard library's headers, which are
+# most of what a source file makes the compiler read, are then read once for all files that are compiled
+# alike. A missing include is found all the same: tests/core/check_includes.py looks for the header of
+# every name of std; with -DTACTUS_PRECOMPILE=OFF the compiler reads every file by itself.
+option(TACTUS_PRECOMPILE "read the standard library's headers once for all files" ON)
+set(often_included <algorithm> <array> <atomic> <bit> <charconv> <chrono> <cmath> <complex> <concepts>
+  <condition_variable> <cstddef> <cstdint> <cstdio> <cstdlib> <cstring> <deque> <fstream> <functional>
+  <initializer_list> <limits> <map> <memory> <mutex> <numbers> <optional> <random> <span> <sstream>
+  <stdexcept> <string> <string_view> <system_error> <thread> <type_traits> <utility> <variant> <vector>)
 
 # targets_below(FOLDER VARIABLE): the targets made in a folder and below it
 function(targets_below folder variable)
@@ -17,7 +20,7 @@ function(targets_below folder variable)
 endfunction()
 
 function(precompile_headers)
-  if(NOT TACTUS_SANITIZE)
+  if(NOT TACTUS_PRECOMPILE)
     return()
   endif()
   targets_below(${CMAKE_SOURCE_DIR} targets)
@@ -25,22 +28,38 @@ function(precompile_headers)
     get_target_property(type ${target} TYPE)
     get_target_property(folder ${target} SOURCE_DIR)
     get_target_property(sources ${target} SOURCES)
-    # Libraries and programs have addresses of different kinds, tests less optimisation, core's tests
-    # another (tests/CMakeLists.txt).
-    if(sources MATCHES "\\.c(;|$)")
+    get_target_property(options ${target} COMPILE_OPTIONS)
+    get_target_property(libraries ${target} LINK_LIBRARIES)
+    if(sources MATCHES "\\.c(;|$)" OR NOT sources MATCHES "\\.cpp")
       continue()
-    elseif(folder STREQUAL "${CMAKE_SOURCE_DIR}/tests" AND type STREQUAL "EXECUTABLE")
-      set(kind CORE_TESTS)
-    elseif(folder MATCHES "^${CMAKE_SOURCE_DIR}/tests" AND type STREQUAL "EXECUTABLE")
-      set(kind TESTS)
-    elseif(type STREQUAL "EXECUTABLE")
+    endif()
+    # Alike are: libraries, or programs, whose addresses are of different kinds; of what ships, or of
+    # tests, or of core's tests, each with its own optimisation; with the thread sanitizer or without.
+    if(type STREQUAL "EXECUTABLE")
       set(kind PROGRAMS)
-    elseif(type MATCHES "(STATIC|OBJECT|MODULE)_LIBRARY" AND NOT folder MATCHES "^${CMAKE_SOURCE_DIR}/tests")
+    elseif(type MATCHES "(STATIC|OBJECT|MODULE)_LIBRARY"
+           AND NOT (TACTUS_SANITIZE AND folder MATCHES "^${CMAKE_SOURCE_DIR}/tests")) # few, and of two kinds
       set(kind LIBRARIES)
     else()
       continue()
     endif()
+    if(TACTUS_SANITIZE AND folder STREQUAL "${CMAKE_SOURCE_DIR}/tests")
+      string(APPEND kind _OF_CORE_TESTS)
+    elseif(folder MATCHES "^${CMAKE_SOURCE_DIR}/tests")
+      string(APPEND kind _OF_TESTS)
+    endif()
+    if("${options};${libraries}" MATCHES "fsanitize=thread|watched_threads")
+      string(APPEND kind _WATCHED)
+    endif()
     get_property(first GLOBAL PROPERTY TACTUS_FIRST_OF_${kind})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>) # ccache asks for it
+      if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+        # More false warnings of std::string's operator+ (GCC bug 105651, see CompilerRules.cmake).
+        target_compile_options(${target} PRIVATE
+          $<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow> $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>)
+      endif()
+    endif()
     if(first)
       target_precompile_headers(${target} REUSE_FROM ${first})
     else()

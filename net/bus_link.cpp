@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <random>
+#include <system_error>
 #include <thread>
 
 namespace tactus::net {

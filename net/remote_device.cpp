@@ -8,7 +8,10 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <random>
+#include <system_error>
+#include <utility>
 
 namespace tactus::net {
 namespace {

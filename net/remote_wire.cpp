@@ -6,6 +6,7 @@
 #include <boost/asio/connect.hpp>
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <thread>

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <type_traits>
 
-#if defined(__SSE2__)
+// No more of the intrinsics than the compiler may use here: <immintrin.h> takes it half a second.
+#if defined(__AVX__)
 #include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>
 #endif
 
 /// Several copies of one computation side by side in vector registers. A core written as a template

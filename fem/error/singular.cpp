@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <tuple>
 
 namespace tactus::fem {
 

@@ -9,6 +9,7 @@
 #include "fem/mesh/surface.hpp"
 #include "files/json.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 namespace tactus::fem {

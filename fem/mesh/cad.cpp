@@ -7,9 +7,11 @@
 #include "fem/mesh/surface_file.hpp"
 #include "fem/mesh/sweep.hpp"
 
+#include <algorithm>
 #include <gmsh.h>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 namespace tactus::fem {
 namespace {

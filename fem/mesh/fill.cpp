@@ -6,6 +6,7 @@
 #include "fem/mesh/remesh.hpp"
 #include "fem/mesh/simplify.hpp"
 
+#include <algorithm>
 #include <gmsh.h>
 #include <set>
 

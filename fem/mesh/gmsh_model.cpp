@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <unordered_map>
 
 namespace tactus::fem {

@@ -1,6 +1,7 @@
 #include "fem/mesh/remesh.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <set>

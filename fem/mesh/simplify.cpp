@@ -5,6 +5,7 @@
 #include "fem/mesh/distance.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <queue>
 #include <set>

@@ -1,6 +1,7 @@
 #include "fem/radiation/acoustic_skin.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <numeric>

@@ -3,6 +3,7 @@
 #include "programs/haptic_server/station.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 

@@ -6,6 +6,7 @@
 #include "files/path_file.hpp"
 #include "net/token_file.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>

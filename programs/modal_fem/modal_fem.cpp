@@ -21,7 +21,9 @@
 #include "programs/modal_fem/serve.hpp"
 
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
+#include <new>
 #include <numbers>
 
 namespace {

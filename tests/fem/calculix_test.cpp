@@ -3,6 +3,7 @@
 #include "fem/mesh/gmsh_model.hpp"
 #include "static_bodies.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

@@ -2,6 +2,8 @@
 #include "fem/design/eigenvalue_sensitivity.hpp"
 #include "fem/shapes/shapes.hpp"
 
+#include <algorithm>
+
 using namespace tactus::fem;
 
 namespace {

@@ -2,6 +2,7 @@
 // the axis, spectral quadrilaterals of order 4 to 8; digits stable to 1e-5).
 #include "solve.hpp"
 
+#include <algorithm>
 #include <numbers>
 #include <numeric>
 

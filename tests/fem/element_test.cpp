@@ -7,6 +7,8 @@
 #include "solve.hpp"
 #include "tetrahedra.hpp"
 
+#include <algorithm>
+
 using namespace tactus::fem;
 
 namespace {

@@ -9,6 +9,7 @@
 #include "tests/sanitized.hpp"
 #include "tetrahedra.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 using namespace tactus::fem;

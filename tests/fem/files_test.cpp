@@ -8,6 +8,7 @@
 #include "fem/mesh/shells.hpp"
 #include "fem/mesh/weld.hpp"
 
+#include <cctype>
 #include <doctest/doctest.h>
 #include <numbers>
 #include <numeric>

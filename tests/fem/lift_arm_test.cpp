@@ -2,6 +2,7 @@
 #include "fem/mesh/surface.hpp"
 #include "fem/shapes/lift_arm.hpp"
 
+#include <algorithm>
 #include <doctest/doctest.h>
 #include <filesystem>
 #include <fstream>

@@ -3,6 +3,7 @@
 #include "fem/design/moving_system.hpp"
 #include "fem/design/past_solutions.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <thread>
 

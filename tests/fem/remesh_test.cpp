@@ -4,6 +4,7 @@
 #include "fem/mesh/crossing.hpp"
 #include "fem/mesh/shells.hpp"
 
+#include <algorithm>
 #include <doctest/doctest.h>
 #include <numbers>
 

@@ -9,6 +9,7 @@
 #include "fem/mesh/shells.hpp"
 #include "tests/sanitized.hpp"
 
+#include <algorithm>
 #include <doctest/doctest.h>
 #include <map>
 #include <numbers>

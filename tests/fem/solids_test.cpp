@@ -5,6 +5,7 @@
 #include "solve.hpp"
 #include "tetrahedra.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 using namespace tactus::fem;

@@ -4,6 +4,7 @@
 #include "solve.hpp"
 #include "tetrahedra.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <numbers>
 

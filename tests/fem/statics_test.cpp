@@ -1,6 +1,7 @@
 #include "fem/shapes/shapes.hpp"
 #include "static_bodies.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 

@@ -2,6 +2,7 @@
 
 #include "net/framing.hpp"
 
+#include <algorithm>
 #include <initializer_list>
 #include <memory>
 #include <string>

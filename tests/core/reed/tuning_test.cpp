@@ -9,6 +9,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <string>
 
 namespace tactus::reed {
 namespace {
