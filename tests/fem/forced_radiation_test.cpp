@@ -24,7 +24,7 @@ modal::ModalTable table_of(const Modes& modes, const ModeRadiation& radiation) {
   modal::ModalTable table;
   table.frequency_hz = modes.frequency_hz;
   modal::MultipoleTable& m = table.multipoles;
-  m.max_degree = radiation.max_degree;
+  m.highest_degree = radiation.max_degree;
   m.offset = radiation.offset;
   m.scales = radiation.ratios;
   m.coefficients = radiation.coefficients;
