@@ -46,7 +46,8 @@ std::string problem_of(const HidLibrary& library, const std::string& path) {
   if (library.hidraw && access(path.c_str(), R_OK | W_OK) != 0)
     return "no permission: install tactus's udev rules and plug the device in again";
 #else
-  static_cast<void>(library), static_cast<void>(path);
+  static_cast<void>(library);
+  static_cast<void>(path);
 #endif
   return {};
 }

@@ -109,7 +109,8 @@ public:
   /// For such a device: call step(context) at the driver's rate from now on until halt, which
   /// returns when no call is under way. False when the driver's scheduler does not start.
   [[nodiscard]] virtual bool run(void (*step)(void* context), void* context) {
-    static_cast<void>(step), static_cast<void>(context);
+    static_cast<void>(step);
+    static_cast<void>(context);
     return false;
   }
   virtual void halt() noexcept {}

@@ -202,12 +202,13 @@ private:
           record_crossing(0, before, high, h, i);
       } else {
         const std::uint32_t crossed = bits(crossing) & lane_mask;
-        if (crossed != 0) [[unlikely]]
+        if (crossed != 0) [[unlikely]] {
           for (int k = 0; crossed >> k != 0; ++k)
             if ((crossed >> k & 1) != 0)
               record_crossing(k, static_cast<double>(lane(before, k)),
                               static_cast<double>(lane(high, k)), static_cast<double>(lane(h, k)),
                               i);
+        }
       }
     }
     last_ = last;

@@ -1,0 +1,84 @@
+# `cmake --install build [--prefix FOLDER] [--component NAME]`, when every target is known. Components:
+#   pd           the library folder, PDLIBDIR/tactus: externals, help, abstractions, bodies
+#   programs     what users run, into bin/
+#   development  headers, static libraries and find_package(tactus)
+# docs/install.md says how they are used.
+if(TACTUS_SANITIZE)
+  return() # a build to be tested, not to be installed
+endif()
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# Every Pd on Linux looks into ~/.local/lib/pd/extra, /usr/local/lib/pd-externals and, where it is
+# itself in /usr, /usr/lib/pd/extra.
+if(CMAKE_INSTALL_PREFIX STREQUAL "/usr/local")
+  set(pd_folder lib/pd-externals)
+else()
+  set(pd_folder lib/pd/extra)
+endif()
+set(PDLIBDIR "" CACHE PATH "where Pd looks for library folders; empty: ${pd_folder} under the prefix")
+if(PDLIBDIR)
+  set(pd_folder ${PDLIBDIR})
+endif()
+
+# The externals by name, so that one that is not built ends the installation; the rest of the library
+# folder as it is staged.
+get_property(modules GLOBAL PROPERTY TACTUS_MODULES)
+install(TARGETS ${modules} LIBRARY DESTINATION ${pd_folder}/tactus COMPONENT pd
+                           RUNTIME DESTINATION ${pd_folder}/tactus COMPONENT pd)
+install(DIRECTORY ${TACTUS_STAGE}/ DESTINATION ${pd_folder}/tactus USE_SOURCE_PERMISSIONS COMPONENT pd
+        PATTERN "*.${pd_legacy}${pd_processor}" EXCLUDE
+        PATTERN "*.${pd_system}-${pd_processor}-64.${pd_library}" EXCLUDE)
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${pd_folder}/tactus COMPONENT pd)
+
+foreach(program haptic_server haptic_check)
+  if(TARGET ${program})
+    install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+  endif()
+endforeach()
+# With what they run and look for beside themselves, so a folder of their own and a link in bin/.
+set(own_folder ${CMAKE_INSTALL_LIBEXECDIR}/tactus)
+file(RELATIVE_PATH link_to_own_folder ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBEXECDIR}/tactus)
+foreach(program modal_fem part_stress)
+  if(TARGET ${program})
+    file(GLOB sheets ${CMAKE_SOURCE_DIR}/programs/${program}/*_sheet.py)
+    install(TARGETS ${program} RUNTIME DESTINATION ${own_folder} COMPONENT programs)
+    install(FILES ${sheets} DESTINATION ${own_folder} COMPONENT programs)
+    file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/links)
+    file(CREATE_LINK ${link_to_own_folder}/${program} ${CMAKE_BINARY_DIR}/links/${program} SYMBOLIC)
+    install(FILES ${CMAKE_BINARY_DIR}/links/${program} DESTINATION ${CMAKE_INSTALL_BINDIR}
+            COMPONENT programs)
+  endif()
+endforeach()
+foreach(solver slepc_solve petsc_solve)
+  if(TARGET ${solver})
+    install(TARGETS ${solver} RUNTIME DESTINATION ${own_folder} COMPONENT programs)
+  endif()
+endforeach()
+
+# tactus::core and, where they are built, tactus::files, tactus::fem, tactus::devices, tactus::net and
+# tactus::net_sockets.
+foreach(room core files fem devices net net_sockets)
+  if(NOT TARGET tactus_${room})
+    continue()
+  endif()
+  set_target_properties(tactus_${room} PROPERTIES EXPORT_NAME ${room})
+  install(TARGETS tactus_${room} EXPORT tactus COMPONENT development
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactus)
+  if(IS_DIRECTORY ${CMAKE_SOURCE_DIR}/${room})
+    install(DIRECTORY ${CMAKE_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tactus
+            COMPONENT development FILES_MATCHING PATTERN "*.hpp")
+  endif()
+endforeach()
+target_compile_features(tactus_core INTERFACE cxx_std_20)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tactus)
+install(EXPORT tactus NAMESPACE tactus:: FILE tactusTargets.cmake DESTINATION ${package_folder}
+        COMPONENT development)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/tactusConfig.cmake.in
+  ${CMAKE_BINARY_DIR}/tactusConfig.cmake INSTALL_DESTINATION ${package_folder})
+# Before 1.0 a second number may change what is declared.
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/tactusConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/tactusConfig.cmake ${CMAKE_BINARY_DIR}/tactusConfigVersion.cmake
+        DESTINATION ${package_folder} COMPONENT development)
