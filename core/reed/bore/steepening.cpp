@@ -119,7 +119,7 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
     }
     node = end;
     potential += rise[at];
-    if (std::abs(potential) > kRebaseLimit && sane(potential)) [[unlikely]]
+    if (std::abs(potential) > kRebaseLimit && is_bounded(potential)) [[unlikely]]
       rebase(potential);
   }
   shift_ = shift[index(count)];

@@ -36,7 +36,7 @@ public:
   }
   [[nodiscard]] bool active() const noexcept { return fingerings_[current_] != nullptr; }
   /// Between stretches: begins the next movement once the last has ended.
-  void proceed() noexcept {
+  void start_pending_fade() noexcept {
     if (reflection_fade_ < 1 || radiation_fade_ < 1 || target_ == fingerings_[current_])
       return;
     current_ = 1 - current_;

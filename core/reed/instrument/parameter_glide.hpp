@@ -41,7 +41,7 @@ public:
     silence_left_ = 0;
   }
   /// The sound has faded out and the instrument is changed; `anew`: its air is at rest.
-  void proceed(bool restarted) noexcept {
+  void begin_silence(bool restarted) noexcept {
     silence_left_ = restarted ? restart_periods_ : settle_periods_;
     if (restarted)
       breath_gain_to_ = 0;

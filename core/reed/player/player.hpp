@@ -98,7 +98,7 @@ public:
   template <class V> void apply_tongue(V* mouth_pressure, int count, double highest) noexcept {
     if (!plays_)
       return;
-    std::array<double, TuningController::kPeriod> pressure, factor;
+    std::array<double, TuningController::kPeriod> pressure{}, factor;
     for (int i = 0; i < count; ++i)
       pressure[static_cast<std::size_t>(i)] = static_cast<double>(simd::lane(mouth_pressure[i], 0));
     if (tongue_.factors(pressure.data(), factor.data(), count))

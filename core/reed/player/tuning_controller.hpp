@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/reed/instrument/control_period.hpp"
+
 #include <array>
 #include <complex>
 #include <cstddef>
@@ -24,7 +26,7 @@ namespace tactus::reed {
 /// as the one before ended.
 class TuningController {
 public:
-  static constexpr int kPeriod = 32; // samples of a hearing
+  static constexpr int kPeriod = kControlPeriod; // samples per measurement
 
   TuningController() noexcept { clear_corrections(); }
   void prepare(double sample_rate) noexcept;

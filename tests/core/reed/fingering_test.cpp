@@ -365,7 +365,7 @@ TEST_CASE("the register vent takes the clarinet a twelfth up, and a slur over it
       CAPTURE(key);
       CAPTURE(pressure);
       const NoteMeasure output = measure_note(r, note, 0.5, 1.2);
-      CHECK(output.right());
+      CHECK(output.in_register());
       CHECK(std::abs(output.cents) < 10);
       CHECK(output.inharmonic_db < -30);
       // The tube is that of the note a twelfth below, not a short one.

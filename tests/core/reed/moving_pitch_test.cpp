@@ -307,7 +307,7 @@ TEST_CASE("with both powers one half a reed behaves alike at every pressure") {
   // inertance and the swept flow do not, which are left out here.
   Parameters p = find_preset("clarinet").value();
   p.tune = true;
-  p.controller = false;
+  p.ear = false;
   p.sweep = false;
   p.channel_length = 1e-7;
   p.breath_reference = 2000;

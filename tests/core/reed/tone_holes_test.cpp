@@ -153,7 +153,7 @@ TEST_CASE("a new fingering is there after 5 ms, and nothing grows on the way") {
     one->set(rate, 1, 7.5e-3);
   holes.finger(&row(BoreEnd::kClarinet, 51));
   holes.finger(&row(BoreEnd::kClarinet, 67));
-  holes.proceed();
+  holes.start_pending_fade();
   fresh.finger(&row(BoreEnd::kClarinet, 67));
   double largest = 0;
   const auto wave = [&](int n) { return std::sin(0.02 * n) + 0.3 * std::sin(0.21 * n); };
