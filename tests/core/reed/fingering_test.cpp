@@ -229,7 +229,7 @@ TEST_CASE("the vent gains no power, however far it is open") {
     for (int n = 0; n < 20000; ++n) {
       double above = n < 15000 ? noise(random) : 0, below = n < 15000 ? noise(random) : 0;
       in += above * above + below * below;
-      vent.pass(losses, &above, &below, open, 0, 1);
+      vent.pass(losses, &above, &below, {open, 0}, 1);
       out += above * above + below * below;
       REQUIRE(out <= in * (1 + 1e-12));
     }
@@ -246,7 +246,7 @@ TEST_CASE("the vent gains no power, however far it is open") {
       for (int n = 0; n < 192000; ++n) {
         double above = size * std::cos(kTwoPi * hz * n / 192000), below = 0;
         const double a = above;
-        vent.pass(losses, &above, &below, 1, 0, 1);
+        vent.pass(losses, &above, &below, {1, 0}, 1);
         if (n >= 96000)
           sum += (a - below) * std::polar(2.0 / 96000 / size, -kTwoPi * hz * n / 192000);
       }

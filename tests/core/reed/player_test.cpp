@@ -77,8 +77,8 @@ TEST_CASE("a tuned note has the same bits however the stream is cut") {
         return std::span<const double>(x.data() + at, n);
       };
       const auto out = [&](std::vector<double>& x) { return std::span<double>(x.data() + at, n); };
-      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[variant]), out(theta),
-                                 out(pressure), out(flow));
+      instrument.process<double>({in(mouth), in(reed), in(bore)},
+                                 {out(sound[variant]), out(theta), out(pressure), out(flow)});
     }
   }
   CHECK(sound[0] == sound[1]);

@@ -77,10 +77,10 @@ std::vector<double> equal_areas(const std::function<double(double)>& wave, doubl
   for (std::size_t i = 0; i < size; ++i) // midpoints
     integral[i + 1] = integral[i] + step * wave((static_cast<double>(i) + 0.5) * step);
   const auto potential = [&](double tau) {
-    const auto from = static_cast<std::size_t>(
-                   std::clamp((tau - Steepening::kMaxShift) / step, 0.0, static_cast<double>(size))),
-               to = static_cast<std::size_t>(
-                   std::clamp((tau + Steepening::kMaxShift) / step, 0.0, static_cast<double>(size)));
+    const auto from = static_cast<std::size_t>(std::clamp((tau - Steepening::kMaxShift) / step, 0.0,
+                                                          static_cast<double>(size))),
+               to = static_cast<std::size_t>(std::clamp((tau + Steepening::kMaxShift) / step, 0.0,
+                                                        static_cast<double>(size)));
     double largest = -1e300;
     for (std::size_t i = from; i <= to; ++i) {
       const double shift = static_cast<double>(i) * step - tau;
