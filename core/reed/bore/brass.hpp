@@ -52,7 +52,7 @@ struct BrassPositions {
 [[nodiscard]] bool within_tube_range(const BrassTube& tube, const Termination& bell,
                                      double length) noexcept;
 /// The mode of the tube with closed lips nearest to target_hz on a logarithmic scale, Hz. 0 when
-/// none is found within half an octave of it either way.
+/// none is found within an octave of it.
 [[nodiscard]] double nearest_natural(const Parameters& parameters, const Termination& bell,
                                      double length, double target_hz) noexcept;
 /// The standard valves, as bits, that lower by 0 to 6 semitones.

@@ -12,8 +12,8 @@ namespace tactus::reed {
 /// from the target note and integrates it to a trim of the instrument.
 ///
 /// The bore pressure is demodulated by exp(-i phi), d phi/dt = 2 pi f, f the target (phi is
-/// continuous while f moves), and smoothed by two one-pole filters at f/8. The angle by which the
-/// result turns per measurement is the pitch error e (relative). The trim is
+/// continuous while f moves), and smoothed by two one-pole filters at f/8 (2 to 100 Hz). The angle
+/// by which the result turns per measurement is the pitch error e (relative). The trim is
 ///   d trim/dt = -e/tau,   tau = 1.5 times the delay of the two poles, at least 12 ms,
 /// slow enough not to overshoot. Changes of the trim that the filters have not shown yet are
 /// predicted and added to e.
