@@ -64,6 +64,8 @@ private:
     value_there = potential > value_there ? potential : value_there;
   }
   void rebase(double& potential) noexcept;
+  /// Writes count samples of the arriving wave from Psi on the grid.
+  void differentiate(double* wave, int count) const noexcept;
 
   std::vector<double> grid_{}; // Psi at whole samples, a ring buffer
   std::size_t mask_ = 0;

@@ -2,7 +2,7 @@
 
 #include "core/reed/instrument/instrument.hpp"
 #include "core/reed/playability/gradient.hpp"
-#include "tests/core/reed/guides.hpp"
+#include "tests/core/reed/playability/guides.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 
 #include <doctest/doctest.h>

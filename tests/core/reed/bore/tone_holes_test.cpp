@@ -3,8 +3,8 @@
 #include "core/reed/instrument/tuning.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 #include "core/reed/player/player.hpp"
-#include "tests/core/reed/bore_echo.hpp"
-#include "tests/core/reed/bore_reference.hpp"
+#include "tests/core/reed/bore/bore_echo.hpp"
+#include "tests/core/reed/bore/bore_reference.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 

@@ -2,8 +2,8 @@
 
 #include "core/reed/instrument/instrument.hpp"
 #include "core/reed/instrument/presets.hpp"
-#include "tests/core/reed/bell_reference.hpp"
-#include "tests/core/reed/bore_echo.hpp"
+#include "tests/core/reed/bore/bell_reference.hpp"
+#include "tests/core/reed/bore/bore_echo.hpp"
 #include "tests/core/reed/note_measure.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
