@@ -70,7 +70,7 @@ public:
       note_ = note_ < 300 ? note_ + 0.01F : 262;
       bore_.fill(note_);
     }
-    instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
+    instrument_.process<float>({mouth_, reed_, bore_}, {sound_, angle_, pressure_, flow_});
     benchmark::DoNotOptimize(sound_);
   }
 
@@ -109,7 +109,7 @@ public:
         phase_ = phase_ < 1 ? phase_ + 12 / kRate : -1;
         f = static_cast<float>(note_ * (1 + 0.0293 * 4 * phase_ * (1 - std::abs(phase_))));
       }
-    instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
+    instrument_.process<float>({mouth_, reed_, bore_}, {sound_, angle_, pressure_, flow_});
     benchmark::DoNotOptimize(sound_);
   }
 

@@ -45,7 +45,7 @@ bool play(std::istringstream& line) {
   std::vector<double> mouth(samples), sound(samples), theta(samples), p_b(samples), flow(samples);
   for (std::size_t i = 0; i < samples; ++i)
     mouth[i] = pressure * std::min(1.0, static_cast<double>(i) / (0.02 * rate));
-  instrument.process<double>(mouth, reeds, bores, sound, theta, p_b, flow);
+  instrument.process<double>({mouth, reeds, bores}, {sound, theta, p_b, flow});
   std::ofstream out(file, std::ios::binary);
   for (const auto* signal : {&sound, &p_b, &flow})
     out.write(reinterpret_cast<const char*>(signal->data()),

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Input impedance of trumpet and trombone, cylinder and bell, for tests/core/reed/bell_reference.hpp.
+"""Input impedance of trumpet and trombone, cylinder and bell, for tests/core/reed/bore/bell_reference.hpp.
 
   bench/reed_bores/bell_reference.py
 
@@ -19,7 +19,7 @@ from bells import BELLS, Bell
 from bores import DENSITY, GAMMA, PRANDTL, SOUND_SPEED, VISCOSITY
 from reference import radiating
 
-TABLE = Path(__file__).resolve().parents[2] / "tests/core/reed/bell_reference.hpp"
+TABLE = Path(__file__).resolve().parents[2] / "tests/core/reed/bore/bell_reference.hpp"
 LENGTHS = {"trumpet": (0.66, 0.9, 1.2), "trombone": (1.7, 2.1, 2.8)}  # of the cylinder, m
 LOWEST, SPACING = 30.0, 0.5  # Hz
 STEP = 1e-3                  # m

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Input impedance of the bores of bores.py by finite elements, for tests/core/reed/bore_reference.hpp.
+"""Input impedance of the bores of bores.py by finite elements, for tests/core/reed/bore/bore_reference.hpp.
 
   bench/reed_bores/reference.py [--check]
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from bores import DENSITY, GAMMA, PRANDTL, SOUND_SPEED, VISCOSITY, WOODWINDS
 
-TABLE = Path(__file__).resolve().parents[2] / "tests/core/reed/bore_reference.hpp"
+TABLE = Path(__file__).resolve().parents[2] / "tests/core/reed/bore/bore_reference.hpp"
 KEYS = {"clarinet": (50, 51, 54, 57, 60, 63, 66, 70), "saxophone": (47, 50, 54, 58, 62, 66, 70),
         "oboe": (58, 62, 66, 70, 74, 78)}
 # Holes from the reed down: c closed, o open, h half covered, q covered to three quarters.

@@ -58,8 +58,8 @@ public:
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
-    instrument_.process<S>(block.in(0), block.in(1), block.in(2), block.out(0), block.out(1),
-                           block.out(2), block.out(3));
+    instrument_.process<S>({block.in(0), block.in(1), block.in(2)},
+                           {block.out(0), block.out(1), block.out(2), block.out(3)});
   }
 
   /// Notes that were refused since: one message each, with the limits.

@@ -4,7 +4,7 @@
 
 namespace tactus::reed {
 
-/// Dry air at atmospheric pressure, as the bore and the valve's channel see it.
+/// Sound speed and density of dry air at atmospheric pressure.
 struct Air {
   double sound_speed; // c, m/s
   double density;     // rho, kg/m^3
@@ -17,8 +17,8 @@ struct Air {
           1.2929 * kZero / (kZero + temperature_celsius)};
 }
 
-// Viscous and thermal boundary layers at 20 deg C; over 0..40 deg C they change the wall loss by
-// less than 7 %, which is inside what the smoothness of a real wall changes.
+// Constants of the viscous and thermal boundary layers at 20 deg C. Over 0..40 deg C the wall loss
+// changes by less than 7 %, which is less than the effect of a wall's roughness.
 inline constexpr double kKinematicViscosity = 1.51e-5; // nu, m^2/s
 inline constexpr double kPrandtlNumber = 0.71;
 inline constexpr double kHeatCapacityRatio = 1.402; // gamma of air

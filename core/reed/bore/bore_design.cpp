@@ -14,13 +14,13 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 constexpr double kMinLength = 5e-3; // m
-// Nepers of one section. A bore so long and narrow that one has more is silent behind all of
-// them; the limit keeps the poles apart, by a factor of two or more in frequency.
+// Nepers per section. The limit keeps the poles apart, by a factor of two or more in frequency. A
+// bore so long and narrow that it would need more reflects nothing audible.
 constexpr double kMaxAttenuation = 2;
 constexpr double kLowestPole = 3, kHighestPole = 20e3; // Hz
-// What the sections take of G h/pi sqrt(q_k): least squares of their sum, with a delay beside it,
-// to the complex sqrt(s) from 12 Hz to 11 kHz, none below 0, at each of these rates. The ends stand
-// for the integral beyond them.
+// Weights of G h/pi sqrt(q_k) in the sections: non-negative least squares of their sum and a delay
+// to the complex sqrt(s) from 12 Hz to 11 kHz, at each of these rates. The first and the last
+// weight also represent the integral beyond them.
 using SectionWeights = std::array<double, RoundTrip::kLossSections>;
 struct SectionWeightsAt {
   double rate; // Hz
@@ -32,7 +32,7 @@ constexpr std::array<SectionWeightsAt, 4> kSectionWeights{
      {96000, {2.727, 0.569, 1.091, 0.969, 1.009, 1.007, 0.950, 1.334}},
      {192000, {2.727, 0.568, 1.092, 0.969, 1.010, 1.006, 0.956, 1.306}}}};
 
-/// The same at any rate; straight over 1/rate in between.
+/// The weights at any rate, interpolated linearly over 1/rate.
 SectionWeights section_weights_at(double rate) {
   rate = std::clamp(rate, kSectionWeights.front().rate, kSectionWeights.back().rate);
   std::size_t i = 1;
@@ -46,13 +46,14 @@ SectionWeights section_weights_at(double rate) {
   return share;
 }
 
-/// A section whose continuous form is (1 + s/zero)/(1 + s/pole), with exp(-pole T), exp(-zero T) in
-/// their places.
+/// A section gain * (1 + excess z^-1/(1 - pole z^-1)): (1 + s/zero)/(1 + s/pole) with pole and zero
+/// mapped to exp(-pole T) and exp(-zero T).
 struct Section {
   double gain, pole, excess;
 };
-Section section(double zero, double pole) {                                            // times T
-  const double pole_minus_one = std::expm1(-pole), zero_minus_one = std::expm1(-zero); // less 1
+/// zero and pole are times T.
+Section section(double zero, double pole) {
+  const double pole_minus_one = std::expm1(-pole), zero_minus_one = std::expm1(-zero);
   return {pole_minus_one / zero_minus_one, 1 + pole_minus_one, pole_minus_one - zero_minus_one};
 }
 
@@ -112,7 +113,8 @@ void BoreDesign::set_end(const Termination* end) noexcept {
     return;
   const double ratio = air_.sound_speed / air_at(20).sound_speed;
   const bool same = end == digital_source_ && rate_ == digital_rate_ && ratio == digital_ratio_;
-  digital_source_ = end; // null too: what it pointed to may be another by the time it comes again
+  // Also null: the termination at that address may have changed when it is set again.
+  digital_source_ = end;
   if (end == nullptr || same)
     return;
   digital_rate_ = rate_, digital_ratio_ = ratio;
@@ -149,15 +151,15 @@ double BoreDesign::length_for(double bore_frequency) const noexcept {
 
 double BoreDesign::max_length() const noexcept { return 0.5 * air_.sound_speed / kLowestFrequency; }
 
-/// Of the filters, what follows from G and the end.
+/// Sets losses and open end of the filters; loss is G, s^(1/2).
 void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
   std::array<Section, RoundTrip::kLossSections> row;
   trip.incident_gain = 1;
   for (std::size_t k = 0; k < row.size(); ++k) {
     const double attenuation = std::min(loss * weight_[k], kMaxAttenuation);
     const double spread = std::exp(attenuation / 2);
-    const double position = frequency_[k] / rate_;
-    row[k] = section(position * spread, position / spread);
+    const double normalised_frequency = frequency_[k] / rate_;
+    row[k] = section(normalised_frequency * spread, normalised_frequency / spread);
     trip.incident_gain *= row[k].gain;
   }
   for (std::size_t k = 0; k < row.size(); ++k) {
@@ -195,7 +197,7 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   if (end_ != nullptr)
     transit += 2 * end_->extra_length / air_.sound_speed;
 
-  // What the filters' phase lacks at the lowest resonance, the delay makes up for.
+  // The delay corrects the phase of the filters at the lowest resonance.
   const double omega = 2 * kPi * std::min(ideal_frequency(length), 0.1 * rate_);
   const Complex s(0, omega), back = std::exp(-s / rate_);
   Complex filters = 1;

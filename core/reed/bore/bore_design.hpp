@@ -10,10 +10,11 @@
 
 namespace tactus::reed {
 
-/// Digital filters of one round trip through the bore: the wall loss, sections side by side,
-///   H_l = 1 + sum_k r_k z^-1/(1 - p_k z^-1),
-/// times a gain, which gives what reaches the end; then the open end. Each state is as small as its
-/// effect, so that single-precision lanes keep their accuracy.
+/// Delay and filter coefficients of one round trip through the bore: wall loss in parallel
+/// first-order sections,
+///   incident_gain * (1 + sum_k r_k z^-1/(1 - p_k z^-1)),
+/// then the open end. In this form each state is as small as its effect, so that single-precision
+/// lanes keep their accuracy.
 struct RoundTrip {
   static constexpr int kLossSections = 8; // a power of two
   double delay = 3;                       // D, internal samples, fractional
@@ -21,40 +22,44 @@ struct RoundTrip {
   double incident_gain = 1;
   DigitalOpenEnd end{};
 
-  /// The filters a share of the way from one bore to one near it; the delay is that of `to`.
+  /// Linear interpolation of the filters, share in 0..1; the delay is that of `to`.
   static RoundTrip interpolate(const RoundTrip& from, const RoundTrip& to, double share) noexcept;
 };
 
-/// From the shape of the bore to its filters, at one internal sample rate.
+/// Designs the filters of a bore from its shape, at one internal sample rate.
 ///
-/// The wall loss exp(-G sqrt(s)) follows from sqrt(s) = 1/pi int_0^inf s/(s + q) q^(-1/2) dq: eight
-/// values q_k spaced by a factor e^h from 2 pi 3 to 2 pi min(0.4 fs, 20000) rad/s, each giving a
-/// pole at q_k e^(-delta/2) and a zero at q_k e^(delta/2), delta_k = G h/pi sqrt(q_k) times a share
-/// that fits attenuation and phase at once (bore_design.cpp); in discrete time at exp(pole T) and
-/// exp(zero T). Every section has |H| <= 1, so has the row of them; its partial fractions are what
-/// is computed. The open end is OpenEnd's (open_end.hpp); holes and bells (set_end()) are filters
-/// of their own behind these (termination.hpp), and the open end is then idle. The delay makes the
-/// phase of the whole round trip exact at the ideal lowest resonance; modes 1 to 6 of tubes from
-/// 0.3 to 5 m then lie within 1 cent.
+/// Wall loss: exp(-G sqrt(s)), G from wall_loss(). With sqrt(s) = 1/pi int_0^inf s/(s + q) q^(-1/2)
+/// dq, it becomes a product of eight sections. Their frequencies q_k are spaced by a factor e^h
+/// from 2 pi 3 to 2 pi min(0.4 fs, 20000) rad/s. Each has a pole at q_k e^(-delta_k/2) and a zero
+/// at q_k e^(delta_k/2), delta_k = G h/pi sqrt(q_k) times a weight fitted to attenuation and phase
+/// (bore_design.cpp), mapped to exp(pole T) and exp(zero T). Every section has |H| <= 1, so their
+/// product has. It is computed as partial fractions (RoundTrip).
+///
+/// End: an unflanged open end (open_end.hpp); for holes and bells (set_end()) the filters of
+/// termination.hpp replace it.
+///
+/// The delay makes the phase of the whole round trip exact at the ideal lowest resonance. Modes 1
+/// to 6 of tubes from 0.3 to 5 m then lie within 1 cent. No allocation.
 class BoreDesign {
 public:
-  /// Lowest bore frequency a line has room for, Hz.
+  /// Range of bore frequencies, Hz; the lowest sets the size of the delay line.
   static constexpr double kLowestFrequency = 8;
   static constexpr double kHighestFrequency = 4000;
 
-  /// Air, bore and end, without digital filters: for all below but round_trip() and parts().
+  /// Sets air, bore and end without digital filters: enough for all but round_trip() and parts().
   void set_geometry(const Parameters& parameters) noexcept;
-  /// The same with filters for that many samples a second.
+  /// The same with filters for that internal sample rate, Hz.
   void set(const Parameters& parameters, double internal_rate) noexcept;
-  /// What the bore ends in, which must live on; null: an open end.
+  /// The termination of the bore, which must outlive the design; null: an open end.
   void set_end(const Termination* end) noexcept;
   [[nodiscard]] const Termination* end() const noexcept { return end_; }
-  /// Reflectance of the end, extra length included.
+  /// Reflectance of the end at s (rad/s), extra length included.
   [[nodiscard]] std::complex<double> end_reflection(std::complex<double> s) const noexcept;
 
+  /// Filters and delay for a bore of that length, m.
   [[nodiscard]] RoundTrip round_trip(double length) const noexcept;
-  /// The same round trip in two parts, that to a place (m) on the line and back and that beyond it:
-  /// the losses and the delay of each, `whole` being that of both.
+  /// The round trip `whole` in two parts, to a position (m from the reed) and back, and beyond it:
+  /// losses and delay of each.
   struct Parts {
     RoundTrip above{}, below{};
   };
@@ -63,9 +68,9 @@ public:
   /// L of the bore whose ideal lowest resonance is f_b: c/(4 f_b) - 0.613 r_e for the cylinder,
   /// c/(2 f_b) - r_0 - 0.613 r_e for the cone, at least 5 mm.
   [[nodiscard]] double length_for(double bore_frequency) const noexcept;
-  /// The inverse: where the ideal lowest resonance lies.
+  /// The inverse: the ideal lowest resonance, Hz, of a bore of that length, m.
   [[nodiscard]] double ideal_frequency(double length) const noexcept;
-  /// The longest bore that the line has room for.
+  /// The longest bore that the delay line has room for, m.
   [[nodiscard]] double max_length() const noexcept;
 
   [[nodiscard]] const Air& air() const noexcept { return air_; }
@@ -79,7 +84,7 @@ private:
   Parameters parameters_{};
   const Termination* end_ = nullptr;
   DigitalReflection digital_end_{};
-  const Termination* digital_source_ = nullptr; // what it is the filter of
+  const Termination* digital_source_ = nullptr; // from which digital_end_ was computed
   double digital_rate_ = 0, digital_ratio_ = 0;
   Air air_ = air_at(20);
   double rate_ = 48000;
@@ -90,7 +95,7 @@ private:
   DigitalOpenEnd open_end_{};
 };
 
-/// Internal samples of delay line that hold the longest bore at that internal rate.
+/// Length of a delay line for the longest bore, internal samples, at that internal rate, Hz.
 [[nodiscard]] int max_delay(double internal_rate) noexcept;
 
 } // namespace tactus::reed

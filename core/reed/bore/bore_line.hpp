@@ -9,16 +9,22 @@
 
 namespace tactus::reed {
 
-/// Delay line of the bore's round trip, for stretches of at most `longest` samples that are shorter
-/// than the delay: a stretch is read, into the place of its samples to come, before it is written.
+/// Fractional delay line of the bore's round trip: a ring buffer with fifth-order Lagrange
+/// interpolation, read and written in blocks.
+///
+/// The delay is in samples. A block is shorter than the delay and has at most max_count samples. It
+/// is read before it is written, and its output may be put in the slots where its input will go:
+///   read(...) into next();  turn the output into the new input in place;  advance(count).
+/// V is double or simd::Lanes. Only prepare() allocates.
 template <class V, int max_count> class BoreLine {
 public:
   static constexpr int kPoints = 6;
-  /// Longest stretch that may be read at this delay.
+  /// Longest block that may be read at this delay.
   [[nodiscard]] static int max_block(double delay) noexcept { return first_of(delay); }
 
-  /// Fifth-order Lagrange interpolation in the middle of its points, where |H| <= 1: the weights of
-  /// those 0, 1, ... 5 samples back for a delay of 2 <= d < 3.
+  /// Weights of the samples 0, 1, ... 5 back for a delay of 2 <= d < 3. This is the centred range
+  /// of fifth-order Lagrange interpolation, where |H| <= 1 (Laakso, Valimaki, Karjalainen & Laine
+  /// 1996).
   [[nodiscard]] static std::array<double, kPoints> weights(double d) noexcept {
     const double a = d, b = d - 1, c = d - 2, e = d - 3, f = d - 4, g = d - 5;
     const double abc = a * b * c, efg = e * f * g;
@@ -26,7 +32,7 @@ public:
             abc * f * g / 12,   -abc * e * g / 24, abc * e * f / 120};
   }
 
-  /// Room for `delay` samples; silent. Allocates.
+  /// Allocates room for delays of `delay` samples; all samples are 0.
   void prepare(int delay) {
     std::size_t size = 1;
     while (size < static_cast<std::size_t>(delay + max_count + 8))
@@ -37,9 +43,9 @@ public:
   }
   void clear() noexcept { std::fill(line_.begin(), line_.end(), V(0.0)); }
 
-  /// The next count samples at a delay that stands. What is smaller than `silence` is 0.
+  /// The next count samples at a constant delay. Magnitudes below `silence` become 0.
   void read(double delay, double silence, V* wave, int count) const noexcept {
-    // The stretch of the line that these samples see, oldest first, in one piece.
+    // All samples that the block reads, oldest first: copied if they wrap around the ring.
     const int first = first_of(delay);
     const std::array<double, kPoints> h = weights(delay - first);
     const V h0(h[0]), h1(h[1]), h2(h[2]), h3(h[3]), h4(h[4]), h5(h[5]);
@@ -61,12 +67,16 @@ public:
       wave[i] = simd::select(simd::absolute(sum) < threshold, V(0.0), sum);
     }
   }
-  /// The next count samples while the delay goes from one value to another within `period`
-  /// samples, `phase` of which have passed.
-  void read_moving(double from, double to, int phase, double period, double silence, V* wave,
-                   int count) const noexcept {
+  /// A delay that moves linearly within `period` samples, `phase` of which have passed.
+  struct MovingDelay {
+    double from, to;
+    int phase;
+    double period;
+  };
+  /// The next count samples at a moving delay.
+  void read_moving(const MovingDelay& delay, double silence, V* wave, int count) const noexcept {
     for (int i = 0; i < count; ++i) {
-      const double now = from + (phase + i) / period * (to - from);
+      const double now = delay.from + (delay.phase + i) / delay.period * (delay.to - delay.from);
       const int first = first_of(now);
       const std::array<double, kPoints> h = weights(now - first);
       const std::ptrdiff_t at = written_ + i - first;
@@ -76,7 +86,8 @@ public:
       wave[i] = simd::select(simd::absolute(sum) < V(silence), V(0.0), sum);
     }
   }
-  /// Becomes what has come out of another line of the same size at that delay, count samples back.
+  /// Takes as its last count samples those that came out of another line of the same size at that
+  /// delay.
   void follow(const BoreLine& other, double delay, int count) noexcept {
     const int first = first_of(delay);
     const std::array<double, kPoints> h = weights(delay - first);
@@ -89,14 +100,14 @@ public:
       line_[slot(written_ - i)] = sum;
     }
   }
-  /// Where the next samples go, so that they can be made in place: room() of them in one piece.
+  /// Where the next samples go; room() of them are contiguous.
   [[nodiscard]] V* next() noexcept { return line_.data() + written_; }
   [[nodiscard]] int room() const noexcept { return static_cast<int>(mask_ + 1 - written_); }
-  /// So many have been made there.
+  /// Accepts count samples written at next().
   void advance(int count) noexcept { written_ = (written_ + count) & mask_; }
 
 private:
-  /// Samples back of the nearest of the points that a delay is read from.
+  /// Samples back of the most recent of the six points for a delay.
   static int first_of(double delay) noexcept { return static_cast<int>(delay) - 2; }
   [[nodiscard]] std::size_t slot(std::ptrdiff_t i) const noexcept {
     return static_cast<std::size_t>(i & mask_);

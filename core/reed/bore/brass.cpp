@@ -14,7 +14,7 @@ constexpr int kHighestNatural = 16, kSkippedNatural = 7;
 constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.66, 116.54, true, 0.9, 3, 6};
 constexpr BrassTube kTrombone{6.95e-3, 1e-5, 1.70, 58.27, false, 0.9, 3, 12};
 
-/// By how much each valve makes the tube longer, of its open length as it sounds.
+/// Semitones by which each valve alone lowers the open tube.
 constexpr std::array<int, 3> kValveSemitones{2, 1, 3};
 
 double length_increase(double semitones) { return std::exp2(semitones / 12) - 1; }
@@ -65,7 +65,7 @@ BrassPositions standard_positions(const BrassTube& tube, double note) noexcept {
       best = {natural, semitones};
     }
   }
-  if (shortest > 100) // beyond the tube: as near as it comes
+  if (shortest > 100) // out of the tube's range: the nearer limit
     best.semitones = note * 2 < tube.fundamental * 4 ? kSlideSemitones : 0;
   if (tube.has_valves)
     best.semitones = std::round(best.semitones);
@@ -93,7 +93,7 @@ bool within_tube_range(const BrassTube& tube, const Termination& bell, double le
 
 double nearest_natural(const Parameters& parameters, const Termination& bell, double length,
                        double target_hz) noexcept {
-  constexpr int kStarts = 9; // in an octave about the wish
+  constexpr int kStarts = 9; // of Newton's iteration, in the octave around target_hz
   const LinearStability theory(parameters, length, &bell);
   double nearest = 0, min_interval = 1;
   for (int i = 0; i < kStarts; ++i) {

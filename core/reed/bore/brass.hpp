@@ -4,55 +4,58 @@
 
 namespace tactus::reed {
 
-/// A brass instrument as it is built: a cylinder from the mouthpiece to where the bell flares
-/// (bells(), termination.hpp), made longer by valves or by a slide.
+/// Tube of a trumpet or trombone: a cylinder from the mouthpiece to the beginning of the bell
+/// (bells(), termination.hpp), lengthened by valves or a slide. Lengths in m.
 struct BrassTube {
-  double radius;      ///< of the bore, m
+  double radius;      ///< of the bore
   double cup_volume;  ///< of the mouthpiece, m^3
-  double open_length; ///< from the lips to the flare, no valve pressed or slide in, m
-  double fundamental; ///< Hz: the open tube's notes are meant to be its multiples
-  bool has_valves;    ///< three; else a slide
-  double embouchure;  ///< f_r/f_b of lips that sound one of its many modes alone,
-  double lip_quality; ///< and by how much their Q is larger
+  double open_length; ///< from the lips to the flare, without valves or slide
+  double fundamental; ///< Hz; the notes of the open tube are its multiples
+  bool has_valves;    ///< three valves; else a slide
+  double embouchure;  ///< f_r/f_b of lips on such a tube
+  double lip_quality; ///< factor on their Q, which selects one of its many modes
   double steepening;  ///< wavelengths (Parameters::steepening)
 };
 
-/// Null for an end that is no brass instrument's.
+/// The tube of kTrumpet or kTrombone; null for other ends.
 [[nodiscard]] const BrassTube* brass_tube(BoreEnd end) noexcept;
 
-/// Whether the parameters ask a player to play on such a tube.
+/// Whether the parameters have a player play on such a tube: `tube`, `valves` or `slide` with
+/// `tune`.
 [[nodiscard]] bool uses_brass_tube(const Parameters& parameters) noexcept;
 
-/// What is computed for the parameters: on such a tube its cylinder and cup in place of the
-/// preset's bore; else a brass instrument's bell is left out, which needs its tube.
+/// The parameters with cylinder and cup of the tube in place of the preset's bore. Where the tube
+/// is not used, a brass bell becomes an open end, because the bell's filter needs its tube.
 [[nodiscard]] Parameters with_brass_tube(const Parameters& parameters) noexcept;
 
-/// How the tube is held for a note.
+/// Mode and tube length for a note.
 struct BrassPositions {
-  int natural = 2;      ///< the tube's mode that the lips sound
-  double semitones = 0; ///< by which valves or slide lower it
+  int natural = 2;      ///< number of the mode that the lips play
+  double semitones = 0; ///< by which valves or slide lower the open tube
 };
 
-/// Valves or slide position that players take for a note in Hz: among the naturals from the second
-/// on, without the seventh, which lies between the notes, the one that needs the shortest tube, at
-/// most six semitones longer. Whole semitones with valves.
+/// Standard valves or slide position for a note in Hz: of the modes from the second on, the one
+/// that needs the shortest tube, lowered by at most six semitones. The seventh mode is left out,
+/// because it is out of tune. Whole semitones with valves.
 [[nodiscard]] BrassPositions standard_positions(const BrassTube& tube, double note) noexcept;
 
-/// Length of the cylinder, m, with that slide position (1 to 7, between them too), each a semitone.
+/// Length of the cylinder, m, at a slide position from 1 to 7, fractions too; one is a semitone.
 [[nodiscard]] double slide_length(const BrassTube& tube, const Termination& bell,
                                   double position) noexcept;
-/// With valves pressed: bit 0 for the first (two semitones), 1 for the second (one), 2 for the
-/// third (three). Their tubes add up, so that together they lower by a little less than their sum.
+/// Length of the cylinder, m, with valves pressed: bit 0 for the first (two semitones), 1 for the
+/// second (one), 2 for the third (three). The lengths of their tubes add up, so that several
+/// together lower by a little less than the sum of their semitones.
 [[nodiscard]] double valve_length(const BrassTube& tube, const Termination& bell,
                                   unsigned pressed) noexcept;
-/// Whether valves or slide make a cylinder of that length, m, by half a semitone more or less.
+/// Whether a cylinder of that length, m, is within the range of valves or slide, half a semitone to
+/// spare.
 [[nodiscard]] bool within_tube_range(const BrassTube& tube, const Termination& bell,
                                      double length) noexcept;
-/// The natural of a tube that lies nearest to a wish, both in Hz, on a logarithmic scale: its mode
-/// with the lips shut. 0 when there is none within an octave.
+/// The mode of the tube with closed lips nearest to target_hz on a logarithmic scale, Hz. 0 when
+/// none is found within an octave of it.
 [[nodiscard]] double nearest_natural(const Parameters& parameters, const Termination& bell,
                                      double length, double target_hz) noexcept;
-/// The valves that lower by so many whole semitones, 0 to 6.
+/// The standard valves, as bits, that lower by 0 to 6 semitones.
 [[nodiscard]] unsigned standard_valves(int semitones) noexcept;
 
 } // namespace tactus::reed

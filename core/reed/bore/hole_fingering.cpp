@@ -14,7 +14,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-/// Hz at which the response is computed: close together where resonances are.
+/// Frequencies of the response, Hz: dense where resonances are.
 constexpr std::size_t kPoints = 132;
 constexpr double frequency(std::size_t i) {
   if (i < 80)
@@ -23,18 +23,18 @@ constexpr double frequency(std::size_t i) {
     return 2000 + 62.5 * static_cast<double>(i - 79); // to 4000
   return 4000 + 200 * static_cast<double>(i - 111);   // to 8000
 }
-/// Far above the cut-off, where nothing comes back: so that the poles know.
+/// Frequencies far above the cut-off, where R is taken as 0, with a small weight in the fit. Hz.
 constexpr std::array<double, 4> kHighFrequencies{12e3, 20e3, 40e3, 80e3};
 constexpr double kHighFrequencyWeight = 3e-3;
 static_assert(kPoints + kHighFrequencies.size() <= kMaxResponsePoints);
 
-/// The phase of least delay that belongs to the magnitudes at frequency(i), which are 0 at 0 Hz in
-/// proportion to the frequency and level beyond the last: cepstrum on a circle on which
-/// tan(theta/2) is the frequency over 1500 Hz.
+/// Minimum phase that belongs to magnitudes at frequency(i), by the real cepstrum on the circle
+/// tan(theta/2) = f/1500 Hz. The magnitude is proportional to f towards 0 Hz and constant beyond
+/// the last frequency.
 class MinimumPhase {
 public:
   explicit MinimumPhase(const std::array<double, kPoints>& magnitude) noexcept {
-    // Of the logarithm of magnitude over |i f/(i f + f_c)|, whose phase is known.
+    // Cepstrum of magnitude/|i f/(i f + f_c)|; the phase of the divisor is added in at().
     for (std::size_t n = 0; n <= kHalf; ++n) {
       const double theta = std::numbers::pi * (static_cast<double>(n) + 0.5) / (kHalf + 1.0);
       const double f = std::clamp(kScale * std::tan(theta / 2), frequency(0), 8000.0);
@@ -97,7 +97,7 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
   if (!fit_poles(reflected, -1, 2.8 * kTwoPi * cutoff, found.reflection) ||
       !fit_poles(radiated, 0, 4 * kTwoPi * cutoff, found.radiation))
     return false;
-  // No more than all comes back, at any frequency.
+  // |R| <= 1 at every frequency.
   const double scale = std::min(1.0, (1 - 1e-9) / largest_response(-1, found.reflection));
   found.dc_value = -scale;
   for (Termination::Block& block : found.reflection) {

@@ -8,20 +8,24 @@
 
 namespace tactus::reed {
 
-/// The fingering of any state of the tone holes, closed[i] from the reed down (1 closed, 0 open, in
-/// between partly covered): transfer matrices of what lies beyond the first open hole
-/// (HoleLattice), approximated by poles (fit_poles) and |R| <= 1 at every frequency. Takes some
-/// milliseconds, the same for every state; allocates nothing. False where no poles are found.
+/// Computes the Termination for any state of the tone holes, closed[i] from the reed down (1
+/// closed, 0 open, in between partly covered).
+///
+/// The response beyond the first open hole comes from transfer matrices (HoleLattice) and is
+/// approximated by poles (fit_poles), scaled so that |R| <= 1 at every frequency. Some
+/// milliseconds, about the same for every state; no allocation. False, and fingering unchanged,
+/// where no poles are found.
 [[nodiscard]] bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
                                 Termination& fingering) noexcept;
 
-/// Fingerings that have been asked for, kept: a trill finds both of its own here. They stay where
-/// they are until kSize others have been asked for since.
+/// Cache of the last kSize results of finger_holes(), so that trills cost nothing. A result stays
+/// at its address until kSize others have been used since.
 class HoleFingerings {
 public:
   static constexpr std::size_t kSize = 32;
 
-  /// Null where there is none: finger_holes() says when.
+  /// Finds or computes a fingering of the woodwind `end`. Null for other ends, another number of
+  /// holes, or where finger_holes() returns false.
   [[nodiscard]] const Termination* find(BoreEnd end, std::span<const double> closed) noexcept;
 
 private:
@@ -29,7 +33,7 @@ private:
     BoreEnd end = BoreEnd::kOpen;
     std::array<double, Woodwind::kMaxToneHoles> closed{};
     Termination fingering{};
-    unsigned long last_use = 0; // when last; 0: never
+    unsigned long last_use = 0; // value of use_count_; 0: never
   };
   std::array<CacheEntry, kSize> entries_{};
   unsigned long use_count_ = 0;

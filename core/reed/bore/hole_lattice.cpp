@@ -13,11 +13,11 @@ namespace {
 using Complex = HoleLattice::Complex;
 constexpr double kPi = std::numbers::pi;
 constexpr double kSliceLength = 4e-3;   // m, of a cone
-constexpr double kMinHoleRadius = 2e-4; // m: a hole narrower than its boundary layers is shut
+constexpr double kMinHoleRadius = 2e-4; // m, about the boundary layers: a narrower hole is closed
 
 double square(double x) { return x * x; }
 
-/// Matrix of a lossy cylinder, from (p, U) at its end to (p, U) at its beginning.
+/// Transfer matrix of a lossy cylinder, from (p, U) at its end to (p, U) at its beginning.
 struct Tube {
   Complex cosh, z_sinh, sinh_over_z; // cosh, Z sinh, sinh/Z
 
@@ -88,24 +88,14 @@ HoleLattice::PressureFlow HoleLattice::through_bore(Complex s, double from, doub
   return far_end;
 }
 
-HoleLattice::Response HoleLattice::at(double omega) const noexcept {
+HoleLattice::PressureFlow HoleLattice::bell_state(Complex s, Source& source) const noexcept {
   const Air air = air_at(20);
-  const Complex s(0, omega);
-  struct Source {
-    double position;
-    Complex flow;
-    double load; // resistance
-  };
-  std::array<Source, Woodwind::kMaxToneHoles + 1> sources;
-  std::size_t source_count = 0;
-
-  // The bell, from its mouth back to where it begins.
   const double bore = instrument_.radius(end_);
   const auto& last =
       instrument_.bell[static_cast<std::size_t>(std::max(0, instrument_.bell_corners - 1))];
   const Complex mouth = opening(s, air, bore * last.ratio);
   PressureFlow state{mouth, 1.0};
-  sources[source_count++] = {end_ + last.distance, 1.0, mouth.real()};
+  source = {end_ + last.distance, 1.0, mouth.real()};
   for (int k = instrument_.bell_corners - 1; k-- > 0;) {
     const auto& near = instrument_.bell[static_cast<std::size_t>(k)];
     const auto& far = instrument_.bell[static_cast<std::size_t>(k) + 1];
@@ -118,20 +108,55 @@ HoleLattice::Response HoleLattice::at(double omega) const noexcept {
                tube.sinh_over_z * state.pressure + tube.cosh * state.flow};
     }
   }
+  return state;
+}
+
+HoleLattice::PressureFlow HoleLattice::across_hole(Complex s, const OpenHole& hole,
+                                                   PressureFlow state, Source& source) noexcept {
+  const Air air = air_at(20);
+  const Complex series_impedance =
+      s * air.density * hole.series_length / (2 * kPi * square(hole.bore));
+  state.pressure += series_impedance * state.flow;
+  const Complex load = opening(s, air, hole.radius);
+  const Tube chimney(s, air, hole.radius, hole.height);
+  const Complex out = state.pressure / (chimney.cosh * load + chimney.z_sinh);
+  source = {hole.position, out, load.real()};
+  state.flow += (chimney.sinh_over_z * load + chimney.cosh) * out;
+  state.pressure += series_impedance * state.flow;
+  return state;
+}
+
+/// The size of a source is the root of its power, so that a wide opening radiates all it receives.
+double HoleLattice::radiated_pressure(double omega, Complex scale, const Sources& sources,
+                                      std::size_t count) noexcept {
+  const Air air = air_at(20);
+  std::array<Complex, Woodwind::kMaxToneHoles + 1> amplitudes;
+  double total = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    amplitudes[i] =
+        scale * sources[i].flow *
+        std::sqrt(std::max(sources[i].resistance, 0.0) * air.density * air.sound_speed / (4 * kPi));
+    total += std::norm(amplitudes[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      total += 2 *
+               sinc(omega / air.sound_speed * std::abs(sources[i].position - sources[j].position)) *
+               (amplitudes[i] * std::conj(amplitudes[j])).real();
+  }
+  return std::sqrt(std::max(total, 0.0));
+}
+
+HoleLattice::Response HoleLattice::at(double omega) const noexcept {
+  const Air air = air_at(20);
+  const Complex s(0, omega);
+  Sources sources;
+  std::size_t source_count = 0;
+  PressureFlow state = bell_state(s, sources[source_count++]);
   double current_position = end_;
   for (std::size_t k = count_; k-- > 0;) {
     const OpenHole& hole = open_holes_[k];
     state = through_bore(s, hole.position, current_position, state);
     current_position = hole.position;
-    const Complex series_impedance =
-        s * air.density * hole.series_length / (2 * kPi * square(hole.bore));
-    state.pressure += series_impedance * state.flow;
-    const Complex load = opening(s, air, hole.radius);
-    const Tube chimney(s, air, hole.radius, hole.height);
-    const Complex out = state.pressure / (chimney.cosh * load + chimney.z_sinh);
-    sources[source_count++] = {hole.position, out, load.real()};
-    state.flow += (chimney.sinh_over_z * load + chimney.cosh) * out;
-    state.pressure += series_impedance * state.flow;
+    state = across_hole(s, hole, state, sources[source_count++]);
   }
 
   const double radius = instrument_.radius(start_);
@@ -142,20 +167,7 @@ HoleLattice::Response HoleLattice::at(double omega) const noexcept {
   const Complex reflected =
       (1.0 + wavefront_curvature - admittance) / (admittance + 1.0 - wavefront_curvature);
   const Complex scale = (1.0 + reflected) / state.pressure;
-  // Each source's size is the root of its power, so that a wide opening sends out all it gets.
-  std::array<Complex, Woodwind::kMaxToneHoles + 1> source_amplitudes;
-  double total = 0;
-  for (std::size_t i = 0; i < source_count; ++i) {
-    source_amplitudes[i] =
-        scale * sources[i].flow *
-        std::sqrt(std::max(sources[i].load, 0.0) * air.density * air.sound_speed / (4 * kPi));
-    total += std::norm(source_amplitudes[i]);
-    for (std::size_t j = 0; j < i; ++j)
-      total += 2 *
-               sinc(omega / air.sound_speed * std::abs(sources[i].position - sources[j].position)) *
-               (source_amplitudes[i] * std::conj(source_amplitudes[j])).real();
-  }
-  return {reflected, std::sqrt(std::max(total, 0.0)) / radius};
+  return {reflected, radiated_pressure(omega, scale, sources, source_count) / radius};
 }
 
 } // namespace tactus::reed

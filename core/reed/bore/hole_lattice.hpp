@@ -9,21 +9,24 @@
 
 namespace tactus::reed {
 
-/// What an arriving wave meets at an instrument's first open tone hole, for any state of the holes:
-/// transfer matrices of the bore from there to the bell's end.
+/// Reflectance and radiation of a woodwind beyond its first open tone hole, for any state of the
+/// holes, by transfer matrices of the bore from there to the end of the bell.
 ///
-/// Plane waves in lossy cylinders (thin boundary layer), cones as rows of short ones; an open hole
-/// as a T-section (Keefe 1982, 1990; lengths of Dubos et al. 1999, Nederveen et al. 1998) with an
-/// unflanged chimney (Silva et al. 2009). A closed hole is the bore's wall: pad or finger fill its
-/// chimney. A hole that is partly covered is one of the area left open. Each opening is a source of
-/// the power that it sends out, and sources interfere as sin(kd)/(kd), averaged over all directions
-/// (the programs of bench/reed_bores do the same for the standard fingerings).
+/// - Bore: plane waves in lossy cylinders (thin boundary layer); cones as many short cylinders.
+/// - Open hole: T-section (Keefe 1982, 1990; lengths of Dubos et al. 1999, Nederveen et al. 1998)
+///   with an unflanged chimney (Silva et al. 2009).
+/// - Closed hole: the wall of the bore; pad or finger fill its chimney.
+/// - Partly covered hole: an open one of the remaining area.
+/// - Sound outside: each opening radiates its power; openings interfere as sin(kd)/(kd), the mean
+///   over all directions.
+/// Limits: plane waves, 20 deg C. The programs of bench/reed_bores compute the standard fingerings
+/// in the same way.
 class HoleLattice {
 public:
   using Complex = std::complex<double>;
   struct Response {
     Complex reflected; // R
-    double radiated;   // |T|: see Termination
+    double radiated;   // |T| as in Termination
   };
 
   /// closed: one number for each tone hole from the reed down, 1 closed, 0 open.
@@ -31,19 +34,36 @@ public:
 
   /// MIDI number of the note whose first open hole is this state's.
   [[nodiscard]] int key() const noexcept { return key_; }
-  /// Where the line ends: from the reed's end, of a cone from its apex; m.
+  /// Position of the first open hole, m from the reed's end, of a cone from its apex.
   [[nodiscard]] double start() const noexcept { return start_; }
-  /// At omega > 0, rad/s, at 20 deg C.
+  /// Response at omega > 0, rad/s.
   [[nodiscard]] Response at(double omega) const noexcept;
 
 private:
-  struct PressureFlow { // for a unit flow at the far end
+  struct PressureFlow { // relative to the flow out of the bell
     Complex pressure, flow;
   };
   struct OpenHole {
-    double position, radius, height, bore; // of the chimney, and of the bore beside it
-    double series_length;                  // series length of the T-section
+    double position, radius, height; // of the chimney, with its length corrections
+    double bore;                     // radius of the bore there
+    double series_length;            // of the T-section
   };
+  /// A radiating opening.
+  struct Source {
+    double position;
+    Complex flow;
+    double resistance; // of radiation
+  };
+  using Sources = std::array<Source, Woodwind::kMaxToneHoles + 1>;
+
+  /// Pressure and flow at the beginning of the bell for a flow of 1 out of its mouth.
+  [[nodiscard]] PressureFlow bell_state(Complex s, Source& mouth) const noexcept;
+  /// Across an open hole, from its far to its near side.
+  [[nodiscard]] static PressureFlow across_hole(Complex s, const OpenHole& hole,
+                                                PressureFlow far_side, Source& source) noexcept;
+  /// sqrt of the mean square of the pressure at 1 m over all directions, for flows times scale.
+  [[nodiscard]] static double radiated_pressure(double omega, Complex scale, const Sources& sources,
+                                                std::size_t count) noexcept;
   [[nodiscard]] PressureFlow through_bore(Complex s, double from, double to,
                                           PressureFlow far_end) const noexcept;
 

@@ -25,7 +25,7 @@ bool passive(const DigitalOpenEnd& end) {
   return true;
 }
 
-/// What is passive at any radius: the numbers for which s = 2/T (1 - x)/(1 + x).
+/// The bilinear transform s = 2/T (1 - x)/(1 + x), passive at any radius.
 DigitalOpenEnd bilinear(double radius) {
   const double zero = 2 * radius * OpenEnd::kNumerator;
   const double first = 2 * radius / OpenEnd::kFirstPole;
@@ -41,8 +41,8 @@ DigitalOpenEnd DigitalOpenEnd::of(double radius, double period) noexcept {
   constexpr double kHighest = 12e3; // Hz
   const double p1 = std::exp(-OpenEnd::kFirstPole / radius);
   const double p2 = std::exp(-OpenEnd::kSecondPole / radius);
-  // B(x) = B(1) + B'(1) (x - 1) + t (x - 1)^2 with B(1) = -A(1) and -B'(1)/A(1) = delay -
-  // A'(1)/A(1) times -1.
+  // R(x) = B(x)/A(x), B = B(1) + B'(1) (x - 1) + t (x - 1)^2. R(0 Hz) = -1 gives B(1) = -A(1), the
+  // delay of long waves B'(1) = -(A(1) delay + A'(1)); t is fitted.
   const double dc_denominator = (1 - p1) * (1 - p2), slope = 2 * p1 * p2 - p1 - p2;
   const double delay = (OpenEnd::kFirst - OpenEnd::kNumerator) * radius; // samples
   const double rise = -(dc_denominator * delay + slope);

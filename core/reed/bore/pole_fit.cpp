@@ -15,12 +15,12 @@ constexpr std::size_t kMaxRows = 2 * kMaxResponsePoints + 1;
 constexpr int kIterations = 12; // of moving the poles
 constexpr int kRootSteps = 60;  // of Aberth's iteration
 constexpr double kReal = 1e-6;  // |imaginary part|/|root| below which a root is real
-// A pole nearer to the frequency axis than the points are to each other, or beyond all of them,
-// approximates nothing and may reflect more than arrives.
+// Bounds of the poles. One nearer to the frequency axis than the points' spacing, or beyond all
+// points, is not determined by them and may make |R| > 1.
 constexpr double kMinDamping = 4e-3;      // of the pole's size
 constexpr double kMaxPoleMagnitude = 2e5; // rad/s
 
-/// Poles with the upper member of each pair before its conjugate.
+/// Poles; of each conjugate pair the one with the positive imaginary part comes first.
 struct Poles {
   std::array<Complex, kMaxPoles> pole{};
   std::size_t count = 0;
@@ -36,10 +36,10 @@ public:
     rhs_[rows_] = rhs;
     return matrix_[rows_++].data();
   }
-  /// An unknown that the equations do not tell from those before it (two poles at one place) is 0.
-  /// False where one stands in no equation.
+  /// An unknown that is linearly dependent on those before it (two equal poles) becomes 0. False
+  /// when one appears in no equation.
   [[nodiscard]] bool solve(std::span<double> x) {
-    // Columns of one size: their units differ.
+    // Columns are normalised, because their units differ.
     std::array<double, kMaxUnknowns> scale{};
     for (std::size_t k = 0; k < unknowns_; ++k) {
       for (std::size_t i = 0; i < rows_; ++i)
@@ -175,8 +175,8 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
   return zeros.count == n;
 }
 
-/// One round: the poles move to the zeros of sigma, where sigma H and sigma are sums over the poles
-/// of before.
+/// One iteration of vector fitting: the poles move to the zeros of sigma, where sigma H and sigma
+/// are fitted as sums over the present poles.
 bool relocate_poles(std::span<const ResponsePoint> points, double dc_value, Poles& poles) {
   const std::size_t n = poles.count;
   LeastSquares equations(2 * n + 1);
@@ -266,7 +266,7 @@ bool fit_poles(std::span<const ResponsePoint> points, double dc_value, double ma
     return false;
   const auto residues = residues_of(poles, x);
   std::size_t block = 0;
-  double single_pole = 0, single_residue = 0; // a real pole that waits for another
+  double single_pole = 0, single_residue = 0; // a real pole that still lacks its second
   bool has_single = false;
   for (std::size_t k = 0; k < poles.count; ++k)
     if (poles.pairs(k)) {

@@ -7,7 +7,7 @@
 
 namespace tactus::reed {
 
-/// One point of a response to be approximated.
+/// One point of a frequency response to be approximated.
 struct ResponsePoint {
   double omega;                  // rad/s
   std::complex<double> response; // H(i omega)
@@ -15,18 +15,20 @@ struct ResponsePoint {
 };
 inline constexpr std::size_t kMaxResponsePoints = 192;
 
-/// Blocks of poles (Termination) such that dc_value + sum of r s/(s - p) comes close to the
-/// response: vector fitting (Gustavsen & Semlyen 1999, relaxed as in 2006), poles in the left half
-/// plane, as many as the blocks hold, from resonances up to `top` rad/s. Bounded work, no
-/// allocation. False, and the blocks as they were, where the response is no number.
+/// Approximates a response by poles p and residues r, H(s) = dc_value + sum of r s/(s - p), by
+/// vector fitting (Gustavsen & Semlyen 1999, relaxed: Gustavsen 2006).
+///
+/// The poles lie in the left half plane, two per block; the first guesses are resonances up to
+/// max_omega, rad/s. Bounded work, no allocation. Returns false, with the blocks unchanged, when a
+/// response is no number, or there are too few or too many points, or the equations are singular.
 [[nodiscard]] bool fit_poles(std::span<const ResponsePoint> points, double dc_value,
                              double max_omega, std::span<Termination::Block> blocks) noexcept;
 
-/// Largest |H| on the frequency axis.
+/// Largest |H(i omega)|, by scanning 0.1 to 1e7 rad/s and refining each peak.
 [[nodiscard]] double largest_response(double dc_value,
                                       std::span<const Termination::Block> blocks) noexcept;
 
-/// dc_value + sum of r s/(s - p).
+/// H(s) = dc_value + sum of r s/(s - p).
 [[nodiscard]] std::complex<double> response_of(double dc_value,
                                                std::span<const Termination::Block> blocks,
                                                std::complex<double> s) noexcept;

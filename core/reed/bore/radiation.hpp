@@ -4,10 +4,11 @@
 
 namespace tactus::reed {
 
-/// Reflection of plane waves at an unflanged open end, a passive second-order fit of Levine and
-/// Schwinger's exact solution (Silva, Guillemain, Kergomard, Mallaroni & Norris 2009):
+/// Reflectance of plane waves at an unflanged open end of radius r_e: a passive second-order fit of
+/// Levine and Schwinger's exact solution (Silva, Guillemain, Kergomard, Mallaroni & Norris 2009),
 ///   R = -(1 + n j)/(1 + d_1 j + d_2 j^2),   j = s r_e/c.
-/// Length correction 0.613 r_e and |R| = 1 - (k r_e)^2/2 for long waves; right to k r_e = 2 or so.
+/// For long waves the length correction is 0.613 r_e and |R| = 1 - (k r_e)^2/2. Valid to about
+/// k r_e = 2.
 struct OpenEnd {
   static constexpr double kNumerator = 0.167, kFirst = 1.393, kSecond = 0.457;
   static constexpr double kLengthCorrection = 0.613;

@@ -10,31 +10,36 @@
 
 namespace tactus::reed {
 
-/// The register vent (speaker hole): a narrow side hole in the line, near the reed. Through its
-/// air, of mass M and friction R (chimney and end corrections; friction at kFriction Hz), flows U,
-///   M U' + R U + N U|U| = p,   N = kSeparation rho/(2 A^2),
-/// for the jet that leaves it loses its kinetic energy: loud, the vent takes more from the
-/// register that has its largest pressure there than its friction does. The waves a and b that
-/// arrive at it from above and below have the pressure p = a + b - q there, q = Z_0 U/2, Z_0 =
-/// rho c/S of the bore there, in a cone too; b - q goes up, a - q down. Partly open it lets out a
-/// share g of q: no power is gained for any g in 0..1. For small waves
+/// The register vent (speaker hole) of a woodwind: a narrow side hole near the reed that weakens
+/// the lower register, so that the instrument overblows.
+///
+/// Its air has the mass M and the friction R (chimney and end corrections, friction at kFriction
+/// Hz). The flow U (m^3/s) through it follows from the pressure p in the bore,
+///   M U' + R U + N U|U| = p,   N = kSeparation rho/(2 A^2).
+/// The last term is the kinetic energy lost by the jet that leaves the hole; at large amplitudes it
+/// exceeds the friction. Waves a and b that arrive from above and below give p = a + b - q there,
+/// with q = Z_0 U/2 and Z_0 = rho c/S of the bore at the hole (also in a cone). b - q travels up,
+/// a - q down. A vent that is partly open lets out a share g of q, which gains no power for any g
+/// in 0..1. For small waves
 ///   q/(a + b) = H(s) = Z_0/(Z_0 + 2 (R + s M)) = share/(1 + s/corner).
+/// Limit: R is taken at one frequency (docs/greed.md, Limits).
 struct RegisterVent {
-  static constexpr double kFriction = 600, kSeparation = 1.5;
+  static constexpr double kFriction = 600; // Hz
+  static constexpr double kSeparation = 1.5;
 
   double position = 0; // m, from the reed's end of the line
   double share = 0;    // H(0); 0: there is none
   double corner = 1;
   double separation = 0; // 4 N/Z_0^2 of q, times share: 1/Pa
 
-  /// Of the instrument that the parameters' bore ends in.
+  /// The vent of the instrument Parameters::end; share 0 where that has none.
   [[nodiscard]] static RegisterVent of(const Parameters& parameters) noexcept;
   [[nodiscard]] std::complex<double> at(std::complex<double> s) const noexcept {
     return share / (1.0 + s / corner);
   }
-  /// The round trip that a line without vent would have, for the same reflection below it, where
-  /// `round_trip` is that of the line with it: `way` is what the way to the vent and back takes of
-  /// a wave. Small waves.
+  /// Round trip of the line without its vent, for the same reflection below the vent, given that of
+  /// the line with it. vent_path: the factor of the path from the reed to the vent and back. For
+  /// small waves.
   [[nodiscard]] std::complex<double> without_vent(std::complex<double> s,
                                                   std::complex<double> round_trip,
                                                   std::complex<double> vent_path) const noexcept {
@@ -44,9 +49,9 @@ struct RegisterVent {
   }
 };
 
-/// The vent where two stretches of line meet. With q in place of U its equation is
+/// The scattering junction at a RegisterVent, where two parts of the delay line meet:
 ///   q'/corner + q + separation q|q| = share (a + b),
-/// one backward Euler step a sample in closed form.
+/// by one backward Euler step per sample, solved in closed form. V is double or simd::Lanes.
 template <class V> class VentFilter {
 public:
   void set(const RegisterVent& vent, double rate) noexcept {
@@ -58,10 +63,15 @@ public:
   void reset() noexcept { q_ = V(0.0); }
   template <class Change> void each(Change change) noexcept { change(q_); }
 
-  /// above: what arrives from the reed becomes what goes back to it; below: what arrives from below
-  /// becomes what goes down. open: at the first sample, and what each adds.
+  /// Opening g at the first sample, and its increment per sample.
+  struct Opening {
+    double start, step;
+  };
+  /// Scatters count samples in place. above: the wave from the reed becomes the one back to it.
+  /// below: the wave from below becomes the one that goes down. losses: RoundTripFilter of the part
+  /// above.
   template <class Losses>
-  void pass(Losses& losses, V* above, V* below, double open, double step, int count) noexcept {
+  void pass(Losses& losses, V* above, V* below, const Opening& open, int count) noexcept {
     V q = q_;
     for (int i = 0; i < count; ++i) {
       const V a = losses.incident(above[i]), b = below[i];
@@ -69,7 +79,7 @@ public:
       const V root =
           simd::square_root(resistance_ * resistance_ + separation_ * simd::absolute(source));
       q = V(2.0) * source / (resistance_ + root);
-      const V out = V(open + step * i) * q;
+      const V out = V(open.start + open.step * i) * q;
       above[i] = b - out;
       below[i] = a - out;
     }

@@ -9,8 +9,8 @@
 
 namespace tactus::reed {
 
-/// As many numbers as the bore has loss sections, for one reed (V = double: side by side in vector
-/// registers) or for several (V = simd::Lanes). Either way the sums are taken in the same order.
+/// States (or coefficients) of the eight wall-loss sections, for several reeds (V = simd::Lanes)
+/// or, packed in pairs in vector registers, for one (V = double). Both sum in the same order.
 template <class V> struct LossStates {
   static constexpr std::size_t kSize = RoundTrip::kLossSections;
   std::array<V, kSize> value{};
@@ -19,7 +19,7 @@ template <class V> struct LossStates {
     for (std::size_t k = 0; k < kSize; ++k)
       value[k] = V(numbers[k]);
   }
-  /// Becomes pole * itself + gain * in.
+  /// value = pole * value + gain * in.
   [[gnu::always_inline]] void step(const LossStates& pole, const LossStates& gain,
                                    const V& in) noexcept {
     step(pole, gain, in, std::make_index_sequence<kSize>());
@@ -79,7 +79,8 @@ private:
   }
 };
 
-/// Filters of the bore's round trip.
+/// The wall-loss and open-end filters of a RoundTrip, with their states. V is double or
+/// simd::Lanes.
 template <class V> class RoundTripFilter {
 public:
   void reset() noexcept {
@@ -93,10 +94,11 @@ public:
     change(end_[1]);
   }
 
+  /// The same for the wall loss alone.
   template <class Change> void each_loss(Change change) noexcept { loss_.each(change); }
 
-  /// The filter with its coefficients at hand for a stretch of samples; its state goes back into
-  /// the filter at the end of its life.
+  /// The filter for a block of samples, with coefficients and state in registers; its destructor
+  /// stores the state.
   class BlockFilter {
   public:
     [[gnu::always_inline]] BlockFilter(RoundTripFilter& filter, const RoundTrip& trip,
@@ -105,7 +107,8 @@ public:
           loss_residue_(trip.loss_residue), first_(filter.end_[0]), second_(filter.end_[1]),
           first_pole_(trip.end.pole[0]), second_pole_(trip.end.pole[1]),
           first_input_(trip.end.input[0]), second_input_(trip.end.input[1]),
-          incident_gain_(trip.incident_gain), direct_(trip.end.direct), share_(reflected_weight) {}
+          incident_gain_(trip.incident_gain), direct_(trip.end.direct),
+          reflected_weight_(reflected_weight) {}
     BlockFilter(const BlockFilter&) = delete;
     BlockFilter& operator=(const BlockFilter&) = delete;
     [[gnu::always_inline]] ~BlockFilter() {
@@ -113,17 +116,17 @@ public:
       filter_.end_ = {first_, second_};
     }
 
-    /// From the delay line's output to what comes back, p-, and what reaches the open end and
-    /// leaves it (of the first lane): a - reflected_weight * b.
+    /// From the delay line's output to the reflected wave b, returned. leaving: a -
+    /// reflected_weight * b of the first lane, a the wave that arrives at the open end.
     [[gnu::always_inline]] V operator()(const V& wave, double& leaving) noexcept {
       const V at_end = incident(wave), back = direct_ * at_end + second_;
       second_ = second_pole_ * second_ + (second_input_ * at_end + first_);
       first_ = first_pole_ * first_ + first_input_ * at_end;
-      leaving = static_cast<double>(simd::lane(at_end - share_ * back, 0));
+      leaving = static_cast<double>(simd::lane(at_end - reflected_weight_ * back, 0));
       return back;
     }
 
-    /// From the delay line's output to what arrives at the end, where another filter takes over.
+    /// From the delay line's output to the wave a that arrives at the end: the wall loss alone.
     [[gnu::always_inline]] V incident(const V& wave) noexcept {
       const V attenuated = wave + loss_.sum();
       loss_.step(loss_pole_, loss_residue_, wave);
@@ -134,7 +137,7 @@ public:
     RoundTripFilter& filter_;
     LossStates<V> loss_, loss_pole_, loss_residue_;
     V first_, second_, first_pole_, second_pole_, first_input_, second_input_;
-    V incident_gain_, direct_, share_;
+    V incident_gain_, direct_, reflected_weight_;
   };
 
 private:

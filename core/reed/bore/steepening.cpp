@@ -8,18 +8,18 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kNoPotential = -1e300;
-// Above it Psi, which grows with the mean of the wave, is counted anew from 0: what is then left of
-// a double's digits is 1e-8 Pa.
+// Psi grows with the mean of the wave. Above this it starts again from 0; the rounding error is
+// then 1e-8 Pa.
 constexpr double kRebaseLimit = 1e8; // Pa samples
 
-/// int a dt between two samples from those two, the two beside and the two beyond: exact to the
-/// third power of time, and for a sine of 0.227 of the sample rate (10 kHz at 44.1 kHz), 0.04 dB
-/// between.
+/// Weights of int a dt between two samples, from those two and two on either side: exact for cubic
+/// polynomials and for a sine of 0.227 of the sample rate (10 kHz at 44.1 kHz), within 0.04 dB
+/// below.
 constexpr double kInner = 0.56562322, kMiddle = -0.07760149, kOuter = 0.01197827;
 static_assert(2 * (kInner + kMiddle + kOuter) == 1);
 
-/// A wave's mean over a sample, back to the wave: 1 - D^2/24 + 3 D^4/640, D^2 the second
-/// difference, as weights of the means here, beside and beyond.
+/// Compensates the droop of the mean over a sample: 1 - D^2/24 + 3 D^4/640, D^2 the second
+/// difference, as weights of the means at distances 0, 1 and 2.
 constexpr double kSharpen0 = 1 + 2.0 / 24 + 18.0 / 640, kSharpen1 = -1.0 / 24 - 12.0 / 640,
                  kSharpen2 = 3.0 / 640;
 
@@ -68,8 +68,8 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
   for (int i = 0; i < count; ++i)
     grid_[slot(max_shift_ + 1 + i)] = kNoPotential;
 
-  // Nodes 0 to count; node 0 is the last one of the run before. Times are counted from the node's
-  // own, so that rounding does not depend on how the stream is cut into runs.
+  // Nodes 0 to count; node 0 is the last one of the previous run. Times are relative to each node,
+  // so that rounding does not depend on how the stream is cut into runs.
   const double max_pressure = std::min(limit_ / lead, 1e300); // a lead of 0 moves nothing
   std::array<double, kMaxRun + 1> bounded, shift, loss;
   for (int i = 0; i <= count; ++i) {
@@ -80,8 +80,8 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
     shift[index(i)] = lead * c;
     loss[index(i)] = 0.5 * lead * c * c;
   }
-  // Between nodes Psi rises by w (first + u (second + u third)), w what has passed since the first
-  // and u = w share the part of the whole.
+  // Between nodes Psi increases by w (first + u (second + u third)), w the time since the first
+  // node and u = w share its fraction.
   std::array<double, kMaxRun> rise, share, first, second, third;
   for (int i = 0; i < count; ++i) {
     const double* x = a.data() + i;
@@ -90,7 +90,7 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
                (loss[at + 1] - loss[at]);
     share[at] = 1 / (1 + shift[at] - shift[at + 1]);
     const double chord = rise[at] * share[at];
-    // Between pieces of different shifts lie those whose shift is not at its bound.
+    // Between pieces of different shifts the shift is not at its limit.
     const bool equal_shifts = shift[at] == shift[at + 1];
     const double a0 = x[2], a1 = x[3], c0 = bounded[at], c1 = bounded[at + 1];
     const double from = equal_shifts ? a0 : c0, to = equal_shifts ? a1 : c1;
@@ -102,7 +102,7 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
   double potential = potential_;
   int node = floor(-shift_);
   if (lead != lead_) {
-    // The same pressure goes on until the piece arrives with its new lead.
+    // The pressure is constant until the piece with the new lead arrives.
     const int end = floor(-shift[0]);
     for (int n = node + 1; n <= end; ++n)
       raise_potential(n, potential + a[2] * (n + shift_));
@@ -119,23 +119,27 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
     }
     node = end;
     potential += rise[at];
-    if (std::abs(potential) > kRebaseLimit && sane(potential)) [[unlikely]]
+    if (std::abs(potential) > kRebaseLimit && is_bounded(potential)) [[unlikely]]
       rebase(potential);
   }
   shift_ = shift[index(count)];
   potential_ = potential;
 
+  differentiate(wave, count);
+  first_ = static_cast<int>((static_cast<std::size_t>(first_ + count)) & mask_);
+  std::copy_n(a.begin() + count, kHistory, std::begin(history_));
+}
+
+void Steepening::differentiate(double* wave, int count) const noexcept {
   std::array<double, kMaxRun + 5> psi;
   const int oldest = -max_shift_ - 4;
   for (int i = 0; i < count + 5; ++i)
-    psi[index(i)] = grid_[slot(oldest + i)];
+    psi[static_cast<std::size_t>(i)] = grid_[slot(oldest + i)];
   for (int i = 0; i < count; ++i) {
     const double* p = psi.data() + i;
     wave[i] = kSharpen0 * (p[3] - p[2]) + (kSharpen1 * ((p[4] - p[3]) + (p[2] - p[1])) +
                                            kSharpen2 * ((p[5] - p[4]) + (p[1] - p[0])));
   }
-  first_ = static_cast<int>((static_cast<std::size_t>(first_ + count)) & mask_);
-  std::copy_n(a.begin() + count, kHistory, std::begin(history_));
 }
 
 } // namespace tactus::reed

@@ -14,7 +14,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// 1/z of an ordinary number, without what std::complex does for extraordinary ones.
+/// 1/z for finite z, without the special cases of std::complex.
 Complex inverse(Complex z) { return std::conj(z) / std::norm(z); }
 
 /// r s/(s - p) and its derivative.
@@ -52,7 +52,7 @@ Termination::Value Termination::reflectance(Complex s) const noexcept {
 }
 
 double Termination::length_correction() const noexcept {
-  // R = R(0) exp(-2 s l/c) for long waves; looked at where the holes' friction is no longer all.
+  // R = R(0) exp(-2 s l/c) for long waves, evaluated at 150 Hz, above the range of the friction.
   constexpr double kOmega = 2 * 3.14159265358979 * 150;
   const Complex r = reflectance({0, kOmega}).value;
   return -std::arg(r / dc_value) * air_at(20).sound_speed / (2 * kOmega) + extra_length;
@@ -70,8 +70,8 @@ const Termination* fingering_for(BoreEnd end, double frequency_hz) noexcept {
 
 namespace {
 
-/// One real number that a DigitalBlocks is free to choose: the part of its response that grows with
-/// it, for x = z^-1, either x/(1 - q x), or that and its mirror image with q*.
+/// One free real number of a DigitalBlocks, which multiplies x/(1 - q x), x = z^-1, or the even or
+/// odd combination of that with the same for q*.
 struct FreeParameter {
   enum class Kind { kReal, kEven, kOdd } kind;
   Complex digital_pole; // q
@@ -107,38 +107,44 @@ void solve(std::array<std::array<double, capacity>, capacity>& a, std::array<dou
   }
 }
 
-} // namespace
+constexpr double kLowestFitted = 2 * std::numbers::pi * 80; // rad/s
 
-template <int blocks>
-void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& analog,
-                                double dc_value, double rate, double speed_ratio,
-                                double gain) noexcept {
-  const double period = speed_ratio / rate; // at 20 deg C
-  constexpr std::size_t kCapacity = 2 * blocks;
-  std::array<FreeParameter, kCapacity> free;
+/// The free numbers of a DigitalBlocks, at first those of the sampled impulse response, and their
+/// effects at 0 Hz.
+template <std::size_t capacity> struct FreeParameters {
+  std::array<FreeParameter, capacity> values;
+  std::array<Complex, capacity> dc_response;
   std::size_t count = 0;
-  for (const Termination::Block& block : analog)
-    if (block.oscillates) {
-      const Complex pole(block.a, block.b), digital_pole = std::exp(pole * period);
-      const Complex sampled = Complex(block.c, block.d) * pole * digital_pole * period;
-      free[count++] = {FreeParameter::Kind::kEven, digital_pole, sampled.real()};
-      free[count++] = {FreeParameter::Kind::kOdd, digital_pole, sampled.imag()};
-    } else {
-      for (const auto& [pole, residue] : {std::pair{block.a, block.c}, {block.b, block.d}})
-        if (residue != 0) {
-          const double digital_pole = std::exp(pole * period);
-          free[count++] = {FreeParameter::Kind::kReal, digital_pole,
-                           residue * pole * digital_pole * period};
-        }
-    }
 
-  // Least squares of what the sampled impulse response lacks from 80 Hz to 12.5 kHz, and a little
-  // of it from there to the Nyquist frequency. Nothing is lacking at 0 Hz: `direct` sees to that.
-  std::array<Complex, kCapacity> dc_response;
-  for (std::size_t k = 0; k < count; ++k)
-    dc_response[k] = free[k].at(1);
-  std::array<std::array<double, kCapacity>, kCapacity> normal{};
-  std::array<double, kCapacity> correction{};
+  FreeParameters(std::span<const Termination::Block> analog, double period) {
+    for (const Termination::Block& block : analog)
+      if (block.oscillates) {
+        const Complex pole(block.a, block.b), digital_pole = std::exp(pole * period);
+        const Complex sampled = Complex(block.c, block.d) * pole * digital_pole * period;
+        values[count++] = {FreeParameter::Kind::kEven, digital_pole, sampled.real()};
+        values[count++] = {FreeParameter::Kind::kOdd, digital_pole, sampled.imag()};
+      } else {
+        for (const auto& [pole, residue] : {std::pair{block.a, block.c}, {block.b, block.d}})
+          if (residue != 0) {
+            const double digital_pole = std::exp(pole * period);
+            values[count++] = {FreeParameter::Kind::kReal, digital_pole,
+                               residue * pole * digital_pole * period};
+          }
+      }
+    for (std::size_t k = 0; k < count; ++k)
+      dc_response[k] = values[k].at(1);
+  }
+};
+
+/// What to add to the free numbers: least squares of the error of the sampled impulse response from
+/// 80 Hz to 12.5 kHz and, with a small weight, from there to the Nyquist frequency. The error at 0
+/// Hz is left out, because `direct` corrects it.
+template <std::size_t capacity>
+std::array<double, capacity> residue_corrections(std::span<const Termination::Block> analog,
+                                                 const FreeParameters<capacity>& free,
+                                                 double dc_value, double period) {
+  std::array<std::array<double, capacity>, capacity> normal{};
+  std::array<double, capacity> correction{};
   const double nyquist = std::numbers::pi / period;
   const auto add = [&](double omega, double weight) {
     const Complex s(0, omega), x = std::polar(1.0, -omega * period);
@@ -146,51 +152,83 @@ void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& an
     for (const Termination::Block& block : analog)
       for (const Complex& part : terms(block, s))
         residual += part;
-    if (dc_value == 0) // from 0 up all levels are heard
+    if (dc_value == 0) // a radiated sound: relative errors count
       weight /= std::norm(residual) + 1e-12;
-    std::array<Complex, kCapacity> shape;
-    for (std::size_t k = 0; k < count; ++k) {
-      shape[k] = free[k].at(x) - dc_response[k];
-      residual -= free[k].value * shape[k];
+    std::array<Complex, capacity> shape;
+    for (std::size_t k = 0; k < free.count; ++k) {
+      shape[k] = free.values[k].at(x) - free.dc_response[k];
+      residual -= free.values[k].value * shape[k];
     }
-    for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < free.count; ++k) {
       for (std::size_t j = 0; j <= k; ++j)
         normal[k][j] += weight * (std::conj(shape[k]) * shape[j]).real();
       correction[k] += weight * (std::conj(shape[k]) * residual).real();
     }
   };
-  const double lowest = 2 * std::numbers::pi * 80,
-               highest = std::min(2 * std::numbers::pi * 12.5e3, 0.9 * nyquist);
+  const double highest = std::min(2 * std::numbers::pi * 12.5e3, 0.9 * nyquist);
   constexpr int kPoints = 36;
   for (int i = 0; i < kPoints; ++i)
-    add(lowest * std::pow(highest / lowest, i / (kPoints - 1.0)), 1);
+    add(kLowestFitted * std::pow(highest / kLowestFitted, i / (kPoints - 1.0)), 1);
   for (int i = 1; i <= 8; ++i)
     add(highest * std::pow(0.98 * nyquist / highest, i / 8.0), 1e-3);
-  // Where poles are slow or sharp, nothing may come out above 1.
+  // More points at low frequencies and at the poles, where |R| might exceed 1.
   constexpr int kSlowPoints = 8;
   for (int i = 0; i < kSlowPoints; ++i)
-    add(lowest * std::pow(0.01, (i + 0.5) / kSlowPoints), 10);
+    add(kLowestFitted * std::pow(0.01, (i + 0.5) / kSlowPoints), 10);
   for (const Termination::Block& block : analog)
     if (block.oscillates && block.b < highest)
       add(block.b, 1);
-  for (std::size_t k = 0; k < count; ++k)
+  for (std::size_t k = 0; k < free.count; ++k)
     normal[k][k] *= 1 + 1e-9; // poles may lie close together
-  solve(normal, correction, count);
+  solve(normal, correction, free.count);
+  return correction;
+}
+
+/// Largest |H|^2 on the unit circle, on a grid that is denser near the poles and towards 0 Hz.
+template <int blocks>
+double max_squared_magnitude(const DigitalBlocks<blocks>& filter,
+                             std::span<const Termination::Block> analog, double rate,
+                             double period) {
+  double max_squared = 0;
+  const auto check = [&](double angle) {
+    max_squared = std::max(max_squared, std::norm(filter.at(std::polar(1.0, -angle))));
+  };
+  const int points = rate < 40e3 ? 400 : 60;
+  for (int i = 1; i <= points; ++i)
+    check(std::numbers::pi * i / points);
+  for (double angle = kLowestFitted * period; angle > 1e-3 * kLowestFitted * period; angle *= 0.7)
+    check(angle);
+  for (const Termination::Block& block : analog)
+    if (block.oscillates)
+      for (const double side : {-2.0, -1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0, 2.0})
+        check(std::min((block.b + side * block.a) * period, std::numbers::pi));
+  return max_squared;
+}
+
+} // namespace
+
+template <int blocks>
+void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& analog,
+                                double dc_value, double rate, double speed_ratio,
+                                double gain) noexcept {
+  const double period = speed_ratio / rate; // at 20 deg C
+  const FreeParameters<2 * blocks> free(analog, period);
+  const auto correction = residue_corrections<2 * blocks>(analog, free, dc_value, period);
 
   direct = gain * dc_value;
   std::size_t next = 0;
   const auto next_residue = [&] {
-    const double value = gain * (free[next].value + correction[next]);
-    direct -= value * dc_response[next].real();
+    const double value = gain * (free.values[next].value + correction[next]);
+    direct -= value * free.dc_response[next].real();
     ++next;
     return value;
   };
   for (std::size_t i = 0; i < analog.size(); ++i) {
     const Termination::Block& block = analog[i];
     if (block.oscillates) {
-      // Of a state that turns by q: x + y = Re((1 - i) state), and its input is what makes that
-      // twice the real part of the term.
-      const Complex digital_pole = free[next].digital_pole;
+      // A state that is multiplied by q per sample has x + y = Re((1 - i) state); its input makes
+      // that twice the real part of the term.
+      const Complex digital_pole = free.values[next].digital_pole;
       const double even = next_residue(), odd = next_residue();
       const Complex input = 2.0 * Complex(even, odd) / Complex(1, -1);
       a[i] = e[i] = digital_pole.real();
@@ -200,11 +238,11 @@ void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& an
     } else {
       a[i] = e[i] = w[i] = g[i] = h[i] = 0;
       if (block.c != 0) {
-        a[i] = free[next].digital_pole.real();
+        a[i] = free.values[next].digital_pole.real();
         g[i] = next_residue();
       }
       if (block.d != 0) {
-        e[i] = free[next].digital_pole.real();
+        e[i] = free.values[next].digital_pole.real();
         h[i] = next_residue();
       }
     }
@@ -212,22 +250,10 @@ void DigitalBlocks<blocks>::set(const std::array<Termination::Block, blocks>& an
 
   if (dc_value == 0)
     return;
-  // What little a reflectance may still come out above 1 by, above all at rates below 40 kHz.
-  double max_squared = 0;
-  const auto check_magnitude = [&](double angle) {
-    max_squared = std::max(max_squared, std::norm(at(std::polar(1.0, -angle))));
-  };
-  const int points = rate < 40e3 ? 400 : 60;
-  for (int i = 1; i <= points; ++i)
-    check_magnitude(std::numbers::pi * i / points);
-  for (double angle = lowest * period; angle > 1e-3 * lowest * period; angle *= 0.7)
-    check_magnitude(angle);
-  for (const Termination::Block& block : analog)
-    if (block.oscillates)
-      for (const double side : {-2.0, -1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0, 2.0})
-        check_magnitude(std::min((block.b + side * block.a) * period, std::numbers::pi));
+  // A reflectance may still exceed 1 a little, above all at rates below 40 kHz.
+  const double max_squared = max_squared_magnitude(*this, analog, rate, period);
   if (max_squared > 1) {
-    // Between the places looked at there may be twice as much.
+    // Between the points of the grid the excess may be twice as large.
     const double reduction = 1 / (1 + 2 * (std::sqrt(max_squared) - 1) + 1e-9);
     direct *= reduction;
     for (std::size_t i = 0; i < analog.size(); ++i) {

@@ -6,20 +6,21 @@
 
 namespace tactus::reed {
 
-/// What the bore's line ends in, with `tune`: an unflanged open end, an instrument's own holes and
-/// bell, or the bell of a brass instrument.
+/// Termination of the bore, with `tune`: an unflanged open end, tone holes and bell of a woodwind,
+/// or the bell of a brass instrument.
 enum class BoreEnd { kOpen, kClarinet, kSaxophone, kOboe, kTrumpet, kTrombone };
 
-/// One fingering: what an arriving wave meets where the line ends, at the first open tone hole (or
-/// at the beginning of the bell): a lattice of open holes, what bore is left, the bell. As
-/// functions of s at 20 deg C,
-///   H(s) = dc_value + sum over the blocks' poles p and residues r of  r s/(s - p),
-/// the reflectance R(s) and what is heard: the pressure at 1 m (root mean square over all
+/// Reflectance and radiation of one fingering, seen from the first open tone hole (or the beginning
+/// of a brass bell): open holes, the rest of the bore and the bell.
+///
+/// Both are rational functions of s (rad/s) at 20 deg C, with poles p and residues r in `blocks`,
+///   H(s) = dc_value + sum of r s/(s - p).
+/// R(s) is the reflectance. T(s) gives the sound: the pressure at 1 m (root mean square over all
 /// directions) is (input radius in m) * T(s) times the arriving wave, referred to the bore's input.
-/// Lengths of air scale with its speed of sound, so that H(s c_20/c) holds at another temperature.
+/// At another temperature H(s c_20/c) holds, because lengths scale with the speed of sound.
 ///
 /// The tables are transfer matrices of documented bores, fitted by
-/// bench/reed_bores/terminations.py; |R| <= 1 at every frequency.
+/// bench/reed_bores/terminations.py, with |R| <= 1 at every frequency.
 struct Termination {
   /// Poles a +- i b with residues c +- i d when it oscillates; else poles a and b with residues c
   /// and d. All poles lie in the left half plane.
@@ -31,7 +32,7 @@ struct Termination {
 
   int key = 0;             // MIDI number of the note, as it sounds
   double dc_value = -1;    // R(0)
-  double extra_length = 0; // m: path that R leaves out, a pure delay there and back
+  double extra_length = 0; // m: pure delay, there and back, that R does not contain
   std::array<Block, kReflectionBlocks> reflection{};
   std::array<Block, kRadiationBlocks> radiation{}; // T(0) = 0
 
@@ -40,7 +41,7 @@ struct Termination {
   };
   /// R and dR/ds, without the extra length; s in rad/s as it would be at 20 deg C.
   [[nodiscard]] Value reflectance(std::complex<double> s) const noexcept;
-  /// Length, m, of open tube without losses that reflects long waves as this does.
+  /// Length, m, of the lossless open tube with the same reflectance for long waves.
   [[nodiscard]] double length_correction() const noexcept;
 };
 
@@ -51,22 +52,22 @@ struct Termination {
 /// Written by bench/reed_bores/bells.py.
 [[nodiscard]] std::span<const Termination> bells(BoreEnd end) noexcept;
 
-/// The fingering of the note nearest to a frequency in Hz, or the first or last where there is
-/// none; null for the open end.
+/// The fingering of the note nearest to a frequency in Hz, limited to the instrument's compass;
+/// null for ends without fingerings.
 [[nodiscard]] const Termination* fingering_for(BoreEnd end, double frequency_hz) noexcept;
 
-/// The same sum at one sample rate, sections side by side, two of a block being
-///   x' = a x - w y + g in,   y' = w x + e y + h in,   out = direct in + sum (x + y):
-/// with the poles exp(p T) themselves and residues fitted to H from 80 Hz to 12.5 kHz (least
-/// squares; H(0) is exact).
+/// Digital filter for H(s) of a Termination at one sample rate: parallel second-order sections,
+///   x' = a x - w y + g in,   y' = w x + e y + h in,   out = direct in + sum (x + y).
+/// The poles are exact, exp(p T); the residues are fitted to H from 80 Hz to 12.5 kHz (least
+/// squares), H(0) is exact. Reflectances (dc_value != 0) are scaled to |R| <= 1.
 template <int blocks> struct DigitalBlocks {
   double direct = 0;
   std::array<double, blocks> a{}, e{}, w{}, g{}, h{};
 
-  /// rate in Hz; speed_ratio = c/c_20.
+  /// Designs the filter: rate in Hz, speed_ratio = c/c_20, gain a factor on H. Some 25 us.
   void set(const std::array<Termination::Block, blocks>& analog, double dc_value, double rate,
            double speed_ratio, double gain) noexcept;
-  /// At exp(i 2 pi f/rate) = 1/back.
+  /// Response at back = z^-1.
   [[nodiscard]] std::complex<double> at(std::complex<double> back) const noexcept {
     std::complex<double> sum = direct;
     for (std::size_t k = 0; k < a.size(); ++k) {

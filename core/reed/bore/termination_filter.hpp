@@ -9,8 +9,8 @@
 
 namespace tactus::reed {
 
-/// The sections of a DigitalBlocks with their states, for one reed (V = double: two sections in one
-/// vector register) or for several (V = simd::Lanes).
+/// The parallel sections of DigitalBlocks with their states, for one reed (V = double: two sections
+/// in one vector register) or for several (V = simd::Lanes).
 template <class V, int blocks> class TerminationFilter {
   static constexpr bool kSingle = std::is_same_v<V, double>;
   static constexpr std::size_t kLanesPerWord = kSingle ? 2 : 1, kWords = blocks / kLanesPerWord;
@@ -50,8 +50,8 @@ public:
         }
   }
 
-  /// The filter with its coefficients at hand for a stretch of samples; its state goes back into
-  /// the filter at the end of its life.
+  /// The filter for a block of samples, with coefficients and state in registers; its destructor
+  /// stores the state.
   class BlockFilter {
   public:
     [[gnu::always_inline]] BlockFilter(TerminationFilter& filter,

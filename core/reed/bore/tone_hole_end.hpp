@@ -9,13 +9,15 @@
 
 namespace tactus::reed {
 
-/// The end of a bore with tone holes while it is fingered: what comes back from the first open
-/// hole, and what is heard outside. A new fingering is blended in over 5 ms, as long as keys take
-/// to move: the sum of two reflectances by shares that add up to 1 reflects no more than the larger
-/// of them.
+/// The end of a bore with tone holes, or a brass bell: reflection and radiation of the present
+/// fingering (Termination), with a cross-fade to the next.
+///
+/// A fade takes 5 ms, about as long as a key moves. The two reflectances are weighted by shares
+/// that add up to 1, so that the sum never reflects more than the larger of them. V is double or
+/// simd::Lanes. No allocation.
 template <class V> class ToneHoleEnd {
 public:
-  /// Internal samples a second, c/c_20, and the radius of the bore's input, m.
+  /// rate: internal, Hz; speed_ratio: c/c_20; input_radius: of the bore, m.
   void set(double rate, double speed_ratio, double input_radius) noexcept {
     rate_ = rate;
     speed_ratio_ = speed_ratio;
@@ -24,7 +26,8 @@ public:
     for (std::size_t i = 0; i < 2; ++i)
       design(i);
   }
-  /// The fingering from now on; null: no holes. Where there were none it is there at once.
+  /// Sets the next fingering, which must outlive its use; null: no holes. Changes to or from null
+  /// are immediate, others wait for start_pending_fade().
   void finger(const Termination* termination) noexcept {
     target_ = termination;
     if (termination == nullptr || fingerings_[current_] == nullptr) {
@@ -35,8 +38,8 @@ public:
     }
   }
   [[nodiscard]] bool active() const noexcept { return fingerings_[current_] != nullptr; }
-  /// Between stretches: begins the next movement once the last has ended.
-  void proceed() noexcept {
+  /// Between blocks: begins the fade to the fingering set last, once the previous fade has ended.
+  void start_pending_fade() noexcept {
     if (reflection_fade_ < 1 || radiation_fade_ < 1 || target_ == fingerings_[current_])
       return;
     current_ = 1 - current_;
@@ -63,11 +66,11 @@ public:
       filter.each(change);
   }
 
-  /// What arrives at the end, in place, becomes what comes back.
+  /// Arriving wave to reflected wave, in place, Pa.
   void reflect(V* wave, int count) noexcept {
     reflection_fade_ = run(reflection_filters_, reflection_designs_, reflection_fade_, wave, count);
   }
-  /// What arrives becomes the pressure at 1 m, Pa.
+  /// Arriving wave to sound pressure at 1 m, in place, Pa.
   void radiate(double* wave, int count) noexcept {
     radiation_fade_ = run(radiation_filters_, radiation_designs_, radiation_fade_, wave, count);
   }
@@ -105,7 +108,7 @@ private:
       wave[i] = block_filter(wave[i]);
   }
 
-  std::array<const Termination*, 2> fingerings_{}; // the fingering now, and the one before
+  std::array<const Termination*, 2> fingerings_{}; // present ([current_]) and previous
   const Termination* target_ = nullptr;
   std::size_t current_ = 0;
   double rate_ = 48000, speed_ratio_ = 1, radius_ = 7.5e-3, step_ = 1;

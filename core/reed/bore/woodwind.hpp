@@ -8,16 +8,17 @@
 
 namespace tactus::reed {
 
-/// A woodwind as it is built: bore, tone holes and bell in metres. The geometry of
-/// bench/reed_bores/bores.py, which has its sources: one tone hole a semitone, their sizes from the
-/// cut-off frequency of the open lattice (Benade 1976, chapter 21), an end correction of 2 cm
-/// before each note's first open hole.
+/// Geometry of a woodwind: bore, tone holes, register vent and bell, in metres.
+///
+/// One tone hole per semitone; their sizes follow from the cut-off frequency of the open lattice
+/// (Benade 1976, ch. 21), their positions from an end correction of 2 cm. The same geometry, with
+/// its sources, is in bench/reed_bores/bores.py.
 struct Woodwind {
   struct Corner {
-    double distance, ratio; // from the last hole's place; radius over the bore's there
+    double distance, ratio; // from the last hole's position; radius over the bore's there
   };
   struct Hole {
-    double position, radius, height; // place from the reed's end; of a cone from its apex
+    double position, radius, height; // position from the reed's end, of a cone from its apex
   };
   static constexpr int kBellCorners = 5;
   static constexpr std::size_t kMaxToneHoles = 32;
@@ -27,16 +28,16 @@ struct Woodwind {
   double apex = 0;        // from the apex to the reed's end; 0: cylinder
   double cutoff = 1500;   // of the lattice, Hz; at its lowest hole where it rises
   double chimney = 8e-3;  // height of the tone holes
-  double cutoff_rise = 0; // power of the note by which the cut-off rises up the bore,
+  double cutoff_rise = 0; // the cut-off rises with the note's frequency to this power
   int cutoff_top = 127;   // up to this key's hole
   std::array<Corner, kBellCorners> bell{};
   int bell_corners = 0;
-  Hole vent{};                // the register vent; its place on the line, from the reed's end
-  int overblow_interval = 19; // semitones from a fingering's note to the one with the vent open
+  Hole vent{};                // the register vent; position from the reed's end, also of a cone
+  int overblow_interval = 19; // semitones by which the open vent raises a fingering's note
 
-  /// A note's first open hole; the lowest note's is the beginning of the bell.
+  /// Position of a note's first open hole; that of the lowest note is the beginning of the bell.
   [[nodiscard]] double position(double key) const noexcept;
-  /// Cut-off of the lattice about the hole that a note opens first, Hz.
+  /// Cut-off of the lattice around a note's first open hole, Hz.
   [[nodiscard]] double cutoff_at(int key) const noexcept;
   /// Radius of the bore.
   [[nodiscard]] double radius(double position) const noexcept {
@@ -46,14 +47,15 @@ struct Woodwind {
   [[nodiscard]] std::size_t tone_holes() const noexcept {
     return static_cast<std::size_t>(highest_key - lowest_key);
   }
+  /// Position, radius and height of a tone hole.
   [[nodiscard]] Hole tone_hole(std::size_t index) const noexcept;
-  /// The note of which a tone hole is the first open one.
+  /// MIDI number of the note whose first open hole this is.
   [[nodiscard]] int key_of(std::size_t index) const noexcept {
     return highest_key - static_cast<int>(index);
   }
 };
 
-/// The instrument whose holes the bore ends in; null for the open end.
+/// The woodwind of kClarinet, kSaxophone or kOboe; null for other ends.
 [[nodiscard]] const Woodwind* woodwind(BoreEnd end) noexcept;
 
 } // namespace tactus::reed

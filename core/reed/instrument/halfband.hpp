@@ -4,17 +4,18 @@
 
 namespace tactus::reed {
 
-/// Odd coefficients h_1, h_3, ... of a half-band low-pass (Kaiser window, stop band below -70 dB,
-/// unity at DC): y = x_0/2 + sum_j h_(2j+1) (x_-(2j+1) + x_+(2j+1)).
+/// Odd coefficients h_1, h_3, ... of a half-band low-pass filter,
+///   y = x_0/2 + sum_j h_(2j+1) (x_-(2j+1) + x_+(2j+1)),
+/// by the window method (Kaiser, beta = 7): stop band below -70 dB, gain 1 at 0 Hz.
 template <int pairs> [[nodiscard]] std::array<double, pairs> halfband_coefficients() noexcept;
 
-/// Halves the sample rate of one signal, or of several side by side. Linear phase; delays by
-/// 2 pairs - 1 input samples.
+/// Halves the sample rate of one signal (V = double) or of several in vector lanes. Linear phase;
+/// delay 2 pairs - 1 input samples. No allocation.
 template <class V, int pairs, int max_count> class Halfband {
 public:
   void reset() noexcept { history_.fill(V(0.0)); }
 
-  /// count outputs from 2 count inputs (2 count <= longest); output may be the input.
+  /// count outputs from 2 count inputs (2 count <= max_count); output may be the input.
   void run(const V* input, V* output, int count) noexcept {
     for (int i = 0; i < 2 * count; ++i)
       history_[static_cast<std::size_t>(kHistory + i)] = input[i];
@@ -36,7 +37,7 @@ private:
   std::array<V, kHistory + max_count> history_{};
 };
 
-/// From 4 times or twice the sample rate to the sample rate.
+/// Decimates by 4 or 2, with one or two half-band stages.
 template <class V, int max_count> class Decimator {
 public:
   void reset() noexcept {
@@ -44,7 +45,8 @@ public:
     second_stage_.reset();
   }
 
-  /// count outputs from oversampling * count inputs (at most longest), which are used up.
+  /// count outputs from oversampling * count inputs (at most max_count), which are overwritten.
+  /// oversampling: 2 or 4.
   void run(int oversampling, V* signal, V* output, int count) noexcept {
     if (oversampling == 4)
       first_stage_.run(signal, signal, 2 * count);

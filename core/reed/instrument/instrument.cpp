@@ -8,17 +8,15 @@
 namespace tactus::reed {
 namespace {
 
-/// Single-precision hosts slow down on denormals, too.
+/// Converts to the host's precision; numbers that would be denormal there become 0.
 template <class S> void copy_output(const double* value, S* out, std::size_t count) noexcept {
   for (std::size_t i = 0; i < count; ++i)
     out[i] = static_cast<S>(std::abs(value[i]) < 1e-30 ? 0.0 : value[i]);
 }
 
-/// Far above all that the model takes: what is clamped there need not be told from infinity.
-constexpr double kHighestFrequency = 1e6;
+constexpr double kHighestFrequency = 1e6; // Hz, above all that the model takes
 
-/// A control that is no number, or not finite, leaves the last good value. 0 and below are one
-/// wish.
+/// A control that is not finite leaves the last good value. All values below 0 mean the same.
 void update_control(double& last_good, double value) noexcept {
   if (std::isfinite(value))
     last_good = std::clamp(value, 0.0, kHighestFrequency);
@@ -26,15 +24,16 @@ void update_control(double& last_good, double value) noexcept {
 
 } // namespace
 
-/// Straight to the parameters' gain within ParameterGlide::kTime; at once before the first sample.
-void Instrument::move_gain() noexcept {
+/// One step of a linear ramp to the parameters' gain within ParameterGlide::kTime; before the first
+/// sample the gain is there at once.
+void Instrument::update_gain() noexcept {
   const Parameters& p = bank_.parameters();
   const double target_gain = p.tune ? p.gain * p.played_gain : p.gain;
   if (gain_unset_) {
     gain_ = target_gain;
     gain_unset_ = false;
   }
-  if (bank_.fades_out()) { // that which fades keeps its own
+  if (bank_.fades_out()) { // the old instrument keeps its gain
     gain_step_ = 0;
     return;
   }
@@ -72,63 +71,66 @@ void Instrument::reset() noexcept {
   last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
 }
 
-template <class S>
-void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
-                         std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
-                         std::span<S> bore_pressure, std::span<S> flow) noexcept {
-  std::array<double, kBlock> mouth, radiated, angle, bore, volume_flow;
-  for (std::size_t done = 0; done < mouth_pressure.size();) {
+/// Clamps mouth pressures; NaN becomes the pressure before.
+void Instrument::read_mouth_pressure(double* mouth, std::size_t count) noexcept {
+  bool usable = true;
+  for (std::size_t i = 0; i < count; ++i)
+    usable &= std::abs(mouth[i]) <= kHighestPressure;
+  if (!usable)
+    for (std::size_t i = 0; i < count; ++i) {
+      const double previous = i == 0 ? last_pressure_ : mouth[i - 1];
+      mouth[i] = mouth[i] == mouth[i] ? std::clamp(mouth[i], -kHighestPressure, kHighestPressure)
+                                      : previous;
+    }
+  last_pressure_ = mouth[count - 1];
+}
+
+/// Pressure at 1 m (Pa) to the sound, in place.
+void Instrument::apply_gain(double* radiated, std::size_t count) const noexcept {
+  if (gain_step_ != 0) {
+    const auto left = static_cast<double>(bank_.until_control());
+    for (std::size_t i = 0; i < count; ++i)
+      radiated[i] *= gain_ - gain_step_ * (left + static_cast<double>(count - 1 - i)) / kBlock;
+  } else {
+    for (std::size_t i = 0; i < count; ++i)
+      radiated[i] *= gain_;
+  }
+  bool loud = false;
+  for (std::size_t i = 0; i < count; ++i)
+    loud |= std::abs(radiated[i]) > kLinearLimit;
+  if (loud)
+    for (std::size_t i = 0; i < count; ++i)
+      radiated[i] = soft_clip(radiated[i]);
+}
+
+template <class S> void Instrument::process(const Controls<S>& in, const Outputs<S>& out) noexcept {
+  std::array<double, kBlock> mouth, radiated, angle, bore, flow;
+  const std::size_t size = in.mouth_pressure.size();
+  for (std::size_t done = 0; done < size;) {
     if (bank_.until_control() == 0) {
-      update_control(reed_frequency_, static_cast<double>(reed_frequency[done]));
-      update_control(bore_frequency_, static_cast<double>(bore_frequency[done]));
-      // The lips go with the breath, not with what the tongue lets through.
+      update_control(reed_frequency_, static_cast<double>(in.reed_frequency[done]));
+      update_control(bore_frequency_, static_cast<double>(in.bore_frequency[done]));
+      // The lips follow the breath, not what the tongue lets through.
       bank_.control(reed_frequency_, bore_frequency_, std::max(0.0, last_pressure_));
-      move_gain();
+      update_gain();
     }
     const std::size_t count =
-        std::min(mouth_pressure.size() - done, static_cast<std::size_t>(bank_.until_control()));
-    bool usable = true;
-    for (std::size_t i = 0; i < count; ++i) {
-      mouth[i] = static_cast<double>(mouth_pressure[done + i]);
-      usable &= std::abs(mouth[i]) <= kHighestPressure;
-    }
-    if (!usable)
-      for (std::size_t i = 0; i < count; ++i) {
-        const double previous = i == 0 ? last_pressure_ : mouth[i - 1];
-        mouth[i] = mouth[i] == mouth[i] ? std::clamp(mouth[i], -kHighestPressure, kHighestPressure)
-                                        : previous;
-      }
-    last_pressure_ = mouth[count - 1];
-    bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), volume_flow.data()},
+        std::min(size - done, static_cast<std::size_t>(bank_.until_control()));
+    for (std::size_t i = 0; i < count; ++i)
+      mouth[i] = static_cast<double>(in.mouth_pressure[done + i]);
+    read_mouth_pressure(mouth.data(), count);
+    bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), flow.data()},
               static_cast<int>(count));
-    if (gain_step_ != 0) {
-      const auto left = static_cast<double>(bank_.until_control());
-      for (std::size_t i = 0; i < count; ++i)
-        radiated[i] *= gain_ - gain_step_ * (left + static_cast<double>(count - 1 - i)) / kBlock;
-    } else {
-      for (std::size_t i = 0; i < count; ++i)
-        radiated[i] *= gain_;
-    }
-    bool loud = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      loud |= std::abs(radiated[i]) > kLinearLimit;
-    }
-    if (loud)
-      for (std::size_t i = 0; i < count; ++i)
-        radiated[i] = soft_clip(radiated[i]);
-    copy_output(radiated.data(), sound.data() + done, count);
-    copy_output(angle.data(), theta.data() + done, count);
-    copy_output(bore.data(), bore_pressure.data() + done, count);
-    copy_output(volume_flow.data(), flow.data() + done, count);
+    apply_gain(radiated.data(), count);
+    copy_output(radiated.data(), out.sound.data() + done, count);
+    copy_output(angle.data(), out.theta.data() + done, count);
+    copy_output(bore.data(), out.bore_pressure.data() + done, count);
+    copy_output(flow.data(), out.flow.data() + done, count);
     done += count;
   }
 }
 
-template void Instrument::process(std::span<const float>, std::span<const float>,
-                                  std::span<const float>, std::span<float>, std::span<float>,
-                                  std::span<float>, std::span<float>) noexcept;
-template void Instrument::process(std::span<const double>, std::span<const double>,
-                                  std::span<const double>, std::span<double>, std::span<double>,
-                                  std::span<double>, std::span<double>) noexcept;
+template void Instrument::process(const Controls<float>&, const Outputs<float>&) noexcept;
+template void Instrument::process(const Controls<double>&, const Outputs<double>&) noexcept;
 
 } // namespace tactus::reed

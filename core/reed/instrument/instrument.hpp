@@ -11,74 +11,81 @@
 
 namespace tactus::reed {
 
-/// A pressure-controlled valve (reed, lips, vocal folds, syrinx) on a bore, played by mouth
-/// pressure, reed frequency and bore frequency. Generalised reed of Smyth, Abel & Smith (2005)
-/// after the equations of docs/greed.md.
+/// A wind instrument: a pressure-controlled valve (reed, lips, vocal folds, syrinx) on a bore,
+/// played by mouth pressure, reed frequency and bore frequency.
 ///
-/// prepare() allocates; everything else is bounded and allocates nothing, for any input. The same
-/// input gives the same bits however the stream is cut into blocks.
+/// Generalised reed of Smyth, Abel & Smith (2005); equations, units and limits are in
+/// docs/greed.md. All quantities are SI. prepare() allocates; everything else is bounded and
+/// allocates nothing, for any input. The same input gives the same bits however the stream is cut
+/// into blocks.
 class Instrument {
 public:
-  /// Largest mouth pressure taken, Pa; what lies beyond is clamped.
+  /// Limit of |mouth pressure|, Pa; larger values are clamped.
   static constexpr double kHighestPressure = ReedBank<double>::kHighestPressure;
 
-  /// sample_rate in Hz. Called again with the same rate, the sound goes on; another rate starts the
-  /// air from rest. Blocks of any size are taken, whatever max_block says.
+  /// sample_rate in Hz, clamped to 1 kHz..1 MHz. The same rate again changes nothing; another rate
+  /// starts the air from rest. Blocks may have any size, whatever max_block says.
   void prepare(double sample_rate, std::size_t max_block);
-  /// Takes the nearest usable parameters (see clamped()). Another oversampling stills the air.
-  /// While it sounds, numbers take some 16 ms, and switches and words fade the sound out and in.
+  /// Takes the nearest usable parameters (clamped()). While the instrument sounds, numbers are
+  /// interpolated over some 16 ms; switches and words fade the sound out and in (ParameterGlide).
+  /// Another oversampling starts the air from rest.
   void set(const Parameters& parameters) noexcept {
     if (parameters.end != bank_.parameters().end)
       bank_.finger(nullptr);
     bank_.set(parameters);
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
-  /// The note is tongued: the breath stops for some 5 ms and comes back at once. Only a player
-  /// (`tune 1`) has a tongue.
+  /// Tongues the note: the breath stops for some 5 ms and returns at once. Only with `tune`, where
+  /// a player plays.
   void articulate() noexcept { bank_.articulate(); }
-  /// With tune: fingers the holes of Parameters::end one by one, the register vent and then the
-  /// tone holes from the reed down (1 closed, 0 open, in between partly covered), until
-  /// release_holes() or another end. A state that has not been fingered lately takes some
-  /// milliseconds of computation. False, and the fingering as before, where the end has another
-  /// number of holes, a number is not within 0..1 or nothing is found.
+  /// With `tune`: sets the holes of Parameters::end one by one, the register vent and then the tone
+  /// holes from the reed down (1 closed, 0 open, in between partly covered), until release_holes()
+  /// or another end. A state that is not among the last 32 takes some milliseconds of computation.
+  /// Returns false, without any change, when the end has another number of holes, a number is not
+  /// within 0..1 or no filter is found.
   [[nodiscard]] bool finger_holes(std::span<const double> closed) noexcept;
-  /// The fingerings of notes again.
+  /// Back to the standard fingerings of notes.
   void release_holes() noexcept { bank_.finger(nullptr); }
   /// Valve at rest, air still, noise from its beginning.
   void reset() noexcept;
-  /// The same for an instrument that sounds, without a click: within 8 ms, and the note, blown
-  /// anew, is heard after another 0.15 s.
+  /// reset() without a click while the instrument sounds: the sound fades out in 8 ms, and the
+  /// note's new start is heard 0.15 s later.
   void restart() noexcept { bank_.restart(); }
   /// L in use, m.
   [[nodiscard]] double length() const noexcept { return bank_.length(); }
 
-  /// The notes that the player refused, with `tune` (Parameters::lowest_note, highest_note).
+  /// Notes outside Parameters::lowest_note..highest_note, which the player refused (with `tune`).
   [[nodiscard]] const Refusal& refusal() const noexcept { return bank_.refusal(); }
 
-  /// One block; all spans of the same length, outputs may be inputs.
-  /// mouth_pressure p_m in Pa.
-  /// reed_frequency f_r in Hz: not above 0 means the parameters' own.
-  /// bore_frequency f_b in Hz: not above 0 means the parameters' length.
-  /// Of each, no number means the last good one; an infinite frequency too.
-  /// sound: gain times the pressure at 1 m, linear to 0.5, within +-1.
-  /// theta in rad, p_b in Pa, U in m^3/s; with oversampling 2 (4) all four come 7.5 (9.25) samples
-  /// later.
-  template <class S>
-  void process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
-               std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
-               std::span<S> bore_pressure, std::span<S> flow) noexcept;
+  /// Control signals of a block. NaN means the last good value; an infinite frequency too.
+  template <class S> struct Controls {
+    std::span<const S> mouth_pressure; ///< p_m, Pa
+    std::span<const S> reed_frequency; ///< f_r, Hz; not above 0: the parameters' own
+    std::span<const S> bore_frequency; ///< f_b, Hz; not above 0: the parameters' length
+  };
+  /// Output signals of a block. With oversampling 2 (4) all four are 7.5 (9.25) samples late.
+  template <class S> struct Outputs {
+    std::span<S> sound;         ///< gain times the pressure at 1 m, linear to 0.5, within +-1
+    std::span<S> theta;         ///< angle of the valve, rad
+    std::span<S> bore_pressure; ///< p_b, Pa
+    std::span<S> flow;          ///< U, m^3/s
+  };
+  /// One block; all spans have the same length, outputs may be inputs.
+  template <class S> void process(const Controls<S>& in, const Outputs<S>& out) noexcept;
 
 private:
   static constexpr std::size_t kBlock = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
-  // Copies of an instrument share it: what a bore ends in stays where it is.
+  // Shared by copies of an instrument, because the bank keeps pointers into it.
   std::shared_ptr<HoleFingerings> fingerings_ = std::make_shared<HoleFingerings>();
-  void move_gain() noexcept;
+  void update_gain() noexcept;
+  void read_mouth_pressure(double* mouth, std::size_t count) noexcept;
+  void apply_gain(double* radiated, std::size_t count) const noexcept;
 
-  double gain_ = 0, gain_step_ = 0;        // at the end of this control period, and the way there
-  double target_gain_ = 0, gain_rate_ = 0; // a control period
-  double gain_periods_ = 1;
-  bool gain_unset_ = true; // not yet taken from the parameters
+  double gain_ = 0, gain_step_ = 0;        // at the end of this control period; change within it
+  double target_gain_ = 0, gain_rate_ = 0; // of the ramp; per control period
+  double gain_periods_ = 1;                // of a ramp
+  bool gain_unset_ = true;                 // not yet taken from the parameters
   double last_pressure_ = 0, reed_frequency_ = 0, bore_frequency_ = 0;
 };
 

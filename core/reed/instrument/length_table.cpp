@@ -10,9 +10,9 @@
 namespace tactus::reed {
 namespace {
 
-// How far from its own length, counted in turns of the round trip, a bore is taken by a glide. A
-// cone that is made twice as long opens wide, and lips lose their hold on its modes.
-constexpr double kShort = 0.3, kLongCylinder = 2.5, kLongCone = 1.6;
+// Range of the round trip's turns over which a glide keeps its mode, relative to the instrument's
+// own. It is narrower for a cone: one of twice the length is wide at its end and resonates weakly.
+constexpr double kMinTurnRatio = 0.3, kMaxTurnRatioCylinder = 2.5, kMaxTurnRatioCone = 1.6;
 
 } // namespace
 
@@ -33,9 +33,9 @@ double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexc
 
 double LengthTable::length(double bore_frequency, double reed_frequency, bool leap,
                            const Fingering& fingering) noexcept {
-  constexpr double kNear = 0.01; // by how much f_r may differ from that of the table
+  constexpr double kMaxReedChange = 0.01; // of f_r, relative, until the table is computed anew
   if (!(parameters_.embouchure > 0) &&
-      !(std::abs(reed_frequency - reed_frequency_) < kNear * reed_frequency)) {
+      !(std::abs(reed_frequency - reed_frequency_) < kMaxReedChange * reed_frequency)) {
     steps_ = {};
     reed_frequency_ = reed_frequency;
   }
@@ -56,12 +56,13 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
         parameters_, bore_frequency, nominal_length(parameters_, bore_frequency, fingering.end));
     const double nearest = turns + std::round(nominal_turns - turns);
     turns += std::round(turns_ - turns);
-    const double max_ratio = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;
+    const double max_ratio =
+        parameters_.shape == BoreShape::kCone ? kMaxTurnRatioCone : kMaxTurnRatioCylinder;
     const bool beyond =
         fingering.end != nullptr && uses_brass_tube(parameters_)
             ? !within_tube_range(*brass_tube(parameters_.end), *fingering.end,
                                  length_from_turns(parameters_, bore_frequency, turns))
-            : turns < kShort * nominal_turns || turns > max_ratio * nominal_turns;
+            : turns < kMinTurnRatio * nominal_turns || turns > max_ratio * nominal_turns;
     if (leap || beyond)
       turns = nearest;
   }

@@ -8,10 +8,11 @@ enum class ValveType { kClosed, kOpen, kSwinging }; ///< blown closed, blown ope
 enum class BoreShape { kCylinder, kCone };
 enum class FlowMethod { kImplicit, kPaper };
 
-/// Everything that describes a reed instrument at rest; the player's three controls (mouth
-/// pressure, reed frequency, bore frequency) arrive beside it, sample by sample.
-/// Symbols are those of Smyth, Smyth & Kirkpatrick and of docs/greed.md. SI, angles in rad.
-/// The initial values are the clarinet.
+/// The parameters of a reed instrument: valve, bore, numerics and player. The three control signals
+/// (mouth pressure, reed frequency, bore frequency) are not among them.
+///
+/// Symbols are those of Smyth, Smyth & Kirkpatrick and of docs/greed.md. SI units, angles in rad.
+/// The initial values are a clarinet's valve on a cylinder with an open end.
 struct Parameters {
   // valve
   ValveType type = ValveType::kClosed;
@@ -33,15 +34,15 @@ struct Parameters {
   // bore
   BoreShape shape = BoreShape::kCylinder;
   double length = 0.48;         // L, m: used while neither override nor bore frequency is given
-  double length_override = 0;   // m; > 0 stands above the bore frequency
+  double length_override = 0;   // m; > 0: used whatever the bore frequency is
   double input_radius = 7.5e-3; // r, m
   double end_radius = 7.5e-3;   // r_e, m, of the radiating opening (bell, tone-hole lattice)
   double apex_distance = 0.2;   // r_0, m, cone only
   double cup_volume = 0;        // V, m^3
   double wall_loss = 1;         // times the theoretical loss
-  double bell = 0;         // Hz, above which bell or open holes let sound out; 0: plain open end
-  double bell_quality = 1; // Q of its opening
-  double brassiness = 0;   // bore lengths over which the radiated wave steepens
+  double bell = 0;              // Hz, cut-off of bell or open holes; 0: plain open end
+  double bell_quality = 1;      // Q at the cut-off
+  double brassiness = 0;        // bore lengths over which the radiated wave steepens
   double scalar_reflection = 0; // R_0; > 0 replaces loss and radiation (Raman's model)
   double temperature = 20;      // deg C
   BoreEnd end = BoreEnd::kOpen; // with tune: holes and bell in place of end_radius and bell
@@ -49,79 +50,77 @@ struct Parameters {
   // numerics and voice
   FlowMethod flow = FlowMethod::kImplicit;
   int oversampling = 0;       // 1, 2 or 4; 0: 4 for the swinging valve, else 1
-  double breath_noise = 1e-7; // relative to the mouth pressure; as little starts a slow breath
+  double breath_noise = 1e-7; // relative to the jet's pressure (up to 1e-5: to the mouth's)
   unsigned seed = 1;
-  bool tune = false;    // a player plays f_b: chooses length and embouchure, and listens
-  bool ear = true;      // with tune: correct what is heard out of tune
+  bool tune = false;    // a player plays f_b: chooses length and lips (player.hpp)
+  bool ear = true;      // with tune: TuningController corrects the pitch
   double fingering = 0; // with tune: MIDI number of the note fingered, instead of f_b; 0: none
   bool tube = false; // with tune and a brass bell: f_b is played with valves or slide (brass.hpp)
   int valves = -1;   // with tune, on a trumpet: bits of those pressed; -1: the player's choice
   double slide = 0;  // with tune, on a trombone: position 1 to 7; 0: the player's choice
   double gain = 2;   // of the sound outlet, 1/Pa at 1 m before the soft clip
 
-  // the player's lips, with tune: what they keep of the note, and factors on the valve above
-  double embouchure = 0;       // f_r/f_b; 0: a reed, whose f_r stays as given
-  double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note; of a
-                               // reed: by which theta_0 does, at the same closing pressure
-  double highest_mode = 0; // of the bore, that lips sound; 0: whichever lies nearest to its length
-  double shortest_tract =
-      0;                 // m, to which lips shorten the bore so that high notes stay theirs alone
-  double steepening = 0; // wavelengths, what brassiness counts; 0: the bore as it is played
-  double aim = 0;        // cents beside f_b: what sounding loud adds, known by practice
+  // the player's lips, with tune: how they follow the note, and factors on the valve above
+  double embouchure = 0;       // f_r/f_b that lips keep; 0: a reed, whose f_r stays as given
+  double embouchure_slope = 0; // embouchure goes as (f_b/f_r) to this power; of a reed: theta_0
+                               // does, at the same closing pressure
+  double highest_mode = 0;     // of the bore that lips play; 0: that nearest to the bore's length
+  double shortest_tract = 0;   // m, to which a singer shortens the bore for high notes; 0: never
+  double steepening = 0;       // brassiness counts this many wavelengths; 0: lengths of the bore
+  double aim = 0; // cents added to f_b for linear theory, against the shift at playing level
   double lip_mass = 1;
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
-  double lip_limit = 1;   // of x_max, which loud lips must not meet: there they change regime
-  double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
-  double lip_cup = 1;     // of the cup's volume: the reed's own compliance is part of a cone's tip
-  double played_gain = 1; // times gain
-  /// By how much of p_m the breath's first push exceeds it, at 220 Hz and breath_reference (see
-  /// Player); 0: no tongue.
-  double tongue = 0;
+  double lip_limit = 1;   // of x_max: loud lips that meet it change regime
+  double lip_channel = 1; // of lambda: the jet's inertance includes air on both sides of the tip
+  double lip_cup = 1;     // of cup_volume: the reed's own compliance is part of a cone's tip
+  double played_gain = 1; // of gain
+  double tongue = 0;      // first push of the breath beyond p_m, relative, at 220 Hz and
+                          // breath_reference (Player); 0: no tongue
 
-  // how the lips go with the mouth pressure p, with tune: r = p/breath_reference
+  // how the lips follow the mouth pressure p, with tune: r = p/breath_reference
   double breath_reference = 0; // Pa at which the lips are as above; 0: they do not follow
-  double breath_opening = 0.5; // theta_0 times r to this power,
+  double breath_opening = 0.5; // theta_0 times r to this power
   double breath_tension = 0.5; // stiffness and mass times r to this power, at the same f_r
   double breath_quality = 0;   // Q times r to this power: soft lips damp a reed
 
-  double register_note = 0; // Hz: from here on with the register vent of `end`; 0: never
+  double register_note = 0; // Hz: notes from here on use the register vent of `end`; 0: none
 
-  // what can be played in tune, with tune: f_b beyond it is refused; 0: no limit
+  // compass, with tune: f_b outside is refused; 0: no limit
   double lowest_note = 0;  // Hz
   double highest_note = 0; // Hz
 
   friend bool operator==(const Parameters&, const Parameters&) = default;
 };
 
-/// The nearest parameters with which a model can be computed: finite, within wide physical bounds,
-/// theta_0 on the side that the type wants (closed: below 0, open: above).
+/// The nearest parameters with which the model can be computed: finite, within wide physical
+/// bounds, theta_0 with the sign of the type (closed: below 0, open: above 0).
 [[nodiscard]] Parameters clamped(const Parameters& parameters) noexcept;
 
-/// Parameters on the way from one set to another: every number a share of the way, words and
-/// switches as in `to`.
+/// Linear interpolation, share in 0..1, of the numbers that ParameterGlide moves; all others, words
+/// and switches as in `to`.
 [[nodiscard]] Parameters interpolate(const Parameters& from, const Parameters& to,
                                      double share) noexcept;
 
-/// Whether an instrument that sounds can become the other one on the straight way of between()
-/// without a thump: no switch or word differs, nor what a 0 switches off, and no size is more than
-/// a quarter as large again.
+/// Whether interpolate() between the two makes no thump in the sound: no switch or word differs, no
+/// size changes to or from 0 or by a factor of more than 1.25 (Q: of more than 10).
 [[nodiscard]] bool can_interpolate(const Parameters& a, const Parameters& b) noexcept;
-/// Whether what sounds in one instrument can go on in the other: the same kind of valve, bore and
-/// player, and no size that holds energy more than twice as large.
+/// Whether the oscillation in one instrument can continue in the other: the same kind of valve,
+/// bore and player, and no quantity that stores energy changed by a factor of more than 2.
 [[nodiscard]] bool can_continue(const Parameters& a, const Parameters& b) noexcept;
-/// The note meant, Hz: that of the fingering, else the bore frequency as given.
+/// The target note, Hz: that of Parameters::fingering, else bore_frequency.
 [[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;
 
-/// How many internal samples an instrument with these parameters computes for each sample.
+/// Internal samples computed per sample: 1, 2 or 4.
 [[nodiscard]] int oversampling_of(const Parameters& parameters) noexcept;
 
 /// Pressure P_M = k |x_0|/(w lambda_m) that closes a blown-closed valve at rest, Pa, at the
-/// instrument's own reed frequency; infinite when the mouth has no hold on the valve.
+/// instrument's own reed frequency; infinite when lambda_m is 0.
 [[nodiscard]] double closing_pressure(const Parameters& parameters) noexcept;
 
-/// Dimensionless strength zeta = Z_0 w |x_0| sqrt(2/(rho P_M)) of valve against bore.
+/// Dimensionless embouchure parameter zeta = Z_0 w |x_0| sqrt(2/(rho P_M)): the flow through the
+/// open valve at the pressure drop P_M, relative to P_M/Z_0.
 [[nodiscard]] double strength(const Parameters& parameters) noexcept;
 
 } // namespace tactus::reed

@@ -8,7 +8,7 @@
 
 namespace tactus::reed {
 
-/// An instrument by name.
+/// A named set of parameters.
 struct Preset {
   std::string_view name;
   Parameters parameters;

@@ -18,19 +18,18 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
-constexpr double kPlayingReeds = 1.5;  // times the threshold: where reeds are usually played,
-constexpr double kPlayingLips = 2.5;   // and lips
-constexpr double kShortestTube = 0.05; // m, that lips play on
-constexpr double kValveOnlyRatio =
-    0.75; // below this share of the bore's lowest, it carries no note
+constexpr double kPlayingReeds = 1.5;    // usual mouth pressure over the threshold, reeds
+constexpr double kPlayingLips = 2.5;     // lips
+constexpr double kShortestTube = 0.05;   // m, that lips play on
+constexpr double kValveOnlyRatio = 0.75; // f_b over the bore's lowest resonance: below, valve only
 
-/// At one pressure: the bore that the valve wants to oscillate with at the frequency.
+/// The bore with which the valve oscillates at a given frequency and mouth pressure.
 struct Candidate {
-  double length;
-  double excess; // log of what the valve reflects over what the bore loses; 0 is neutral
+  double length; // m
+  double excess; // ln of the loop gain valve times bore; 0: neutral oscillation
 };
 
-/// The equations of one frequency, solved for the round trip the valve asks of the bore.
+/// Solves Y_in(L) = Y_valve(p_m) at one frequency for the round trip of the bore, and that for L.
 class NeutralOscillation {
 public:
   NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
@@ -50,7 +49,7 @@ public:
       vent_ = RegisterVent::of(p);
       vent_round_trip_ = std::exp(-s_ * 2.0 * vent_.position / air.sound_speed -
                                   wall_loss(p, vent_.position, air.sound_speed) * std::sqrt(s_));
-      // The bore's second mode.
+      // The vent selects the bore's second mode.
       nominal_length_ = bore_.length_for(frequency / (p.shape == BoreShape::kCone ? 2 : 3));
     }
   }
@@ -99,7 +98,7 @@ double aimed_frequency(const Parameters& parameters, double bore_frequency) {
   return bore_frequency * std::exp2(parameters.aim / 1200);
 }
 
-/// f_r/f_b that lips keep for a note at `aimed` Hz.
+/// f_r/f_b of lips for a note at `aimed` Hz.
 double embouchure_at(const Parameters& parameters, double aimed) {
   return parameters.embouchure *
          std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
@@ -129,7 +128,7 @@ PlayingSetup lips_at(const Parameters& parameters, double aimed) {
   return playing;
 }
 
-/// Semitones that a fingering sounds higher with the vent.
+/// Semitones by which the register vent raises a fingering's note.
 int overblow_interval(const Parameters& parameters) {
   const Woodwind* const instrument = woodwind(parameters.end);
   return instrument != nullptr ? instrument->overblow_interval : 0;

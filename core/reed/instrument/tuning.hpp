@@ -5,39 +5,41 @@
 
 namespace tactus::reed {
 
-/// What the fingers do for a note.
+/// Fingering of a note: open holes and register vent.
 struct Fingering {
   const Termination* end = nullptr; // what the bore ends in; null: an open end
   bool vented = false;              // the register vent is open: the note is overblown
 
   friend bool operator==(const Fingering&, const Fingering&) = default;
 };
-/// The standard fingering of the note bore_frequency (Hz): from Parameters::register_note on that
-/// of the note a twelfth (of a cone: an octave) below, with the register vent.
+/// The standard fingering of the note bore_frequency (Hz). From Parameters::register_note on it is
+/// that of the note a twelfth (on a cone: an octave) below, with the register vent open.
 [[nodiscard]] Fingering standard_fingering(const Parameters& parameters,
                                            double bore_frequency) noexcept;
 /// MIDI number of the note that a fingering sounds.
 [[nodiscard]] double key_of(const Parameters& parameters, const Fingering& fingering) noexcept;
 
-/// Length of the bore, m, near which a note (Hz) is looked for: where its ideal lowest resonance
-/// lies. Lips choose a resonance of the instrument's own bore, or with Parameters::highest_mode one
-/// not above that, on a shorter bore.
+/// Length of the bore, m, near which tuned_length() searches for a note (Hz): that whose ideal
+/// lowest resonance is the note. For lips it is the instrument's own length, or with
+/// Parameters::highest_mode a shorter bore on which the note is not above that mode; on a brass
+/// tube that of its valves or slide.
 [[nodiscard]] double nominal_length(const Parameters& parameters, double bore_frequency,
                                     const Termination* end = nullptr) noexcept;
 
-/// Length of the bore, m, with which the instrument's linear playing frequency is bore_frequency
-/// (Hz) at that reed frequency (Hz): the neutral oscillation exp(i 2 pi f_b t) of
-/// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one, or at over_threshold >= 1 times that
-/// (at most half way to the highest). A blown-open valve plays a mode of a longer bore: among the
-/// solutions the one nearest to the parameters' own length is taken; the others play their lowest
-/// mode. Where no pressure starts the note, the pressure counts
-/// that comes nearest to it. Bounded work (about 60 evaluations of a few complex functions), no
+/// Length of the bore, m, at which the linearised instrument plays bore_frequency (Hz) with that
+/// reed frequency (Hz).
+///
+/// A neutral oscillation exp(i 2 pi f_b t) solves Y_in(L) = Y_valve(p_m) (LinearStability). p_m is
+/// the lowest pressure that has such a solution, times over_threshold >= 1 (at most half way to the
+/// highest pressure). Where none has, it is the pressure that comes nearest. Of several lengths the
+/// one nearest to nominal_length() is taken: a blown-open valve plays a mode of a longer bore,
+/// others their lowest mode. Bounded work (about 60 evaluations of a few complex functions), no
 /// allocation.
 [[nodiscard]] double tuned_length(const Parameters& parameters, double bore_frequency,
                                   double reed_frequency, double over_threshold = 1,
                                   const Fingering& fingering = {}) noexcept;
 
-/// What a player chooses to sound a note.
+/// Valve, length and fingering that a player chooses for a note.
 struct PlayingSetup {
   Parameters valve;      // the instrument with the player's lips
   double length;         // L, m
@@ -45,44 +47,45 @@ struct PlayingSetup {
   Fingering fingering{};
 };
 
-/// A player's choice for the note bore_frequency (Hz), given f_r = reed_frequency (Hz).
+/// The player's setup for the note bore_frequency (Hz), given f_r = reed_frequency (Hz).
 ///
-/// Linear theory knows nothing of amplitude: the choice is made for Parameters::aim beside f_b.
-/// The player's lips change the valve (Parameters::lip_...), and the length is tuned_length() of
-/// that valve where notes are usually played: at one and a half times the threshold, lips at two
-/// and a half. With an embouchure (lips, folds, membranes) the valve also goes with the note: it is
-/// brought to embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass),
-/// so that threshold and opening stay what they were; f_r then bends it, its own value being no
-/// bend. A note well below the bore's lowest resonance is that valve's alone (valve_only_length()).
+/// The lips change the valve by Parameters::lip_... The length is tuned_length() of that valve at
+/// usual playing pressures: 1.5 times the threshold for reeds, 2.5 times for lips. Linear theory
+/// does not know how pitch shifts with amplitude; Parameters::aim (cents, added to f_b) does.
+///
+/// With an embouchure (lips, folds, membranes) the valve follows the note. Its frequency becomes
+/// embouchure * f_b at constant stiffness (a lower note moves more mass), so that threshold and
+/// opening do not change. f_r then bends the pitch, relative to Parameters::reed_frequency. A note
+/// well below the bore's lowest resonance depends on the valve alone (valve_only_length()).
 [[nodiscard]] PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
                                  double reed_frequency, const Fingering& fingering) noexcept;
-/// The same with the fingering of the note, when the instrument has fingerings.
+/// The same with standard_fingering().
 [[nodiscard]] PlayingSetup tuned(const Parameters& parameters, double bore_frequency,
                                  double reed_frequency) noexcept;
 
-/// The round trip of a bore of that length, m, at the note bore_frequency (Hz), in turns: the delay
-/// and what the wall loss adds to it.
+/// Phase of the round trip of a bore of that length (m) at the note bore_frequency (Hz), in turns
+/// (2 pi rad): that of the delay and of the wall loss.
 [[nodiscard]] double round_trip_turns(const Parameters& parameters, double bore_frequency,
                                       double length) noexcept;
 /// The inverse: L in m, at least 5 mm.
 [[nodiscard]] double length_from_turns(const Parameters& parameters, double bore_frequency,
                                        double turns) noexcept;
 
-/// Length of the bore, m, whose lowest resonance lies so far above the note that this is the
-/// valve's alone: the parameters' own or, for high notes, one that the player shortens to
-/// Parameters::shortest_tract at most, as singers raise their first formant with the note
-/// (Joliveau, Smith & Wolfe, Nature 427, 2004). 0 where there is none: the bore has to sound the
-/// note.
+/// Length of a bore, m, whose lowest resonance is so far above the note (4/3 of it or more) that
+/// the valve alone sets the pitch. It is the parameters' own length or, for high notes, a shorter
+/// one down to Parameters::shortest_tract, as singers raise their first formant with the note
+/// (Joliveau, Smith & Wolfe 2004, Nature 427). 0 where there is none, or no embouchure: then the
+/// bore sets the pitch.
 [[nodiscard]] double valve_only_length(const Parameters& parameters, double bore_frequency,
                                        const Termination* end = nullptr) noexcept;
 
-/// The lips of tuned(), without the search for a length: that is the parameters' own.
+/// tuned() without the search for a length, which stays the parameters' own.
 [[nodiscard]] PlayingSetup player_lips(const Parameters& parameters,
                                        double bore_frequency) noexcept;
 
-/// The instrument as it is held for the note bore_frequency (Hz; 0: none) on a bore of that length:
-/// with `tune`, a note and no length of one's own the lips are those of tuned(), else the valve is
-/// as given. What the `ear` adds is left out.
+/// Valve and fingering for the note bore_frequency (Hz; 0: none) on a bore of that length: with
+/// `tune`, a note and no length_override as tuned() has them, else as the parameters have them.
+/// Corrections by TuningController are not included.
 [[nodiscard]] PlayingSetup embouchure_for(const Parameters& parameters, double bore_frequency,
                                           double length_m) noexcept;
 

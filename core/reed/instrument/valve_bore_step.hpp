@@ -8,49 +8,54 @@
 #include <cstdint>
 #include <type_traits>
 
-/// The inner step of the reed, written once for one reed and for several side by side: V is double,
-/// or simd::Lanes<T, N, Set> for N reeds that share the instrument (ValveConstants, RoundTrip: the
-/// same bore, so f_b is common) and differ in mouth pressure, reed frequency and state. A lane of
-/// doubles gives the same bits as the reed alone: every decision is a select, and a branch only
+/// The time step of valve and jet: from mouth pressure and the wave p- out of the bore to the
+/// valve's motion, the flow and the wave p+ into the bore. Equations: docs/greed.md.
+///
+/// V is double for one reed, or simd::Lanes<T, N, Set> for N reeds that share ValveConstants and
+/// bore (so f_b is common) and differ in mouth pressure, reed frequency and state. A lane of
+/// doubles gives the same bits as a single reed: every decision is a select, and a branch only
 /// skips work whose result no lane would take.
 namespace tactus::reed {
 
-/// What the reed frequency enters into; constant, or one for each internal sample while f_r moves.
-/// Y = 1/(2m/T + d + k T/2) is the valve's mean velocity for each newton, Z = 1/(y_p +
-/// (w lambda_b)^2 Y) the port's impedance with the valve in it.
+/// Coefficients of one step that depend on the reed frequency: one set while f_r is constant, or
+/// one per internal sample while it moves.
 ///
-/// The midpoint rule computes a valve whose poles s are where s_d = (2/T) tanh(s T/2) ought to be.
-/// So m and d are those of a valve with the poles s_d, which for s_d = s - s^3 T^2/12 + ... are
-///   m = k/|s_d|^2,  d = -2 m Re s_d,
-/// k as it is: static bending, resonance and decay are then those of the valve itself.
+/// Y = 1/(2m/T + d + k T/2) is the valve's discrete mobility (m/s per N), Z = 1/(y_p +
+/// (w lambda_b)^2 Y) the impedance of the bore's input with the valve in it (Pa s/m^3).
+///
+/// The midpoint rule warps a pole s to the frequency of (2/T) atanh(s T/2). Mass m and damping d
+/// are therefore those of a valve with the poles s_d = (2/T) tanh(s T/2) = s - s^3 T^2/12 + ...,
+///   m = k/|s_d|^2,   d = -2 m Re s_d,
+/// at the same stiffness k. Static deflection, resonance and decay are then exact.
 template <class V> struct ReedCoefficients {
   V stiffness{0.0};          // k
   V momentum{0.0};           // 2 m/T
   V port_impedance{0.0};     // Z
   V pressure_per_force{0.0}; // Z w lambda_b Y
-  // Way in one sample by the force on the valve, and less that by what flows into the port.
+  // Deflection in one sample per force on the valve, and (subtracted) per flow into the input.
   V deflection_per_force{0.0}; // T Y (1 - w lambda_b Z w lambda_b Y)
   V deflection_per_flow{0.0};  // T w lambda_b Y Z
   V velocity_per_flow{0.0};
-  // R = rho lambda/(theta T) + Z A over the path that the valve is on.
+  // R = rho lambda/(theta T) + Z A, with A as a linear function of the state.
   V resistance_at_rest{0.0};
   V resistance_per_deflection{0.0}; // Z w
   V resistance_per_velocity{0.0};   // Z w T/2
-  V resistance_per_flow{0.0};       // less: by the flow that has moved the valve
-  // 2 rho times what drives the jet.
-  V drive_per_mouth_pressure{0.0}; // by p_m, less what its push on the valve does
-  V drive_per_source{0.0};         // less: by what flows into the port
-  V drive_per_bore_pressure{0.0};  // less: by p_b of the sample before, through cone and cup
+  V resistance_per_flow{0.0};       // subtracted: per flow of the sample before
+  // The jet's driving pressure times 2 rho, as a linear function of the state.
+  V drive_per_mouth_pressure{0.0}; // directly, less the effect through the valve
+  V drive_per_source{0.0};         // subtracted: per flow into the input
+  V drive_per_bore_pressure{0.0};  // subtracted: per p_b of the sample before (cone and cup)
   V drive_per_deflection{0.0};     // k Z w lambda_b Y
-  V drive_per_velocity{0.0};       // less: 2m/T Z w lambda_b Y
-  V drive_per_flow{0.0};           // less: by the flow of the sample before, through all of these
+  V drive_per_velocity{0.0};       // subtracted: 2m/T Z w lambda_b Y
+  V drive_per_flow{0.0};           // subtracted: per flow of the sample before, through all these
 
+  /// omega = 2 pi f_r, rad/s.
   static ReedCoefficients at(const ValveConstants& c, const V& omega) noexcept {
     ReedCoefficients r;
     r.stiffness = V(c.mass) * omega * omega;
     V mass(c.mass), damping = V(c.damping) * omega;
     if (!c.paper) {
-      // (w T)^2, and the same times 1/4Q^2; beyond what the series is for it stays positive.
+      // (w T)^2, and the same times 1/4Q^2. The bounds keep the series positive out of its range.
       const V omega_t_squared = (V(c.period) * omega) * (V(c.period) * omega),
               decay = V(c.decay) * omega_t_squared;
       const V mass_factor = V(1.0) + (omega_t_squared - (decay + decay)) * V(1.0 / 6) +
@@ -86,20 +91,22 @@ template <class V> struct ReedCoefficients {
   }
 };
 
-/// State of valve, jet and the lumped elements at the bore's input. Place, velocity and pressure
-/// stand here but for the flow that moved them last (step_valve says why).
+/// State of valve, jet and the lumped elements at the bore's input.
+///
+/// Deflection, velocity and bore pressure are kept in two parts: base values and the linear effect
+/// of the last flow on them. step_valve() says why.
 template <class V> struct ValveState {
   V jet{0.0};             // mean of u over the last sample, m/s
   V jet_history{0.0};     // (1 - 1/theta) u at that sample's beginning
   V flow{0.0};            // U = A u, mean over the last sample, m^3/s
   V inertance_flow{0.0};  // U_L of the cone
   V compliance_flow{0.0}; // U_C of the cup
-  V port_history{0.0};    // what cone and cup drive into the port, less 2 (2C/T - T/2M) p_b
+  V port_history{0.0};    // flow of cone and cup into the input, less 2 (2C/T - T/2M) p_b
 
   V base_deflection{0.0}, base_velocity{0.0}, base_pressure{0.0};
-  V pending_flow{0.0};                                                // U, or 0 where it is in them
-  V deflection_per_flow{0.0}, velocity_per_flow{0.0}, impedance{0.0}; // what it did to them
-  V resistance_per_jet{0.0}, drive_per_jet{0.0};                      // and, by u, to the next jet
+  V pending_flow{0.0}; // U, or 0 where the base values contain its effect
+  V deflection_per_flow{0.0}, velocity_per_flow{0.0}, impedance{0.0}; // effect of U on the above
+  V resistance_per_jet{0.0}, drive_per_jet{0.0};                      // of u on the next jet
 
   /// x - x_0 along the valve's direction, m.
   [[nodiscard, gnu::always_inline]] V deflection() const noexcept {
@@ -117,7 +124,7 @@ template <class V> struct ValveState {
   [[nodiscard, gnu::always_inline]] V jet_velocity(const ValveConstants& c) const noexcept {
     return jet_history + V(c.jet_gain) * jet;
   }
-  /// Puts the valve somewhere else; the air stays as it is.
+  /// Sets deflection (m) and velocity (m/s) of the valve; the air keeps its state.
   void move(const V& deflection, const V& velocity) noexcept {
     base_pressure = bore_pressure();
     base_deflection = deflection;
@@ -130,19 +137,20 @@ template <class V> struct ValveState {
   }
 };
 
-/// Signals of one stretch of internal samples. Mouth pressure and noise go in.
+/// Signals of a block of internal samples. Mouth pressure, noise and wave are inputs, wave and the
+/// rest outputs.
 template <class V> struct ValveSignals {
   const V* mouth_pressure;
   const double* noise; // null, or a factor of the jet's dynamic pressure, common to all lanes
-  V* wave;             // in: p-, what the bore sends back; out: p+
+  V* wave;             // in: p- from the bore, Pa; out: p+ into the bore
   V* angle;            // theta, rad
   V* bore_pressure;
   V* flow;
 };
 
-/// Root of (resistance) u + (rho/2) u|u| = drive/(2 rho): unique, and defined for a shut valve. The
-/// difference of root and resistance costs an absolute error of some 1e-14 m/s in double, 300 dB
-/// below a sounding jet; the quotient without cancellation would cost a tenth more time.
+/// The jet velocity u (m/s) that solves R u + (rho/2) u|u| = drive/(2 rho): unique, also for a shut
+/// valve. Cancellation in root - R costs an absolute error of some 1e-14 m/s in double, 300 dB
+/// below a sounding jet; the form without cancellation would take a tenth more time.
 template <class V>
 [[nodiscard, gnu::always_inline]] inline V jet_velocity(const V& resistance, const V& drive,
                                                         const V& specific_volume) noexcept {
@@ -150,10 +158,10 @@ template <class V>
   return (root - resistance) * simd::copy_sign(specific_volume, drive);
 }
 
-/// The paper's equation (2), explicit, with the bore pressure of the sample before:
+/// Equation (2) of Smyth, Smyth & Kirkpatrick, explicit, with the bore pressure of the sample
+/// before:
 ///   U' = dp A/(lambda rho) - U|U|/(2 lambda A + |U| T).
-/// Where one step would outrun the port (Z A T/rho > lambda), lambda counts as long as stability
-/// wants it.
+/// Where it would be unstable (Z A T/rho > lambda), lambda is raised to that limit.
 template <class V>
 [[nodiscard, gnu::always_inline]] inline V
 explicit_flow(const ValveConstants& c, const V& impedance, const V& area, const V& pressure_drop,
@@ -165,24 +173,29 @@ explicit_flow(const ValveConstants& c, const V& impedance, const V& area, const 
 }
 
 /// Advances the valve by count internal samples. stride is 0 for constant coefficients, else 1.
-/// plain: constant coefficients, no noise and ValveConstants::bare().
+/// plain: constant coefficients, no noise and ValveConstants::plain_port().
 ///
-/// All of it is of second order in T. Valve: implicit midpoint rule, exactly energy-conserving for
-/// the linear valve, with the valve's own poles (ReedCoefficients). Opening: averaged over the
-/// straight path that the present velocity predicts for the step, so that closing and crossing are
-/// not quantised to samples. (The path is too straight by T^2 x''/6, and the midpoint rule moves
-/// the valve too little by as much: both together are nearer than either.) Jet: u is the mean over
-/// the step, theta u_new + (1 - theta) u_old, in closed form together with the port seen by the
-/// valve, p_b = h + Z A u:
-///   (rho lambda/(theta T) + Z A) u + (rho/2) u|u| = p_m - h + (rho lambda/(theta T)) u_old,
-/// theta = 1/2 but for a channel so short that it would ring (ValveConstants). A valve that meets
-/// its stop or limit is solved again as the rigid wall it then is.
+/// The scheme is of second order in T.
+/// - Valve: implicit midpoint rule with exact poles (ReedCoefficients). It conserves the energy of
+///   the linear valve.
+/// - Opening A: the mean over the straight path that the present velocity predicts, so that closing
+///   and crossing are not quantised to samples. (The error of the path, T^2 x''/6, and that of the
+///   midpoint rule nearly cancel.)
+/// - Jet: theta rule, u = theta u_new + (1 - theta) u_old, solved in closed form together with the
+///   bore's input as the valve sees it, p_b = h + Z A u:
+///     (rho lambda/(theta T) + Z A) u + (rho/2) u|u| = p_m - h + (rho lambda/(theta T)) u_old.
+///   theta = 1/2 except for very short channels (ValveConstants).
+/// - A valve that passes its stop or limit is held there, and the jet is solved again with a rigid
+///   wall.
 ///
-/// The loop is bound by the way from one jet over square root and valve to the next. Place,
-/// velocity and pressure at the end of a sample are linear in its flow U = A u; so R and the drive
-/// of the next jet are linear in u, and their coefficients are computed while the square root is
-/// under way. Nor does the next jet wait to hear which valves are beyond their stop or limit: they
-/// are taken for those of the sample before until a comparison beside it finds them changed.
+/// Speed is limited by the dependency chain jet, square root, valve, next jet. Deflection, velocity
+/// and pressure after a sample are linear in its flow U = A u. R and the drive of the next jet are
+/// therefore linear in u, and their coefficients are computed while the square root is still in
+/// progress. Likewise the set of valves at a stop is assumed to be that of the sample before, until
+/// a comparison outside the chain finds it changed.
+///
+/// One piece: the intermediate values fill the registers, and this loop is over half of the cost of
+/// an instrument.
 template <bool swinging, bool paper, bool plain, class V>
 [[gnu::noinline, gnu::flatten]] void
 step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int stride,
@@ -210,8 +223,8 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
 
   ValveState<V> now = state; // in registers
   typename simd::LaneTraits<V>::MaskType at_stop{},
-      at_limit{};               // the valves that are below, and above
-  std::uint64_t limit_bits = 0; // which they are; 0: none
+      at_limit{};               // lanes below the stop, and above the limit
+  std::uint64_t limit_bits = 0; // the same as bits; 0: none
 
   for (int i = 0; i < count; ++i) {
     const ReedCoefficients<V>& r = coefficients[plain ? 0 : i * stride];
@@ -341,12 +354,12 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       at_stop = below;
       at_limit = above;
       limit_bits = beyond;
-      asm volatile(""); // keeps this a branch: moves under a mask would have to wait for it
+      asm volatile(""); // keeps this a branch: masked moves would lengthen the dependency chain
     }
     if (limit_bits != 0) {
       const auto opening_only = [&](const V& rebound) { return simd::maximum(rebound, zero); };
       const auto closing_only = [&](const V& rebound) { return simd::minimum(rebound, zero); };
-      if constexpr (std::is_same_v<V, double>) { // one valve: no mask at all
+      if constexpr (std::is_same_v<V, double>) { // one valve: no masks
         at_stop ? apply_limit(true, lowest, opening_only)
                 : apply_limit(true, highest, closing_only);
       } else {

@@ -6,7 +6,7 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kFastJet = 60; // m/s: of 2 kPa
+constexpr double kFastJet = 60; // m/s, of a mouth pressure of 2 kPa
 
 } // namespace
 
@@ -35,7 +35,8 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   c.density = bore.air().density;
   c.specific_volume = 1 / c.density;
   c.channel_length = p.channel_length;
-  // The jet settles at the rate u/lambda, which in the trapezoidal rule rings beyond 2/T.
+  // The jet settles at the rate u/lambda. Beyond 2/T the trapezoidal rule (theta = 1/2) rings, so
+  // theta tends to 1 for short channels.
   const double steps = p.channel_length / (kFastJet * c.period), slow = 36 * steps * steps;
   const double theta = c.paper ? 1 : 0.5 + 0.5 / (1 + slow);
   c.jet_gain = 1 / theta;

@@ -5,14 +5,16 @@
 
 namespace tactus::reed {
 
-/// A valve and the lumped elements at the bore's input, as numbers for one internal time step T.
-/// Displacements are counted along the valve's direction, so that a stopped valve opens towards
-/// positive values whether it is blown open or closed; the forces' signs follow.
+/// Coefficients of the valve and of the lumped elements at the bore's input (cone, cup) for one
+/// internal time step T. Symbols are those of docs/greed.md, SI units.
+///
+/// Displacements are measured along `direction`, so that a valve with a stop opens towards positive
+/// values whether it is blown open or closed; the signs of the forces follow.
 struct ValveConstants {
   double period = 0, rate = 0;    // T, 1/T
   double direction = 1;           // +1: theta > 0 is open (and the swinging valve); -1: theta < 0
   double rest_opening = 0;        // |x_0|; the swinging valve's x_0
-  double lowest = 0, highest = 0; // stop and limit, as deflection from rest
+  double lowest = 0, highest = 0; // stop and limit, as deflection from rest, m
   double width = 0, leak = 0;     // w, A_leak
   double mouth_area = 0;          // w lambda_m along the direction
   double bore_area = 0;           // w lambda_b along the direction
@@ -23,7 +25,7 @@ struct ValveConstants {
   double density = 0;             // rho
   double specific_volume = 0;     // 1/rho
   double inertia = 0;             // rho lambda/(theta T)
-  double jet_gain = 1;            // 1/theta of the jet's step
+  double jet_gain = 1;            // 1/theta of the jet's theta rule
   double channel_length = 0;      // lambda
   double restitution = 0;
   double wave_admittance = 0; // 2/Z_0
@@ -33,7 +35,7 @@ struct ValveConstants {
   double compliance_rate = 0; // 2C/T, cup
   double angle_scale = 1;     // theta = (deflection + rest opening) angle_scale
   bool swinging = false;
-  /// Neither cone nor cup at the bore's input, and no push of the flow on the valve.
+  /// No cone, no cup and no force of the flow on the valve.
   [[nodiscard]] bool plain_port() const noexcept {
     return !(flow_area > 0) && !(inertance_rate > 0) && !(compliance_rate > 0);
   }
@@ -41,8 +43,7 @@ struct ValveConstants {
 
   static ValveConstants from(const Parameters& parameters, const BoreDesign& bore,
                              double internal_rate) noexcept;
-  /// A share of the way from one to another of the same rate: every number runs straight; words and
-  /// switches are those of `to`.
+  /// Linear interpolation, share in 0..1, between two of the same rate; switches are those of `to`.
   static ValveConstants interpolate(const ValveConstants& from, const ValveConstants& to,
                                     double share) noexcept;
 };

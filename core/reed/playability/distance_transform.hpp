@@ -6,12 +6,12 @@
 
 namespace tactus::reed {
 
-/// Squared distance of a node from those that are sought, where none is known.
+/// Squared distance of a node from which no target node is known.
 inline constexpr double kUnreachedSquared = 1e6;
 
-/// Squared distances along one row or column of nodes `spacing` apart: least of
-/// f(q) + (p - q)^2 spacing^2 over all q (Felzenszwalb & Huttenlocher 2012), by direct search, the
-/// lines being short. `line` holds at least count numbers.
+/// One pass of the Euclidean distance transform, along one row or column of nodes `spacing` apart:
+/// f(p) becomes the minimum over q of f(q) + (p - q)^2 spacing^2 (Felzenszwalb & Huttenlocher
+/// 2012). By direct search, because the lines are short. scratch holds at least count numbers.
 inline void distance_transform(std::vector<double>& squared_distances, std::size_t start,
                                std::size_t stride, std::size_t count, double spacing,
                                std::vector<double>& scratch) noexcept {
@@ -27,9 +27,9 @@ inline void distance_transform(std::vector<double>& squared_distances, std::size
     squared_distances[start + p * stride] = scratch[p];
 }
 
-/// Turns 0 at the nodes that are sought and kUnreachedSquared elsewhere, row after row, into the
-/// squared distance of every node from the nearest one sought. `line` holds the longer of a row and
-/// a column.
+/// Euclidean distance transform of a grid, stored row by row: in, 0 at the target nodes and
+/// kUnreachedSquared elsewhere; out, the squared distance of every node from the nearest target.
+/// scratch holds at least max(columns, rows) numbers.
 inline void distance_transform(std::vector<double>& squared_distances, std::size_t columns,
                                std::size_t rows, double column_spacing, double row_spacing,
                                std::vector<double>& scratch) noexcept {

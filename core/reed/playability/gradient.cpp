@@ -76,7 +76,7 @@ void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
   force_due_ = !force_due_;
 }
 
-/// Pressures are on their way from the last targets to those of the hand's new place.
+/// Starts the ramps of the pressures from the last targets to those of the hand's new position.
 void ReedGradient::update_targets() noexcept {
   const GradientStencil stencil(y_, z_, delta_);
   const bool unchanged =
@@ -84,7 +84,7 @@ void ReedGradient::update_targets() noexcept {
   if (unchanged && hand_at_rest_)
     return;
   if (stencil.z != stencil_.z || frequency_due_) {
-    // Three different places along z; the lanes beyond the stencil do as the hand does.
+    // The stencil has three values of z; the unused lanes follow the hand.
     reed_frequency_.fill(range_.frequency(stencil.z[0]));
     reed_frequency_[3] = range_.frequency(stencil.z[3]);
     reed_frequency_[4] = range_.frequency(stencil.z[4]);
@@ -102,7 +102,7 @@ void ReedGradient::update_targets() noexcept {
   targets_set_ = true;
 }
 
-/// Gradient and force for the next two readings of the hand.
+/// Gradient and force until the reading after next.
 void ReedGradient::update_force() noexcept {
   gradient_ = compute_gradient();
   const double elapsed_s = static_cast<double>(kForcePeriod) / sample_rate_;

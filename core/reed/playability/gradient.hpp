@@ -12,16 +12,20 @@
 
 namespace tactus::reed {
 
-/// The paper's haptic gradient from one object, and the force on the hand that follows from it.
-/// Five reeds at and around the hand's place in the plane, each judged, and then
-///   reed     the central differences of their playability;
-///   growth   the slope of a GrowthMap at the hand;
-///   guide    the way to where a note grows (GuidanceField), and Guidance's force.
-/// The force of the first two is gradient_force() through a ForceSmoother of 30 ms and 20 N/s.
+/// The haptic gradient of Smyth, Smyth & Kirkpatrick: five reeds at and around the hand's position
+/// in the plane of mouth pressure and reed frequency, the gradient of their playability, and the
+/// force on the hand.
 ///
-/// The hand's place is read every 32 samples; then pressures set out for the new place in straight
-/// lines, reed frequencies at the reeds' own pace. The force advances at every second reading, from
-/// the second on: in the middle of a host's block of 64.
+/// Mode     gradient                                      force
+///   reed   central differences of the playability f_p    gradient_force()
+///   growth slope of a GrowthMap at the hand              gradient_force()
+///   guide  direction to the nearest note (GuidanceField) Guidance
+/// gradient_force() is smoothed by a ForceSmoother of 30 ms and 20 N/s.
+///
+/// The hand's position is read every kHandPeriod samples. Pressures then move linearly to the new
+/// position within one period; reed frequencies follow as ReedBank has them. The force is updated
+/// at every second reading, in the middle of a host's block of 64. Laws and measurements:
+/// docs/guidance.md.
 class ReedGradient {
 public:
   enum class Mode { kReed, kGrowth, kGuide };
@@ -34,9 +38,9 @@ public:
   void set(const Parameters& parameters) noexcept;
   void set(const PlayabilityParameters& estimator) noexcept;
   void set_range(const ControlRange& range) noexcept;
-  /// 0 < delta <= 0.25, of the plane's side.
+  /// Distance of the neighbours, 0 < delta <= 0.25, of the plane's side.
   void set_delta(double delta) noexcept { delta_ = delta; }
-  /// The force goes on from what it was.
+  /// The force continues from its present value.
   void set_mode(Mode mode) noexcept;
   /// F_max >= 0, N: of each axis in modes reed and growth, of the whole vector in mode guide.
   void set_ceiling(double ceiling_n) noexcept;
@@ -44,31 +48,32 @@ public:
   void set_force_gain(double gain_n) noexcept { force_gain_n_ = gain_n; }
   void reset() noexcept;
 
-  /// The hand's place at one sample; what is not finite is ignored, the rest clamped to [0, 1].
-  /// To be called before process() of that sample; see takes_hand().
+  /// The hand's position in [0, 1] (clamped) and f_b, Hz; what is not finite is ignored. To be
+  /// called when samples_until_hand() is 0, before process().
   void move(double y, double z, double bore_frequency) noexcept;
-  /// Samples until move() is read next; 0: now.
+  /// Samples until move() is due; 0: now.
   [[nodiscard]] std::size_t samples_until_hand() const noexcept {
     return phase_ == 0 ? 0 : kHandPeriod - phase_;
   }
-  /// Advances sound.size() samples, at most those until the next reading of the hand. sound is that
-  /// of greed~: gain times the pressure at 1 m, linear to 0.5, within +-1.
+  /// Advances sound.size() samples, at most samples_until_hand() or kHandPeriod of them. sound is
+  /// that of Instrument.
   void process(std::span<double> sound) noexcept;
 
   /// f_p of the reed at the hand.
   [[nodiscard]] double playability() const noexcept { return ensemble_->playability(0); }
-  /// Towards where it plays better, for one unit of y and of z, since the last step of the force.
-  /// In mode guide the slope of the distance, turned round: of length 1, or 0 where there is no
-  /// way. 0 without a guide.
+  /// The gradient per unit of y and of z, as of the last update of the force; it points to higher
+  /// playability. In mode guide: minus the slope of the distance, of length 1 or less. 0 without a
+  /// guide.
   [[nodiscard]] const Gradient& gradient() const noexcept { return gradient_; }
-  /// On the hand, N, towards where it plays better; since the last step of the force.
+  /// The force on the hand, N, as of its last update.
   [[nodiscard]] const PlaneForce& force() const noexcept { return force_; }
-  /// No force, as long as the hand is not read again.
+  /// Sets the force to 0 until the hand is read again.
   void release_force() noexcept;
 
-  /// What a guide for the present instrument, note and range depends on.
+  /// The settings that a guide for the present instrument, note and range depends on.
   [[nodiscard]] PlaneSettings plane() const noexcept;
-  /// Of modes growth and guide; must live as long as it is set. Null: no slope and no force.
+  /// Sets the guide of modes growth and guide, which must outlive its use. Null: no slope, no
+  /// force.
   void set_guide(const PlaneGuide* guide) noexcept { guide_ = guide; }
 
   [[nodiscard]] const ReedEnsemble& ensemble() const noexcept { return *ensemble_; }
@@ -79,7 +84,7 @@ public:
   [[nodiscard]] double ceiling() const noexcept { return guidance_settings_.ceiling_n; }
   [[nodiscard]] double force_gain() const noexcept { return force_gain_n_; }
   static constexpr std::size_t kHandPeriod = 32; // samples between readings of the hand
-  static constexpr std::size_t kForcePeriod = 2 * kHandPeriod; // and between steps of the force
+  static constexpr std::size_t kForcePeriod = 2 * kHandPeriod; // between updates of the force
 
 private:
   void update_targets() noexcept;
@@ -97,7 +102,7 @@ private:
   ReedEnsemble::PerLane target_{}, reed_frequency_{};
   std::size_t phase_ = 0;
   bool targets_set_ = false, frequency_due_ = true, force_due_ = false;
-  bool hand_at_rest_ = false; // the hand has not moved since the last reading, nor do the pressures
+  bool hand_at_rest_ = false; // neither hand nor pressures have moved since the last reading
   unsigned revision_ = 0;
   const PlaneGuide* guide_ = nullptr;
   double sample_rate_ = 48000, force_gain_n_ = 0.3;

@@ -10,14 +10,15 @@
 
 namespace tactus::reed {
 
-/// Eight reeds of one instrument, side by side in vector registers, each with its own mouth
-/// pressure and reed frequency, each followed by its own estimator of playability. They share the
-/// bore frequency. Equal to as many scalar instruments within single precision (docs/guidance.md
-/// says how near).
+/// Eight reeds of one instrument computed together in vector lanes (single precision), each with
+/// its own mouth pressure, reed frequency and playability estimator; they share the bore frequency.
+///
+/// Interface of LaneEnsemble, which is compiled once per instruction set. Each lane equals a scalar
+/// Instrument within single precision (docs/guidance.md has the figures).
 class ReedEnsemble {
 public:
   static constexpr std::size_t kLanes = 8;
-  /// Longest stretch that process() takes.
+  /// Most samples that process() takes at once.
   static constexpr std::size_t kMaxFrames = 64;
   using PerLane = std::array<double, kLanes>;
 
@@ -27,33 +28,35 @@ public:
   virtual void set(const Parameters& parameters) noexcept = 0;
   virtual void set(const PlayabilityParameters& parameters) noexcept = 0;
   virtual void reset() noexcept = 0;
-  /// Advances frames <= kMaxFrames samples. Mouth pressures go along straight lines: sample i has
-  /// start + slope (first + i + 1). Reed and bore frequency are targets (0: the instrument's own).
-  /// sound, as long as frames or empty, is the pressure that lane 0 radiates to 1 m, Pa.
+  /// Mouth pressures, Pa, as linear ramps: sample i has start + slope (first + i + 1).
   struct Pressure {
     PerLane start{}, slope{};
     std::size_t first = 0;
   };
+  /// Advances frames <= kMaxFrames samples. Reed and bore frequency in Hz are targets (0: the
+  /// instrument's own). sound, empty or of that size, is the pressure of lane 0 at 1 m, Pa.
   virtual void process(const Pressure& mouth, const PerLane& reed_frequency, double bore_frequency,
                        std::size_t frames, std::span<double> sound) noexcept = 0;
 
-  /// Only the first count lanes are judged from now on (all from the start).
+  /// Limits the playability estimators to the first count lanes (default: all).
   virtual void set_active_lanes(std::size_t count) noexcept = 0;
-  /// theta, rad, and f_p of a lane as they are now. f_p is that of the paper's mode: lanes have no
-  /// analysis of periodicity, which would cost more than the reeds and lag by 85 ms.
+  /// theta of a lane after the last sample, rad.
   [[nodiscard]] virtual double angle(std::size_t lane) const noexcept = 0;
+  /// p_b, Pa.
   [[nodiscard]] virtual double bore_pressure(std::size_t lane) const noexcept = 0;
+  /// f_p in mode paper: a periodicity analysis would cost more than the reeds and lag by 85 ms.
   [[nodiscard]] virtual double playability(std::size_t lane) const noexcept = 0;
+  /// y, rad (PlayabilityFollower).
   [[nodiscard]] virtual double envelope(std::size_t lane) const noexcept = 0;
   /// The bore's length now, m.
   [[nodiscard]] virtual double length() const noexcept = 0;
 };
 
-/// Which instructions an ensemble is compiled for.
+/// Instruction sets an ensemble is compiled for.
 enum class Instructions { kBaseline, kAvx2, kAvx512 };
-/// The best that this machine runs and this build has.
+/// The widest that this machine and this build support.
 [[nodiscard]] Instructions best_instructions() noexcept;
-/// Null when this machine or build lacks them.
+/// Null when this machine or build does not support them.
 [[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(Instructions instructions);
 [[nodiscard]] inline std::unique_ptr<ReedEnsemble> make_reed_ensemble() {
   return make_reed_ensemble(best_instructions());

@@ -7,8 +7,8 @@
 
 namespace tactus::reed {
 
-/// A quantity known on an even grid of the plane [0, 1] x [0, 1], looked up between its nodes. The
-/// slope is bilinear in the nodes' own central differences, so it is continuous.
+/// A scalar field on a regular grid over the plane [0, 1] x [0, 1] with bilinear interpolation. Its
+/// gradient is interpolated between the central differences at the nodes, so that it is continuous.
 class GradientField {
 public:
   /// Allocates columns x rows nodes (at least 2 x 2) of value 0.
@@ -35,6 +35,7 @@ public:
   void differentiate() noexcept;
   /// Bilinear; y and z are clamped to [0, 1]. 0 while the field is empty.
   [[nodiscard]] double value(double y, double z) const noexcept;
+  /// Per unit of y and z, after differentiate().
   [[nodiscard]] Gradient gradient(double y, double z) const noexcept;
 
 private:

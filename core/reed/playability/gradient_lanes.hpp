@@ -5,11 +5,13 @@
 
 #include <algorithm>
 
-/// The ensemble in vector lanes. Included once for each instruction set, in a source file compiled
-/// for it; everything here is a template over the set's own lane type, so that no function compiled
-/// for a newer machine can end up in an older machine's path.
 namespace tactus::reed {
 
+/// ReedEnsemble for one instruction set: a ReedBank and a PlayabilityFollower over the lanes V.
+///
+/// Included once per instruction set, in a source file that is compiled for it. Everything here is
+/// a template over that set's lane type, so that the linker cannot merge code for a newer processor
+/// into the path of an older one.
 template <class V> class LaneEnsemble final : public ReedEnsemble {
   static_assert(simd::LaneTraits<V>::count == kLanes);
   using Scalar = typename simd::LaneTraits<V>::Scalar;
@@ -46,7 +48,7 @@ public:
       int count = static_cast<int>(frames) - done;
       if (count > bank_.until_control())
         count = bank_.until_control();
-      // Side by side, because each has to wait for itself.
+      // Odd and even samples: two shorter dependency chains.
       V odd(static_cast<double>(mouth.first) + done + 1), even(odd + V(1.0));
       for (int i = 0; i < count; i += 2) {
         pressure[i] = clamp_pressure(start + slope * odd);

@@ -6,7 +6,7 @@
 
 namespace tactus::reed {
 
-/// The plane the hand moves in: y and z in [0, 1] become mouth pressure and reed frequency.
+/// Maps the plane in which the hand moves, y and z in [0, 1], to mouth pressure and reed frequency.
 struct ControlRange {
   double lowest_pressure = 0;     // p_lo, Pa
   double highest_pressure = 8000; // p_hi
@@ -23,14 +23,14 @@ struct ControlRange {
   }
 };
 
-/// Slope of a quantity for one unit of y and of z.
+/// Gradient of a quantity, per unit of y and of z.
 struct Gradient {
   double y = 0, z = 0;
 };
 
-/// The five states of the paper's central differences: the hand's own, and one on each side of it
-/// in y and in z. At the plane's edge a neighbour is the edge itself, and the difference is divided
-/// by the distance there really is.
+/// The five points of the central differences (Smyth, Smyth & Kirkpatrick, eq. 6): the hand's
+/// position and one neighbour on each side in y and in z. At the edge of the plane a neighbour lies
+/// on the edge, and the difference is divided by the actual distance.
 struct GradientStencil {
   static constexpr int kPoints = 5;
   std::array<double, kPoints> y{}, z{}; // hand, y + delta, y - delta, z + delta, z - delta

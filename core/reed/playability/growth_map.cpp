@@ -8,7 +8,7 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kGrowthScale = 50; // 1/s: a note that speaks in some tens of milliseconds
+constexpr double kGrowthScale = 50; // 1/s, of a note that starts in some tens of milliseconds
 
 } // namespace
 

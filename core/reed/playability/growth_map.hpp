@@ -11,32 +11,31 @@
 
 namespace tactus::reed {
 
-/// Guidance from linear theory, also where nothing sounds: over the plane of mouth pressure and
-/// reed frequency, a height whose slope leads to playing states,
+/// A map of how fast notes start over the plane of mouth pressure and reed frequency, by linear
+/// theory (LinearStability). Its gradient points to playing states, also where nothing sounds:
 ///   height = g/(g + 50 1/s)   where a note starts by itself,
-///          = -d               elsewhere,
-/// g > 0 the growth rate of the dominant mode (LinearStability) and d the distance, in the plane,
-/// to the nearest node where a note starts. Within a note the slope leads to ready speech, from the
-/// deepest silence to the nearest note. In silence g itself is no guide: an instrument that is not
-/// blown at all rings on for longer than one blown a little, so its slope leads away from notes.
+///          = -d               elsewhere.
+/// g > 0 is the growth rate of the dominant mode (1/s), d the distance in the plane to the nearest
+/// node where a note starts. g < 0 gives no useful gradient: without any pressure a resonance
+/// decays more slowly than with a little, so that g would point away from notes.
 ///
-/// The map is computed a few nodes at a time, so that it can grow between blocks of audio; the
-/// finished one before it is used meanwhile.
+/// The map is computed a few nodes at a time; meanwhile the previous map stays in use. Limits of
+/// linear theory: docs/guidance.md.
 class GrowthMap {
 public:
   /// Allocates columns x rows nodes.
   void prepare(std::size_t columns, std::size_t rows);
-  /// Forgets unfinished work and starts a map of the instrument as it is played (embouchure_for());
-  /// allocation-free.
+  /// Discards unfinished work and starts a map of the instrument as it is played
+  /// (embouchure_for()). No allocation.
   void begin(const PlayingSetup& playing, const ControlRange& range) noexcept;
   /// Computes up to that many nodes; true when the map is finished. Each takes 20 to 150 us.
   bool advance(std::size_t nodes) noexcept;
   [[nodiscard]] bool ready() const noexcept { return ready_; }
   [[nodiscard]] bool working() const noexcept { return theory_.has_value(); }
-  /// Nodes done over nodes in all, of the map at work.
+  /// Share of the nodes computed, 0..1.
   [[nodiscard]] double progress() const noexcept;
 
-  /// The finished map. growth() holds g in 1/s, height() what guides.
+  /// The finished map: the height above, and g in 1/s.
   [[nodiscard]] const GradientField& height() const noexcept { return height_; }
   [[nodiscard]] const GradientField& growth() const noexcept { return growth_; }
 
@@ -47,7 +46,7 @@ private:
   ControlRange range_{};
   double reed_scale_ = 1;
   GradientField in_progress_, growth_, height_;
-  std::vector<char> grows_; // where a note starts, of the nodes at work
+  std::vector<char> grows_; // nodes of in_progress_ where a note starts
   std::vector<double> squared_distances_, scratch_;
   std::size_t next_ = 0;
   bool ready_ = false;

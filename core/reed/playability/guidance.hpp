@@ -10,8 +10,7 @@ struct PlaneForce {
   double y = 0, z = 0;
 };
 
-/// What keeps a force off sudden changes: on each axis a one-pole low-pass, and a limit on the
-/// rate.
+/// Smooths a force: on each axis a one-pole low-pass and a slew limit.
 class ForceSmoother {
 public:
   /// time_constant_s >= 0, slew_n_per_s > 0.
@@ -22,32 +21,35 @@ public:
 
 private:
   double time_constant_s_ = 30e-3, slew_n_per_s_ = 20;
-  double elapsed_s_ = 0, smoothing_gain_ = 0; // what the last step of this length covers of the way
+  double elapsed_s_ = 0, smoothing_gain_ = 0; // of the low-pass for a step of elapsed_s_
   PlaneForce force_{};
 };
 
-/// The force law of the five-reed patch, towards greater playability: on each axis
-/// F = F_max tanh(gain g/F_max), gain in N for a gradient of 1 per side of the plane.
+/// The force law of the five-reed patch, towards higher playability: on each axis
+///   F = F_max tanh(gain g/F_max),
+/// gain_n in N for a gradient g of 1 per side of the plane, ceiling_n = F_max in N.
 [[nodiscard]] PlaneForce gradient_force(const Gradient& gradient, double gain_n,
                                         double ceiling_n) noexcept;
 
-/// Leads a hand to where the instrument plays and leaves it alone there:
+/// Haptic guidance: pulls the hand to the region where the instrument plays and exerts no force
+/// inside it, except for a soft wall at the border.
 ///   F = -F_max (s grad D + b v),  s = max(w, q u),
 ///   w = clip(1 + D'/m, 0, 1),     D' = D + t_a v . grad D,
 ///   u = clip(2 + D/m, 0, 1),      q = clip((0.4 - f_p)/0.2, 0, 1),
 ///   b = (t_a/m) (1 - |grad D|^2) min(clip(1 + D/m, 0, 1), clip(1 - 2D/m, 0, 1)),
-/// D the GuidanceField at the hand, v the hand's velocity in sides of the plane a second, f_p what
-/// is measured. w is the pull from silence, as strong as allowed however far the next note is, and
-/// the wall inside the border, which a hand on its way out meets t_a earlier and one on its way in
-/// later: damping that makes up for the delay of the loop. q u goes on pulling, to the depth 2 m,
-/// while a note that should sound does not. Deeper inside a sounding region there is no force.
-/// b brakes in the middle of a note narrower than 2 m: there grad D turns over, and with it goes
-/// the damping of the two walls that meet. |F| is at most F_max.
+/// D is the signed distance to the playing region (GuidanceField), v the hand's velocity in sides
+/// of the plane per second, f_p the measured playability. |F| <= F_max.
 ///
-/// Then a ForceSmoother, whose slew lets the wall rise as fast as a hand comes: at 20 N/s it takes
-/// longer than a hand needs to cross a narrow note, which is then thrown to and fro. The wall is as
-/// stiff as F_max/m: 400 N/m for 2 N on a side of 100 mm. Steady where t_a exceeds the loop's delay
-/// (7 ms in a patch with blocks of 64 at 48 kHz).
+/// - w: full pull outside the region at any distance, and a wall of width m inside its border. The
+///   prediction by t_a is damping that compensates the delay of the loop.
+/// - q u: pulls on to the depth 2 m while a note that should sound does not (f_p < 0.4).
+/// - b: brake in the middle of a region narrower than 2 m. There grad D changes sign, so that the
+///   damping of the two walls vanishes.
+///
+/// A ForceSmoother follows. Its slew limit must let the wall rise faster than a hand crosses a
+/// narrow region: at 20 N/s the hand oscillates. The stiffness of the wall is F_max/m, 400 N/m for
+/// 2 N on a side of 100 mm. Stable where t_a exceeds the delay of the loop (7 ms in a patch with
+/// blocks of 64 at 48 kHz).
 class Guidance {
 public:
   struct Settings {
@@ -58,17 +60,17 @@ public:
     double smoothing_s = 2e-3;
     double slew_n_per_s = 200;
   };
-  /// Of a GrowthMap's height: a note grows at 8 1/s or faster.
+  /// Height of a GrowthMap at which a note counts as playing: g = 8 1/s.
   static constexpr double kQuickGrowth = 8.0 / (8.0 + 50.0);
 
   void set(const Settings& settings) noexcept;
-  /// Forgets where the hand was; the force goes on from the given one.
+  /// Discards the hand's velocity; the force continues from the given one.
   void reset(const PlaneForce& force = {}) noexcept;
-  /// The force for a hand at (y, z) in [0, 1], elapsed_s > 0 after the last; f_p of the reed there.
-  /// What is not finite gives no force and is forgotten.
+  /// The force for a hand at (y, z) in [0, 1], elapsed_s > 0 s after the last call, with the f_p
+  /// measured there. A position that is not finite counts as fade().
   PlaneForce advance(const GuidanceField& field, double y, double z, double playability,
                      double elapsed_s) noexcept;
-  /// As advance() while nothing is known: the force goes to 0 and the hand is forgotten.
+  /// Lets the force decay to 0 while there is no field or no hand; discards the hand's velocity.
   PlaneForce fade(double elapsed_s) noexcept;
 
 private:

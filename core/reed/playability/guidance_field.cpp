@@ -18,7 +18,7 @@ static_assert(kBlurRadius >= 3 * GuidanceField::kBlur / kSpacing);
 using Nodes = std::vector<double>;
 constexpr std::size_t kNodes = GuidanceField::kNodes;
 
-/// From every node to the nearest one that plays (inside) or does not.
+/// Distance of every node to the nearest one that plays (inside = true) or does not.
 Nodes distances(const std::vector<char>& plays, bool inside) {
   Nodes distance(plays.size());
   for (std::size_t n = 0; n < plays.size(); ++n)
@@ -30,8 +30,8 @@ Nodes distances(const std::vector<char>& plays, bool inside) {
   return distance;
 }
 
-/// Along the lines of that stride. Beyond the plane's edge the values are mirrored through the edge
-/// (2 f(0) - f(j)), which leaves a slope as it is.
+/// Gaussian blur along the lines of that stride. Beyond the edge of the plane the values are
+/// continued by point reflection, 2 f(0) - f(j), which preserves a slope.
 void blur(Nodes& values, std::size_t stride) {
   const std::size_t line_stride = stride == 1 ? kNodes : 1;
   constexpr int last = static_cast<int>(kNodes) - 1;
@@ -74,7 +74,7 @@ void GuidanceField::build(const GradientField& quality, double threshold) {
           quality.value(distance_.y_of(i), distance_.z_of(k)) >= threshold ? 1 : 0;
   Nodes distance = distances(plays, true);
   const Nodes inside = distances(plays, false);
-  // The border lies half-way between nodes; without any the distance is the same everywhere.
+  // The border lies half-way between nodes. Without a border the distance is constant.
   for (std::size_t n = 0; n < plays.size(); ++n)
     distance[n] = plays[n] != 0 ? 0.5 * kSpacing - inside[n] : distance[n] - 0.5 * kSpacing;
   blur(distance, 1);

@@ -6,14 +6,13 @@
 
 namespace tactus::reed {
 
-/// How far it is to a place that plays, over the plane of mouth pressure and reed frequency, in
-/// units of the plane's side: D > 0 where nothing plays, the way to the nearest playing place;
-/// D < 0 where it plays, the way to the border. Made from any quality that is high where it plays
-/// (growth of linear theory, f_p by playing) and a threshold; then blurred by a Gaussian, so that
-/// the slope, of length 1 almost everywhere, turns smoothly where two ways are equally short.
+/// Signed distance D to the region where the instrument plays, over the plane of mouth pressure and
+/// reed frequency, in units of the plane's side: D > 0 outside, D < 0 inside.
 ///
-/// Nodes are 1/80 apart and D is good to about half of that before blurring. Where all of the plane
-/// plays, or none, the slope is 0.
+/// The region is where a quality (growth rate, or f_p) reaches a threshold. D is blurred by a
+/// Gaussian, so that its gradient, of length 1 almost everywhere, turns smoothly where two borders
+/// are equally near. Nodes are 1/80 apart; before blurring D is accurate to about half of that.
+/// Where all of the plane plays, or none of it, the gradient is 0.
 class GuidanceField {
 public:
   static constexpr std::size_t kNodes = 81; // along y and along z
@@ -21,8 +20,7 @@ public:
 
   /// Not yet built.
   [[nodiscard]] bool empty() const noexcept { return distance_.empty(); }
-  /// Places with quality >= threshold play. Off the audio path: allocates and takes a few
-  /// milliseconds.
+  /// Computes D for the region quality >= threshold. Allocates; takes a few milliseconds.
   void build(const GradientField& quality, double threshold);
 
   [[nodiscard]] double distance(double y, double z) const noexcept { return distance_.value(y, z); }

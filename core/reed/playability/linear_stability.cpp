@@ -23,7 +23,7 @@ double square(double x) { return x * x; }
 
 } // namespace
 
-/// The valve's part of the characteristic function, as numbers.
+/// Coefficients of the valve in the characteristic function.
 struct LinearStability::Valve {
   double jet = 0;          // |u_0|
   double area = 0;         // A_0
@@ -55,7 +55,7 @@ Equilibrium LinearStability::equilibrium(double mouth_pressure,
   const double stiffness = p.mass * square(kTwoPi * reed_frequency_hz);
   const double rest = p.arm_length * p.rest_angle;
   const bool stopped = p.type != ValveType::kSwinging;
-  // At rest the bore shows its resistance to steady flow: none, unless R_0 < 1 replaces the losses.
+  // The bore's resistance to steady flow: 0, unless R_0 < 1 replaces the losses.
   const double resistance =
       p.scalar_reflection > 0 && p.scalar_reflection < 1
           ? characteristic_impedance_ * (1 - p.scalar_reflection) / (1 + p.scalar_reflection)
@@ -163,8 +163,9 @@ Complex LinearStability::valve_admittance(Complex s, const Equilibrium& state,
   return leak + (v.opening_flow + s * v.swept) * (-v.pressure + v.bernoulli / jet) / inertia;
 }
 
-/// (Y_in - Y_valve) Z_0 (1 + rt) (|u_0| + s lambda) D_v/m: the poles of both admittances cancelled,
-/// so that every zero is a mode and Newton's iteration meets no pole near the imaginary axis.
+/// (Y_in - Y_valve) Z_0 (1 + rt) (|u_0| + s lambda) D_v/(m w_r^2), with its derivative. The factors
+/// cancel the poles of both admittances, so that every zero is a mode and Newton's iteration meets
+/// no pole near the imaginary axis.
 LinearStability::Value LinearStability::characteristic(Complex s, const Valve& v) const noexcept {
   const auto product = [](const Value& a, const Value& b) {
     return Value{a.value * b.value, a.derivative * b.value + a.value * b.derivative};
@@ -178,7 +179,7 @@ LinearStability::Value LinearStability::characteristic(Complex s, const Valve& v
     lumped.derivative -= y / s;
   }
   const Value jet{v.jet + s * parameters_.channel_length, parameters_.channel_length};
-  // Z_0 times what the valve's opening lets through.
+  // Z_0 times the admittance of the valve's opening, times the jet's factor.
   const double channel = characteristic_impedance_ * v.area / air_.density;
   const Value shunt = product(lumped, jet);
   const Value open = product(sum, {characteristic_impedance_ * shunt.value + channel,
@@ -226,7 +227,7 @@ Mode LinearStability::mode_near(double mouth_pressure, double reed_frequency_hz,
 }
 
 Mode LinearStability::bore_resonance_near(double frequency_hz) const noexcept {
-  Valve closed_valve; // no opening at all: only Y_in is left, times a jet factor without zeros
+  Valve closed_valve; // no opening: only Y_in remains, times a jet factor without zeros nearby
   closed_valve.free = false;
   closed_valve.jet = 1e6;
   return refine({0, kTwoPi * frequency_hz}, closed_valve);
@@ -247,8 +248,8 @@ Mode LinearStability::dominant_mode(double mouth_pressure,
   };
   consider({-0.5 * valve.damping, valve.frequency});
   consider({0, valve.frequency});
-  // A mode makes the Newton step short in its neighbourhood: look along the neutral line, and
-  // along two lines of fast growth, which blown valves reach well beyond the bore's own damping.
+  // Newton's step is short near a mode. Scan the line of zero growth, and two lines of fast growth,
+  // which valves under pressure reach, for minima of the step.
   struct Line {
     double growth, resolution;
   };

@@ -7,13 +7,13 @@
 
 namespace tactus::reed {
 
-/// What a map by linear theory depends on.
+/// The settings that a map by linear theory depends on.
 struct PlaneSettings {
-  PlayingSetup playing; // the valve as it is held, the bore's length, the factor on f_r
+  PlayingSetup playing; // valve with the player's lips, length of the bore, factor on f_r
   ControlRange range;
   unsigned revision = 0; // counts changes of parameters and range
 
-  /// True when a map made for the other serves here, too: lengths and lips within 0.1 %.
+  /// True when a map for the other settings is valid here: lengths and lips within 0.1 %.
   [[nodiscard]] bool matches(const PlaneSettings& other) const noexcept {
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-3 * b; };
     return revision == other.revision && near(playing.length, other.playing.length) &&
@@ -21,13 +21,12 @@ struct PlaneSettings {
   }
 };
 
-/// A finished map in the form in which a hand is led by it: made off the audio path, looked up on
-/// it.
+/// A finished GrowthMap as lookup tables for ReedGradient: built off the audio path, read on it.
 struct PlaneGuide {
   GradientField height;         // GrowthMap's
-  GuidanceField distance_field; // to where a note grows quickly
+  GuidanceField distance_field; // to where a note grows at 8 1/s or faster
 
-  /// Of a finished map. Allocates; some milliseconds.
+  /// Copies a finished map. Allocates; takes some milliseconds.
   void build(const GrowthMap& map) {
     height = map.height();
     distance_field.build(map.height(), Guidance::kQuickGrowth);

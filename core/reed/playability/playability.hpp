@@ -7,19 +7,20 @@
 
 namespace tactus::reed {
 
-/// What kind of oscillation the analysis finds. The boundaries (periodicity 0.985 and 0.85) are
-/// choices; weakly chaotic motion passes as periodic. See docs/playability.md.
+/// Kind of oscillation found by the analysis. The boundaries (periodicity 0.985 and 0.85) are
+/// choices; weakly chaotic motion counts as periodic. See docs/playability.md.
 enum class Regime { kSilent, kPeriodic, kQuasiPeriodic, kChaotic };
 
-/// Playability estimator of one reed, from the angle of its valve alone.
+/// Playability estimator of one reed: from the angle of its valve to f_p in 0..1, by amplitude and
+/// zero crossings (PlayabilityFollower) and periodicity (PeriodicityAnalysis). Equations:
+/// docs/playability.md.
 class Playability {
 public:
-  /// Allocates; keeps its state when nothing changed. Without a transform (null) there is no
-  /// analysis, and aperiodicity counts as 0 in every mode.
+  /// Allocates; keeps its state when nothing has changed. Without a transform (null) there is no
+  /// analysis, and the motion counts as periodic.
   void prepare(double sample_rate, std::shared_ptr<RealTransform> transform);
   void set(const PlayabilityParameters& parameters) noexcept;
-  /// Whether periodicity and regime are asked for. The robust mode needs the analysis and runs it
-  /// whether or not they are.
+  /// Turns periodicity() and regime() on or off. The robust mode runs the analysis in either case.
   void set_analysis(bool on) noexcept;
   void reset() noexcept;
   /// The next angle, rad.

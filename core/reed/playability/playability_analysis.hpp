@@ -8,20 +8,20 @@
 
 namespace tactus::reed {
 
-/// Discrete Fourier transform of real signals, lent to the analysis by whoever hosts it.
+/// Interface of a discrete Fourier transform of real signals, implemented outside of core.
 class RealTransform {
 public:
   using Complex = std::complex<double>;
   virtual ~RealTransform() = default;
-  /// For signals of that many samples, a power of two; may allocate and lock.
+  /// Prepares for signals of size samples, a power of two; may allocate and lock.
   virtual void prepare(std::size_t size) = 0;
   /// spectrum[k] = sum signal[n] exp(-2 pi i k n/size), k = 0 .. size/2.
   virtual void forward(std::span<const double> signal, std::span<Complex> spectrum) noexcept = 0;
-  /// The sum the other way round, not divided by size.
+  /// The inverse transform, not divided by size.
   virtual void inverse(std::span<const Complex> spectrum, std::span<double> signal) noexcept = 0;
 };
 
-/// What one frame of sound tells about its periodicity.
+/// Result of the periodicity analysis of one frame.
 struct Periodicity {
   double frequency_hz = 0;   // f_0; 0 when the frame is silent
   double periodicity = 0;    // 1 - d'(tau_0) in [0, 1]
@@ -29,19 +29,20 @@ struct Periodicity {
   double centroid_hz = 0;    // of the power spectrum under a Hann window
 };
 
-/// Periodicity by the normalised difference of YIN (de Cheveigne & Kawahara 2002, eq. 8):
+/// Periodicity and f_0 of a signal, frame by frame, by the cumulative mean normalised difference
+/// function of YIN (de Cheveigne & Kawahara 2002, eq. 6 and 8):
 ///   d(tau) = sum_{j < N/2} (x_j - x_{j+tau})^2,   d'(tau) = d(tau) tau/sum_{k=1..tau} d(k),
-/// from one correlation by Fourier transform. tau_0 is the first minimum of d' below 0.1, or its
-/// least value, refined by a parabola. Frames of N samples, N the power of two nearest to 85 ms,
-/// start every N/4; the lowest f_0 is 2/85 ms = 24 Hz.
+/// computed with one correlation by Fourier transform. tau_0 is the first minimum of d' below 0.1,
+/// else its global minimum, refined by a parabola. Frames of N samples, N the power of two nearest
+/// to 85 ms, start every N/4; the lowest f_0 is 2/85 ms = 24 Hz.
 class PeriodicityAnalysis {
 public:
-  /// Allocates. Keeps what it heard when the sample rate is the same. transform may be null: then
-  /// nothing is ever analysed.
+  /// Allocates. Keeps its state when rate (Hz) and transform are the same. transform may be null:
+  /// then nothing is analysed.
   void prepare(double sample_rate, std::shared_ptr<RealTransform> transform);
   void reset() noexcept;
-  /// True when this sample completes a frame: result() is new then. Costs four transforms on that
-  /// sample and nothing to speak of on others.
+  /// True when this sample completes a frame and result() is new. That sample costs four
+  /// transforms.
   bool tick(double sample) noexcept;
   [[nodiscard]] const Periodicity& result() const noexcept { return result_; }
   [[nodiscard]] std::size_t frame() const noexcept { return ring_.size(); }

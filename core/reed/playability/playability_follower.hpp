@@ -8,19 +8,20 @@
 
 namespace tactus::reed {
 
-/// What turns a valve's angle into a playability, docs/playability.md.
+/// Parameters of the playability estimator, docs/playability.md.
 struct PlayabilityParameters {
   enum class Mode { kPaper, kRobust };
   double attack_s = 5e-3;      // envelope's time constant on rise
   double release_s = 80e-3;    // on fall
-  double highpass_hz = 10;     // takes away where the valve rests
-  double reference_rad = 0.03; // amplitude of half playability
+  double highpass_hz = 10;     // removes the static angle
+  double reference_rad = 0.03; // envelope at which A = 1/2
   double window_s = 50e-3;     // over which zero crossings are counted, at most 0.25
   double hysteresis = 0.2;     // of the counter, relative to the envelope
   Mode mode = Mode::kRobust;
 };
 
-/// Follows the oscillation of one valve or of several side by side (V a double, or simd::Lanes):
+/// Playability f_p of an oscillating valve from amplitude and zero crossings, sample by sample, for
+/// one valve (V = double) or several in vector lanes (V = simd::Lanes):
 ///   t~   = one-pole high-pass of the angle t,
 ///   y(n) = (1 - v)|t~(n)| + v y(n - 1),  v = exp(-1/(tau fs)), tau the attack while |t~| > y,
 ///          else the release (Smyth, Smyth & Kirkpatrick, eq. 3, on the alternating part),
@@ -31,8 +32,8 @@ struct PlayabilityParameters {
 ///          window of sound has passed, so that the start of a note is no jump.
 ///   H    = clip((z - 4000 Hz)/2000 Hz, 0, 1), more crossings than any note has,
 ///   C    = max(J, H), the paper's "suddenly jumps to a very high number".
-/// Allocates nothing; one valve's input that is no number counts as the last one that was. Several
-/// valves' angles must be numbers, as a ReedBank's are.
+/// No allocation. For V = double an input that is no number counts as the last one that was; the
+/// angles of several lanes must be numbers, as those of a ReedBank are.
 template <class V> class PlayabilityFollower {
 public:
   using Scalar = typename simd::LaneTraits<V>::Scalar;
@@ -80,14 +81,14 @@ public:
     }
   }
 
-  /// Only the first 1 <= count <= lanes are followed; the others' playability means nothing.
+  /// Limits the counting to the first 1 <= count <= lanes; f_p of the others is undefined.
   void set_active_lanes(int count) noexcept { active_lanes_ = count; }
 
   /// The next angle, rad.
   void tick(const V& angle) noexcept { run(&angle, 1); }
   /// The next count angles; the same as so many ticks.
   void run(const V* angles, int count) noexcept {
-    if (!primed_ && count > 0) { // a valve that rests anywhere is silent from the first sample
+    if (!primed_ && count > 0) { // the high-pass starts settled at the first angle
       primed_ = true;
       last_ = usable(angles[0], last_);
     }
@@ -106,7 +107,7 @@ public:
 
   /// y, rad.
   [[nodiscard]] double envelope(int i = 0) const noexcept { return simd::lane(envelope_, i); }
-  /// z, crossings a second, brought up to date every half millisecond.
+  /// z, crossings per second, updated every half millisecond.
   [[nodiscard]] double crossing_rate(int i = 0) const noexcept { return rate_[i]; }
   /// J.
   [[nodiscard]] double jump(int i = 0) const noexcept {
@@ -163,8 +164,8 @@ private:
   static constexpr double kHopTime = 0.5e-3; // s between updates of the counts
   static constexpr int kMaxHops = 500;       // the longest window, in hops
   static constexpr double kMeanTime = 0.5;   // s
-  // greed~'s highest f_b, which a periodic reed crosses no more often; and the width of H's ramp.
-  // White noise at 44.1 kHz and above crosses 8000 times a second or more with hysteresis 0.2.
+  // Highest rate of a periodic reed, that of the highest f_b, and width of the ramp of H. White
+  // noise at 44.1 kHz and above crosses 8000 times a second or more with hysteresis 0.2.
   static constexpr double kMaxRate = 4000, kMaxRateWidth = 2000; // Hz
   static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
   static constexpr std::uint32_t kMaxTimes = 17;
@@ -188,7 +189,8 @@ private:
       high = angle - last + pole * high;
       last = angle;
       const V size = absolute(high);
-      // Of the two, the quicker one lies further on the way to |t~|: no need to ask where that is.
+      // Whether |t~| is above or below y, the faster of the two comes closer to it: with a faster
+      // attack that is the larger one on rise, and the slower release the larger one on fall.
       const V rise = rising * size + attack * envelope;
       const V fall = falling * size + release * envelope;
       envelope = attack_is_faster ? maximum(rise, fall) : minimum(rise, fall);
@@ -218,7 +220,7 @@ private:
     sample_index_ += count;
   }
 
-  /// Notes when a lane's crossing happened, offset samples after sample_index_.
+  /// Records a crossing of lane i, offset samples after sample_index_, at the interpolated time.
   [[gnu::noinline]] void record_crossing(int i, double from, double to, double level,
                                          int offset) noexcept {
     const double part = to > from ? (level - from) / (to - from) : 1;
@@ -231,7 +233,7 @@ private:
   void end_hop() noexcept {
     hop_index_ = hop_index_ + 1 < window_ ? hop_index_ + 1 : 0;
     for (int i = 0; i < active_lanes_; ++i) {
-      // What was counted in the hop that ended comes in, the oldest hop goes out.
+      // Sliding sum: the hop that ended is added, the oldest subtracted.
       const int ended = hop_index_ > 0 ? hop_index_ - 1 : window_ - 1;
       total_[i] += counts_[i][ended];
       rate_[i] = total_[i] * rate_per_crossing_;

@@ -12,7 +12,7 @@ void PlayabilityMap::begin(const PlayabilityMapSettings& settings, std::size_t c
   ensemble_->set(settings.parameters);
   ensemble_->set(settings.estimator);
   ensemble_->prepare(settings.sample_rate);
-  ensemble_->process({}, {}, settings.bore_frequency, 1, {}); // lets it choose its length
+  ensemble_->process({}, {}, settings.bore_frequency, 1, {}); // one sample sets the length
   length_ = ensemble_->length();
 }
 

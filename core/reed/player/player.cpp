@@ -9,16 +9,16 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that lips follow
-constexpr double kAboveNatural = 1.012;  // of a tube's mode: where blown-open lips sound it
-constexpr double kRetryStopTime = 50e-3; // s without air, of a note begun anew
+constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, smoothing of the breath ratio r
+constexpr double kAboveNatural = 1.012;  // pitch of blown-open lips relative to the tube's mode
+constexpr double kRetryStopTime = 50e-3; // s without air before a retry
 
 constexpr double kNoBreath = 10;        // Pa
-constexpr double kBurstNote = 220;      // Hz, for which Parameters::tongue stands
-constexpr double kSmallestBurst = 0.02; // lets the breath go, no more
+constexpr double kBurstNote = 220;      // Hz, reference note of Parameters::tongue
+constexpr double kSmallestBurst = 0.02; // a release without an audible push
 constexpr double kLargestBurst = 3;     // as the parameter's own limit
 
-/// Whether notes need the same length and lips with both.
+/// Whether both give the same lengths and lips of notes.
 bool same_note_parameters(const Parameters& a, Parameters b) {
   b.gain = a.gain;
   b.played_gain = a.played_gain;
@@ -83,8 +83,7 @@ const Player::Configuration& Player::control(double bore_frequency, double reed_
     retry_note(reed_frequency);
   if (plays_ && follow_breath(mouth_pressure))
     update_lips();
-  tongue_.set_burst(mouth_pressure >= 0 ? burst()
-                                        : 0); // no breath to follow: none begins by itself
+  tongue_.set_burst(mouth_pressure >= 0 ? burst() : 0);
   const bool note_changed = note_ != played || update_due_;
   if (note_changed || moved || tracks_pitch_)
     set_trim(tracks_pitch_ ? tuning_controller_.trim() : 0, note_changed);
@@ -92,7 +91,7 @@ const Player::Configuration& Player::control(double bore_frequency, double reed_
   return configuration_;
 }
 
-/// The note, or what is played in place of one that is refused.
+/// The note, or the one that is played instead when it is refused.
 double Player::accept_note(double frequency) noexcept {
   const double quarter_tone = std::exp2(1.0 / 24);
   const double lowest = parameters_.lowest_note, highest = parameters_.highest_note;
@@ -101,7 +100,7 @@ double Player::accept_note(double frequency) noexcept {
     refusing_ = false;
     return frequency;
   }
-  // Once for each note: a glide through many is one.
+  // Counted once per note; a glide counts as one.
   const bool already_counted =
       refusing_ && std::abs(frequency - refusal_.note) < TuningController::kLeap * refusal_.note;
   refusal_.note = frequency;
@@ -133,7 +132,7 @@ void Player::choose_configuration(double reed_frequency) noexcept {
     finger(f, leap);
     const double fixed_length = fixed_tube_length();
     if (fixed_length > 0) {
-      // The lips' wish is f_b; what sounds is the tube's.
+      // The lips aim at f_b; the tube's nearest mode sounds.
       const double natural = nearest_natural(parameters_, *configuration_.end, fixed_length, f);
       note_ = f = natural > 0 ? kAboveNatural * natural : f;
       tracks_pitch_ = false;
@@ -161,7 +160,7 @@ void Player::choose_configuration(double reed_frequency) noexcept {
   configuration_.length = std::clamp(configuration_.length, 5e-3, bore_.max_length());
 }
 
-/// Length of the tube with the valves or the slide position that are set, m; 0: the player chooses.
+/// Length of the tube for the valves or slide position that are set, m; 0: the player chooses.
 double Player::fixed_tube_length() const noexcept {
   const BrassTube* const tube = brass_tube(parameters_.end);
   if (tube == nullptr || configuration_.end == nullptr)
@@ -173,7 +172,7 @@ double Player::fixed_tube_length() const noexcept {
              : 0;
 }
 
-/// The fingering for f_b. A bend or a vibrato of nearly a semitone stays on the one there is.
+/// The fingering for f_b. Bends and vibrato within kBend keep the present one.
 void Player::finger(double frequency, bool leap) noexcept {
   constexpr double kBend = 0.8; // semitones
   const bool keep_fingering =
@@ -186,9 +185,10 @@ void Player::finger(double frequency, bool leap) noexcept {
   fingering_end_ = parameters_.end;
 }
 
-/// Line and lips for holes fingered one by one. An instrument's holes are where its standard
-/// fingerings are in tune at its own f_r, with the reed's compliance and swept volume: the line to
-/// the first open hole is as long as the note needs that opens all from there on.
+/// Length and lips for holes fingered one by one. Holes are placed so that the standard fingerings
+/// are in tune at the instrument's own f_r, including the reed's compliance and swept volume. The
+/// length to the first open hole is therefore that of the note whose standard fingering opens all
+/// holes from there on.
 void Player::use_open_holes() noexcept {
   note_ = 440 * std::exp2((holes_->key - 69) / 12.0);
   lips_ = player_lips(parameters_, note_).valve;
@@ -201,7 +201,7 @@ void Player::use_open_holes() noexcept {
   attempts_ = 0;
 }
 
-/// The note as one that has not been glided to, and from silence.
+/// Starts the note again from silence, as after a leap.
 void Player::retry_note(double reed_frequency) noexcept {
   ++attempts_;
   tongue_.articulate(kRetryStopTime);
@@ -212,7 +212,7 @@ void Player::retry_note(double reed_frequency) noexcept {
   set_trim(0, true);
 }
 
-/// By how much of p_m the tongue's push exceeds it, for this note and breath.
+/// Excess of the tongue's push over p_m, relative, for this note and breath.
 double Player::burst() const noexcept {
   if (!(parameters_.tongue > 0) || !(note_ > 0))
     return 0;
@@ -223,9 +223,9 @@ double Player::burst() const noexcept {
   return std::clamp((1 + excess) * relative_closing_pressure_ - 1, kSmallestBurst, kLargestBurst);
 }
 
-/// Whether that changes the lips.
+/// Updates r by the mouth pressure, Pa; true when it has changed.
 bool Player::follow_breath(double mouth_pressure) noexcept {
-  constexpr double kSteady = 1e-4; // a hundredth of a decibel is nothing to follow
+  constexpr double kSteady = 1e-4; // relative; smaller differences are ignored
   if (!(parameters_.breath_reference > 0) || !(mouth_pressure >= 0)) {
     const bool followed = breath_ != 1;
     breath_ = 1;
@@ -239,7 +239,7 @@ bool Player::follow_breath(double mouth_pressure) noexcept {
   return true;
 }
 
-/// The lips at this breath.
+/// Sets the lips for the present r.
 void Player::update_lips() noexcept {
   configuration_.valve = lips_;
   configuration_.valve_changed = true;
@@ -253,8 +253,8 @@ void Player::update_lips() noexcept {
   configuration_.valve.quality *= std::pow(breath_, parameters_.breath_quality);
 }
 
-/// Plays sharper by exp(logarithm): the bore shorter, the lips tighter where they are the player's
-/// to choose. A change that nobody hears is left out, for a bore at rest is cheaper.
+/// Trims the pitch by exp(logarithm): by the bore, and by the lips where they follow the note.
+/// Inaudible changes are skipped, because a constant bore is cheaper to compute.
 void Player::set_trim(double logarithm, bool moved) noexcept {
   constexpr double kInaudible = 1e-4; // 0.17 cents
   if (!moved && std::abs(logarithm - configuration_.trim) < kInaudible && logarithm != 0)

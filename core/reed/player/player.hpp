@@ -12,61 +12,61 @@
 
 namespace tactus::reed {
 
-/// A note that a player was asked for and cannot play in tune.
+/// Notes outside the compass that were requested and refused.
 struct Refusal {
   unsigned count = 0; ///< of notes refused so far
   double note = 0;    ///< the last of them: f_b, Hz
 };
 
-/// Who plays the instrument: from the pitch meant (f_b) to how valve and bore are held. With `tune
-/// 0` the valve stays as given and f_b is a length; with `tune 1` the player chooses length and
-/// lips for the note (tuning.hpp) and corrects what is heard out of tune (ear.hpp).
+/// A model of the player: from the target note f_b to the settings of valve and bore. With `tune 0`
+/// the valve stays as given and f_b sets the length alone. With `tune 1` the player chooses length
+/// and lips for the note (tuning.hpp) and corrects the pitch (tuning_controller.hpp).
 ///
-/// With breath_reference the lips also follow the mouth pressure p: with r = p/breath_reference,
-/// smoothed (3 ms up, 60 ms down) and within kMinBreathRatio..kMaxBreathRatio, theta_0 goes as
-/// r^breath_opening, stiffness and mass as r^breath_tension. With both 1/2 the jet's flow w x
-/// sqrt(2 dp/rho) and the valve's force k x_0 grow as p, so that valve and linear bore behave alike
-/// at every pressure, but for the channel's inertance and the swept flow; with less the ratio p/P_M
-/// grows with p, as from a soft reed to a beating one.
+/// Breath: with breath_reference > 0 the lips follow the mouth pressure p. r = p/breath_reference
+/// is smoothed (3 ms up, 60 ms down) and limited to kMinBreathRatio..kMaxBreathRatio; theta_0 is
+/// multiplied by r^breath_opening, stiffness and mass by r^breath_tension. With both 1/2 the jet's
+/// flow w x sqrt(2 dp/rho) and the valve's force k x_0 grow as p. Valve and linear bore then behave
+/// alike at every pressure, except for the channel's inertance and the swept flow. With smaller
+/// powers p/P_M grows with p, from a soft sound to a beating reed.
 ///
-/// A note below lowest_note or above highest_note (with half a semitone to spare) is refused: the
-/// last good note goes on, or the nearest one when there has been none.
+/// Compass: a note below lowest_note or above highest_note (half a semitone to spare) is refused.
+/// The last good note continues, or the nearest limit when there was none.
 ///
-/// Where the instrument has settled on another register, which no trim brings back, the player
-/// stops the air with the tongue and begins the note anew, up to kMaxAttempts times.
+/// Registers: where another register sounds, which no trim corrects, the player tongues the note
+/// anew, up to kMaxAttempts times.
 ///
-/// The tongue lets a breath go with a burst (tongue.hpp) that brings the valve to the share of its
-/// closing pressure from which its notes grow fastest: 1 + burst goes as P_M/p, which is
-/// r^(breath_opening + breath_tension - 1). Low notes have fewer cycles to grow in, so that the
-/// push goes as f^(-3/2), and as r^(-1/2), for a loud one makes a reed's low notes jump; that of
-/// lips, which are tuned to the note, as f^(-1/2) alone.
+/// Tongue: the burst (tongue.hpp) brings the valve to the ratio of pressure to closing pressure at
+/// which notes grow fastest. 1 + burst is proportional to P_M/p, that is
+/// r^(breath_opening + breath_tension - 1). A low note has fewer cycles to grow in, so that the
+/// excess goes as f^(-3/2) and, because a strong one makes a reed's low notes jump, as r^(-1/2).
+/// For lips, which are tuned to the note, it goes as f^(-1/2) alone.
 ///
-/// Called once per control period of Ear::kPeriod samples. Nothing here allocates.
+/// Called once per control period. Nothing here allocates.
 class Player {
 public:
   static constexpr double kMinBreathRatio = 0.1,
                           kMaxBreathRatio = 10; ///< bounds of p/breath_reference
   static constexpr int kMaxAttempts = 3;
 
-  /// How the instrument is held.
+  /// Settings of valve and bore for the present note and breath.
   struct Configuration {
     Parameters valve{};               ///< the valve with the player's lips
     double length = 0.48;             ///< L, m
     double reed_scale = 1;            ///< factor on the f_r that the instrument is given
-    double trim = 0;                  ///< of the ear: the bore is to sound sharper by exp(trim)
-    const Termination* end = nullptr; ///< what the bore ends in; null: an open end
+    double trim = 0;                  ///< ln of the factor on the pitch, by TuningController
+    const Termination* end = nullptr; ///< of the bore; null: an open end
     double vent = 0;                  ///< share of the register vent that is open
     bool valve_changed = false;       ///< since the control period before
   };
 
   void prepare(double sample_rate) noexcept;
-  /// Takes clamped parameters and the bore made of them. Where they change what notes need, that
-  /// is forgotten.
+  /// Takes clamped parameters and their bore. Lengths and corrections of notes are cleared where
+  /// the parameters affect them.
   void set(const Parameters& parameters, const BoreDesign& bore) noexcept;
   void reset() noexcept;
-  /// Holes that are fingered one by one, which must live on, in place of the fingerings of notes;
-  /// null: those of notes again. The line then ends where the first open hole is, nobody corrects
-  /// the pitch, and f_b has no say. vent: the share of the register vent that is open.
+  /// Sets holes fingered one by one in place of the fingerings of notes; null: those of notes
+  /// again. holes must outlive their use. The bore then ends at the first open hole, the pitch is
+  /// not corrected, and f_b is ignored. vent: share of the register vent that is open.
   void finger(const Termination* holes, double vent = 0) noexcept {
     holes_ = holes;
     holes_vent_ = vent;
@@ -77,28 +77,26 @@ public:
   /// in Pa (below 0, or no number: the lips stay as at breath_reference).
   const Configuration& control(double bore_frequency, double reed_frequency,
                                double mouth_pressure) noexcept;
-  /// Whether a player plays a note: valve and bore then follow the hold at once.
+  /// Whether the player plays a note: valve and bore then follow without low-pass.
   [[nodiscard]] bool plays() const noexcept { return plays_; }
-  /// The note that the player plays, Hz, which is not f_b where that is refused or `fingering` set;
-  /// 0 when nobody plays.
+  /// The note being played, Hz; not f_b where that is refused or `fingering` is set. 0: none.
   [[nodiscard]] double note() const noexcept { return note_; }
   [[nodiscard]] const Refusal& refusal() const noexcept { return refusal_; }
-  /// Whether the player wants to hear the bore pressure (listen()).
+  /// Whether the pitch is corrected, which needs track_pitch().
   [[nodiscard]] bool tracks_pitch() const noexcept { return tracks_pitch_; }
-  /// The samples of bore pressure since, Pa; at most Ear::kPeriod between two calls of control().
+  /// The samples of bore pressure since control(), Pa; at most kControlPeriod of them.
   void track_pitch(const double* bore_pressure, int count) noexcept {
     tuning_controller_.track_pitch(bore_pressure, count);
   }
 
-  /// The note is tongued: the breath stops for some 5 ms and comes back at once.
+  /// Tongues the note: the breath stops for some 5 ms and returns at once.
   void articulate() noexcept { tongue_.articulate(); }
-  /// The next samples of mouth pressure, Pa, become what the tongue makes of them, at most
-  /// `highest`; count is at most Ear::kPeriod. V as in ReedBank: of several breaths side by side
-  /// the tongue goes by the first.
+  /// Applies the tongue to count <= kControlPeriod samples of mouth pressure, Pa, in place, limited
+  /// to `highest`. V is that of ReedBank; of several lanes the first controls the tongue.
   template <class V> void apply_tongue(V* mouth_pressure, int count, double highest) noexcept {
     if (!plays_)
       return;
-    std::array<double, TuningController::kPeriod> pressure, factor;
+    std::array<double, TuningController::kPeriod> pressure{}, factor;
     for (int i = 0; i < count; ++i)
       pressure[static_cast<std::size_t>(i)] = static_cast<double>(simd::lane(mouth_pressure[i], 0));
     if (tongue_.factors(pressure.data(), factor.data(), count))
@@ -135,10 +133,10 @@ private:
   double breath_ = 1;                    // p/breath_reference, smoothed and bounded
   double rise_gain_ = 1, fall_gain_ = 1; // of the smoothing, per control period
   double relative_closing_pressure_ = 1; // P_M/p, relative to that at breath_reference
-  double note_reed_scale_ = 1;           // of f_r: the choice for the note, without the ear's trim
+  double note_reed_scale_ = 1;           // factor on f_r for the note, without the trim
   Refusal refusal_{};
   bool refusing_ = false;
-  int attempts_ = 0; // begun anew so often
+  int attempts_ = 0; // restarts of the present note
   bool update_due_ = true, plays_ = false, tracks_pitch_ = false;
 };
 

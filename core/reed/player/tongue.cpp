@@ -19,7 +19,7 @@ bool Tongue::factors(const double* mouth_pressure, double* factor, int count) no
   return true;
 }
 
-/// What the next sample of this pressure is multiplied by.
+/// Factor for the next sample of mouth pressure.
 double Tongue::next_factor(double pressure) noexcept {
   switch (state_) {
   case State::kNoBreath:

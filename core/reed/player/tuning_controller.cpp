@@ -10,14 +10,14 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kMaxError = 0.28; // four semitones, as relative frequency
 constexpr double kLimit = 0.25;
-constexpr double kInTune = 0.006;           // ten cents: what is remembered as right
-constexpr double kMinAmplitude = 10;        // Pa
-constexpr double kMinShare = 0.1;           // of the whole pressure's rms: heard at all,
-constexpr double kMainRegisterShare = 0.35; // and so much that no other register sounds
-constexpr double kSoundingPressure = 100;   // Pa, of a sound that has settled on another register
-constexpr double kFastFactor = 2;           // times faster for so long after a leap, s:
-constexpr double kFastTime = 0.15;          // a slur's first error is the largest
-constexpr double kMaxPitchRate = 2; // 1/s, of ln f: what moves faster is heard with less trust
+constexpr double kInTune = 0.006;    // ten cents, within which a correction is confirmed
+constexpr double kMinAmplitude = 10; // Pa
+// Amplitude at the target relative to the rms of the whole pressure: below the first there is no
+// measurement, below the second another register may sound.
+constexpr double kMinShare = 0.1, kMainRegisterShare = 0.35;
+constexpr double kSoundingPressure = 100;           // Pa rms, above which a wrong register counts
+constexpr double kFastFactor = 2, kFastTime = 0.15; // gain and duration (s) after a leap
+constexpr double kMaxPitchRate = 2;                 // 1/s, of ln f; faster targets reduce the gain
 
 } // namespace
 
@@ -48,8 +48,8 @@ void TuningController::clear_corrections() noexcept {
     entry = {trim_, false};
 }
 
-/// Finds the pitch meant among the known ones. What has not sounded there yet starts as it sounds
-/// now; the farther away that is, the less it says.
+/// Finds the target among the remembered notes. Notes without a confirmed correction start with the
+/// present trim, reduced with the distance of a leap.
 void TuningController::select_note(double frequency_hz, bool leap) noexcept {
   const double at = std::clamp(kSteps * std::log2(frequency_hz / kLowest), 0.0, kCount - 1.5);
   const auto note = static_cast<std::size_t>(at);
@@ -72,20 +72,20 @@ void TuningController::restart_note() noexcept {
   restart_smoothing();
 }
 
-/// Counts hearings of something that no trim brings to the pitch meant, twice; good ones make up
-/// for them.
+/// Counts measurements off target; two good ones outweigh one.
 void TuningController::count_off_target(bool off_target) noexcept {
   off_target_count_ = std::max(0, off_target_count_ + (off_target ? 2 : -1));
 }
 
-/// What was heard so far is no longer what sounds.
+/// Discards the measurement so far, after a leap.
 void TuningController::restart_smoothing() noexcept {
   smoothed_ = twice_smoothed_ = smoothed_pitch_rate_ = twice_smoothed_pitch_rate_ = 0;
   settling_count_ = static_cast<int>(smoothing_delay_ * sample_rate_ / kPeriod);
   off_target_count_ = 0;
 }
 
-/// The trim at the pitch meant, by what it is to change; pitches that have not sounded go along.
+/// Changes the trim at the target by difference: that of both neighbouring notes by their weights,
+/// unconfirmed ones in full.
 void TuningController::adjust_trim(double difference) noexcept {
   Correction& below = corrections_[note_];
   Correction& above = corrections_[note_ + 1];
@@ -106,7 +106,7 @@ void TuningController::set_target(double frequency_hz) noexcept {
   pitch_rate_ = leap ? 0 : frequency_hz / frequency_ - 1;
   select_note(frequency_hz, leap);
   frequency_ = frequency_hz;
-  // exp(-i omega k) for a hearing, doubled up from its first.
+  // exp(-i omega k) for one measurement, by doubling.
   const double omega = kTwoPi * frequency_hz / sample_rate_;
   cosine_[0] = 1;
   sine_[0] = 0;
@@ -142,8 +142,8 @@ void TuningController::track_pitch(const double* bore_pressure, int count) noexc
     sums.imaginary -= pressure * sine_[at];
     sums.power += pressure * pressure;
   };
-  // Samples of even and of odd place side by side, for each sum has to wait for itself; which sum
-  // takes a sample does not depend on how the stream is cut.
+  // Even and odd samples have sums of their own: two shorter dependency chains. Which sum takes a
+  // sample does not depend on how the stream is cut into blocks.
   Sums even = even_, odd = odd_;
   int i = 0;
   if (sample_count_ % 2 == 1 && count > 0)

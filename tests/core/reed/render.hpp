@@ -36,7 +36,7 @@ inline Recording play(Instrument& instrument, std::span<const double> pressure, 
   r.bore_pressure.resize(size);
   r.flow.resize(size);
   const std::vector<double> reed(size, reed_frequency), bore(size, bore_frequency);
-  instrument.process<double>(pressure, reed, bore, r.sound, r.theta, r.bore_pressure, r.flow);
+  instrument.process<double>({pressure, reed, bore}, {r.sound, r.theta, r.bore_pressure, r.flow});
   return r;
 }
 

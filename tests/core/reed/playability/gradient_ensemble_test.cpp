@@ -2,7 +2,7 @@
 
 #include "core/reed/instrument/instrument.hpp"
 #include "core/reed/playability/gradient.hpp"
-#include "tests/core/reed/guides.hpp"
+#include "tests/core/reed/playability/guides.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 
 #include <doctest/doctest.h>
@@ -57,7 +57,7 @@ std::vector<double> alone(const Parameters& p, double pressure, double reed_freq
       sound(kLength), angle(kLength), pb(kLength), flow(kLength);
   for (std::size_t n = 0; n < kLength; ++n)
     mouth[n] = pressure * std::min(1.0, static_cast<double>(n + 1) / kRamp);
-  instrument.process<double>(mouth, reed, bore, sound, angle, pb, flow);
+  instrument.process<double>({mouth, reed, bore}, {sound, angle, pb, flow});
   return pb;
 }
 

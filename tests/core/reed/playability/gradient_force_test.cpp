@@ -2,7 +2,7 @@
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/playability/gradient.hpp"
 #include "core/reed/playability/playability_map.hpp"
-#include "tests/core/reed/guides.hpp"
+#include "tests/core/reed/playability/guides.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 #include "tests/sanitized.hpp"
 

@@ -77,8 +77,8 @@ TEST_CASE("a tuned note has the same bits however the stream is cut") {
         return std::span<const double>(x.data() + at, n);
       };
       const auto out = [&](std::vector<double>& x) { return std::span<double>(x.data() + at, n); };
-      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[variant]), out(theta),
-                                 out(pressure), out(flow));
+      instrument.process<double>({in(mouth), in(reed), in(bore)},
+                                 {out(sound[variant]), out(theta), out(pressure), out(flow)});
     }
   }
   CHECK(sound[0] == sound[1]);
@@ -127,7 +127,7 @@ TEST_CASE("the ear keeps still in silence, in noise of no pitch and for another 
 TEST_CASE("f_r bends a valve that follows the note, and its own value is no bend") {
   Parameters p = find_preset("voice").value();
   p.tune = true;
-  p.controller = false;
+  p.ear = false;
   const auto output = [&](double reed) {
     Instrument instrument;
     instrument.set(p);

@@ -161,7 +161,7 @@ TEST_CASE("a change without a way in between keeps the breath while the sound fa
   CHECK(periods <= 1500 * ParameterGlide::kFadeOutTime + 2);
   for (const bool restarted : {false, true}) {
     glide.jump(other);
-    glide.proceed(restarted);
+    glide.begin_silence(restarted);
     int silent = 0, swelling = 0;
     for (int n = 0; n < 600 && glide.fade_from() < 1; ++n) {
       glide.fade();
@@ -169,7 +169,7 @@ TEST_CASE("a change without a way in between keeps the breath while the sound fa
       swelling += glide.breath_gain_to() < 1;
     }
     // The breath is full long before the sound comes back.
-    CHECK(silent == doctest::Approx(1500 * (restarted ? ParameterGlide::kSpeakTime
+    CHECK(silent == doctest::Approx(1500 * (restarted ? ParameterGlide::kRestartTime
                                                       : ParameterGlide::kSettleTime))
                         .epsilon(0.1));
     CHECK(swelling == (restarted ? static_cast<int>(1500 * ParameterGlide::kFadeInTime) : 0));

@@ -212,8 +212,8 @@ TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, wit
     handle.hand = {.stiffness_n_per_m = stiffness, .damping_n_s_per_m = 1};
     device.set(handle);
     const haptic::Vec3 goal{0, 0.045, 0};
-    device.follow(haptic::RowPath({{0, {}, 0}, {2, goal, 0}}));
-    device.place({}, {});
+    device.set_path(haptic::RowPath({{0, {}, 0}, {2, goal, 0}}));
+    device.set_state({}, {});
     const auto [lowest, highest] = run_hand(device, field, 4);
     // Outside the wall, or within it: K (goal - x) = F_max min(1, 1 + D/m), D = x/side - border.
     const double m = 0.05, border = 0.00625, side = 0.1, x_goal = goal.y;
@@ -233,9 +233,9 @@ TEST_CASE("a handle that nobody holds comes to rest in a note however narrow") {
       haptic::SimulatedDevice device;
       haptic::SimulatedDevice::Settings handle;
       handle.mass_kg = mass;
-      handle.hand.hold = haptic::HandSettings::Configuration::kFree;
+      handle.hand.hold = haptic::HandSettings::Hold::kFree;
       device.set(handle);
-      device.place({0, 0.02, 0}, {}); // 20 mm beside its middle
+      device.set_state({0, 0.02, 0}, {}); // 20 mm beside its middle
       const auto [lowest, highest] = run_hand(device, field, 6);
       CAPTURE(width);
       CAPTURE(mass);

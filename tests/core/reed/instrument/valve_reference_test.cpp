@@ -200,7 +200,7 @@ std::vector<ValveOutput> run_step_valve(const Parameters& p, double rate,
             : step_valve<true, false, false>(constants, c, stride, state, signal, n);
     else if (paper)
       step_valve<false, true, false>(constants, c, stride, state, signal, n);
-    else if (constants.bare() && !moving && !noisy)
+    else if (constants.plain_port() && !moving && !noisy)
       step_valve<false, false, true>(constants, c, stride, state, signal, n);
     else
       step_valve<false, false, false>(constants, c, stride, state, signal, n);

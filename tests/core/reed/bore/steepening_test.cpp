@@ -77,10 +77,10 @@ std::vector<double> equal_areas(const std::function<double(double)>& wave, doubl
   for (std::size_t i = 0; i < size; ++i) // midpoints
     integral[i + 1] = integral[i] + step * wave((static_cast<double>(i) + 0.5) * step);
   const auto potential = [&](double tau) {
-    const auto from = static_cast<std::size_t>(
-                   std::clamp((tau - Steepening::kReach) / step, 0.0, static_cast<double>(size))),
-               to = static_cast<std::size_t>(
-                   std::clamp((tau + Steepening::kReach) / step, 0.0, static_cast<double>(size)));
+    const auto from = static_cast<std::size_t>(std::clamp((tau - Steepening::kMaxShift) / step, 0.0,
+                                                          static_cast<double>(size))),
+               to = static_cast<std::size_t>(std::clamp((tau + Steepening::kMaxShift) / step, 0.0,
+                                                        static_cast<double>(size)));
     double largest = -1e300;
     for (std::size_t i = from; i <= to; ++i) {
       const double shift = static_cast<double>(i) * step - tau;
@@ -103,7 +103,7 @@ TEST_CASE("a sine steepens and breaks as Blackstock's series says, at any sample
     for (const double sigma : {0.3, 0.8, 1.5, 3.0}) {
       const double frequency = 997, amplitude = 1000;
       const double lead = sigma / (2 * kPi * frequency * amplitude);
-      REQUIRE(lead * amplitude < Steepening::kReach);
+      REQUIRE(lead * amplitude < Steepening::kMaxShift);
       const std::vector<double> wave =
           steepened(sampled([&](double t) { return amplitude * std::sin(2 * kPi * frequency * t); },
                             0.3, rate),
@@ -185,7 +185,7 @@ TEST_CASE("a piece goes no farther than the reach, and a wave beyond it keeps it
   for (std::size_t at = 0; at + 32 <= wave.size(); at += 32) // the lead breathes, as in a glide
     steepening.run(wave.data() + at, 32,
                    lead * rate * (1 + 0.01 * std::sin(0.1 * static_cast<double>(at))));
-  CHECK(steepening.sane());
+  CHECK(steepening.is_bounded());
   // 24 samples early, and half a sample between two of them.
   const auto late = static_cast<std::size_t>(steepening.delay() - 24 - 0.5);
   double worst = 0;
@@ -228,15 +228,15 @@ TEST_CASE("steepening stays bounded for waves of any size and says when they are
       for (const double value : wave)
         REQUIRE(std::abs(value) < 6 * size); // noise, to which the quadrature is a filter
     }
-    CHECK(steepening.sane());
+    CHECK(steepening.is_bounded());
     double none[1] = {std::nan("")};
     for (int i = 0; i < 8; ++i) {
       steepening.run(none, 1, 0.1);
       none[0] = 0;
     }
-    CHECK_FALSE(steepening.sane());
+    CHECK_FALSE(steepening.is_bounded());
     steepening.reset();
-    CHECK(steepening.sane());
+    CHECK(steepening.is_bounded());
   }
 }
 

@@ -84,7 +84,7 @@ std::vector<double> played(const char* preset, double pressure, double seconds,
   const std::vector<double> reed(mouth.size(), 0.0);
   std::vector<double> sound(mouth.size()), theta(mouth.size()), inside(mouth.size()),
       flow(mouth.size());
-  instrument.process<double>(mouth, reed, bore, sound, theta, inside, flow);
+  instrument.process<double>({mouth, reed, bore}, {sound, theta, inside, flow});
   CHECK(rms(std::span(inside).last(4800)) > 50);
   return errors(inside, bore);
 }
@@ -295,8 +295,8 @@ TEST_CASE("a gliding note has the same bits however the stream is cut") {
       n = std::min<std::size_t>(variant == 0 ? 64 : 1 + at * 7 % 83, bore.size() - at);
       const auto in = [&](const std::vector<double>& x) { return std::span(x).subspan(at, n); };
       const auto out = [&](std::vector<double>& x) { return std::span(x).subspan(at, n); };
-      instrument.process<double>(in(mouth), in(reed), in(bore), out(sound[variant]), out(theta),
-                                 out(inside), out(flow));
+      instrument.process<double>({in(mouth), in(reed), in(bore)},
+                                 {out(sound[variant]), out(theta), out(inside), out(flow)});
     }
   }
   CHECK(sound[0] == sound[1]);
@@ -307,7 +307,7 @@ TEST_CASE("with both powers one half a reed behaves alike at every pressure") {
   // inertance and the swept flow do not, which are left out here.
   Parameters p = find_preset("clarinet").value();
   p.tune = true;
-  p.controller = false;
+  p.ear = false;
   p.sweep = false;
   p.channel_length = 1e-7;
   p.breath_reference = 2000;

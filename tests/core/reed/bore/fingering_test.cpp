@@ -3,8 +3,8 @@
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/instrument/tuning.hpp"
-#include "tests/core/reed/bore_echo.hpp"
-#include "tests/core/reed/bore_reference.hpp"
+#include "tests/core/reed/bore/bore_echo.hpp"
+#include "tests/core/reed/bore/bore_reference.hpp"
 #include "tests/core/reed/note_measure.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
@@ -229,7 +229,7 @@ TEST_CASE("the vent gains no power, however far it is open") {
     for (int n = 0; n < 20000; ++n) {
       double above = n < 15000 ? noise(random) : 0, below = n < 15000 ? noise(random) : 0;
       in += above * above + below * below;
-      vent.pass(losses, &above, &below, open, 0, 1);
+      vent.pass(losses, &above, &below, {open, 0}, 1);
       out += above * above + below * below;
       REQUIRE(out <= in * (1 + 1e-12));
     }
@@ -246,7 +246,7 @@ TEST_CASE("the vent gains no power, however far it is open") {
       for (int n = 0; n < 192000; ++n) {
         double above = size * std::cos(kTwoPi * hz * n / 192000), below = 0;
         const double a = above;
-        vent.pass(losses, &above, &below, 1, 0, 1);
+        vent.pass(losses, &above, &below, {1, 0}, 1);
         if (n >= 96000)
           sum += (a - below) * std::polar(2.0 / 96000 / size, -kTwoPi * hz * n / 192000);
       }
@@ -365,7 +365,7 @@ TEST_CASE("the register vent takes the clarinet a twelfth up, and a slur over it
       CAPTURE(key);
       CAPTURE(pressure);
       const NoteMeasure output = measure_note(r, note, 0.5, 1.2);
-      CHECK(output.right());
+      CHECK(output.in_register());
       CHECK(std::abs(output.cents) < 10);
       CHECK(output.inharmonic_db < -30);
       // The tube is that of the note a twelfth below, not a short one.

@@ -68,7 +68,7 @@ TEST_CASE("the corners of every compass sound one note in its register, soft, mi
         CAPTURE(pressure);
         const Recording r = play_note(compass.preset, ramp(pressure, 1.2, kRate), key);
         const NoteMeasure note = measure_note(r, hertz(key), 0.5, 1.2);
-        CHECK(note.right());
+        CHECK(note.in_register());
         // The softest high voice is 11 cents flat.
         CHECK(std::abs(note.cents) < (compass.preset == std::string("voice") ? 12 : 10));
         CHECK(note.inharmonic_db < -30);
@@ -91,7 +91,7 @@ TEST_CASE("a crescendo of 2 s and back sounds one note throughout" * doctest::sk
     const SwellMeasure measured = measure_swell(r, hertz(swell.key));
     CAPTURE(std::string(swell.preset));
     CHECK(measured.frames > 15);
-    CHECK(measured.wrong == 0);
+    CHECK(measured.wrong_register == 0);
     CHECK(measured.inharmonic_db < -30);
     CHECK(measured.cents < 15);
   }

@@ -44,8 +44,8 @@ Recording in_blocks(const Parameters& p, const Controls& g, std::size_t block) {
       return std::span<const double>(x).subspan(at, count);
     };
     const auto out = [&](std::vector<double>& x) { return std::span(x).subspan(at, count); };
-    instrument.process<double>(in(g.pressure), in(g.reed), in(g.bore), out(r.sound), out(r.theta),
-                               out(r.bore_pressure), out(r.flow));
+    instrument.process<double>({in(g.pressure), in(g.reed), in(g.bore)},
+                               {out(r.sound), out(r.theta), out(r.bore_pressure), out(r.flow)});
   }
   return r;
 }
@@ -79,8 +79,8 @@ TEST_CASE("outlets may overwrite inlets") {
   instrument.prepare(48000, 64);
   Controls own = g;
   std::vector<double> flow(9600);
-  instrument.process<double>(own.pressure, own.reed, own.bore, own.bore, own.pressure, own.reed,
-                             flow);
+  instrument.process<double>({own.pressure, own.reed, own.bore},
+                             {own.bore, own.pressure, own.reed, flow});
   CHECK(own.bore == apart.sound);
   CHECK(own.pressure == apart.theta);
   CHECK(own.reed == apart.bore_pressure);
@@ -99,7 +99,7 @@ TEST_CASE("single-precision hosts hear the same instrument") {
     instrument->prepare(48000, 64);
   }
   const Recording r = play(wide, rounded, 48000);
-  narrow.process<float>(pressure, zero, zero, sound, theta, bore, flow);
+  narrow.process<float>({pressure, zero, zero}, {sound, theta, bore, flow});
   for (std::size_t n = 0; n < exact.size(); ++n)
     CHECK(static_cast<double>(bore[n]) == doctest::Approx(r.bore_pressure[n]).epsilon(1e-6));
 }
@@ -175,7 +175,7 @@ TEST_CASE("no number on any inlet, and no absurd value, breaks the sound") {
     Recording r;
     for (auto* signal : {&r.sound, &r.theta, &r.bore_pressure, &r.flow})
       signal->resize(96000);
-    instrument.process<double>(pressure, reed, bore, r.sound, r.theta, r.bore_pressure, r.flow);
+    instrument.process<double>({pressure, reed, bore}, {r.sound, r.theta, r.bore_pressure, r.flow});
     double loudest = 0;
     bool finite = true;
     for (std::size_t n = 0; n < 96000; ++n) {
@@ -295,7 +295,7 @@ TEST_CASE("a thousand random instruments with jumping controls stay finite and b
       pressure.fill(uniform(-20e3, 50e3));
       reed.fill(between(1, 18000));
       bore.fill(between(5, 5000));
-      instrument.process<double>(pressure, reed, bore, sound, theta, inside, flow);
+      instrument.process<double>({pressure, reed, bore}, {sound, theta, inside, flow});
       for (std::size_t n = 0; n < sound.size(); ++n) {
         if (!(std::abs(sound[n]) <= 1) || !std::isfinite(theta[n]) || !std::isfinite(inside[n]) ||
             !std::isfinite(flow[n]))
@@ -322,7 +322,7 @@ TEST_CASE("a sweep of the bore from 50 to 2000 Hz in half a second is smooth") {
   Recording r;
   for (auto* signal : {&r.sound, &r.theta, &r.bore_pressure, &r.flow})
     signal->resize(48000);
-  instrument.process<double>(pressure, reed, bore, r.sound, r.theta, r.bore_pressure, r.flow);
+  instrument.process<double>({pressure, reed, bore}, {r.sound, r.theta, r.bore_pressure, r.flow});
   for (std::size_t n = 0; n < 48000; ++n) {
     CHECK_UNARY(std::abs(r.sound[n]) <= 1);
     CHECK_UNARY(std::abs(r.bore_pressure[n]) < 3 * 2200);

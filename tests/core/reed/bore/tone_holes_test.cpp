@@ -3,8 +3,8 @@
 #include "core/reed/instrument/tuning.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 #include "core/reed/player/player.hpp"
-#include "tests/core/reed/bore_echo.hpp"
-#include "tests/core/reed/bore_reference.hpp"
+#include "tests/core/reed/bore/bore_echo.hpp"
+#include "tests/core/reed/bore/bore_reference.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 
@@ -153,7 +153,7 @@ TEST_CASE("a new fingering is there after 5 ms, and nothing grows on the way") {
     one->set(rate, 1, 7.5e-3);
   holes.finger(&row(BoreEnd::kClarinet, 51));
   holes.finger(&row(BoreEnd::kClarinet, 67));
-  holes.proceed();
+  holes.start_pending_fade();
   fresh.finger(&row(BoreEnd::kClarinet, 67));
   double largest = 0;
   const auto wave = [&](int n) { return std::sin(0.02 * n) + 0.3 * std::sin(0.21 * n); };

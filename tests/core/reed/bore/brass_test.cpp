@@ -2,8 +2,8 @@
 
 #include "core/reed/instrument/instrument.hpp"
 #include "core/reed/instrument/presets.hpp"
-#include "tests/core/reed/bell_reference.hpp"
-#include "tests/core/reed/bore_echo.hpp"
+#include "tests/core/reed/bore/bell_reference.hpp"
+#include "tests/core/reed/bore/bore_echo.hpp"
 #include "tests/core/reed/note_measure.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
@@ -181,7 +181,7 @@ TEST_CASE("a trumpet with valves plays its compass in the right register" *
       const NoteMeasure measured = measure_note(r, note, 0.6, 1.2);
       CAPTURE(key);
       CAPTURE(pressure);
-      CHECK(measured.right());
+      CHECK(measured.in_register());
       CHECK(std::abs(measured.cents) < 5);
       CHECK(measured.inharmonic_db < -20); // two of its modes sound at some loud keys
     }
@@ -212,7 +212,7 @@ TEST_CASE("trumpet and trombone swell in one register, without a foreign tone" *
     const SwellMeasure swell = measure_swell(play(instrument, mouth, kSampleRate, 0, note), note);
     CAPTURE(one.preset);
     CAPTURE(one.key);
-    CHECK(swell.wrong == 0);
+    CHECK(swell.wrong_register == 0);
     CHECK(swell.inharmonic_db < -30);
     CHECK(swell.cents < 5);
   }

@@ -49,7 +49,7 @@ inline std::vector<double> echo_of(const Parameters& p, const Termination& end, 
     if (vented) {
       line.read(parts.above.delay, 0, wave, kBlock);
       RoundTripFilter<double>::BlockFilter block_filter(above_losses, parts.above, 0);
-      filter.pass(block_filter, wave, bore_end_wave, 1, 0, kBlock);
+      filter.pass(block_filter, wave, bore_end_wave, {1, 0}, kBlock);
       below.advance(kBlock);
     }
     for (int i = 0; i < kBlock; ++i) {

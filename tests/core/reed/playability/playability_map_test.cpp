@@ -65,8 +65,8 @@ TEST_CASE("a node is the playability of the instrument played there from rest") 
         const double bore = 0;
         double out[4];
         const auto one = [](double& x) { return std::span(&x, 1); };
-        instrument.process<double>(std::span(&mouth, 1), std::span(&lip, 1), std::span(&bore, 1),
-                                   one(out[0]), one(out[1]), one(out[2]), one(out[3]));
+        instrument.process<double>({std::span(&mouth, 1), std::span(&lip, 1), std::span(&bore, 1)},
+                                   {one(out[0]), one(out[1]), one(out[2]), one(out[3])});
         estimator.tick(out[1]);
         if (n < 24000 || n % 64 != 63)
           continue;
@@ -117,7 +117,7 @@ Measurement measure(const Parameters& p, double pressure, double rate) {
   for (std::size_t n = 0; n < static_cast<std::size_t>(2.5 * rate); n += 64) {
     for (std::size_t i = 0; i < 64; ++i)
       mouth[i] = pressure * std::min(1.0, static_cast<double>(n + i + 1) / (0.02 * rate));
-    instrument.process<double>(mouth, reed, bore, sound, angle, pb, u);
+    instrument.process<double>({mouth, reed, bore}, {sound, angle, pb, u});
     for (const double x : angle)
       estimator.tick(x);
     if (estimator.frames() == before)
