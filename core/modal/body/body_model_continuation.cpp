@@ -24,7 +24,7 @@ bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noex
   const std::size_t old_count = in_contact_now ? before.mode.size() : before.audible_modes;
   const auto old_states = std::span(before.scratch_state).first(old_count);
   const bool bank_ringing =
-      before.bank.release_left() > 0 || (in_contact_now && before.bank.rings());
+      before.bank.release_left() > 0 || (in_contact_now && before.bank.ringing());
   if (in_contact_now)
     before.solver.read_states(old_states);
   else

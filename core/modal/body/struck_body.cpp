@@ -60,7 +60,7 @@ void StruckBody::prepare(double sample_rate) {
                false, true);
   }
   if (model_)
-    settle_direct();
+    use_current_kernels();
   for (FadingBody& body : fading_) {
     retire(std::exchange(body.body, nullptr));
     body.direct.prepare(sample_rate);
@@ -150,7 +150,7 @@ void StruckBody::leave_contact() noexcept {
   m.solver.read_states(states);
   if (settled)
     std::fill(states.begin(), states.end(), 0.0);
-  if (!m.bank.asleep()) {
+  if (!m.bank.idle()) {
     m.bank.read_states(m.bank_state);
     for (std::size_t k = 0; k < m.audible_modes; ++k)
       states[k] += m.bank_state[k];
@@ -174,7 +174,7 @@ std::vector<double> StruckBody::levels(std::size_t limit) {
   std::vector<std::pair<double, double>> found;
   if (!model_)
     return {};
-  model_->bank.settle();
+  model_->bank.flush_pending();
   for (std::size_t k = 0; k < model_->audible_modes; ++k) {
     const double output = model_->loudest_weight(k);
     const double size = std::abs(in_solver_ ? model_->solver.state(k) : model_->bank.state(k));
@@ -207,7 +207,7 @@ void StruckBody::begin_driven() noexcept {
 void StruckBody::ring_bank(std::size_t from, std::size_t to) noexcept {
   BodyModel& m = *model_;
   std::array<const float*, 1 + kMaxContacts> force{};
-  bool rings = !m.bank.asleep();
+  bool rings = !m.bank.idle();
   for (std::size_t i = 0; i < m.settings.voices; ++i)
     if (pulses_[i].active) {
       force[1 + i] = chunk_.pulse[i].data() + from;
@@ -291,7 +291,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
 /// Nothing touches: the bank alone, up to where the led striker comes down.
 std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
-  if (resting_contacts() && m.bank.rings()) { // it has come to rest on a board while it rang
+  if (resting_contacts() && m.bank.ringing()) { // it has come to rest on a board while it rang
     enter_contact();
     return from;
   }
@@ -341,7 +341,7 @@ void StruckBody::run(std::size_t frames) noexcept {
   for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMaxListeners; ++l)
     chunk_.output[l].fill(0); // all others are overwritten
   if (sounds) {
-    model_->bank.set_floor(kAudibilityFloor / std::max(options_.gain, 1e-6));
+    model_->bank.set_audibility_floor(kAudibilityFloor / std::max(options_.gain, 1e-6));
     make_pulses(frames);
     for (std::size_t n = 0; n < frames;) {
       const std::size_t from = n;

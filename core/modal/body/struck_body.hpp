@@ -255,7 +255,7 @@ private:
                            const Vec3& direction) noexcept;
   void build_point_kernels() noexcept;
   void take_over_direct(Handover* before, bool moving) noexcept;
-  void settle_direct() noexcept;
+  void use_current_kernels() noexcept;
   void retire_unused() noexcept;
   void carry_over_direct(BodyModel& before, const ContactSolver& solver) noexcept;
   void add_direct_contacts(std::size_t at) noexcept;

@@ -50,7 +50,7 @@ void StruckBody::take_over_direct(Handover* before, bool moving) noexcept {
 }
 
 /// Only the present model's kernels count from now on, whether the bank's weights glide or not.
-void StruckBody::settle_direct() noexcept {
+void StruckBody::use_current_kernels() noexcept {
   part_.fill(model_.get());
   retire_unused();
 }
@@ -145,7 +145,7 @@ void StruckBody::finish_direct(std::size_t from, std::size_t to, const Glide& gl
     part_[ModeBank::kMiddle] = part_[ModeBank::kLatest];
   }
   if (!after.moving())
-    return settle_direct();
+    return use_current_kernels();
   if (!after.has_old())
     part_[ModeBank::kOld] = nullptr;
   part_[ModeBank::kLatest] = after.has_latest() ? model_.get() : nullptr;

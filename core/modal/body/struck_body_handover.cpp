@@ -37,7 +37,7 @@ void StruckBody::adopt() noexcept {
     leave_contact();
   // In silence everything holds at once.
   const bool in_silence =
-      !model_ || (!in_contact_now && silent_samples_ >= kSilence && model_->bank.asleep());
+      !model_ || (!in_contact_now && silent_samples_ >= kSilence && model_->bank.idle());
   if (same_body_continues && in_silence) {
     next->model->bank.set_clock(model_->bank.clock());
   } else if (follows) {
@@ -101,10 +101,10 @@ void StruckBody::adopt() noexcept {
       if (in_silence) {
         direct_.clear();
       } else { // what has been given goes on, to the listeners that stay
-        direct_.settle(next->model->bank.glide(0));
+        direct_.merge_parts(next->model->bank.glide(0));
         direct_.clear_from(model_->settings.listeners);
       }
-      settle_direct();
+      use_current_kernels();
       retire(next);
     }
   }
@@ -209,12 +209,12 @@ void StruckBody::follow_surface() noexcept {
 /// The body before rings on by itself while it is faded out.
 void StruckBody::fade_out(Handover* before, bool glides) noexcept {
   if (glides)
-    direct_.settle(before->model->bank.glide(0));
-  settle_direct();
+    direct_.merge_parts(before->model->bank.glide(0));
+  use_current_kernels();
   Recordings recordings = std::exchange(recordings_, {});
   BodyModel* const model = before->model.get();
   const bool sounds = model && model->settings.sample_rate == sample_rate_ &&
-                      (silent_samples_ < kSilence || !model->bank.asleep());
+                      (silent_samples_ < kSilence || !model->bank.idle());
   if (!sounds) {
     direct_.clear();
     return retire(before);

@@ -427,7 +427,7 @@ void DirectSound::rotate(const Glide& before, const Glide& after) noexcept {
   }
 }
 
-void DirectSound::settle(const Glide& glide) noexcept {
+void DirectSound::merge_parts(const Glide& glide) noexcept {
   const Glide::Blend blend = glide.blend(0);
   for (auto& [old, middle, latest] : lines_) {
     if (glide.moving()) {

@@ -164,7 +164,7 @@ public:
   void start() noexcept;
   void rotate(const Glide& before, const Glide& after) noexcept;
   /// All parts become the same, blended as `glide` is now.
-  void settle(const Glide& glide) noexcept;
+  void merge_parts(const Glide& glide) noexcept;
   /// Forces that have acted for long are, in the freshest part, as if they had acted by another
   /// kernel all along. Call it with that kernel and the force, and with the one before and its
   /// negative.

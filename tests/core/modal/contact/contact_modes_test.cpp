@@ -105,8 +105,8 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
           output_error = std::max(output_error, std::abs(modes->output(0) - plain.outputs()));
         }
         if (n == 1000) { // an impulse from elsewhere, between two passes
-          std::vector<float> apply_impulse(count, 0.25F);
-          modes->apply_impulse(apply_impulse, 1e-3);
+          std::vector<float> gains(count, 0.25F);
+          modes->apply_impulse(gains, 1e-3);
           for (Complex& z : plain.z)
             z += 0.25 * 1e-3;
         }
@@ -177,7 +177,7 @@ TEST_CASE("a force beside the first contact is in the place, the sound and the s
       const double found = *modes->predict_displacement(0, 1, true);
       CHECK(std::abs(found - should) < exact * (std::abs(should) + 1e-4));
       modes->apply_forces(&first);
-      modes->apply_force_beside(1, second);
+      modes->apply_force_at(1, second);
       plain.move(first, second);
       if (n % 3 == 0) { // and an impulse from elsewhere
         modes->apply_impulse(std::vector<float>(count, 0.25F), 1e-3);
@@ -190,7 +190,7 @@ TEST_CASE("a force beside the first contact is in the place, the sound and the s
   }
 }
 
-TEST_CASE("no amplitude at a place is larger than its reach says, nor much smaller") {
+TEST_CASE("the motion bounds of a point are above the largest amplitude, by little") {
   const Body body(kSmall);
   const auto modes = ContactModes::make(body.rate, kRate, 1, 1, 0);
   static_cast<void>(modes->set_gain(0, body.gain));
@@ -201,11 +201,11 @@ TEST_CASE("no amplitude at a place is larger than its reach says, nor much small
     displacement += std::abs(body.gain[k] / body.rate[k].imag()) * std::abs(z);
     speed += std::abs(body.gain[k]) * std::abs(z);
   }
-  const auto reach = modes->reach(0);
-  CHECK(reach.displacement >= displacement);
-  CHECK(reach.speed >= speed);
-  CHECK(reach.displacement < 1.09 * displacement);
-  CHECK(reach.speed < 1.09 * speed);
+  const auto bounds = modes->motion_bounds(0);
+  CHECK(bounds.displacement >= displacement);
+  CHECK(bounds.speed >= speed);
+  CHECK(bounds.displacement < 1.09 * displacement);
+  CHECK(bounds.speed < 1.09 * speed);
 }
 
 TEST_CASE("every instruction set makes the same pass, but for rounding") {
@@ -226,7 +226,7 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
     pass.count = kCount;
     pass.z = {lanes[0].data(), lanes[1].data()};
     pass.pole_minus_one = {lanes[2].data(), lanes[3].data()};
-    pass.push = {lanes[4].data(), lanes[5].data()};
+    pass.input_gain = {lanes[4].data(), lanes[5].data()};
     pass.gain = lanes[6].data();
     pass.pickup = pickups;
     std::vector<double> found;
@@ -236,7 +236,7 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
       pass.force[0] = 0.3;
       pass.force[1] = -0.1;
       contact_kernel<T>(set)->advance(pass);
-      pass.pushes = pass.steps == 2 && n % 3 ? 2 : 1;
+      pass.pending = pass.steps == 2 && n % 3 ? 2 : 1;
       if (pass.pushes == 2) // the next pass must be one of two steps
         ++n;
       found.insert(found.end(), {pass.displacement[0], pass.steps == 2 ? pass.displacement[1] : 0});

@@ -35,9 +35,9 @@ TEST_CASE("a mode rings until it is 160 dB below full scale, and not longer") {
         std::abs(rig.body.model()->bank.state(0)) * std::abs(rig.body.model()->weight[0][0]) * gain;
     const double sounds_s = std::log(size / 1e-8) / 50;
     static_cast<void>(rig.run(static_cast<std::size_t>((sounds_s - 0.03) * 48000)));
-    CHECK(!rig.body.model()->bank.asleep());
+    CHECK(!rig.body.model()->bank.idle());
     static_cast<void>(rig.run(static_cast<std::size_t>(0.07 * 48000)));
-    CHECK(rig.body.model()->bank.asleep());
+    CHECK(rig.body.model()->bank.idle());
   }
 }
 

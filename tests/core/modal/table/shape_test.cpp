@@ -70,7 +70,7 @@ float largest_step(const std::vector<float>& x) {
 /// What each mode holds, (q'^2 + omega^2 q^2)/2.
 std::vector<double> energies(Rig& rig) {
   auto& model = const_cast<BodyModel&>(*rig.body.model());
-  model.bank.settle();
+  model.bank.flush_pending();
   std::vector<double> energy(model.audible_modes);
   for (std::size_t i = 0; i < model.audible_modes; ++i) {
     const std::complex<double> z = model.bank.state(i), s = model.rate[i];

@@ -95,7 +95,7 @@ TEST_CASE("pitch is within 0.01 cent and error below -60 dB, 20 Hz to 0.45 fs, T
           exact[n] = (weight * std::exp(rate * (static_cast<double>(n) / kRate))).imag();
         CHECK(error_db(output, exact) < -60);
         // Phase drift over the decay: compare with the exact phasor late in the sound.
-        bank.settle();
+        bank.flush_pending();
         const Complex after = bank.state(0);
         const Complex should = std::exp(rate * (47999.0 / kRate));
         if (t60 < 0.3)
@@ -242,14 +242,14 @@ TEST_CASE("a bank that has died away sleeps and wakes up at a push") {
   ModeBank bank({&rate, 1}, kRate, 1, 1);
   bank.set_gain(0, {&gain, 1});
   bank.jump_to_weight(0, {&weight, 1});
-  bank.set_floor(1e-8);
-  CHECK(bank.asleep());
+  bank.set_audibility_floor(1e-8);
+  CHECK(bank.idle());
   std::vector<float> force(48000, 0.0F);
   force[10] = 48000;
   static_cast<void>(run(bank, std::span(force).first(64), 64));
-  CHECK(!bank.asleep());
+  CHECK(!bank.idle());
   static_cast<void>(run(bank, std::span(force).subspan(64), 64));
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
   CHECK(bank.state(0) == 0.0);
 }
 

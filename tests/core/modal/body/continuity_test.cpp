@@ -85,7 +85,7 @@ TEST_CASE("a loud body that is retuned begins its new sound where the old one st
       loudest = std::max(loudest, std::abs(x));
     const BodyModel& before = *rig.body.model();
     const auto sound = [](BodyModel& model, ModeBank::Part part) {
-      model.bank.settle();
+      model.bank.flush_pending();
       double sum = 0;
       for (std::size_t k = 0; k < model.audible_modes; ++k)
         sum += (model.bank.weight(0, part, k) * model.bank.state(k)).imag();

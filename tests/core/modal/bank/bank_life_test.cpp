@@ -145,25 +145,25 @@ TEST_CASE("what is released fades out by half a cosine, and what comes after it 
 
 TEST_CASE("a bank that is silenced is asleep at once, and wakes for a push alone") {
   ModeBank bank = make_bank(weight(0));
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
   static_cast<void>(play(bank, std::vector<float>(64, 1)));
-  CHECK(!bank.asleep());
+  CHECK(!bank.idle());
   CHECK(bank.active_blocks() == 1);
   bank.silence();
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
   CHECK(bank.active_blocks() == 0);
   for (const float x : play(bank, std::vector<float>(128, 0)))
     CHECK(x == 0);
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
   static_cast<void>(play(bank, {0, 0, 1}));
-  CHECK(!bank.asleep());
+  CHECK(!bank.idle());
   bank.release();
-  CHECK(!bank.asleep()); // it is heard still
+  CHECK(!bank.idle()); // it is heard still
   static_cast<void>(play(bank, std::vector<float>(ModeBank::kRelease, 0)));
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
   // Released with nothing in it: nothing to fade.
   bank.release();
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
 }
 
 TEST_CASE(
@@ -185,7 +185,7 @@ TEST_CASE(
     CHECK(z == std::vector<Complex>{{1, 2}, {-.5, .25}, {0, 0}});
     bank.set_state(2, {.5, -1});
     CHECK(bank.state(2) == Complex(.5, -1));
-    CHECK(!bank.asleep());
+    CHECK(!bank.idle());
     plain.z = {{1, 2}, {-.5, .25}, {.5, -1}};
     for (int n = 0; n < 40; ++n) {
       const double output = static_cast<double>(play(bank, {0})[0]);
@@ -210,7 +210,7 @@ TEST_CASE("time that another computes moves the clock and the glides, and nothin
   bank.skip(1000);
   CHECK(!bank.glide(0).moving());
   CHECK(bank.clock() == 2515);
-  CHECK(bank.asleep());
+  CHECK(bank.idle());
   CHECK(std::abs(bank.weight(0, ModeBank::kLatest, 1) - weight(1)[1]) < 1e-6);
 }
 

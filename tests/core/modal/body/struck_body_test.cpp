@@ -321,7 +321,7 @@ TEST_CASE("retuning while it sounds keeps modal displacement and velocity, and m
   BodyModel* now = next.get();
   {
     auto* changing = const_cast<BodyModel*>(old);
-    changing->bank.settle();
+    changing->bank.flush_pending();
     for (std::size_t k = 0; k < 10; ++k) {
       const std::size_t i = old->index_of[k];
       const auto z = old->bank.state(i);
@@ -414,5 +414,5 @@ TEST_CASE("what is culled is not missed, and what rings out falls asleep") {
   rig.rebuild(false);
   rig.hit({0.05, 0.03, 0}, 0.5);
   static_cast<void>(rig.run(96000));
-  CHECK(rig.body.model()->bank.asleep());
+  CHECK(rig.body.model()->bank.idle());
 }

@@ -186,7 +186,7 @@ TEST_CASE("forces by a glide's three kernels are heard in its blend, and settle 
   // Settled: all parts are the blend of now, whatever comes.
   DirectSound settled;
   make(settled);
-  settled.settle(other);
+  settled.merge_parts(other);
   std::vector<float> still(64), moving(64);
   DirectSound copy = settled;
   settled.finish(0, still, Glide());

@@ -60,7 +60,7 @@ std::vector<ModeShare> shares(const Plate& before, const Plate& now) {
 double energy(Rig& rig) {
   const BodyModel& m = *rig.body.model();
   auto& bank = const_cast<ModeBank&>(m.bank); // states are brought to the present
-  bank.settle();
+  bank.flush_pending();
   double sum = 0;
   for (std::size_t k = 0; k < m.audible_modes; ++k)
     sum += .5 * std::norm(bank.state(k));
@@ -70,7 +70,7 @@ double energy(Rig& rig) {
 double state_of(Rig& rig, std::size_t mode_of_table) {
   const BodyModel& m = *rig.body.model();
   auto& bank = const_cast<ModeBank&>(m.bank);
-  bank.settle();
+  bank.flush_pending();
   return std::abs(bank.state(m.index_of[mode_of_table]));
 }
 
