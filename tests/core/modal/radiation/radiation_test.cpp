@@ -55,7 +55,7 @@ TEST_CASE("a piston in a baffle sounds on its axis as the closed form says") {
   const LoadedTable loaded(piston(a, 60, 90));
   const Complex s(-20, 2 * kPi * 3000);
   const std::size_t mode = 0;
-  const auto output = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, 1, 1, kAir, kSound);
+  const auto output = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, {1, 1, kAir, kSound});
   const double far = std::sqrt(z * z + a * a);
   const Complex exact = kAir * kSound * (1.0 - std::exp(-s * (far - z) / kSound));
   CHECK(output.delay_s == approx(z / kSound).epsilon(1e-3));
@@ -73,7 +73,7 @@ TEST_CASE("a piston of few triangles sounds on its axis as the closed form says,
       CAPTURE(z);
       const Complex s(0, 2 * kPi * f);
       const auto output =
-          loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, 1, 1, kAir, kSound);
+          loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, z}, {1, 1, kAir, kSound});
       const double far = std::sqrt(z * z + a * a);
       const double exact = 2 * kAir * kSound * std::abs(std::sin(kPi * f / kSound * (far - z)));
       if (exact < 0.05 * kAir * kSound)
@@ -85,8 +85,8 @@ TEST_CASE("a piston of few triangles sounds on its axis as the closed form says,
   const Complex s(0, 2 * kPi * 9000);
   for (const Vec3 position : {Vec3{0.031, 0.007, 0.0008}, Vec3{0.03, 0.01, 0.004},
                               Vec3{0.049, 0, 0.02}, Vec3{0.2, 0.1, 0.1}}) {
-    const auto x = loaded.radiating.modal({&s, 1}, {&mode, 1}, position, 1, 1, kAir, kSound);
-    const auto y = fine.radiating.modal({&s, 1}, {&mode, 1}, position, 1, 1, kAir, kSound);
+    const auto x = loaded.radiating.modal({&s, 1}, {&mode, 1}, position, {1, 1, kAir, kSound});
+    const auto y = fine.radiating.modal({&s, 1}, {&mode, 1}, position, {1, 1, kAir, kSound});
     CHECK(std::abs(20 * std::log10(std::abs(x.pressure[0] / y.pressure[0]))) < 0.05);
   }
 }
@@ -152,7 +152,7 @@ TEST_CASE("a shape that changes over a triangle is integrated with its slope") {
   const Complex s(0, 2 * kPi * f);
   const std::size_t mode = 0;
   const auto output = loaded.radiating.modal(
-      {&s, 1}, {&mode, 1}, {r * std::sin(angle), 0, r * std::cos(angle)}, 1, 1, kAir, kSound);
+      {&s, 1}, {&mode, 1}, {r * std::sin(angle), 0, r * std::cos(angle)}, {1, 1, kAir, kSound});
   // int x exp(j k x sin) dS = j 2 pi a^3 J2(q)/q, q = k a sin(angle)
   const double q = 2 * kPi * f / kSound * a * std::sin(angle);
   const double exact = kAir * 2 * kPi * f / (2 * kPi * r) * 2 * kPi * a * a * a *
@@ -184,8 +184,9 @@ TEST_CASE("modes that swing against each other cancel on the axis") {
   const LoadedTable loaded(std::move(table));
   const Complex s(-20, 2 * kPi * 3000);
   const std::size_t mode = 0;
-  const auto on = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, 0.1}, 1, 1, kAir, kSound);
-  const auto off = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0.05, 0, 0.1}, 1, 1, kAir, kSound);
+  const auto on = loaded.radiating.modal({&s, 1}, {&mode, 1}, {0, 0, 0.1}, {1, 1, kAir, kSound});
+  const auto off =
+      loaded.radiating.modal({&s, 1}, {&mode, 1}, {0.05, 0, 0.1}, {1, 1, kAir, kSound});
   CHECK(std::abs(on.pressure[0]) < 1e-9 * std::abs(off.pressure[0]));
 }
 
@@ -215,7 +216,7 @@ TEST_CASE("multipoles of degree 0 and 1 are the breathing and the swinging spher
   const std::size_t modes[] = {0, 1};
   for (const double r : {0.06, 0.2, 1.0}) {
     const Vec3 position{0, r * 0.6, r * 0.8};
-    const auto output = multipole_transfer(table, rates, modes, position, 1, 1, kAir, kSound);
+    const auto output = multipole_transfer(table, rates, modes, position, {1, 1, kAir, kSound});
     const Complex delayed = std::polar(1.0, k * (r - a)); // as the delay line holds it
     const Complex p0 = -j * kAir * kSound * h0(k * r) / h0_slope * delayed;
     const Complex p1 = -j * kAir * kSound * h1(k * r) / h1_slope * 0.8 * delayed;
