@@ -151,7 +151,8 @@ void BodyModel::compute_rates() {
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
   for (std::size_t k = 0; k < table.modes(); ++k) {
     const bool of_board = loaded->is_board_mode(k);
-    double frequency = table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : faster);
+    double frequency =
+        table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : frequency_ratio);
     if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
       frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
     const double omega = 2 * std::numbers::pi * frequency;
