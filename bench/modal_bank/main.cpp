@@ -6,7 +6,7 @@
 //   bench_modal_bank [banks|bodies|hand|resting|large [modes]]
 //
 // Everything is run in turn, round by round, and the least of all rounds is printed: on a shared
-// machine trust the ratios. Bodies and blows are timed by the processor time of their thread.
+// machine trust the ratios. Bodies and strikes are timed by the processor time of their thread.
 #include "bench/modal_bank/bare.hpp"
 #include "bench/modal_bank/faust_peers.hpp"
 #include "bench/modal_bank/large_bodies.hpp"
@@ -199,7 +199,7 @@ void bodies() {
       }
     best = std::min(best, thread_cpu_seconds() - begin);
   }
-  std::printf("64 modes, coupled, 4 blows a second: %.1f ns a sample, %.0f voices a core\n",
+  std::printf("64 modes, coupled, 4 strikes a second: %.1f ns a sample, %.0f voices a core\n",
               best * 1e9 / (kVoices * 48000), kVoices / best);
 }
 

@@ -59,7 +59,7 @@ ModeBank make_bank(const std::vector<Complex>& w) {
 
 } // namespace
 
-TEST_CASE("what is pushed while weights glide is heard by the B-spline of the three") {
+TEST_CASE("a force during a glide sounds by the B-spline blend of the three weights") {
   // Targets at 100 (at once), 300 (waits for 612), 400 (takes its place), 1700.
   ModeBank bank = make_bank(weight(0));
   RecursionReference plain;
@@ -105,7 +105,7 @@ TEST_CASE("what is pushed while weights glide is heard by the B-spline of the th
   CHECK(apart < 2e-3 * maximum); // the bank's -60 dB
 }
 
-TEST_CASE("what is released fades out by half a cosine, and what comes after it does not") {
+TEST_CASE("released states fade out by half a cosine, and later forces do not") {
   const auto w = weight(.3);
   ModeBank bank = make_bank(w);
   RecursionReference old, latest;
@@ -143,7 +143,7 @@ TEST_CASE("what is released fades out by half a cosine, and what comes after it 
     CHECK(std::abs(half[k] - .5 * latest.z[k]) < 2e-3 * std::abs(half[k]) + 1e-9);
 }
 
-TEST_CASE("a bank that is silenced is asleep at once, and wakes for a push alone") {
+TEST_CASE("a silenced bank is idle at once, and becomes active by a force only") {
   ModeBank bank = make_bank(weight(0));
   CHECK(bank.idle());
   static_cast<void>(play(bank, std::vector<float>(64, 1)));
@@ -166,8 +166,7 @@ TEST_CASE("a bank that is silenced is asleep at once, and wakes for a push alone
   CHECK(bank.idle());
 }
 
-TEST_CASE(
-    "states are read and written to the present, the others at rest, in the middle of a leap") {
+TEST_CASE("states read and written in the middle of a leap are those of the present sample") {
   for (const std::size_t start_sample : {0UL, 3UL, 8UL, 13UL}) {
     ModeBank bank = make_bank(weight(.2));
     RecursionReference plain;
@@ -195,7 +194,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("time that another computes moves the clock and the glides, and nothing else") {
+TEST_CASE("skip() moves the clock and the glides, and nothing else") {
   ModeBank bank = make_bank(weight(0));
   bank.set_clock(1003);
   bank.set_weight(0, weight(1));
@@ -214,7 +213,7 @@ TEST_CASE("time that another computes moves the clock and the glides, and nothin
   CHECK(std::abs(bank.weight(0, ModeBank::kLatest, 1) - weight(1)[1]) < 1e-6);
 }
 
-TEST_CASE("weights that are what they are already start no glide") {
+TEST_CASE("setting the present weights starts no glide") {
   ModeBank bank(kRates, kRate, 1, 2);
   const std::vector<std::vector<Complex>> both{weight(0), weight(1)};
   for (std::size_t i = 0; i < 2; ++i)

@@ -107,7 +107,7 @@ TEST_CASE("pitch is within 0.01 cent and error below -60 dB, 20 Hz to 0.45 fs, T
   }
 }
 
-TEST_CASE("a bank pushed all the time is what the equation says, in every instruction set") {
+TEST_CASE("a bank under a continuous force follows its equation, in every instruction set") {
   Random random;
   for (const std::size_t count : {1UL, 5UL, 31UL, 32UL, 33UL, 64UL, 200UL}) {
     std::vector<Complex> rates, weight;
@@ -134,7 +134,7 @@ TEST_CASE("a bank pushed all the time is what the equation says, in every instru
   }
 }
 
-TEST_CASE("the same force gives the same bits however it is cut into blocks") {
+TEST_CASE("the same force gives the same bits in blocks of any size") {
   Random random;
   std::vector<Complex> rates, weight;
   std::vector<double> gain;
@@ -159,7 +159,7 @@ TEST_CASE("the same force gives the same bits however it is cut into blocks") {
     CHECK(play(block) == reference);
 }
 
-TEST_CASE("forces at several places add up, and their order makes no difference") {
+TEST_CASE("forces at several points add up, and their order makes no difference") {
   Random random;
   std::vector<Complex> rates, weight;
   std::vector<std::vector<double>> gain(3);
@@ -198,7 +198,7 @@ TEST_CASE("forces at several places add up, and their order makes no difference"
   CHECK(error_db(b, std::vector<double>(a.begin(), a.end())) < -100);
 }
 
-TEST_CASE("two pick-ups hear what one would, each with its own weights") {
+TEST_CASE("each of two pick-ups gives the output of a single one with its weights") {
   const Complex rates[] = {mode(440, 1), mode(1234, 0.5)};
   const double gain[] = {1, 0.5};
   const Complex left[] = {{1, 0}, {0, 1}}, right[] = {{0.3, -0.2}, {-1, 0.5}};
@@ -235,7 +235,7 @@ TEST_CASE("new weights fade in without a step") {
   CHECK(step < 2 * kPi * 200 / kRate * 1.2); // no steeper than the tone itself
 }
 
-TEST_CASE("a bank that has died away sleeps and wakes up at a push") {
+TEST_CASE("a bank that has decayed is idle, and becomes active by a force") {
   const Complex rate = mode(1000, 0.05);
   const double gain = 1;
   const Complex weight(1, 0);

@@ -101,7 +101,7 @@ TEST_CASE("a listener that moves smoothly is heard without a trace of the update
   }
 }
 
-TEST_CASE("a listener that leaps by metres, through the plate as well, does not click" *
+TEST_CASE("a listener that jumps by metres, through the plate as well, does not click" *
           doctest::skip(kSanitized)) {
   bool doppler = true;
   for (const std::size_t every : {48UL, 64UL, 1000UL, 1500UL}) {
@@ -145,7 +145,7 @@ TEST_CASE("a listener that moves while something touches the body does not click
   CHECK(off_tone_level_db(play(true).first, tone, 150) < -60);
 }
 
-TEST_CASE("a listener that arrives hears what one hears that was always there") {
+TEST_CASE("a listener that has arrived gives the output of one that was always there") {
   Sounding rig, there;
   static_cast<void>(listen(rig, 64, 6400, [](double t) { return Vec3{0.1, 0.1, 0.2 + 2 * t}; }));
   static_cast<void>(there.run(6400));
@@ -163,7 +163,7 @@ TEST_CASE("a listener that arrives hears what one hears that was always there") 
   CHECK(difference < 1e-4F * loudest);
 }
 
-TEST_CASE("a listener that is placed in silence is there for the first blow") {
+TEST_CASE("a listener that is moved in silence has arrived before the first strike") {
   const auto play = [](bool moved) {
     Rig rig(kRate, one_mode());
     rig.settings.radiation = Radiation::kModal;
@@ -179,7 +179,7 @@ TEST_CASE("a listener that is placed in silence is there for the first blow") {
   CHECK(play(true) == play(false));
 }
 
-TEST_CASE("silence that is asked for, and another body, come without a click") {
+TEST_CASE("reset and load do not click") {
   enum Change { kReset, kLoad, kBoth, kThriceLoaded, kRetunedAfterReset, kStruckAfterReset };
   for (const Change change :
        {kReset, kLoad, kBoth, kThriceLoaded, kRetunedAfterReset, kStruckAfterReset}) {
@@ -229,7 +229,7 @@ TEST_CASE("silence that is asked for, and another body, come without a click") {
   }
 }
 
-TEST_CASE("what glides and what is released is the same to the bit however it is cut") {
+TEST_CASE("glides and fade-outs give the same bits in blocks of any size") {
   const auto play = [](std::size_t block) {
     Sounding rig(true);
     std::vector<float> sound;

@@ -1,5 +1,5 @@
 // What a body of a table, a material and a sample rate consists of: which modes ring, which only
-// give way, how they decay and how loud the ear finds them; and what goes over to a next model.
+// give way, how they decay and their loudness; and what a new model takes over.
 #include "core/modal/body/body_model.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/tables.hpp"
@@ -43,8 +43,8 @@ std::pair<double, double> motion(Complex z, Complex s) {
 
 } // namespace
 
-TEST_CASE(
-    "modes below .45 of the sample rate ring, those below 60 kHz give way, others do neither") {
+TEST_CASE("modes below .45 of the sample rate ring, those below 60 kHz add compliance, others are "
+          "left out") {
   for (const double rate : {44100., 48000., 96000.}) {
     BodySettings settings;
     settings.sample_rate = rate;
@@ -85,8 +85,7 @@ TEST_CASE("a table's decay rates stand for loss factors: they follow the frequen
   CHECK(m.rate[0].real() == approx(-3));
 }
 
-TEST_CASE(
-    "what a table does not say of its material is aluminium's, and changes count from there") {
+TEST_CASE("a material that a table does not give is aluminium, and changes are relative to it") {
   const auto hz = [](double modulus, double density, double table_modulus, double table_density) {
     ModalTable table = modes({1000}, {1});
     table.material.youngs_modulus_pa = table_modulus;
@@ -105,7 +104,7 @@ TEST_CASE(
   CHECK(hz(0, 31200, 200e9, 7800) == approx(500));
 }
 
-TEST_CASE("the ear's weights are those of IEC 61672-1's table, times the loudest listener's") {
+TEST_CASE("loudness is the A-weighting of IEC 61672-1 times the weight at the loudest listener") {
   // dB at nominal frequencies, class 1, table 3.
   const std::vector<std::pair<double, double>> table{
       {31.62, -39.4}, {63.1, -26.2}, {125.9, -16.1}, {251.2, -8.6}, {501.2, -3.2},
@@ -125,7 +124,7 @@ TEST_CASE("the ear's weights are those of IEC 61672-1's table, times the loudest
   }
 }
 
-TEST_CASE("a pulse's gain gives back what means over samples take: x/sin x, to the highest mode") {
+TEST_CASE("a pulse's gain x/sin x compensates the mean over a sample, up to the highest mode") {
   const BodyModel m = make_model(modes({100, 3000, 12000, 21000}, {1, 1, 1, 1}));
   for (std::size_t i = 0; i < m.audible_modes; ++i) {
     const double x = .5 * m.rate[i].imag() / 48000;
@@ -149,7 +148,7 @@ TEST_CASE("bands of four an octave begin where they say, and hold what lies in t
   CHECK(pulse_band(1e300) == kPulseBands - 1);
 }
 
-TEST_CASE("a next model goes on with every mode's displacement and velocity, in bank and contact") {
+TEST_CASE("a new model continues every mode's displacement and velocity, in bank and contact") {
   for (const bool contacting : {false, true}) {
     CAPTURE(contacting);
     const auto table =

@@ -116,7 +116,7 @@ TEST_CASE("modes of a plate that change order when it is stretched go on as them
   CHECK(energy(rig) == approx(kept).epsilon(1e-5)); // what has no successor is apart
 }
 
-TEST_CASE("an exchange of modes does not click, raises no energy") {
+TEST_CASE("an exchange of modes does not click and does not raise the energy") {
   for (const auto radiation : {Radiation::kNone, Radiation::kModal}) {
     CAPTURE(static_cast<int>(radiation));
     const Plate before = simply_supported(.32, .2, kModes),
@@ -182,7 +182,7 @@ TEST_CASE("a mode without a successor fades within 1024 samples, the others soun
   CHECK(rest < .12F * sound); // 1 - (1 + cos(pi 200/1024))/2 = 0.09
 }
 
-TEST_CASE("where a mode's sound changes sign at the exchange it glides from what it was") {
+TEST_CASE("where a mode's weight changes sign at the exchange it glides from its old value") {
   const Plate plate = simply_supported(.32, .2, 1);
   Rig rig(kRate, plate.table);
   rig.hit({.06, .03, 0}, 1);
@@ -235,7 +235,7 @@ TEST_CASE("two modes that mix are rotated into each other with their energy and 
   CHECK(static_cast<double>(difference / maximum) < 2e-4); // single precision of bank and shapes
 }
 
-TEST_CASE("a contact goes on through an exchange: its impulse is that of the blow") {
+TEST_CASE("a contact continues through an exchange: its impulse is that of the strike") {
   const Plate before = simply_supported(.32, .2, kModes), now = simply_supported(.32, .202, kModes);
   const auto struck = [&](bool exchange) {
     Rig rig(kRate, before.table);
@@ -308,7 +308,7 @@ std::string refusal_of(const std::string& bytes, const ModalTable& before, Resol
 
 } // namespace
 
-TEST_CASE("an answer is read, and keeps what was not solved anew") {
+TEST_CASE("an answer is read, and keeps the arrays that are not solved anew") {
   ModalTable before;
   const std::string file = archive(solved_table());
   REQUIRE(read_modal_table(std::as_bytes(std::span(file)), before).empty());
@@ -343,7 +343,7 @@ TEST_CASE("an answer is read, and keeps what was not solved anew") {
         approx(std::exp(-.5 * 1e6 * .003 / (omega * omega))).epsilon(1e-12));
 }
 
-TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
+TEST_CASE("an invalid answer is one error and changes nothing") {
   ModalTable before;
   const std::string file = archive(solved_table());
   REQUIRE(read_modal_table(std::as_bytes(std::span(file)), before).empty());
@@ -389,7 +389,7 @@ TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
   }
 }
 
-TEST_CASE("damaged answers are refused, or what is read keeps its bounds") {
+TEST_CASE("damaged answers are refused, or their numbers are within bounds") {
   ModalTable before;
   const std::string file = archive(solved_table());
   REQUIRE(read_modal_table(std::as_bytes(std::span(file)), before).empty());

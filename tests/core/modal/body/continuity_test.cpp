@@ -33,7 +33,7 @@ void retune(Rig& rig, double size) {
 
 } // namespace
 
-TEST_CASE("a blow that lasts goes on through a retuning as if there had been none") {
+TEST_CASE("a long contact continues through a retuning as if there had been none") {
   // A soft striker stays for milliseconds; the new body is the old one in all but name.
   const auto play = [](bool renewed) {
     Rig rig;
@@ -74,7 +74,7 @@ TEST_CASE("a hand that presses while size and material change keeps its force an
   }
 }
 
-TEST_CASE("a loud body that is retuned begins its new sound where the old one stopped") {
+TEST_CASE("a retuned body begins its new sound where the old one stopped") {
   for (const Radiation radiation : {Radiation::kNone, Radiation::kModal}) {
     Rig rig;
     rig.settings.radiation = radiation;

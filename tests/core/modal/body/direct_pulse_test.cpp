@@ -14,7 +14,7 @@
 using namespace tactus::modal;
 using namespace tactus::test;
 
-TEST_CASE("a pulse in the air sounds as its own samples at the force inlet do, at its place") {
+TEST_CASE("a pulse sounds as its samples at the force inlet do, at its point") {
   const auto make_rig = [] {
     ModalTable table = plate(.32, .2, .005, 1500, 16, 10);
     table.free = true; // recoil as well
@@ -46,7 +46,7 @@ TEST_CASE("a pulse in the air sounds as its own samples at the force inlet do, a
   CHECK(apart < 4e-3F * loudest); // what means over samples take of 1500 Hz
 }
 
-TEST_CASE("what rubs goes on rubbing through a retuning as if there had been none") {
+TEST_CASE("friction continues through a retuning as if there had been none") {
   const auto play = [](bool renewed) {
     Rig rig(48000, plate(.32, .2, .005, 5000, 16, 10));
     Rub rub;

@@ -57,7 +57,7 @@ double apart(const std::vector<float>& a, const std::vector<float>& b) {
 } // namespace
 
 TEST_CASE(
-    "a blow that waits strikes the next body at its place, along its normal if it was along") {
+    "a scheduled strike hits the new body at its position, along the normal if it was along it") {
   constexpr double kAngle = .7;
   for (const bool oblique : {false, true}) {
     CAPTURE(oblique);
@@ -79,7 +79,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("places are kept in metres when the next body has another size") {
+TEST_CASE("points are kept in metres when the new body has another size") {
   Rig rig;
   rig.settings.size = 2;
   rig.rebuild(false);
@@ -166,7 +166,7 @@ TEST_CASE("a body that is exchanged rings out as one that is silenced") {
   }
 }
 
-TEST_CASE("a body that nothing has sounded on for a while is exchanged without a trace") {
+TEST_CASE("a silent body is exchanged without any sound") {
   Rig rig;
   static_cast<void>(rig.run(128));
   rig.loaded = inclined(.3);
@@ -206,7 +206,7 @@ TEST_CASE("bodies exchanged while others still ring: the sum of what each would 
   CHECK(apart(sum, all) < 1e-5);
 }
 
-TEST_CASE("kernels of the greatest length fit wherever in a segment they begin") {
+TEST_CASE("kernels of the maximum length fit wherever in a segment they begin") {
   constexpr std::size_t kTaps = DirectKernels::kMaxTaps, kLast = DirectSound::kChunk - 1;
   DirectSound direct;
   direct.prepare(kRate);

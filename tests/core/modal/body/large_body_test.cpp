@@ -65,7 +65,7 @@ ModalTable many_modes(std::size_t count) {
 
 } // namespace
 
-TEST_CASE("sums over the modes taken beforehand give the same kernels as those of a force") {
+TEST_CASE("kernels summed beforehand equal those summed when a force begins") {
   // Single precision in another order: 1e-5 of the loudest sample.
   constexpr std::size_t kModes = 400, kVertices = 5;
   std::vector<float> shape(kVertices * kModes * 3);
@@ -196,7 +196,7 @@ ModalTable many_modes() {
 
 } // namespace
 
-TEST_CASE("of force points that come faster than a large body takes them the newest counts") {
+TEST_CASE("of force points faster than a large body's rate limit the newest counts") {
   Rig rig(48000, many_modes());
   static_cast<void>(rig.run(64));
   const std::int64_t begin = rig.body.clock();
@@ -223,7 +223,7 @@ TEST_CASE("of force points that come faster than a large body takes them the new
   CHECK(before == gain_at(0.0005 * 199));
 }
 
-TEST_CASE("and of places that a surface slides on to") {
+TEST_CASE("of friction points faster than a large body's rate limit the newest counts") {
   Rig rig(48000, many_modes());
   const std::int64_t begin = rig.body.clock();
   Rub rub;

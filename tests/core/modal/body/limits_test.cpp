@@ -41,8 +41,8 @@ TEST_CASE("a mode rings until it is 160 dB below full scale, and not longer") {
   }
 }
 
-TEST_CASE("a force that no body stands ends the contact, and the next blow is as any other") {
-  const auto blow = [](bool pressed) {
+TEST_CASE("a diverging force ends the contact, and the next strike is as any other") {
+  const auto strike_impulse = [](bool pressed) {
     Rig rig(48000, one_mode(15000, 50));
     rig.settings.size = 100; // as heavy and stiff as settings make it: 1e14 N/m
     rig.settings.density_kg_per_m3 = 1e5;
@@ -66,7 +66,7 @@ TEST_CASE("a force that no body stands ends the contact, and the next blow is as
     rig.hit({0.05, 0.03, 0}, 1);
     return impulse(rig.run(4800, 64, {}, std::vector<float>(4800, 1.0F)), 48000);
   };
-  CHECK(blow(true) / blow(false) == approx(1).epsilon(1e-6));
+  CHECK(strike_impulse(true) / strike_impulse(false) == approx(1).epsilon(1e-6));
 }
 
 TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from there") {
@@ -103,7 +103,7 @@ TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from t
   CHECK(above);
 }
 
-TEST_CASE("what is culled of a pulse is not missed") {
+TEST_CASE("modes that are culled from a pulse are inaudible") {
   const auto play = [](double cull) {
     Rig rig;
     rig.options.cull_db = cull;
@@ -126,7 +126,7 @@ TEST_CASE("what is culled of a pulse is not missed") {
   CHECK(10 * std::log10(difference / whole + 1e-30) < -70);
 }
 
-TEST_CASE("a crowd of strikers that never leave is worked in bounded time, and the body goes on "
+TEST_CASE("many strikers that never leave are computed in bounded time, and the body works "
           "after it") {
   // A thousand tonnes each: all press at once and for ever. More than the solver follows are
   // pulses.

@@ -93,7 +93,7 @@ TEST_CASE("a free body's recoil is that of its mass and inertia, in any size and
     }
 }
 
-TEST_CASE("what the table left out gives way as 1 over modulus and size") {
+TEST_CASE("residual compliance scales as 1 over modulus and size") {
   Body body;
   const auto compliance = [&](double size, double modulus) {
     body.settings.size = size;

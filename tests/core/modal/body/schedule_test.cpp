@@ -50,7 +50,7 @@ TEST_CASE("a queue gives events by time, and equal times as they came") {
   CHECK(queue.next() < 0);
 }
 
-TEST_CASE("scheduled blows begin at their samples in blocks of any size, and sound the same") {
+TEST_CASE("scheduled strikes begin at their samples in blocks of any size, and sound the same") {
   const auto play = [](std::size_t block) {
     Rig rig;
     rig.body.set_options(rig.options);
@@ -70,13 +70,13 @@ TEST_CASE("scheduled blows begin at their samples in blocks of any size, and sou
   }
 }
 
-TEST_CASE("a blow strikes with the striker and at the block's clock of its message") {
+TEST_CASE("a scheduled strike uses the striker and the clock of its message") {
   Rig rig;
   rig.body.set_options(rig.options);
   rig.body.begin_block(1000000);
   rig.body.set_striker({0.001, 0.003, 206e9, 0.29, 0, 1.5, 0, 1});
   rig.body.schedule_hit(at(rig, {0.05, 0.03, 0}), 1000100);
-  rig.body.set_striker({0.1, 0.003, 206e9, 0.29, 0, 1.5, 0, 1}); // of a later blow
+  rig.body.set_striker({0.1, 0.003, 206e9, 0.29, 0, 1.5, 0, 1}); // of a later strike
   const Output output = rig.run(2400);
   CHECK(onsets(output.contact).front() == 100);
   CHECK(impulse(output, 48000) < 2 * 0.001);
@@ -114,13 +114,13 @@ TEST_CASE("the point moves, and the body is silenced, at the sample that was ask
                     [](float x) { return x == 0; }));
 }
 
-TEST_CASE("more events than have room, and a body exchanged under them, come to no harm") {
+TEST_CASE("more events than the queue holds, and an exchanged body, do no harm") {
   Rig rig;
   rig.body.set_options(rig.options);
   for (std::size_t i = 0; i < 3 * StruckBody::kMaxScheduled; ++i)
     rig.body.schedule_hit(at(rig, {0.05, 0.03, 0}, 0.1), static_cast<std::int64_t>(i));
   rig.loaded = std::make_shared<const LoadedTable>(plate(0.3, 0.2, 0.005, 5000, 4, 4));
-  rig.rebuild(false); // fewer triangles than the blows were meant for
+  rig.rebuild(false); // fewer triangles than the strikes were meant for
   const Output output = rig.run(4800, 100);
   CHECK(impulse(output, 48000) > 0);
   for (const float x : output.left)
@@ -151,7 +151,7 @@ TEST_CASE("a pulse under way goes on when a listener moves") {
   CHECK(difference < 1e-4F * loudest);
 }
 
-TEST_CASE("many blows at once on a large body are one contact and pulses beside it") {
+TEST_CASE("many strikes at once on a large body are one contact and pulses") {
   ModalTable table;
   table.free = false;
   table.material = {"", 70e9, 0.3, 2700};
@@ -159,10 +159,10 @@ TEST_CASE("many blows at once on a large body are one contact and pulses beside 
     table.frequency_hz.push_back(50 + 2 * static_cast<double>(k));
     table.decay_rate.push_back(5);
   }
-  const auto play = [&](std::size_t blows, std::size_t block) {
+  const auto play = [&](std::size_t strikes, std::size_t block) {
     Rig rig(48000, table);
     rig.body.set_striker({1e-5, 0.002, 1e7, 0.3, 0, 1.5, 0, 1}); // light and soft
-    for (std::size_t i = 0; i < blows; ++i)
+    for (std::size_t i = 0; i < strikes; ++i)
       rig.hit({}, 0.1);
     const Output output = rig.run(960, block);
     CHECK(rig.body.contacts() == 0);

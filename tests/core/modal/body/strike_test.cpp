@@ -110,7 +110,8 @@ TEST_CASE("a striker's law is Hertz', its own, or that of its restitution") {
           approx(.5).epsilon(1e-6));
 }
 
-TEST_CASE("strikes that a body has no time for are pulses: by its modes, and beyond sixteen") {
+TEST_CASE(
+    "strikes beyond the computing budget are pulses: by the number of modes, and beyond sixteen") {
   struct Case {
     std::size_t modes, coupled;
   };
@@ -127,7 +128,7 @@ TEST_CASE("strikes that a body has no time for are pulses: by its modes, and bey
   }
 }
 
-TEST_CASE("where pulses are asked for, a heavy striker and one that falls are followed still") {
+TEST_CASE("with pulses a heavy striker and a falling one are still coupled") {
   const auto coupled = [](double mass_kg, bool falls) {
     Rig rig(kRate, unit_modes({300}));
     rig.options.coupled = false;
@@ -160,7 +161,7 @@ TEST_CASE("a hand on a spring feels k times its depth, to ten metres") {
   CHECK(*std::max_element(output.left.begin(), output.left.end()) == 0);
 }
 
-TEST_CASE("a force from the inlet is held within a million newtons, and no number is none") {
+TEST_CASE("an external force is limited to a million newtons, and NaN is 0") {
   const auto peak = [](float force) {
     Rig rig(kRate, unit_modes({1000}));
     float maximum = 0;
@@ -201,7 +202,7 @@ TEST_CASE("levels are those of the lowest modes by frequency, in dB from full sc
   }
 }
 
-TEST_CASE("after a contact modes are left out that are so much quieter, to the ear, than another") {
+TEST_CASE("after a contact modes that are quieter than the loudest by cull_db are left out") {
   // A long contact leaves little in the high modes: their share of a half sine's spectrum.
   const auto residual_compliance = [](double cull_db) {
     Rig rig(kRate, unit_modes({200, 900, 4000, 15000}, 1));
@@ -266,7 +267,7 @@ TEST_CASE("a table's recordings sound as they were taken at the nearest place, t
     CHECK(loudest > 0);
     CHECK(output.back() == 0); // it is over
   }
-  // Three blows in two slots: the oldest is cut.
+  // Three strikes in two slots: the oldest is cut.
   rig.hit({-.12, 0, 0}, 1);
   static_cast<void>(rig.run(64));
   rig.hit({-.12, 0, 0}, 1);

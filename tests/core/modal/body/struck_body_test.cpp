@@ -35,7 +35,8 @@ std::complex<double> amplitude(std::span<const float> sound, std::complex<double
 
 } // namespace
 
-TEST_CASE("the coupled blow has the same impulse at every sample rate, and it is what comes out") {
+TEST_CASE(
+    "the coupled strike has the same impulse at every sample rate, and it is in the force output") {
   std::vector<double> impulses;
   for (const double rate : {44100.0, 48000.0, 96000.0}) {
     Rig rig(rate);
@@ -68,8 +69,7 @@ TEST_CASE("the modes ring at the table's frequencies and lose 60 dB in their dec
   }
 }
 
-TEST_CASE(
-    "the levels are those that the modes are heard with, by frequency, in contact and after") {
+TEST_CASE("levels() are the modes' output levels, by frequency, in contact and after") {
   CHECK(StruckBody().levels(4).empty());
   Rig rig;
   CHECK(rig.body.levels(3) == std::vector<double>(3, -120));
@@ -106,7 +106,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a blow on a nodal line leaves that mode silent") {
+TEST_CASE("a strike on a nodal line leaves that mode silent") {
   Rig rig;
   rig.settings.listener[0] = {0.05, 0.03, 0.1};
   rig.rebuild(false);
@@ -119,7 +119,7 @@ TEST_CASE("a blow on a nodal line leaves that mode silent") {
   CHECK(20 * std::log10(silent / loud) < -50);
 }
 
-TEST_CASE("exchanging blow and pick-up changes nothing") {
+TEST_CASE("exchanging strike and pick-up changes nothing (reciprocity)") {
   const Vec3 a{0.07, 0.02, 0.0025}, b{-0.03, 0.051, 0.0025};
   const auto response = [&](const Vec3& from, const Vec3& to) {
     Rig rig;
@@ -140,7 +140,7 @@ TEST_CASE("exchanging blow and pick-up changes nothing") {
   CHECK(difference < 1e-6F * largest);
 }
 
-TEST_CASE("four listeners hear what each would alone, in a contact and after it") {
+TEST_CASE("four listeners give the output of each alone, in a contact and after it") {
   const Vec3 places[] = {
       {0.051, 0.043, 0.1}, {-0.037, 0.021, 0.1}, {0.011, -0.05, 0.2}, {-0.1, 0.02, 0.3}};
   const auto play = [&](std::size_t listeners, const Vec3& first) {
@@ -178,7 +178,7 @@ TEST_CASE("four listeners hear what each would alone, in a contact and after it"
   }
 }
 
-TEST_CASE("the sound of blows, pushes and a hand is the same to the bit however it is cut") {
+TEST_CASE("the sound of strikes, forces and a hand has the same bits in blocks of any size") {
   std::vector<float> force(6000, 0.0F), height(6000, 0.01F);
   for (std::size_t n = 1500; n < 1700; ++n)
     force[n] = 0.3F;
@@ -201,8 +201,7 @@ TEST_CASE("the sound of blows, pushes and a hand is the same to the bit however 
   }
 }
 
-TEST_CASE(
-    "a body of so many modes that it is followed in single precision gives the same bits too") {
+TEST_CASE("a body of many modes, in single precision, gives the same bits too") {
   ModalTable table;
   table.free = false;
   table.material = {"", 70e9, 0.3, 2700};
@@ -228,7 +227,7 @@ TEST_CASE(
     CHECK(play(block) == reference);
 }
 
-TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inverse duration") {
+TEST_CASE("a pulse has the coupled strike's impulse and sound below half its inverse duration") {
   // A heavy plate, so that elastic recoil plays a small part.
   ModalTable table = plate(0.4, 0.3, 0.02);
   const auto play = [&](bool coupled) {
@@ -342,7 +341,7 @@ TEST_CASE("retuning while it sounds keeps modal displacement and velocity, and m
   }
 }
 
-TEST_CASE("a hundred bodies exchanged while they sound leave no step and no rubbish") {
+TEST_CASE("a hundred bodies exchanged while they sound leave no step and no leak") {
   Rig rig;
   float step = 0, last = 0, loudest = 0;
   for (int round = 0; round < 100; ++round) {
@@ -389,7 +388,7 @@ TEST_CASE("absurd forces and heights, at any block size and rate, stay finite") 
   }
 }
 
-TEST_CASE("what is culled is not missed, and what rings out falls asleep") {
+TEST_CASE("culled modes are inaudible, and a decayed bank is idle") {
   const auto play = [](double cull) {
     Rig rig;
     rig.options.cull_db = cull;

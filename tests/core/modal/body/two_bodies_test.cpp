@@ -217,7 +217,7 @@ TEST_CASE("a body at rest on its board is silent, and costs nothing") {
   CHECK(rig.body.model()->solver.active() == 0);
 }
 
-TEST_CASE("a bar struck on its board never holds more energy than the blow gave, and settles") {
+TEST_CASE("a bar struck on its board never holds more energy than the strike gave, and settles") {
   for (const double stiffness : {1e5, 4e8, 1e12}) {
     if (kSanitized && stiffness != 4e8)
       continue;

@@ -43,7 +43,7 @@ ContactSolver::Strike hand() {
 
 } // namespace
 
-TEST_CASE("a striker above a mode is followed until the mode, as it decays, no longer reaches it") {
+TEST_CASE("a striker above a mode is followed until the decaying mode can no longer reach it") {
   // 1.2 mm to and fro, a striker almost still 1 mm above: the first half turn goes inwards, and
   // when the surface comes back it is far too quiet. |z| is known within 8 %, every 64 samples.
   const Complex rate(-100, 2 * kPi * 50);
@@ -60,7 +60,7 @@ TEST_CASE("a striker above a mode is followed until the mode, as it decays, no l
   CHECK(samples_until_end(solver, 4800) == 1);
 }
 
-TEST_CASE("a free body that moves after a striker is followed until it is sure to stay behind") {
+TEST_CASE("a striker that a free body moves after is followed until the body cannot catch up") {
   // No modes: a block with the velocity that a first striker has given it, a second one before it.
   const std::array<double, 6> gain{3, 0, 0, 0, 0, 0};
   const auto follow = [&](double velocity) {
@@ -80,7 +80,7 @@ TEST_CASE("a free body that moves after a striker is followed until it is sure t
   CHECK(follow(.98 * block) == false);
 }
 
-TEST_CASE("a striker that nothing meets is followed for 50 ms of flight and no longer") {
+TEST_CASE("a striker in flight is followed for at most 50 ms") {
   // Many modes that never decay reach further than it is away, and do not come there.
   std::vector<Complex> rate;
   std::vector<double> gain;
@@ -97,7 +97,7 @@ TEST_CASE("a striker that nothing meets is followed for 50 ms of flight and no l
 }
 
 TEST_CASE(
-    "out of reach a striker costs one step a sample; what shakes the body brings steps back") {
+    "a striker out of reach costs one step a sample; a force on the body restores the steps") {
   const Complex rate(-1, 2 * kPi * 5);
   const double gain = 4;
   const float push = 4;
@@ -129,7 +129,7 @@ TEST_CASE(
   CHECK(other.steps() >= 4);
 }
 
-TEST_CASE("a striker that gravity holds down lies after eight of its contact's times") {
+TEST_CASE("a striker under gravity has settled after eight contact durations") {
   const auto lie = [](double velocity, double retuned_s) {
     ContactSolver::Strike strike;
     strike.law = {1000, 1, 0};
@@ -163,7 +163,7 @@ TEST_CASE("a striker that gravity holds down lies after eight of its contact's t
   CHECK(lie(0, 0) == approx(.05).epsilon(1e-3));
 }
 
-TEST_CASE("without gravity nothing lies, however long it presses") {
+TEST_CASE("without gravity no striker settles, however long it presses") {
   ContactSolver::Strike strike;
   strike.law = {20, 1, 0}; // half a period of .7 s
   strike.mass_kg = 1;
@@ -225,7 +225,7 @@ TEST_CASE("steps grow coarse again when the contact that needed them is over") {
   CHECK(solver.active() == 1);
 }
 
-TEST_CASE("a hand gets where it shall be within the sample, but no faster than a hand") {
+TEST_CASE("a held striker reaches its target within the sample, within its speed limit") {
   ContactSolver solver({}, kRate, 1, false);
   const auto depth = [&] { return solver.contact(0).exciter.position_m; };
   solver.begin(0, hand(), {}, {});
@@ -253,7 +253,7 @@ TEST_CASE("a hand gets where it shall be within the sample, but no faster than a
   CHECK(solver.contact(0).exciter.force_n == 0);
 }
 
-TEST_CASE("the second moment of a sample's force is that of its bend") {
+TEST_CASE("the second moment of a sample's force is that of its curvature") {
   // A hand at constant speed into F = k d^2: within a sample F = A + B x + C x^2, C = k (v/2)^2.
   // Over four steps the means of x^2 are x_j^2 + 1/48, those of the polynomial 1.5 of it - 1/2.
   ContactSolver solver({}, kRate, 1, false);
@@ -296,7 +296,7 @@ TEST_CASE("energy is that of the motion, the recoil, the strikers, their height 
   for (int n = 0; n < 1000; ++n)
     static_cast<void>(still.step());
   CHECK(still.energy() == approx(.5 * 2 * 1 + 2 * 9.80665 * .5).epsilon(1e-9));
-  // And through the blow, on a body that takes its part without loss.
+  // And through the strike, on a body that takes its part without loss.
   stone.position_m = 0;
   stone.law = {1e8, 1.5, 0};
   const std::vector<Complex> lossless{{0, 2 * kPi * 900}};
@@ -344,7 +344,7 @@ TEST_CASE("a free body whose size and mass change goes on moving as it was") {
         approx(heavier * (translation + longer * longer * rotation)).epsilon(1e-6));
 }
 
-TEST_CASE("slots that there are none of are left alone, and so are contacts that have ended") {
+TEST_CASE("calls for missing slots and ended contacts change nothing") {
   const double gain = 1;
   const Complex rate(-1, 2 * kPi * 100);
   ContactSolver solver({&rate, 1}, kRate, 2, true);

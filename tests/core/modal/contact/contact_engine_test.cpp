@@ -41,7 +41,7 @@ struct Body {
 
 } // namespace
 
-TEST_CASE("a surface rubs a struck body with the force with which it rubs a touched one") {
+TEST_CASE("friction on a struck body has the force that core/contact computes") {
   const Body body;
   contact::FrictionLaw law;
   law.stiffness_n_per_m = 3e5;
@@ -64,7 +64,7 @@ TEST_CASE("a surface rubs a struck body with the force with which it rubs a touc
   }
 }
 
-TEST_CASE("two strikers press a struck body with the forces with which they press a touched one") {
+TEST_CASE("two strikers on a struck body have the forces that core/contact computes") {
   const Body body;
   contact::ExcitedBody excited(body.modes.size(), 2, 1);
   excited.prepare(kRate);
@@ -116,7 +116,7 @@ TEST_CASE(
   CHECK(solver.steps() == 4);
 }
 
-TEST_CASE("no contact begins with work in it, wherever the hand is") {
+TEST_CASE("no contact begins with stored energy, wherever the hand is") {
   ContactSolver solver({}, kRate, 1, false);
   ContactSolver::Strike hand;
   hand.held = true;
@@ -126,7 +126,7 @@ TEST_CASE("no contact begins with work in it, wherever the hand is") {
   CHECK(solver.energy() == 0);
 }
 
-TEST_CASE("a free body that nothing touched is at rest for the next blow") {
+TEST_CASE("a free body that nothing touches is at rest for the next strike") {
   const std::array<double, 6> gain{3, 0, 0, 0, 0, 0};
   ContactSolver solver({}, kRate, 1, true);
   ContactSolver::Strike strike;
@@ -140,7 +140,7 @@ TEST_CASE("a free body that nothing touched is at rest for the next blow") {
   CHECK(solver.energy() == approx(0.5 * strike.mass_kg).epsilon(1e-9));
 }
 
-TEST_CASE("a contact that goes on with other shapes keeps its striker as deep as it was") {
+TEST_CASE("a contact that continues with other mode shapes keeps its compression") {
   const Body body;
   ContactSolver before(body.rate, kRate, 1, true), after(body.rate, kRate, 2, true);
   ContactSolver::Strike strike;
@@ -167,7 +167,7 @@ TEST_CASE("a contact that goes on with other shapes keeps its striker as deep as
   CHECK(now.impact.stored_j() == old.impact.stored_j());
 }
 
-TEST_CASE("two rough surfaces on one body do not shake alike") {
+TEST_CASE("two rough surfaces on one body have different noise") {
   const Body body;
   ContactSolver solver(body.rate, kRate, 2, false);
   contact::FrictionLaw law;

@@ -119,7 +119,7 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
   }
 }
 
-TEST_CASE("any number of listeners hears what each would alone") {
+TEST_CASE("any number of listeners gives the output of each alone") {
   for (const std::size_t count : {kSmall, kLarge}) {
     const double exact = count > ContactModes::kMaxModesInDouble ? 5e-5 : 1e-11;
     const Body body(count);
@@ -162,7 +162,7 @@ TEST_CASE("any number of listeners hears what each would alone") {
   }
 }
 
-TEST_CASE("a force beside the first contact is in the place, the sound and the states") {
+TEST_CASE("the force of a second contact is in its displacement, the output and the states") {
   for (const std::size_t count : {kSmall, kLarge}) {
     const double exact = count > ContactModes::kMaxModesInDouble ? 5e-5 : 1e-11;
     const Body body(count);
@@ -259,7 +259,7 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
 }
 
 TEST_CASE(
-    "a blow on a body of a thousand modes makes no energy, and is the same as with few steps") {
+    "a strike on a body of a thousand modes creates no energy, and is the same as with few steps") {
   Body body(1000);
   for (Complex& s : body.rate)
     s = {-1e-6, s.imag()}; // nothing but rounding takes energy or gives it

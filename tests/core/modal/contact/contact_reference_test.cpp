@@ -149,7 +149,7 @@ void compare(const std::vector<Complex>& rate, const std::vector<Striker>& strik
 
 } // namespace
 
-TEST_CASE("a striker that a slow mode throws back again and again gives each time what it must") {
+TEST_CASE("a striker that a slow mode meets several times follows a fine integration") {
   // Heavier than the mode is at its place: the surface runs away, comes back and meets it twice
   // more within ten milliseconds.
   const std::vector<Complex> rate{{-8, 2 * kPi * 310}, {-15, 2 * kPi * 905}};
@@ -157,7 +157,7 @@ TEST_CASE("a striker that a slow mode throws back again and again gives each tim
   compare(rate, {{strike(.05, 3e7, 1.5, .1, 1), {9, -4}}}, 2, 500, .004, 2);
 }
 
-TEST_CASE("strikers at several places of a free body feel each other through it") {
+TEST_CASE("strikers at several points of a free body interact through it") {
   std::vector<Complex> rate;
   std::vector<Striker> strikers;
   for (int k = 0; k < 6; ++k)
@@ -176,7 +176,7 @@ TEST_CASE("strikers at several places of a free body feel each other through it"
   }
 }
 
-TEST_CASE("a striker that falls on a swinging body is drawn by its weight all the time") {
+TEST_CASE("gravity acts on a striker during its contact with a swinging body") {
   const std::vector<Complex> rate{{-3, 2 * kPi * 60}};
   Striker ball{strike(.2, 2e4, 1, 0, .3), {1.5}};
   ball.strike.fall_m_per_s2 = kGravity;

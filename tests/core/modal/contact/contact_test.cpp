@@ -92,7 +92,7 @@ TEST_CASE("two free bodies part as momentum and energy demand") {
   CHECK(record.rebound == approx(expected).epsilon(0.003));
 }
 
-TEST_CASE("the error shrinks with the square of the step") {
+TEST_CASE("the error decreases with the square of the step") {
   // Contacts of one duration met by coarser and coarser samples: force the number of steps by a
   // softer spring law, whose half period is known.
   const auto error = [](double rate) {
@@ -106,7 +106,7 @@ TEST_CASE("the error shrinks with the square of the step") {
   CHECK(error(192000) < 2e-3);
 }
 
-TEST_CASE("a body that swings takes energy, and none is ever made") {
+TEST_CASE("a vibrating body takes energy, and none is created") {
   for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0})
     for (const double stiffness : {1e4, 1e6, 1e8, kStiffness, 1e12})
       for (const double mass : {1e-5, 1e-3, kBall, 1.0}) {
@@ -194,7 +194,7 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
   }
 }
 
-TEST_CASE("restitution is met by the loss that is worked out for it") {
+TEST_CASE("the computed loss gives the wanted restitution") {
   for (const double e : {0.2, 0.5, 0.8, 0.95}) {
     CAPTURE(e);
     ContactSolver solver({}, 48000, 1, false);
@@ -225,7 +225,7 @@ TEST_CASE("a hand that presses slowly feels the contact law in series with the b
   CHECK(force == approx(depth / (1e-5 + compliance)).epsilon(0.002));
 }
 
-TEST_CASE("what the table leaves out makes the contact softer by its compliance") {
+TEST_CASE("the residual compliance makes the contact softer") {
   ContactSolver solver({}, 48000, 1, false);
   ContactSolver::Strike contact;
   contact.law = {1e6, 1, 0};

@@ -197,7 +197,7 @@ TEST_CASE("Schelleng's limits: below the least force it slips twice, above the m
     CHECK((ratio > 0.3 && ratio < 1.4));
 }
 
-TEST_CASE("rubbing takes no more from the surface than it gives, on any body") {
+TEST_CASE("friction takes no more energy from the surface than it supplies, on any body") {
   std::mt19937 random(3);
   std::uniform_real_distribution<> plain(0, 1);
   for (int body = 0; body < 60; ++body) {
@@ -246,7 +246,7 @@ TEST_CASE("a body that is struck while it is rubbed stays where it is held") {
     static_cast<void>(solver.step());
   }
   CHECK(solver.active() == 1);
-  // A second blow meets the body where the first did.
+  // A second strike meets the body where the first did.
   ContactSolver::Strike hand;
   hand.held = true;
   hand.position_m = 1e-3;
@@ -254,7 +254,7 @@ TEST_CASE("a body that is struck while it is rubbed stays where it is held") {
   CHECK(std::abs(solver.contact(1).exciter.depth_m) < 2e-3);
 }
 
-TEST_CASE("a struck body is rubbed where and while something presses, and heard") {
+TEST_CASE("friction acts at its point while the normal force is above 0, and sounds") {
   auto table = tactus::test::plate();
   for (std::size_t i = 0; i + 2 < table.shape.size(); i += 3) // moves along its surface, too
     table.shape[i] = table.shape[i + 2];
@@ -295,7 +295,7 @@ TEST_CASE("a struck body is rubbed where and while something presses, and heard"
   CHECK(loudest(run(0, 1, 4800).second) == 0);
 }
 
-TEST_CASE("rubbing is bounded for any signal and any point of the body") {
+TEST_CASE("friction is bounded for any signal and any point of the body") {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
   for (const float press : {1e30F, nan, infinity, -infinity, 1e-40F, 1e6F})

@@ -87,7 +87,7 @@ struct Case {
 
 } // namespace
 
-TEST_CASE("a pulse sounds within 1 dB of the coupled blow below half its inverse duration" *
+TEST_CASE("a pulse sounds within 1 dB of the coupled strike below half its inverse duration" *
           doctest::skip(kSanitized)) {
   const Striker steel{0.0071, 0.006, 206e9, 0.29, 0, 1.5, 0, 1},
       light{0.0003, 0.002, 206e9, 0.29, 0, 1.5, 0, 1},
@@ -167,7 +167,7 @@ TEST_CASE("a pulse sounds within 1 dB of the coupled blow below half its inverse
   }
 }
 
-TEST_CASE("a pulse is Hertz' own where nothing gives way, and a free mass's by momentum") {
+TEST_CASE("a pulse is Hertz' own on a rigid wall, and follows momentum on a free mass") {
   const tactus::contact::ImpactLaw law{6.032e9, 1.5, 0};
   const double m = 7.103e-3, v = 1.4007;
   const Pulse wall = find_pulse(law, m, v, 1, {});

@@ -215,7 +215,7 @@ TEST_CASE("two bodies that touch never gain energy, and keep it all where nothin
     }
 }
 
-TEST_CASE("what a contact gives one body it takes from the other") {
+TEST_CASE("a contact conserves momentum between two bodies") {
   // Two free masses, each a mode of next to no frequency, and a ringing mode on each; a force
   // presses them together.
   const double one = 0.05, two = 0.3;
@@ -300,7 +300,7 @@ TEST_CASE("a contact without stiffness leaves the bodies alone") {
     CHECK(std::abs(contacting.state(k)) < 1e-6); // the board's
 }
 
-TEST_CASE("two bodies stay finite and passive whatever rests on whatever") {
+TEST_CASE("any two resting bodies stay finite and passive") {
   std::mt19937 random(15);
   std::uniform_real_distribution<double> exponent(1, 6), ten(0, 1);
   for (int round = 0; round < 300; ++round) {

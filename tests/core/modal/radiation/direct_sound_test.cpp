@@ -106,7 +106,8 @@ TEST_CASE("a pushed mode sounds as its acceleration, slow or fast, at the listen
         }
 }
 
-TEST_CASE("a mode that decays within the arrivals is left to the kernel, and no weight is absurd") {
+TEST_CASE(
+    "a mode that decays within the arrivals is in the kernel alone, and all weights are bounded") {
   for (const double decay : {10.0, 100.0, 1000.0, 3000.0, 10000.0, 30000.0}) {
     const OneMode one(6000, decay, 48000, 60);
     const double spread = 60 + 1 + BandLimit::kLength;
@@ -130,7 +131,7 @@ TEST_CASE("a mode too high for the bank follows the force below it") {
   }
 }
 
-TEST_CASE("a force that acts all through the samples sounds as its spectrum says") {
+TEST_CASE("a force that acts throughout the samples sounds as its spectrum says") {
   // A half sine of 2.4 samples, as a steel ball's; the modal part is exact, by its integral.
   for (const double frequency : {2000.0, 15000.0}) {
     const OneMode one(frequency, 40, 48000, 7.3);
@@ -276,7 +277,7 @@ TEST_CASE("the sound of forces is the same to the bit however it is cut into blo
   CHECK(whole == play(17));
 }
 
-TEST_CASE("a body that is pressed stays silent while its listener and its size change") {
+TEST_CASE("a body under a constant force stays silent while its listener and its size change") {
   Rig rig;
   rig.settings.radiation = Radiation::kModal;
   rig.settings.damping = Damping::kLoss;
@@ -330,7 +331,7 @@ TEST_CASE("a pressed body stays silent everywhere while one listener moves, or v
   }
 }
 
-TEST_CASE("a force that no body stands does not silence the blows that come after it") {
+TEST_CASE("a diverging force does not silence later strikes") {
   const auto free_plate = [] {
     ModalTable free = plate(0.2, 0.15, 0.005, 10000);
     free.free = true;

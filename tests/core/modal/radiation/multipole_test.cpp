@@ -136,7 +136,8 @@ TEST_CASE("multipoles in any size, air and direction sound as the sphere does") 
     }
 }
 
-TEST_CASE("a body's own field is that of its reference sphere nearer than that, and none is none") {
+TEST_CASE(
+    "inside the reference sphere the field is that on the sphere, and no multipoles give silence") {
   const ModalTable table = make_table(0, 2500, false);
   const std::array<double, 1> omega{2 * kPi * 2500}, none{0};
   const RadiatingSurface::Scene scene;

@@ -91,7 +91,7 @@ TEST_CASE("a piston of few triangles sounds on its axis as the closed form says,
   }
 }
 
-TEST_CASE("what arrives from a piston is the closed form's, all through a sample") {
+TEST_CASE("the arrivals from a piston are those of the closed form, throughout a sample") {
   // On the axis an acceleration impulse gives rho c from z/c to sqrt(z^2 + a^2)/c, in the spectrum
   // rho c (e^(-jkz) - e^(-jk sqrt(z^2 + a^2)))/(j omega).
   const double a = .05;
@@ -160,7 +160,7 @@ TEST_CASE("a shape that changes over a triangle is integrated with its slope") {
   CHECK(std::abs(20 * std::log10(std::abs(output.pressure[0]) / exact)) < 0.05);
 }
 
-TEST_CASE("nodes join what is smooth and part what is an edge") {
+TEST_CASE("smooth vertices are one node, vertices on an edge one for each side") {
   // Two squares that meet at a right angle, and one that goes on straight.
   const std::vector<Vec3> vertex{{0, 0, 0},  {1, 0, 0},  {1, 1, 0}, {0, 1, 0},
                                  {0, 0, -1}, {1, 0, -1}, {2, 0, 0}, {2, 1, 0}};

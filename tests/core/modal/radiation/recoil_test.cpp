@@ -124,7 +124,7 @@ TEST_CASE("a free body recoils as loudly in any size of the same density") {
   CHECK(recoil(1, 5400) == approx(own / 2).epsilon(.01));
 }
 
-TEST_CASE("a force taken as having acted for long gives what one gives that has") {
+TEST_CASE("add_history() gives the output of a force that has been constant for long") {
   const std::size_t taps = 40;
   ForceKernel kernel{std::vector<float>(3 * taps), std::vector<float>(3 * taps)};
   for (std::size_t i = 0; i < 3 * taps; ++i) {
@@ -151,7 +151,7 @@ TEST_CASE("a force taken as having acted for long gives what one gives that has"
   CHECK(std::all_of(a.begin() + taps - 1, a.end(), [](float x) { return x == 0; }));
 }
 
-TEST_CASE("forces by a glide's three kernels are heard in its blend, and settle in it") {
+TEST_CASE("forces through a glide's three kernels sound in its blend, and merge in it") {
   Glide glide;
   static_cast<void>(glide.start());
   static_cast<void>(glide.advance(Glide::kSegment)); // old, middle; the fresh one waits

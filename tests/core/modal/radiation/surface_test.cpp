@@ -62,7 +62,7 @@ struct Fold {
 
 } // namespace
 
-TEST_CASE("the nearest place of a surface is the nearest of all its triangles'") {
+TEST_CASE("the nearest point of a surface is the nearest of all its triangles'") {
   std::mt19937 random(11);
   std::uniform_real_distribution<> plain(-1, 1);
   const auto point = [&](double size) {
@@ -123,7 +123,7 @@ TEST_CASE("the nearest place of a surface is the nearest of all its triangles'")
   }
 }
 
-TEST_CASE("of places that are as near the triangle of the lower number counts") {
+TEST_CASE("of equally near points that of the triangle of the lower number is taken") {
   const Fold fold(0);
   for (const double y : {0., .25, 1.}) {
     CHECK(fold.surface.nearest({0, y, .3}).triangle == 0);

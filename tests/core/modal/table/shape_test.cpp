@@ -282,7 +282,7 @@ TEST_CASE("shaping sounds the same in blocks of any size") {
   CHECK(play(960) == one);
 }
 
-TEST_CASE("no displacement leads outside what a bank can play") {
+TEST_CASE("no displacement leads to rates outside the bank's range") {
   const ModalTable table = cantilever();
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinite = std::numeric_limits<double>::infinity(), huge = 1e300;
