@@ -104,7 +104,8 @@ struct Bank {
   ModeBank bank;
 };
 
-void banks() {
+/// The bank, the whole object and the peers, of all sizes.
+std::vector<Row> bank_rows() {
   static std::array<float, 64> in{}, out{};
   for (std::size_t n = 0; n < in.size(); ++n)
     in[n] = static_cast<float>(std::sin(static_cast<double>(n * n)));
@@ -148,10 +149,15 @@ void banks() {
     add(program.name, program.modes, program.make());
   if (faust_programs().empty())
     std::printf("Faust: not installed\n");
+  return rows;
+}
+
+void banks() {
+  std::vector<Row> rows = bank_rows();
   for (int round = 0; round < kRounds; ++round)
     for (Row& row : rows) {
       const std::size_t times = std::max<std::size_t>(500000 / (row.modes * 64), 8);
-      static_cast<void>(seconds(row.block, 2)); // what the row before has pushed out of the caches
+      static_cast<void>(seconds(row.block, 2)); // refills the caches after the row before
       row.nanoseconds = std::min(row.nanoseconds, seconds(row.block, times) * 1e9 /
                                                       static_cast<double>(times * 64 * row.modes));
     }
@@ -173,7 +179,7 @@ void banks() {
       if (best < 1e29 && faust < 1e29)
         std::printf("%s%s: %.2f times Faust's best\n", what, name, faust / best);
     }
-  // In a leap of 16 samples: 16 products for the force, 16 for what is heard, 10 for gains, weights
+  // In a leap of 16 samples: 16 products for the force, 16 for the output, 10 for gains, weights
   // and the state's step (core/modal/bank/bank_lanes.hpp).
   for (const auto& [set, name] : kSets)
     if (const double rate = multiply_adds_per_ns(set); rate > 0)
@@ -203,7 +209,7 @@ void bodies() {
               best * 1e9 / (kVoices * 48000), kVoices / best);
 }
 
-/// A led striker that never lets go.
+/// A held striker that never lets go.
 void lasting_contact(const char* what, const Striker& striker, double depth, double amplitude) {
   Body hand(64);
   StruckBody::Options options;
