@@ -228,8 +228,8 @@ void lasting_contact(const char* what, const Striker& striker, double depth, dou
 
 } // namespace
 
-int main(int count, char** words) {
-  const std::string part = count > 1 ? words[1] : "";
+int main(int argc, char** argv) {
+  const std::string part = argc > 1 ? argv[1] : "";
   if (part.empty() || part == "banks")
     banks();
   if (part.empty() || part == "bodies")
@@ -245,5 +245,5 @@ int main(int count, char** words) {
   if (part.empty() || part == "resting")
     resting_bodies();
   if (part.empty() || part == "large")
-    large_bodies(count > 2 ? std::stoul(words[2]) : 0);
+    large_bodies(argc > 2 ? std::stoul(argv[2]) : 0);
 }
