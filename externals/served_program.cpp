@@ -47,7 +47,8 @@ std::string find_program(const char* usual, const std::string& given) {
   while (!left.empty()) {
     const std::string_view folder = left.substr(0, left.find(':'));
     left.remove_prefix(std::min(left.size(), folder.size() + 1));
-    // An empty entry, the current folder, is left out: a patch's folder runs no programs.
+    // An empty entry means the current folder. It is skipped: no program is run from a patch's
+    // folder.
     if (const auto here = std::filesystem::path(folder) / name; !folder.empty() && can_run(here))
       return here.string();
   }
@@ -120,7 +121,7 @@ std::optional<ServedProgram::Message> ServedProgram::exchange(const Expects& exp
     const auto kind = static_cast<ServeKind>(header.kind);
     if (!(header.magic == ServeHeader::kMagic && awaiting_response_ &&
           ((kind == ServeKind::refused && header.size <= kMaxSentence) || expects(header)))) {
-      lost = "the solver answered what is no answer (magic " + std::to_string(header.magic) +
+      lost = "the solver sent an invalid answer (magic " + std::to_string(header.magic) +
              ", kind " + std::to_string(header.kind) + ", " + std::to_string(header.size) +
              " bytes) and was ended: expected " + name_ + " of this version";
       return {};

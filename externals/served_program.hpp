@@ -18,16 +18,16 @@
 
 namespace tactus {
 
-/// The program of that name beside the module that this code is part of, else in PATH; or the one
-/// that is given instead, a path if it has a slash. Empty when there is none that can be run.
+/// The path of a program: beside the module that this code is part of, else in PATH; or the `given`
+/// program instead, a path if it has a slash. Empty if there is none that can be run.
 [[nodiscard]] std::string find_program(const char* name, const std::string& given);
 
-/// What a child says, on one line of at most 300 bytes.
+/// A child's text as one line of at most 300 bytes, control characters replaced by spaces.
 [[nodiscard]] std::string printable_line(std::string_view text);
 
-static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
+static_assert(std::endian::native == std::endian::little, "messages are copied byte by byte");
 
-/// The value that lies at an offset; there must be as many bytes.
+/// The value at an offset; `bytes` must be long enough.
 template <class T>
 [[nodiscard]] T value_at(std::span<const std::byte> bytes, std::size_t offset = 0) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -36,30 +36,30 @@ template <class T>
   return value;
 }
 
-/// `part_stress serve` or `modal_fem serve` as a child process: messages to and from it, none of
-/// which blocks, with a limit of time for each answer (core/serve/protocol.hpp). Not safe for
-/// use by two threads at once.
+/// A child process `part_stress serve` or `modal_fem serve`: sends requests and receives answers
+/// without blocking, with a time limit for each (core/serve/protocol.hpp). Not thread-safe.
 class ServedProgram {
 public:
   struct Message {
     serve::ServeKind kind = serve::ServeKind::refused;
     std::vector<std::byte> payload;
   };
-  /// Whether a header is that of an answer that is awaited now.
+  /// True if a header belongs to the expected answer.
   using Expects = std::function<bool(const serve::ServeHeader&)>;
 
-  /// Runs `words`, words[0] a path; null after a reason. `name`: of the program, for sentences.
+  /// Starts the program words[0], a path, with arguments `words`. `name`: of the program, for error
+  /// texts. `limit_s`: for its first message. Returns null and sets `refusal` on failure.
   [[nodiscard]] static std::unique_ptr<ServedProgram> start(const std::vector<std::string>& words,
                                                             std::string name, double limit_s,
                                                             std::string& refusal);
 
-  /// Sends a request, whose answer is awaited for so long.
+  /// Sends a request, whose answer must arrive within `limit_s`.
   void send_request(serve::ServeKind kind, std::span<const std::byte> payload, double limit_s);
-  /// Waits for bytes from the child or for its end.
+  /// Waits for bytes from the child, or for its end, for at most this time.
   void wait(double seconds) { child_->wait(seconds); }
-  /// Sends and receives what the pipes take. A message when one is whole; none, and the reason in
-  /// `lost`, when the child has ended, sends what is not expected, takes too long or more memory
-  /// than there is: it must then be given up. Of a refusal at most 4096 bytes are taken.
+  /// Sends and receives as much as the pipes take now. Returns a message when it is complete. Sets
+  /// `lost` if the child has ended, sends something unexpected (a refusal of more than 4096 bytes
+  /// too), exceeds its time or the memory: it must then be destroyed.
   [[nodiscard]] std::optional<Message> poll(const Expects& expects, std::string& lost);
 
 private:
@@ -69,7 +69,7 @@ private:
 
   std::string name_;
   std::unique_ptr<ChildProcess> child_;
-  bool awaiting_response_ = true; ///< an answer
+  bool awaiting_response_ = true;
   Clock::time_point limit_;
   double limit_s_ = 0;
   std::vector<std::byte> out_, in_;

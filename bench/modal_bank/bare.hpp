@@ -7,9 +7,9 @@
 #include <memory>
 
 /// The recursion with nothing around it, as a measure of what the machine can do sample by sample:
-/// v <- r^2 v - kappa y + b x, y <- y + v, the sum of all y is heard; kappa = 1 + r^2 - 2 r cos w.
-/// Accurate in pitch. Modes in lanes, as many registers of them in flight as there are. Null where
-/// the processor has not got the instructions.
+/// v <- r^2 v - kappa y + b x, y <- y + v, the output is the sum of all y; kappa = 1 + r^2 - 2 r
+/// cos w. Accurate in pitch. Modes in lanes, as many registers of them in flight as there are. Null
+/// where the processor has not got the instructions.
 std::unique_ptr<Peer> make_bare_recursion(tactus::modal::VectorSet set, std::size_t modes);
 
 /// Single-precision multiply-adds a nanosecond of this core at its best, lane by lane; 0 where the

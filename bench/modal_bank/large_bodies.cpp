@@ -84,7 +84,7 @@ struct Plate {
     return settings;
   }
   void block() {
-    const std::array<std::span<float>, 4> out{heard[0], heard[1], heard[2], heard[3]};
+    const std::array<std::span<float>, 4> out{sound[0], sound[1], sound[2], sound[3]};
     body.process<float>(force, height, out, contact);
   }
   [[nodiscard]] SurfacePoint at(double x, double y) const {
@@ -93,7 +93,7 @@ struct Plate {
   StruckBody body;
   double model_s = 0; ///< to make the model, beside the audio path
   std::array<float, 64> force{}, height{}, contact{};
-  std::array<std::array<float, 64>, 4> heard{};
+  std::array<std::array<float, 64>, 4> sound{};
 };
 
 /// The longest of `blocks` blocks: the least and the largest of some rounds, s.

@@ -6,7 +6,7 @@
 //   bench_modal_bank [banks|bodies|hand|resting|large [modes]]
 //
 // Everything is run in turn, round by round, and the least of all rounds is printed: on a shared
-// machine trust the ratios. Bodies and blows are timed by the processor time of their thread.
+// machine trust the ratios. Bodies and strikes are timed by the processor time of their thread.
 #include "bench/modal_bank/bare.hpp"
 #include "bench/modal_bank/faust_peers.hpp"
 #include "bench/modal_bank/large_bodies.hpp"
@@ -104,7 +104,8 @@ struct Bank {
   ModeBank bank;
 };
 
-void banks() {
+/// The bank, the whole object and the peers, of all sizes.
+std::vector<Row> bank_rows() {
   static std::array<float, 64> in{}, out{};
   for (std::size_t n = 0; n < in.size(); ++n)
     in[n] = static_cast<float>(std::sin(static_cast<double>(n * n)));
@@ -148,10 +149,15 @@ void banks() {
     add(program.name, program.modes, program.make());
   if (faust_programs().empty())
     std::printf("Faust: not installed\n");
+  return rows;
+}
+
+void banks() {
+  std::vector<Row> rows = bank_rows();
   for (int round = 0; round < kRounds; ++round)
     for (Row& row : rows) {
       const std::size_t times = std::max<std::size_t>(500000 / (row.modes * 64), 8);
-      static_cast<void>(seconds(row.block, 2)); // what the row before has pushed out of the caches
+      static_cast<void>(seconds(row.block, 2)); // refills the caches after the row before
       row.nanoseconds = std::min(row.nanoseconds, seconds(row.block, times) * 1e9 /
                                                       static_cast<double>(times * 64 * row.modes));
     }
@@ -173,7 +179,7 @@ void banks() {
       if (best < 1e29 && faust < 1e29)
         std::printf("%s%s: %.2f times Faust's best\n", what, name, faust / best);
     }
-  // In a leap of 16 samples: 16 products for the force, 16 for what is heard, 10 for gains, weights
+  // In a leap of 16 samples: 16 products for the force, 16 for the output, 10 for gains, weights
   // and the state's step (core/modal/bank/bank_lanes.hpp).
   for (const auto& [set, name] : kSets)
     if (const double rate = multiply_adds_per_ns(set); rate > 0)
@@ -199,11 +205,11 @@ void bodies() {
       }
     best = std::min(best, thread_cpu_seconds() - begin);
   }
-  std::printf("64 modes, coupled, 4 blows a second: %.1f ns a sample, %.0f voices a core\n",
+  std::printf("64 modes, coupled, 4 strikes a second: %.1f ns a sample, %.0f voices a core\n",
               best * 1e9 / (kVoices * 48000), kVoices / best);
 }
 
-/// A led striker that never lets go.
+/// A held striker that never lets go.
 void lasting_contact(const char* what, const Striker& striker, double depth, double amplitude) {
   Body hand(64);
   StruckBody::Options options;
@@ -222,8 +228,8 @@ void lasting_contact(const char* what, const Striker& striker, double depth, dou
 
 } // namespace
 
-int main(int count, char** words) {
-  const std::string part = count > 1 ? words[1] : "";
+int main(int argc, char** argv) {
+  const std::string part = argc > 1 ? argv[1] : "";
   if (part.empty() || part == "banks")
     banks();
   if (part.empty() || part == "bodies")
@@ -239,5 +245,5 @@ int main(int count, char** words) {
   if (part.empty() || part == "resting")
     resting_bodies();
   if (part.empty() || part == "large")
-    large_bodies(count > 2 ? std::stoul(words[2]) : 0);
+    large_bodies(argc > 2 ? std::stoul(argv[2]) : 0);
 }

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-/// A second body that the first one lies on: the messages `board` and `rest`.
+/// The board on which the body lies: the messages `board` and `rest`.
 namespace tactus::modal {
 
 using namespace modal_impact;
@@ -20,15 +20,15 @@ bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.numbe
 
 } // namespace
 
-void ModalImpact::carry_out(const TableWorker::Request& request, const std::string& subject,
-                            bool at_once, Host& host) {
+void ModalImpact::execute(const TableWorker::Request& request, const std::string& subject,
+                          bool at_once, Host& host) {
   if (at_once)
-    return accept(TableWorker::carry_out(request), &host);
+    return accept(TableWorker::execute(request), &host);
   if (const std::string refusal =
           worker_.request(request, [waiting = &host] { waiting->wake_from_thread(); });
       !refusal.empty()) {
     host.error(subject + ": " + refusal);
-    accept(TableWorker::carry_out(request), &host);
+    accept(TableWorker::execute(request), &host);
   }
 }
 
@@ -53,8 +53,7 @@ void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
     return;
   }
   const std::string subject = "board " + board.name;
-  carry_out({{}, {}, table_, settings(), std::move(board), {}}, subject, value_[kSync] >= 0.5,
-            host);
+  execute({{}, {}, table_, settings(), std::move(board), {}}, subject, value_[kSync] >= 0.5, host);
 }
 
 void ModalImpact::set_rest(Numbers n, Host& host) {
@@ -79,12 +78,12 @@ bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* 
     const double far = kGapWarningRatio * model.settings.size * model.loaded->surface.diagonal();
     if (host && !model.resting_contacts.empty() && model.largest_gap_m > far)
       host->log("the points of rest are up to " + number_text(1000 * model.largest_gap_m) +
-                " mm from the board: what lies between is taken to be so thick");
+                " mm from the board: the layer between is taken to be so thick");
     return true;
   }
   if (host)
     host->error("rest: " + model.resting_refusal);
-  // Back to what held, if that was another on the same table; else it rests nowhere.
+  // Back to the last valid points, if they differ and belong to the same table; else to none.
   const bool another = same_table && !(last_valid_.rest == rest);
   settings_.rest.point_m = another ? last_valid_.rest.point_m : std::vector<Vec3>{};
   if (another) {

@@ -42,7 +42,7 @@ def plate_modes():
 
 def surface():
     """Vertices of front and back, and the triangles of a closed box."""
-    places = [(A * (i / COLUMNS - 0.5), B * (k / ROWS - 0.5), side * H / 2)
+    vertices = [(A * (i / COLUMNS - 0.5), B * (k / ROWS - 0.5), side * H / 2)
               for side in (1, -1) for k in range(ROWS + 1) for i in range(COLUMNS + 1)]
     half = (COLUMNS + 1) * (ROWS + 1)
 
@@ -60,22 +60,22 @@ def surface():
     for here, there in zip(rim, rim[1:] + rim[:1]):
         p, q = at(*here), at(*there)
         faces += [(p, half + p, half + q), (p, half + q, q)]
-    return places, faces
+    return vertices, faces
 
 
 def main(path):
     modes = plate_modes()
-    places, faces = surface()
+    vertices, faces = surface()
     size = 2 / math.sqrt(RHO * H * A * B)
     shape = []
     for _, m, n in modes:
-        for x, y, _ in places:
+        for x, y, _ in vertices:
             z = (size * math.sin(m * math.pi * (x / A + 0.5)) * math.sin(n * math.pi * (y / B + 0.5)))
             shape += [0.0, 0.0, z]
     mass = RHO * H * A * B
     inertia = [mass / 12 * (B * B + H * H), mass / 12 * (A * A + H * H), mass / 12 * (A * A + B * B)]
     meta = {"format": "modal-table", "version": "1.0", "generator": "make_plate.py", "units": "SI",
-            "body_name": "plate", "bc": "simply supported edges", "n_nodes": len(places),
+            "body_name": "plate", "bc": "simply supported edges", "n_nodes": len(vertices),
             "material": {"name": "aluminium", "E": E, "nu": NU, "rho": RHO},
             "air": {"rho": 1.184, "c": 346.1}, "license": "CC0-1.0"}
     count = len(modes)
@@ -87,8 +87,8 @@ def main(path):
         "freq": array("<f8", (count,), [f for f, _, _ in modes]),
         "eta": array("<f8", (count,), [LOSS] * count),
         "mult": array("<i4", (count,), [1] * count),
-        "phi": array("<f4", (count, len(places), 3), shape),
-        "xyz": array("<f4", (len(places), 3), [c for p in places for c in p]),
+        "phi": array("<f4", (count, len(vertices), 3), shape),
+        "xyz": array("<f4", (len(vertices), 3), [c for p in vertices for c in p]),
         "tri": array("<i4", (len(faces), 3), [c for f in faces for c in f]),
         "control_points": array("<f8", (1, 3), [A / 2, B / 2, 0.0]),
         "parameters": array("<f8", (2, 4), [0, 0, -RANGE * A, RANGE * A, 0, 1, -RANGE * B, RANGE * B]),

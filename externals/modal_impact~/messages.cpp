@@ -18,12 +18,13 @@ constexpr double kFarthest = 1e6;             // mm
 constexpr double kFastest = 50;               // m/s
 constexpr double kDistanceWarningRatio = 0.1; // of its diagonal
 
-/// What a number must be, or a sentence about the first that is not.
+/// The range of a number of a message.
 struct Range {
   std::string_view name, unit;
   double lowest, highest;
 };
 
+/// True if all numbers are in their ranges; else reports the first that is not.
 bool within(std::string_view message, std::span<const double> numbers,
             std::initializer_list<Range> ranges, Host& host) {
   std::size_t i = 0;
@@ -49,6 +50,7 @@ constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, 
 
 } // namespace
 
+// One piece: a table from messages to functions.
 void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
   host_ = &host;
   if (index == kLoad)
@@ -134,7 +136,7 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
   const std::string path = host.find_file(name);
   if (path.empty())
     return host.error("load " + name + ": there is no such file");
-  carry_out({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
+  execute({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
 }
 
 void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
@@ -144,8 +146,8 @@ void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
   if (warned_ || point.distance <= kDistanceWarningRatio * diagonal || diagonal == 0)
     return;
   warned_ = true;
-  host.log("a place " + number_text(point.distance * 1000) +
-           " mm beside the body is taken to the nearest place on it; said once");
+  host.log("the point is " + number_text(point.distance * 1000) +
+           " mm off the body: moved to the nearest point of its surface; reported once");
 }
 
 void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bool falls) {

@@ -13,7 +13,7 @@ using namespace modal_impact;
 
 namespace {
 
-/// Products of modes, triangles and listeners that are worked out within a millisecond.
+/// Modes times triangles times listeners of a model that is built within a millisecond.
 constexpr std::size_t kMaxInlineWork = 5000;
 constexpr double kNepersIn60dB = 6.907755278982137;
 
@@ -32,7 +32,7 @@ void ModalImpact::prepare(double sample_rate, std::size_t) {
   body_.prepare(sample_rate);
   if (!changed || !table_)
     return;
-  // Models belong to a rate: this one must be there when the sound goes on.
+  // A model belongs to one sample rate: the new one must be ready before the next block.
   body_.publish(std::make_unique<BodyModel>(table_, settings()), true);
   body_.adopt();
 }
@@ -41,7 +41,7 @@ void ModalImpact::begin_block(double start_ms) noexcept {
   if (!std::isfinite(start_ms))
     return body_.begin_block(std::numeric_limits<std::int64_t>::max() / 2); // everything is due
   const std::int64_t sample = std::llround(1e-3 * start_ms * sample_rate_);
-  // A block that follows the one before begins where that ended, however the division rounds.
+  // Consecutive blocks join exactly, however the division rounds.
   if (std::abs(sample - body_.clock()) > 1)
     body_.begin_block(sample);
 }
@@ -101,12 +101,12 @@ void ModalImpact::rebuild_model() {
           ? kMaxInlineWork + 1
           : table_->table.modes() * table_->surface.triangles() * request.settings.listeners;
   if (value_[kSync] >= 0.5 || work <= kMaxInlineWork || !host_)
-    return accept(TableWorker::carry_out(request), host_);
+    return accept(TableWorker::execute(request), host_);
   if (const std::string refusal =
           worker_.request(request, [host = host_] { host->wake_from_thread(); });
       !refusal.empty()) {
     host_->error(refusal);
-    accept(TableWorker::carry_out(request), host_);
+    accept(TableWorker::execute(request), host_);
   }
 }
 
@@ -129,7 +129,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
       result.model->settings.voices != wanted.voices ||
       (solved && result.model->settings.shape_displacement_m != wanted.shape_displacement_m);
   table_ = result.table;
-  if (result.loaded) { // displacements were another body's
+  if (result.loaded) { // the displacements belong to the old body
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = false;
     table_path_ = result.path;

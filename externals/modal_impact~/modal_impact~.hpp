@@ -18,16 +18,17 @@
 
 namespace tactus::modal {
 
-/// [modal_impact~]: a body from a modal table, struck anywhere with anything, heard anywhere.
-/// docs/modal_impact.md.
+/// [modal_impact~]: strikes, presses and rubs a body from a modal table, and outputs its sound at
+/// up to four listeners. A shell around StruckBody: it parses messages, and reads tables and builds
+/// models in threads. See docs/modal_impact.md.
 class ModalImpact {
 public:
   static constexpr Declaration declaration{
       "modal_impact~",
       "any solid body, struck anywhere and heard anywhere",
-      "Rings the modes of a body that modal_fem has worked out. Blows are contacts between striker "
-      "and body, coupled as in nature; material, size and damping can be changed while it sounds, "
-      "forces from other objects push it, and the contact's own force comes out for the hand.",
+      "Plays a body whose modes modal_fem has computed. Strikes are contacts in which striker and "
+      "body are coupled; material, size and damping can be changed while it sounds, forces from "
+      "other objects push it, and the contact force comes out for a haptic device.",
       "physical model modal synthesis impact contact finite elements",
       modal_impact::kInlets,
       modal_impact::kOutlets,
@@ -58,7 +59,7 @@ public:
 private:
   using Numbers = std::span<const double>;
   void begin_block(double start_ms) noexcept;
-  /// Of a message that comes now.
+  /// The sample of a message that arrives now.
   [[nodiscard]] std::int64_t sample_now(const Host& host) const;
   void load(std::span<const Atom> arguments, Host& host);
   void load(const std::string& name, bool at_once, Host& host);
@@ -85,20 +86,20 @@ private:
   void post_info(Host& host);
   void post_ring(Host& host);
   void post_shape(Host& host) const;
-  /// What the body's shape depends on; null after one sentence when it has no such parameters.
+  /// The body's shape parameters; null after an error if it has none.
   const design::ShapeParameters* shape_parameters(std::string_view message, Host& host);
-  /// Displacements of the shape's parameters now, as many as there are.
+  /// Present displacements of all shape parameters, m.
   [[nodiscard]] std::vector<double> shape_displacement_m(const design::ShapeParameters&) const;
   void deform(std::vector<double> displacement_m, const design::ShapeParameters&, Host& host);
-  // A shape that is solved anew: resolve.cpp.
+  // Solving shapes anew: resolve.cpp.
   [[nodiscard]] bool needs_solve() const;
   /// Displacements of the control points from the shape that was solved, m.
   [[nodiscard]] std::vector<Vec3>
   control_point_offsets_m(const std::vector<double>& displacement_m) const;
-  /// The largest of them over the table's trust.
+  /// The largest of them over the table's trust distance.
   [[nodiscard]] double trust_ratio() const;
   [[nodiscard]] bool still_since_wait() const;
-  void start_settle_timer(double ms, Host& host); ///< below 0: no more
+  void start_settle_timer(double ms, Host& host); ///< below 0: stop
   void shape_moved(bool beyond_trust, Host& host);
   void start_solve(Host& host);
   void accept_solution(ModeSolver::Result result, Host& host);
@@ -106,27 +107,28 @@ private:
   void reset_solver(Host* host);
   void set_solver(const Atom& program, Host& host);
 
-  /// The body that hits meet now; null after one sentence when there is none.
+  /// The present body; null after an error if there is none.
   const BodyModel* body(Host& host);
   [[nodiscard]] SurfacePoint at_vertex(std::size_t vertex) const noexcept;
   void warn_if_far(const SurfacePoint& point, Host& host);
   [[nodiscard]] BodySettings settings() const;
   void update_options() noexcept;
-  /// Makes a new model of the settings: now when it is soon done or must be, else in the thread.
+  /// Builds a model of the present settings: at once if that is quick or `sync` is set, else in the
+  /// worker's thread.
   void rebuild_model();
   void accept(TableWorker::Result result, Host* host);
-  /// Works it out now, or in the thread.
-  void carry_out(const TableWorker::Request& request, const std::string& subject, bool at_once,
-                 Host& host);
-  /// False for a body that cannot rest as it should: it goes on as it did.
+  /// Executes a request at once, or in the worker's thread.
+  void execute(const TableWorker::Request& request, const std::string& subject, bool at_once,
+               Host& host);
+  /// False if the body cannot rest on its points: the last valid ones are restored.
   bool accept_support(const BodyModel& model, bool same_table, Host* host);
 
   std::array<double, modal_impact::kParameters.size()> value_{};
   BodySettings settings_;
-  BodySettings last_valid_; ///< of these `rest`, as it was when a body last could rest so
+  BodySettings last_valid_; ///< the last valid `rest`
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
-  Host* host_ = nullptr; ///< lives as long as the object; for the worker's call back
+  Host* host_ = nullptr; ///< lives as long as the object; for the worker's callback
   bool created_ = false;
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::optional<Vec3> normal_;
@@ -136,15 +138,17 @@ private:
   bool warned_ = false;
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
-  std::string table_path_;        ///< of the body
-  std::string solver_program_;    ///< empty: where it is looked for
-  std::uint64_t load_number_ = 0; ///< of bodies and solvers: answers to earlier ones do not count
+  std::string table_path_;     ///< of the body
+  std::string solver_program_; ///< empty: searched for
+  std::uint64_t load_number_ =
+      0; ///< counts bodies and solvers; answers to earlier ones are dropped
   std::uint64_t solve_count_ = 0;
   double solve_s_ = 0; ///< the last one's duration
   bool solving_ = false, solver_unavailable_ = false, solve_failed_ = false;
-  std::optional<std::vector<double>> settle_displacement_m_; ///< when the wait for rest began
-  std::optional<ModeSolver::Request> solver_request_; ///< in a render: the answer's time is set
-  ModeSolver solver_; // last: their threads end before what they use
+  std::optional<std::vector<double>> settle_displacement_m_; ///< at the start of the settle timer
+  std::optional<ModeSolver::Request>
+      solver_request_; ///< in a render: answered at a set logical time
+  ModeSolver solver_;  // last: their threads end before the members that they use
   TableWorker worker_;
 };
 

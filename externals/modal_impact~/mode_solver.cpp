@@ -19,7 +19,12 @@ using serve::ServeKind;
 namespace {
 
 constexpr const char* kProgram = "modal_fem";
-constexpr double kPollInterval_s = 0.05; // between looks at the clock and at what is to be given up
+constexpr double kPollInterval_s = 0.05; // between checks of the clock and of cancelled requests
+
+std::string text_of(const ServedProgram::Message& message) {
+  return printable_line(
+      {reinterpret_cast<const char*>(message.payload.data()), message.payload.size()});
+}
 
 } // namespace
 
@@ -98,6 +103,34 @@ std::optional<ServedProgram::Message> ModeSolver::await(const Request& request,
   return {};
 }
 
+bool ModeSolver::await_ready(const Request& request, const std::stop_token& stop,
+                             std::string& lost) {
+  const ModalTable& table = request.table->body().table;
+  const auto ready = await(
+      request, stop,
+      [](const ServeHeader& header) {
+        return header.kind == static_cast<std::uint32_t>(ServeKind::ready) &&
+               header.size == sizeof(ModesReady);
+      },
+      lost);
+  if (!ready)
+    return false;
+  if (ready->kind == ServeKind::refused) {
+    lost = "the solver refuses the body: " + text_of(*ready);
+    return false;
+  }
+  const auto found = value_at<ModesReady>(ready->payload);
+  if (found.vertices != table.vertices() || found.parameters != table.sensitivity.parameters()) {
+    lost = "the solver's body has " + std::to_string(found.vertices) + " vertices and " +
+           std::to_string(found.parameters) + " parameters: expected the table's " +
+           std::to_string(table.vertices()) + " and " +
+           std::to_string(table.sensitivity.parameters());
+    return false;
+  }
+  loaded_ = true;
+  return true;
+}
+
 std::string ModeSolver::exchange(const Request& request, const std::stop_token& stop,
                                  Result& result) {
   const LoadedTable& body = request.table->body();
@@ -108,30 +141,8 @@ std::string ModeSolver::exchange(const Request& request, const std::stop_token& 
     if (std::string refusal = launch(request); !refusal.empty())
       return refusal;
   std::string lost;
-  const auto sentence = [](const ServedProgram::Message& message) {
-    return printable_line(
-        {reinterpret_cast<const char*>(message.payload.data()), message.payload.size()});
-  };
-  if (!loaded_) {
-    const auto ready = await(
-        request, stop,
-        [](const ServeHeader& header) {
-          return header.kind == static_cast<std::uint32_t>(ServeKind::ready) &&
-                 header.size == sizeof(ModesReady);
-        },
-        lost);
-    if (!ready)
-      return lost;
-    if (ready->kind == ServeKind::refused)
-      return "the solver refuses the body: " + sentence(*ready);
-    const auto found = value_at<ModesReady>(ready->payload);
-    if (found.vertices != body.table.vertices() || found.parameters != sensitivity.parameters())
-      return "the solver's body has " + std::to_string(found.vertices) + " vertices and " +
-             std::to_string(found.parameters) + " parameters: expected the table's " +
-             std::to_string(body.table.vertices()) + " and " +
-             std::to_string(sensitivity.parameters());
-    loaded_ = true;
-  }
+  if (!loaded_ && !await_ready(request, stop, lost))
+    return lost;
   std::vector<double> shapes = request.displacement_m;
   for (std::size_t p = 0; p < sensitivity.parameters(); ++p)
     shapes.push_back(sensitivity.solved_at(p));
@@ -146,13 +157,13 @@ std::string ModeSolver::exchange(const Request& request, const std::stop_token& 
   if (!reply)
     return lost;
   if (reply->kind == ServeKind::refused) {
-    result.refusal = sentence(*reply);
+    result.refusal = text_of(*reply);
     return {};
   }
   ResolvedModes resolved;
   if (const std::string refusal = files::read_resolved_modes(reply->payload, body.table, resolved);
       !refusal.empty())
-    return "the solver's answer cannot be, and it was ended: " + refusal;
+    return "the solver's answer is invalid, and it was ended: " + refusal;
   result.seconds = resolved.seconds;
   result.fraction = resolved.fraction;
   auto solved = std::make_shared<const LoadedTable>(std::move(resolved.table), body,

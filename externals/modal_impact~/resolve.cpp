@@ -5,17 +5,17 @@
 #include <string>
 #include <utility>
 
-/// Modes of a body that is reshaped, solved anew by modal_fem in the background.
+/// ModalImpact: solving the modes of a changed shape anew with modal_fem, in the background.
 namespace tactus::modal {
 
 using namespace modal_impact;
 
 namespace {
 
-constexpr double kSettleTime_ms = 150; // without a move, as [stress_haptic] has it
+constexpr double kSettleTime_ms = 150; // without a move, as in [stress_haptic]
 constexpr double kBatchReply_ms = 10;  // a render's logical time from request to answer
-// Of the trust size: a hand or a device that holds still trembles by less, and the derivatives,
-// whose error goes as the square, are right to some 1e-6 within it.
+// Of the trust distance. A hand at rest trembles by less, and within it the derivatives, whose
+// error is quadratic, are right to about 1e-6.
 constexpr double kMovedRatio = 0.01;
 
 double max_norm(const std::vector<Vec3>& offsets) {
@@ -50,7 +50,7 @@ double ModalImpact::trust_ratio() const {
          table_->table.sensitivity.shape.trust_m;
 }
 
-/// The shape is where it was when the wait for its rest began, but for trembling.
+/// True if the shape has not moved, but for trembling, since the settle timer was started.
 bool ModalImpact::still_since_wait() const {
   if (!settle_displacement_m_)
     return false;
@@ -87,7 +87,7 @@ void ModalImpact::start_solve(Host& host) {
   ModeSolver::Request request{load_number_, table_path_, solver_program_, table_,
                               std::move(displacement)};
   solving_ = true;
-  if (!host.real_time()) { // the answer comes at the same logical time in every render
+  if (!host.real_time()) { // the answer arrives at the same logical time in every render
     solver_request_ = std::move(request);
     return host.wake_in(kReplyTimer, kBatchReply_ms);
   }
@@ -134,10 +134,10 @@ void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
   ++solve_count_;
   solve_s_ = result.seconds;
   TableWorker::Request request{{}, {}, std::move(result.table), settings(), {}, table_};
-  carry_out(request, "resolve", value_[kSync] >= 0.5 || !host.real_time(), host);
+  execute(request, "resolve", value_[kSync] >= 0.5 || !host.real_time(), host);
 }
 
-/// A table solved anew is in force.
+/// A table solved anew has taken effect.
 void ModalImpact::resolved(Host& host) {
   if (last_point_)
     last_point_ =

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-/// A body whose frequencies follow its shape.
+/// ModalImpact: messages that change the shape of the body.
 namespace tactus::modal {
 namespace {
 
@@ -67,7 +67,7 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
 void ModalImpact::deform(std::vector<double> displacement, const design::ShapeParameters& shape,
                          Host& host) {
   if (displacement == shape_displacement_m(shape))
-    return; // what is sent again is no move
+    return; // no move
   const std::vector<Vec3> moved = control_point_offsets_m(displacement);
   const auto largest = std::max_element(
       moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });

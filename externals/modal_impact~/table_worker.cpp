@@ -24,12 +24,12 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
       thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
     } catch (const std::system_error& error) {
       return std::string("no thread starts to read tables (") + error.what() +
-             "); it is done at once, which the audio may miss";
+             "); they are read at once, which may interrupt the sound";
     }
   }
   {
     const std::lock_guard lock(mutex_);
-    // A load that still waits is not forgotten for a change of settings.
+    // A change of settings keeps a load that still waits.
     Request next = request;
     if (waiting_ && next.path.empty()) {
       next.path = waiting_->path;
@@ -48,12 +48,13 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
   return {};
 }
 
-/// A request for the table that another replaces is one for that.
+/// Redirects a request for a replaced table to the new one.
 void TableWorker::follow(Request& request) const {
   if (!pending_table_ || request.table != pending_before_)
     return;
   if (request.table && &request.table->body() != &pending_table_->body() &&
-      !pending_table_->body().follows(request.table->body())) // displacements were another body's
+      !pending_table_->body().follows(
+          request.table->body())) // the displacements belong to the old body
     request.settings.shape_displacement_m.clear();
   request.table = pending_table_;
 }
@@ -66,7 +67,7 @@ std::optional<TableWorker::Result> TableWorker::take() {
   return std::exchange(done_, std::nullopt);
 }
 
-TableWorker::Result TableWorker::carry_out(const Request& request) {
+TableWorker::Result TableWorker::execute(const Request& request) {
   Result result;
   result.table = request.table;
   BodySettings settings = request.settings;
@@ -128,10 +129,10 @@ void TableWorker::work(const std::stop_token& stop) {
       waiting_.reset();
       follow(request);
     }
-    Result result = carry_out(request);
+    Result result = execute(request);
     const std::lock_guard lock(mutex_);
-    // A result that nobody has taken yet is replaced, unless nothing came of the newer one or it is
-    // of a table that was exchanged meanwhile.
+    // A newer result replaces one that has not been taken, unless it failed or its table has been
+    // replaced meanwhile.
     if (done_ && done_->model && !result.model) {
       done_->refusal = result.refusal;
     } else if (!done_ || !done_->loaded || result.loaded || request.table == done_->table) {

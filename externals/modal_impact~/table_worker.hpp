@@ -12,11 +12,11 @@
 
 namespace tactus::modal {
 
-/// Reads tables and makes models in a thread of its own, or at once. Of requests that wait only the
-/// last load, the last board and the last settings count.
+/// Reads tables and builds models in a thread of its own, or at once. Waiting requests are merged:
+/// the last load, the last board and the last settings count.
 class TableWorker {
 public:
-  /// What the body lies on from now on.
+  /// A new board for the body.
   struct Board {
     std::string path, name; ///< empty: nothing
     Vec3 displacement_m{};  ///< in the body's axes
@@ -26,12 +26,12 @@ public:
     std::string name; ///< of the file, as the user wrote it
     std::shared_ptr<const LoadedTable> table;
     BodySettings settings;
-    std::optional<Board> board; ///< none: as it is
-    /// `table` is the body of this one in another shape, which it is to replace; null: it is not.
+    std::optional<Board> board; ///< none: unchanged
+    /// If `table` is another shape of the present body: the table that it replaces; else null.
     std::shared_ptr<const LoadedTable> replaces;
   };
   struct Result {
-    std::string refusal; ///< a sentence when something could not be read
+    std::string refusal; ///< why something could not be read, else empty
     std::shared_ptr<const LoadedTable> table;
     std::unique_ptr<BodyModel> model;
     bool loaded = false, board_loaded = false; ///< read now
@@ -43,12 +43,12 @@ public:
   TableWorker(const TableWorker&) = delete;
   TableWorker& operator=(const TableWorker&) = delete;
 
-  /// `ready` is called in the worker's thread when a result waits. Empty when it is on its way,
-  /// else why there is no thread for it: the caller may carry it out itself.
+  /// Queues a request. `ready` is called in the worker's thread when a result waits. Returns empty,
+  /// or why no thread could be started: the caller may then call execute().
   [[nodiscard]] std::string request(const Request& request, std::function<void()> ready);
   [[nodiscard]] std::optional<Result> take();
-  /// The work itself.
-  [[nodiscard]] static Result carry_out(const Request& request);
+  /// Executes a request in the caller's thread.
+  [[nodiscard]] static Result execute(const Request& request);
 
 private:
   void work(const std::stop_token& stop);
@@ -58,7 +58,7 @@ private:
   std::condition_variable_any wake_;
   std::optional<Request> waiting_;
   std::optional<Result> done_;
-  /// The table that waits in `done_` and the one that it follows: requests made meanwhile mean it.
+  /// The table in `done_` and the one that it replaces: requests for that one are for the new one.
   std::shared_ptr<const LoadedTable> pending_before_, pending_table_;
   std::function<void()> ready_;
   std::jthread thread_;

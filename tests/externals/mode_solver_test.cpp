@@ -127,8 +127,8 @@ TEST_CASE("a child that fails is lost, with its reason") {
     for (const auto& [name, words] :
          {std::pair("dies", "the solver ended: modal_fem: a  reason"),
           std::pair("hangs", "did not answer within 0.3 s"),
-          std::pair("garbage", "answered what is no answer"),
-          std::pair("huge", "answered what is no answer"),
+          std::pair("garbage", "sent an invalid answer"),
+          std::pair("huge", "sent an invalid answer"),
           std::pair("sizes", "vertices and 1 parameters: expected the table's 4 and 1"),
           std::pair("killed", "the solver ended: signal 9"),
           std::pair("mute", "did not answer within 0.4 s"),

@@ -140,8 +140,8 @@ TEST_CASE("a child that fails while it loads the part is lost, with its reason")
     for (const auto& [name, words] :
          {std::pair("dies", "the solver ended: part_stress: a  reason"),
           std::pair("hangs", "did not answer within 0.3 s"),
-          std::pair("garbage", "answered what is no answer"),
-          std::pair("huge", "answered what is no answer"),
+          std::pair("garbage", "sent an invalid answer"),
+          std::pair("huge", "sent an invalid answer"),
           std::pair("sizes", "parameters: expected the table's"),
           std::pair("costs", "expected 0..100000 s"),
           std::pair("another", "another stress at the table's own shape")}) {
@@ -164,7 +164,7 @@ TEST_CASE("a child that fails while it solves is lost, and its parent gets no si
           std::pair("mute", "did not answer within 0.448 s"), // 20 (0.01 + 62 * 0.0002)
           std::pair("nonsense", "numbers that cannot be"),
           std::pair("half", "the solver ended: status 0"),
-          std::pair("short", "answered what is no answer")}) {
+          std::pair("short", "sent an invalid answer")}) {
       const std::string mode = name; // a binding cannot be captured
       CAPTURE(mode);
       Rig rig(mode, wait, {60, mode == "mute" ? 0.1 : 60});
@@ -192,7 +192,7 @@ TEST_CASE("a child that has gone is noticed at the next look, and by a request")
   CHECK(rig.solve({0.001, 0}).base);
   for (int i = 0; i < 60000 && !rig.refused(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  rig.is_lost("answered what is no answer");
+  rig.is_lost("sent an invalid answer");
 }
 
 TEST_CASE("a solve that is refused is one sentence, and the next one is solved") {

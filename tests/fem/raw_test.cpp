@@ -84,7 +84,7 @@ TEST_CASE("the player hears from the table what the boundary elements compute") 
   for (const Vector3& x : {Vector3{.06, .03, .05}, {0, 0, .5}, {.3, -.2, -.1}}) {
     const std::complex<double> rate(0, omega);
     const auto heard = modal::multipole_transfer(b.table, {&rate, 1}, {&mode, 1}, {x.x, x.y, x.z},
-                                                 1, 1, kAir, kSpeed);
+                                                 {1, 1, kAir, kSpeed});
     const Complex there = heard.pressure[0] * std::polar(1.0, -omega * heard.delay_s);
     const Complex exact = field.pressure(k, mu, x);
     CAPTURE(there);
@@ -123,7 +123,7 @@ TEST_CASE("before a baffle the disk's modes sound as an independent program's Ra
     for (const std::size_t mode : c.modes) {
       const std::complex<double> rate(0, 2 * std::numbers::pi * table.frequency_hz[mode]);
       sum +=
-          std::norm(loaded.radiating.modal({&rate, 1}, {&mode, 1}, c.listener, 1, 1, kAir, kSpeed)
+          std::norm(loaded.radiating.modal({&rate, 1}, {&mode, 1}, c.listener, {1, 1, kAir, kSpeed})
                         .pressure[0]);
       for (std::size_t v = 0; v < top.size(); ++v)
         if (table.vertex_m[v].z > .0059)
@@ -155,7 +155,7 @@ TEST_CASE("modal radiation is the direct sum over retarded velocities") {
   constexpr double kStep = 1 / 44100.0; // of the raw way's difference
   for (const modal::Vec3& x :
        {modal::Vec3{0, 0, .026}, {.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}}) {
-    const auto heard = loaded->radiating.modal(model.rate, model.mode, x, 1, 1, kAir, kSpeed);
+    const auto heard = loaded->radiating.modal(model.rate, model.mode, x, {1, 1, kAir, kSpeed});
     modal::RawListener listener;
     listener.set(raw, x, kAir, kSpeed);
     double modal_power = 0, raw_power = 0, difference = 0;

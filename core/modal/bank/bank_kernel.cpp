@@ -2,7 +2,7 @@
 
 namespace tactus::modal {
 
-// Each in a source file of its own, compiled for its instructions; null where they are unknown.
+// Each in a source file that is compiled for its instruction set; null where the compiler lacks it.
 const BankKernel* avx2_bank_kernel() noexcept;
 const BankKernel* avx512_bank_kernel() noexcept;
 

@@ -7,17 +7,22 @@
 #include <memory>
 #include <span>
 
-/// The inner loops of the mode bank, one copy for each instruction set.
+/// The interface to the inner loops of the mode bank. Each instruction set has its own copy of
+/// them.
+///
+/// The bank computes modes in blocks of kLanes and time in leaps of kLeap samples. A leap is one
+/// step of a block state-space recursion: one complex state per mode at its beginning gives all its
+/// samples, and one product by p^kLeap gives the next state.
 namespace tactus::modal {
 
-inline constexpr std::size_t kLanes = 64; ///< modes that are computed together
-inline constexpr std::size_t kLeap = 16;  ///< samples from one state to the next
+inline constexpr std::size_t kLanes = 64; ///< modes in a block
+inline constexpr std::size_t kLeap = 16;  ///< samples in a leap
 inline constexpr std::size_t kHalfLeap = kLeap / 2;
 inline constexpr std::size_t kMaxLeaps = 4; ///< in one call
 inline constexpr std::size_t kMaxSamples = kLeap * kMaxLeaps;
 inline constexpr std::size_t kMaxPickupParts = 12; ///< pick-ups in one call
 
-/// One number of each of kLanes modes.
+/// One real number for each mode of a block.
 struct alignas(64) Lane {
   float v[kLanes];
 };
@@ -25,41 +30,45 @@ struct alignas(64) ComplexLane {
   Lane real, imaginary;
 };
 
-/// A block of modes whose decays differ, with the powers p, p^2 ... p^16 of the poles
-/// p = exp(s T); or, where `even` is set, a block of modes that decay alike, in another order:
-/// cos and sin of omega T (m + 1/2), then at the indices below some powers of the poles.
+/// The poles p = exp(s T) of a block of modes, s their rates in 1/s and T a sample's length.
+///
+/// Where the decays differ, power[m] holds p^(m + 1). Where the modes share a decay (shares_decay),
+/// power[m], m < kHalfLeap, holds cos and sin of omega T (m + 1/2), and the entries at the indices
+/// below hold the powers that move a state between the beginning and the middle of a leap.
 struct alignas(64) PoleBlock {
   ComplexLane power[kLeap];
-  bool even = false;
-  std::uint32_t decay = 0; ///< of an even block: which of the bank's common decays
+  bool shares_decay = false;
+  std::uint32_t decay_index = 0; ///< in BankView::decays, where shares_decay
 
   static constexpr std::size_t kWholeLeap = 8, kToMiddle = 9, kFromMiddle = 10, kOneSample = 11;
   [[nodiscard]] const ComplexLane& whole_leap() const noexcept {
-    return power[even ? kWholeLeap : kLeap - 1];
+    return power[shares_decay ? kWholeLeap : kLeap - 1];
   }
   [[nodiscard]] const ComplexLane& one_sample() const noexcept {
-    return power[even ? kOneSample : 0];
+    return power[shares_decay ? kOneSample : 0];
   }
 };
-/// exp(-alpha T (m + 1/2)) and its inverse, for the alpha that a group of even blocks shares.
+/// exp(-alpha T (m + 1/2)) and its inverse, for the alpha that several blocks share.
 struct CommonDecay {
   float fall[kHalfLeap], rise[kHalfLeap];
 };
 
-/// What a kernel works on. The state z of a mode follows z[n] = p z[n-1] + b T F[n]; a pick-up with
-/// complex weight w hears Im(w z). Even blocks hold p^(8.5) z, the state in the middle of the leap
-/// to come. Blocks that are not listed as active hold zeros and are skipped.
+/// The data of a bank that a kernel works on. The state z of a mode follows
+/// z[n] = p z[n-1] + b T F[n], and the output of a pick-up with complex weight w is the sum of
+/// Im(w z) over the modes. Blocks with shares_decay store p^8.5 z, the state in the middle of the
+/// next leap. Blocks that are not listed as active hold zeros and are skipped.
 struct BankView {
   const PoleBlock* poles = nullptr;
   const CommonDecay* decays = nullptr;
   ComplexLane* state = nullptr;
   std::span<const std::uint32_t> active;
 };
-/// Samples of one force, and the modes' gains b T at its place.
+/// Samples of one force in N, and the modes' gains b T at the point where it acts.
 struct BankDrive {
   const Lane* gain = nullptr;
   const float* force = nullptr;
 };
+/// Complex weights w of all modes, and the samples of the output.
 struct BankPickup {
   const ComplexLane* weight = nullptr;
   float* out = nullptr; ///< overwritten
@@ -68,22 +77,24 @@ struct BankPickup {
 class BankKernel {
 public:
   virtual ~BankKernel() = default;
-  /// Whole leaps: what the pick-ups hear of the states at their beginnings, without the forces of
-  /// the leap itself, and the states after them.
+  /// Computes whole leaps: the output of the states at the beginning of each leap, and the states
+  /// after the last. Forces change the states; their output within their own leap is left out and
+  /// is added by feedthrough().
   virtual void run(const BankView&, std::size_t leaps, std::span<const BankDrive>,
                    std::span<const BankPickup>) const noexcept = 0;
-  /// Samples `first` to `first + count` of one leap only; the state stays.
-  virtual void listen(const BankView&, std::size_t first, std::size_t count,
-                      std::span<const BankPickup>) const noexcept = 0;
-  /// The state after the first `samples` <= kLeap of a leap, from the forces in that time.
+  /// The outputs of samples `first` to `first + count` of one leap; the states stay as they are.
+  virtual void output_samples(const BankView&, std::size_t first, std::size_t count,
+                              std::span<const BankPickup>) const noexcept = 0;
+  /// Moves the states by the first `samples` <= kLeap of a leap, driven by the forces meanwhile.
   virtual void advance(const BankView&, std::size_t samples,
                        std::span<const BankDrive>) const noexcept = 0;
-  /// out[i] += sum over j <= i of force[j] response[kLeap + i - j], leap by leap; response is zero
-  /// below kLeap.
-  virtual void echo(const float* force, const float* response, std::size_t leaps,
-                    float* out) const noexcept = 0;
-  /// What is heard within a leap of a unit force at its beginning: out[m] = sum over the modes of
-  /// all `blocks` of Im(w b T p^m), m = 0 ... kLeap - 1.
+  /// Adds the output of forces within their own leap (the direct term of a state-space model):
+  /// out[i] += sum over j <= i of force[j] response[kLeap + i - j], for each of `leaps` leaps.
+  /// `response` has 2 kLeap entries: kLeap zeros, then impulse_response().
+  virtual void feedthrough(const float* force, const float* response, std::size_t leaps,
+                           float* out) const noexcept = 0;
+  /// The output within a leap for a force of 1 N at its first sample: out[m] = sum over the modes
+  /// of all `blocks` of Im(w b T p^m), m = 0 ... kLeap - 1.
   virtual void impulse_response(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
                                 std::size_t blocks, float* out) const noexcept = 0;
   /// c += a b, matrices row by row: a [rows][inner], b [inner][columns], c [rows][columns];
@@ -93,7 +104,7 @@ public:
 };
 
 enum class VectorSet { kBaseline, kAvx2, kAvx512 };
-/// The widest that this processor runs.
+/// The widest instruction set that this processor runs.
 [[nodiscard]] VectorSet best_vector_set() noexcept;
 /// Null where the processor does not run it.
 [[nodiscard]] const BankKernel* bank_kernel(VectorSet) noexcept;

@@ -2,24 +2,25 @@
 
 #include "core/modal/bank/bank_tiles.hpp"
 
-/// The mode bank's loops, written once for any instruction set. Every function is a template on the
-/// set, so that the linker never takes a newer processor's code for an older one's.
+/// The loops of BankKernel, written once for any instruction set. Every function is a template on
+/// the set, so that the linker never takes a newer processor's code for an older one's.
 ///
-/// Modes lie across lanes. All outputs of a leap of sixteen samples come straight from the state at
-/// its beginning by a table, and so does the state at its end from the forces: there is no
-/// recursion from sample to sample to wait for, rounding enters once in sixteen samples, and pitch
-/// is as good as the table. Powers of the pole cost 4 fused multiply-adds a mode and sample for one
-/// force and one pick-up, and 10 in sixteen samples for gains and the step of the state.
+/// Modes lie across vector lanes. The outputs of a leap of 16 samples are products of the state at
+/// its beginning with a table of the pole's powers, and the state at its end is a product of the
+/// forces with the same table (block recursion of a state-space filter). No sample waits for the
+/// one before, rounding enters once in 16 samples, and the pitch is as exact as the table. One
+/// force and one pick-up cost 4 fused multiply-adds a mode and sample, and 10 a leap for gains and
+/// the state.
 ///
-/// Half of that is saved where modes decay alike. Seen from the middle of the leap, a mode that
-/// does not decay gives E + O at a time t after and E - O at the same time before, E = Im(c) cos
-/// and O = Re(c) sin of omega t: one product for each sample. A decay that all share is put in
-/// afterwards; what a mode's own decay differs from it (at most ModeBank::kMaxDecayMismatch) is put
-/// right from leap to leap, because the state's step is exact, and errs by that difference times
-/// eight samples in between.
+/// Modes that share a decay cost half. With c = w z in the middle of the leap, an undamped mode
+/// gives E + O at a time t after the middle and E - O at the same time before it, where
+/// E = Im(c) cos(omega t) and O = Re(c) sin(omega t): one product for two samples. The common decay
+/// is multiplied in afterwards. A mode's own decay may differ from it by at most
+/// ModeBank::kMaxDecayMismatch; within a leap the error is that difference times 8 samples, and it
+/// does not add up, because the step of the state is exact.
 ///
-/// Either way what is heard is the sum of two: of Im(c) with the powers' real parts and of Re(c)
-/// with their imaginary parts, over kHalfLeap or kLeap times (BankTiles).
+/// In both cases the output is a sum of Im(c) times the powers' real parts and of Re(c) times their
+/// imaginary parts, over kLeap or kHalfLeap times (BankTiles).
 namespace tactus::modal {
 
 template <class Set> class BankLanes final : public BankKernel {
@@ -51,8 +52,8 @@ template <class Set> class BankLanes final : public BankKernel {
             Tiles::fma(a.real, b.imaginary, Tiles::fma(a.imaginary, b.real, c.imaginary))};
   }
 
-  /// Forces as the blocks at hand take them in: as they are, or as sums and differences about the
-  /// middles of the leaps, the common decay put in.
+  /// Sums and differences of force samples that lie symmetrically about the middle of a leap, with
+  /// the common decay multiplied in: the input of blocks that share a decay.
   struct Folded {
     static constexpr std::size_t kMaxDrives = 72;
     float sums[kMaxDrives][kMaxLeaps * kHalfLeap];
@@ -69,19 +70,21 @@ template <class Set> class BankLanes final : public BankKernel {
       }
   }
 
-  /// What the modes of a tile get in leaps l to l + Leaps, but for their gains.
+  /// The input of a tile's modes in leaps l to l + Leaps, before the gains: sum of p^(15 - j) F[j].
+  // Seven arguments, as step() and add_output() below: always inlined, so that they stay in
+  // registers.
   template <std::size_t Leaps>
   [[gnu::always_inline]] static void
   gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
          std::size_t d, std::size_t l, typename Tiles::template TileSum<Leaps>& sum) noexcept {
-    const bool even = poles.even;
+    const bool shares_decay = poles.shares_decay;
     const float* const force = drive.force + l * kLeap;
     for (std::size_t i = 0; i < Leaps; ++i)
       for (std::size_t r = 0; r < kRegisters; ++r) {
-        sum.real[i][r] = even ? V{} : Tiles::all(force[i * kLeap + kLeap - 1]); // p^0
+        sum.real[i][r] = shares_decay ? V{} : Tiles::all(force[i * kLeap + kLeap - 1]); // p^0
         sum.imaginary[i][r] = V{};
       }
-    if (even)
+    if (shares_decay)
       Tiles::template gather<Leaps>(
           [&](std::size_t m) -> const ComplexLane& { return poles.power[m]; }, at, kHalfLeap,
           folded.sums[d] + l * kHalfLeap, folded.differences[d] + l * kHalfLeap, kHalfLeap, sum);
@@ -91,8 +94,8 @@ template <class Set> class BankLanes final : public BankKernel {
           kLeap - 1, force, force, kLeap, sum); // p^(15 - j)
   }
 
-  /// A block's states at the beginnings of leaps, or in their middles, and the state after all.
-  /// With a weight: as a pick-up hears them.
+  /// Stores a block's states at the beginning (or in the middle) of each leap in `states`, times
+  /// `weight` if there is one, and moves the block to the end of the last leap.
   template <std::size_t Leaps>
   [[gnu::noinline]] static void step(const BankView& bank, std::uint32_t block,
                                      std::span<const BankDrive> drives, const Folded& folded,
@@ -127,7 +130,7 @@ template <class Set> class BankLanes final : public BankKernel {
             Tiles::store(states.real[first + l][b], i, out.real);
             Tiles::store(states.imaginary[first + l][b], i, out.imaginary);
             const Complex add{input.real[l][r], input.imaginary[l][r]};
-            if (poles.even)
+            if (poles.shares_decay)
               z = product(leap, {z.real + add.real, z.imaginary + add.imaginary});
             else
               z = multiply_add(leap, z, add);
@@ -137,7 +140,7 @@ template <class Set> class BankLanes final : public BankKernel {
       }
   }
 
-  /// The states as a pick-up weighs them.
+  /// weighted = weight times states.
   template <std::size_t Leaps>
   static void apply_weight(const ComplexLane& weight, const LeapPlanes& states, std::size_t b,
                            LeapPlanes& weighted) noexcept {
@@ -153,9 +156,9 @@ template <class Set> class BankLanes final : public BankKernel {
     }
   }
 
-  /// What one pick-up hears of blocks of one kind, in lanes: the two sums.
+  /// The two sums of one pick-up over blocks of one kind, not yet added up over their lanes.
   template <std::size_t Leaps> struct Sums {
-    V real[Leaps * kLeap], imaginary[Leaps * kLeap]; // of the powers' parts
+    V real[Leaps * kLeap], imaginary[Leaps * kLeap]; // with the powers' real and imaginary parts
     void clear(std::size_t times) noexcept {
       for (std::size_t n = 0; n < Leaps * times; ++n)
         real[n] = imaginary[n] = V{};
@@ -184,7 +187,7 @@ template <class Set> class BankLanes final : public BankKernel {
                                                     float even, float odd) noexcept {
     return decay.rise[m] * (even - odd);
   }
-  /// Adds the sums up over their lanes and to the sound, the common decay put in.
+  /// Adds the sums over their lanes, multiplies the common decay in and adds them to the output.
   template <std::size_t Leaps>
   static void collect(const Sums<Leaps>& sums, const CommonDecay* decay, float* out) noexcept {
     const std::size_t times = decay ? kHalfLeap : kLeap, count = Leaps * times;
@@ -217,7 +220,7 @@ template <class Set> class BankLanes final : public BankKernel {
   }
 
   static const CommonDecay* decay_of(const BankView& bank, const PoleBlock& poles) noexcept {
-    return poles.even ? &bank.decays[poles.decay] : nullptr;
+    return poles.shares_decay ? &bank.decays[poles.decay_index] : nullptr;
   }
 
   template <std::size_t Leaps>
@@ -289,9 +292,9 @@ public:
     }
   }
 
-  void listen(const BankView& bank, std::size_t first, std::size_t count,
-              std::span<const BankPickup> pickups) const noexcept override {
-    // The same sums in the same order as run() has them, for these samples alone.
+  void output_samples(const BankView& bank, std::size_t first, std::size_t count,
+                      std::span<const BankPickup> pickups) const noexcept override {
+    // The sums of run(), in the same order, for these samples alone.
     for (const BankPickup& pickup : pickups) {
       Sums<1> sums;
       LeapPlanes states, weighted;
@@ -335,13 +338,13 @@ public:
     }
   }
 
-  void echo(const float* force, const float* response, std::size_t leaps,
-            float* out) const noexcept override {
+  void feedthrough(const float* force, const float* response, std::size_t leaps,
+                   float* out) const noexcept override {
     std::size_t l = 0;
     for (; l + kMaxLeaps <= leaps; l += kMaxLeaps)
-      echo_of<kMaxLeaps>(force + l * kLeap, response, out + l * kLeap);
+      feedthrough_of<kMaxLeaps>(force + l * kLeap, response, out + l * kLeap);
     for (; l < leaps; ++l)
-      echo_of<1>(force + l * kLeap, response, out + l * kLeap);
+      feedthrough_of<1>(force + l * kLeap, response, out + l * kLeap);
   }
 
   void impulse_response(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
@@ -378,16 +381,16 @@ public:
     for (const std::uint32_t block : bank.active) {
       const PoleBlock& poles = bank.poles[block];
       if (samples == kLeap) {
-        if (poles.even)
+        if (poles.shares_decay)
           for (std::size_t d = 0; d < drives.size(); ++d)
-            fold(drives[d].force, bank.decays[poles.decay], 1, folded.sums[d],
+            fold(drives[d].force, bank.decays[poles.decay_index], 1, folded.sums[d],
                  folded.differences[d]);
         step<1>(bank, block, drives, folded, nullptr, unused, 0);
         continue;
       }
       for (std::size_t at = 0; at < kLanes; at += kWidth) {
         Complex z = load(bank.state[block], at);
-        if (poles.even)
+        if (poles.shares_decay)
           z = product(load(poles.power[PoleBlock::kFromMiddle], at), z);
         const Complex p = load(poles.one_sample(), at);
         for (std::size_t n = 0; n < samples; ++n) {
@@ -395,7 +398,7 @@ public:
           for (const BankDrive& d : drives)
             z.real = Tiles::fma(Tiles::load(d.gain[block], at), Tiles::all(d.force[n]), z.real);
         }
-        if (poles.even)
+        if (poles.shares_decay)
           z = product(load(poles.power[PoleBlock::kToMiddle], at), z);
         store(bank.state[block], at, z);
       }
@@ -431,7 +434,7 @@ private:
   }
 
   template <std::size_t Leaps>
-  static void echo_of(const float* force, const float* response, float* out) noexcept {
+  static void feedthrough_of(const float* force, const float* response, float* out) noexcept {
     constexpr std::size_t kParts = kLeap / kWidth;
 #pragma GCC unroll 1
     for (std::size_t part = 0; part < kParts; ++part) {
@@ -441,15 +444,15 @@ private:
         sum[l] = V{};
 #pragma GCC unroll 1
       for (std::size_t j = 0; j < kLeap; ++j) {
-        const V echo_response = *reinterpret_cast<const Unaligned*>(from - j);
+        const V row = *reinterpret_cast<const Unaligned*>(from - j);
         for (std::size_t l = 0; l < Leaps; ++l)
-          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), echo_response, sum[l]);
+          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), row, sum[l]);
       }
       for (std::size_t l = 0; l < Leaps; ++l)
         *reinterpret_cast<Unaligned*>(out + l * kLeap + part * kWidth) += sum[l];
     }
   }
-  /// Which of the sums' times sample n of a leap is.
+  /// The index in the sums of sample n of a leap.
   static std::size_t time_index(std::size_t n, std::size_t times) noexcept {
     return times == kLeap ? n : n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
   }

@@ -1,4 +1,4 @@
-// Compiled for AVX2 and FMA (core/CMakeLists.txt); does nothing on other processors.
+// Compiled for AVX2 and FMA (core/CMakeLists.txt); the functions return null on other processors.
 #include "core/modal/bank/bank_lanes.hpp"
 
 namespace tactus::modal {

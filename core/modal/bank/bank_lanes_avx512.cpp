@@ -1,4 +1,4 @@
-// Compiled for AVX-512 (core/CMakeLists.txt); does nothing on other processors.
+// Compiled for AVX-512 (core/CMakeLists.txt); the functions return null on other processors.
 #include "core/modal/bank/bank_lanes.hpp"
 
 namespace tactus::modal {

@@ -4,11 +4,11 @@
 
 #include <cstddef>
 
-/// The mode bank's products, in tiles that stay in registers: sums over times that end in modes
-/// (forces gathered into states) and sums over modes that end in times (states heard).
+/// The mode bank's two matrix products, in tiles that stay in registers: forces into states (sums
+/// over times, one for each mode) and states into outputs (sums over modes, one for each sample).
 ///
-/// A tile's sums are added up in the same order as one by one, so that a leap gives the same bits
-/// alone and beside others.
+/// A tile adds in the same order as single sums would, so that a leap gives the same bits alone and
+/// together with others.
 namespace tactus::modal {
 
 template <class Set> struct BankVector;
@@ -37,7 +37,7 @@ template <> struct BankVector<simd::Avx512> {
 };
 #endif
 
-/// States of some blocks at the leaps of a chunk, weighted or not, as planes.
+/// States of up to kMaxBlocks blocks at each leap of a chunk, real and imaginary parts apart.
 struct alignas(64) LeapPlanes {
   static constexpr std::size_t kMaxBlocks = 2;
   Lane real[kMaxLeaps][kMaxBlocks], imaginary[kMaxLeaps][kMaxBlocks];
@@ -47,9 +47,9 @@ template <class Set> struct BankTiles {
   using Traits = BankVector<Set>;
   using V = typename Traits::Type;
   static constexpr std::size_t kWidth = Traits::width;
-  static constexpr std::size_t kRegisters = Traits::registers; ///< of modes in a gathering tile
-  static constexpr std::size_t kLeaps = Traits::leaps;         ///< in a gathering tile
-  static constexpr std::size_t kTimes = Traits::times;         ///< samples in a hearing tile
+  static constexpr std::size_t kRegisters = Traits::registers; ///< of modes in a tile of gather()
+  static constexpr std::size_t kLeaps = Traits::leaps;         ///< in a tile of gather()
+  static constexpr std::size_t kTimes = Traits::times; ///< samples in a tile of add_output()
   static constexpr std::size_t kStep = kRegisters * kWidth;
 
   [[gnu::always_inline]] static V fma(V a, V b, V c) noexcept {
@@ -66,12 +66,13 @@ template <class Set> struct BankTiles {
   }
   [[gnu::always_inline]] static V all(float x) noexcept { return x - V{}; }
 
-  /// A tile's complex sums: of Leaps leaps and kRegisters registers of modes.
+  /// The complex sums of a tile of Leaps leaps and kRegisters registers of modes.
   template <std::size_t Leaps> struct TileSum {
     V real[Leaps][kRegisters], imaginary[Leaps][kRegisters];
   };
-  /// Adds the sum over m < count of power(m) x[l * stride + m] to it, the powers' imaginary parts
-  /// times y instead of x.
+  /// For each leap l, adds to `sum` the sum over m < count of Re(power(m)) x[l * stride + m] and
+  /// Im(power(m)) y[l * stride + m].
+  // Seven arguments: always inlined, so that they stay in registers.
   template <std::size_t Leaps, class Power>
   [[gnu::always_inline]] static void gather(const Power& power, std::size_t at, std::size_t count,
                                             const float* x, const float* y, std::size_t stride,
@@ -98,8 +99,8 @@ template <class Set> struct BankTiles {
   }
 
   /// sums[l * stride + i] += sum over the blocks' modes of part[b][i] c[l][b], for Leaps leaps and
-  /// Times samples i; from zero when they are `fresh`. `part` are lanes of the poles' powers, i a
-  /// ComplexLane apart.
+  /// Times samples i; `from_zero`: `sums` is overwritten. `part` points to lanes of the poles'
+  /// powers, one ComplexLane from power to power.
   template <std::size_t Leaps, std::size_t Times>
   [[gnu::noinline]] static void add_output(const float* const* part, std::size_t blocks,
                                            const Lane (*c)[LeapPlanes::kMaxBlocks], V* sums,
@@ -138,8 +139,8 @@ template <class Set> struct BankTiles {
         sums[l * stride + i] = sum[l][i];
   }
 
-  /// Sums over the lanes of each of kWidth vectors, side by side: halves are added, then quarters,
-  /// of two vectors at a time.
+  /// The sums over the lanes of each of kWidth vectors, as one vector: halves are added, then
+  /// quarters, of two vectors at a time.
   [[gnu::always_inline]] static V across(const V* of) noexcept {
     if constexpr (kWidth == 16) {
       V half[8], quarter[4];
@@ -186,7 +187,7 @@ template <class Set> struct BankTiles {
   }
 
 private:
-  /// Every four lanes belong to four sums by now.
+  /// The last two additions: every four lanes belong to four sums by now.
   [[gnu::always_inline]] static V last_pairs(const V* of) noexcept {
     return firsts(twos(of[0], of[1]), twos(of[2], of[3]));
   }

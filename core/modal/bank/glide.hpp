@@ -5,15 +5,17 @@
 
 namespace tactus::modal {
 
-/// Leads a quantity from one target to the next along a quadratic B-spline whose knots lie kSegment
-/// samples apart, whatever the rate at which targets come. Within a segment, 0 <= u < 1,
-///   value = (1 - u)^2/2 old + (1/2 + u (1 - u)) middle + u^2/2 fresh,
-/// so that value and slope are continuous, a target that moves at constant speed is followed
-/// exactly (a segment and a half late), and a jump is spread over two segments: 1 kHz away from a
-/// tone its trace is below -65 dB at 48 kHz. A target that comes within a segment waits for the
-/// next; of several that wait the newest counts.
+/// Interpolates a parameter smoothly between targets that arrive at any rate.
 ///
-/// The glide keeps the time alone. Its owner holds the three values and a waiting target, and
+/// The value is a uniform quadratic B-spline whose knots are kSegment samples apart. Within a
+/// segment, 0 <= u < 1,
+///   value = (1 - u)^2/2 old + (1/2 + u (1 - u)) middle + u^2/2 latest,
+/// so that value and slope are continuous. A target that moves at constant speed is followed
+/// exactly, a segment and a half late. A jump is spread over two segments: at 48 kHz its sidebands
+/// 1 kHz away from a tone are below -65 dB. A target that arrives within a segment waits for the
+/// next segment; of several that wait the newest counts.
+///
+/// A Glide holds the time only. Its owner holds the three values and the waiting target, and
 /// exchanges them when start() or advance() says so.
 class Glide {
 public:
@@ -24,15 +26,16 @@ public:
   };
   enum class Exchange {
     kNone,
-    kStart,  ///< middle <- fresh, fresh <- target
-    kRotate, ///< old <- middle, middle <- fresh, fresh <- target if one waits
+    kStart,  ///< middle <- latest, latest <- target
+    kRotate, ///< old <- middle, middle <- latest, latest <- target if one waits
   };
 
   [[nodiscard]] bool moving() const noexcept { return moving_; }
-  /// Old and middle, or middle and fresh, are known to be equal; at rest all are.
+  /// False: old equals middle, or latest equals middle, and need not be computed. At rest both are
+  /// false.
   [[nodiscard]] bool has_old() const noexcept { return has_old_; }
   [[nodiscard]] bool has_latest() const noexcept { return has_latest_; }
-  /// A new target is there.
+  /// A new target has arrived.
   [[nodiscard]] Exchange start() noexcept {
     if (moving_) {
       has_target_ = true;
@@ -42,15 +45,15 @@ public:
     position_ = 0;
     return Exchange::kStart;
   }
-  /// Ends at once where the owner has put all three values to the target.
+  /// Ends at once, after the owner has set all three values to the target.
   void stop() noexcept { *this = {}; }
   [[nodiscard]] bool has_target() const noexcept { return has_target_; }
-  /// A target that waits is not to come.
+  /// Drops the waiting target.
   void clear_target() noexcept { has_target_ = false; }
 
   /// Samples up to the next exchange.
   [[nodiscard]] std::size_t left() const noexcept { return kSegment - position_; }
-  /// The sample after next ones; at 0 the first that is still to come.
+  /// The weights `ahead` samples from now; 0: at the next sample.
   [[nodiscard]] Blend blend(std::size_t ahead) const noexcept {
     if (!moving_)
       return {};
@@ -66,8 +69,8 @@ public:
     }
     return b;
   }
-  /// Time passes, not beyond left(). After kRotate, look at waits() before the call to learn
-  /// whether a target was taken.
+  /// Moves on by at most left() samples. After kRotate a waiting target was taken if has_target()
+  /// was true before the call.
   [[nodiscard]] Exchange advance(std::size_t samples) noexcept {
     if (!moving_)
       return Exchange::kNone;

@@ -6,10 +6,10 @@
 namespace tactus::modal {
 namespace {
 
-constexpr float kNothing = 1e-25F; // a state below it is zero: keeps denormal numbers away
-constexpr std::array<float, kMaxSamples> kSilence{};
+constexpr float kMinState = 1e-25F; // smaller states are set to zero, which avoids denormals
+constexpr std::array<float, kMaxSamples> kZeros{};
 
-/// Without the look for infinities that std::complex takes.
+/// A complex product without std::complex's handling of infinities.
 std::complex<double> product(std::complex<double> a, std::complex<double> b) noexcept {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
@@ -21,7 +21,7 @@ ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rat
     : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
       kernel_(bank_kernel(set)), poles_(blocks_), state_(blocks_),
       gain_(std::min(drives, kMaxDrives), std::vector<Lane>(blocks_)),
-      pickups_(std::min(pickups, kMaxPickups)), echo_(gain_.size() * pickups_.size() * 3),
+      pickups_(std::min(pickups, kMaxPickups)), feedthrough_(gain_.size() * pickups_.size() * 3),
       active_(blocks_), is_active_(blocks_, 0), released_(blocks_), released_active_(blocks_),
       history_(gain_.size()) {
   if (!kernel_)
@@ -39,8 +39,7 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
     to.real.v[lane] = static_cast<float>(value.real());
     to.imaginary.v[lane] = static_cast<float>(value.imag());
   };
-  // Nepers a sample, of the modes that share a common decay so far.
-  double min_value = 0, max_value = 0;
+  double min_decay = 0, max_decay = 0; // Np a sample, of the blocks that share the last decay
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes, last = std::min(first + kLanes, modes_);
     double low = 1e300, high = 0;
@@ -49,20 +48,20 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       high = std::max(high, -rate[k].real() / sample_rate_);
     }
     PoleBlock& poles = poles_[b];
-    // A state in the middle of a leap must be good for one at its beginning: not all died away.
-    poles.even = high - low <= 2 * kMaxDecayMismatch && high * kHalfLeap < 1;
-    if (poles.even) {
+    // The state in the middle of a leap must give the one at its beginning without losing digits.
+    poles.shares_decay = high - low <= 2 * kMaxDecayMismatch && high * kHalfLeap < 1;
+    if (poles.shares_decay) {
       if (decays_.empty() ||
-          std::max(max_value, high) - std::min(min_value, low) > 2 * kMaxDecayMismatch) {
+          std::max(max_decay, high) - std::min(min_decay, low) > 2 * kMaxDecayMismatch) {
         decays_.emplace_back();
-        min_value = low;
-        max_value = high;
+        min_decay = low;
+        max_decay = high;
       }
-      min_value = std::min(min_value, low);
-      max_value = std::max(max_value, high);
-      poles.decay = static_cast<std::uint32_t>(decays_.size() - 1);
+      min_decay = std::min(min_decay, low);
+      max_decay = std::max(max_decay, high);
+      poles.decay_index = static_cast<std::uint32_t>(decays_.size() - 1);
       for (std::size_t m = 0; m < kHalfLeap; ++m) {
-        const double nepers = 0.5 * (min_value + max_value) * (static_cast<double>(m) + 0.5);
+        const double nepers = 0.5 * (min_decay + max_decay) * (static_cast<double>(m) + 0.5);
         decays_.back().fall[m] = static_cast<float>(std::exp(-nepers));
         decays_.back().rise[m] = static_cast<float>(std::exp(nepers));
       }
@@ -72,7 +71,7 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       const auto power = [&](double samples) {
         return std::exp(rate[k] * (samples / sample_rate_));
       };
-      if (!poles.even) {
+      if (!poles.shares_decay) {
         for (std::size_t m = 0; m < kLeap; ++m)
           put(poles.power[m], lane, power(static_cast<double>(m) + 1));
         continue;
@@ -92,14 +91,14 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
 void ModeBank::set_gain(std::size_t drive, std::span<const double> gain) noexcept {
   if (drive >= gain_.size())
     return;
-  settle();
+  flush_pending();
   for (std::size_t k = 0; k < std::min(modes_, gain.size()); ++k) {
     const auto [block, lane] = lane_index(k);
     gain_[drive][block].v[lane] = static_cast<float>(gain[k] / sample_rate_);
   }
   for (std::size_t i = 0; i < pickups_.size(); ++i)
     for (const std::size_t part : {kOld, kMiddle, kLatest})
-      echo(drive, i, part).known = false;
+      feedthrough(drive, i, part).valid = false;
 }
 
 void ModeBank::write_weight(std::vector<ComplexLane>& to,
@@ -111,15 +110,16 @@ void ModeBank::write_weight(std::vector<ComplexLane>& to,
   }
 }
 
-void ModeBank::compute_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept {
-  KnownEcho& found = echo(drive, pickup, part);
-  if (found.known)
+void ModeBank::compute_feedthrough(std::size_t drive, std::size_t pickup,
+                                   std::size_t part) noexcept {
+  CachedResponse& found = feedthrough(drive, pickup, part);
+  if (found.valid)
     return;
-  found.known = true;
-  found.echo.fill(0);
+  found.valid = true;
+  found.response.fill(0);
   kernel_->impulse_response(poles_.data(), gain_[drive].data(),
                             pickups_[pickup].weight[part].data(), blocks_,
-                            found.echo.data() + kLeap);
+                            found.response.data() + kLeap);
 }
 
 BankView ModeBank::view() noexcept {
@@ -131,7 +131,7 @@ BankView ModeBank::released_view() noexcept {
           std::span(released_active_).first(released_count_)};
 }
 
-void ModeBank::wake(std::size_t drive) noexcept {
+void ModeBank::activate_driven(std::size_t drive) noexcept {
   if (active_count_ == blocks_)
     return;
   bool more = false;
@@ -170,14 +170,14 @@ void ModeBank::process(std::span<const float* const> force, std::span<float* con
 std::size_t ModeBank::find_driving() noexcept {
   std::size_t count = 0;
   for (std::size_t d = 0; d < gain_.size(); ++d) {
-    const auto pushes = [](float f) { return f != 0; };
-    const bool now = force_[d] && std::any_of(force_[d], force_[d] + frames_, pushes);
+    const auto nonzero = [](float f) { return f != 0; };
+    const bool now = force_[d] && std::any_of(force_[d], force_[d] + frames_, nonzero);
     if (now)
-      wake(d);
+      activate_driven(d);
     else
-      force_[d] = kSilence.data();
-    // History is of the leap at hand alone.
-    if (now || (phase_ > 0 && std::any_of(history_[d].begin(), history_[d].end(), pushes)))
+      force_[d] = kZeros.data();
+    // The history holds forces of the present leap only.
+    if (now || (phase_ > 0 && std::any_of(history_[d].begin(), history_[d].end(), nonzero)))
       driving_[count++] = static_cast<std::uint32_t>(d);
   }
   return count;
@@ -200,7 +200,7 @@ void ModeBank::process_chunk(std::size_t frames) noexcept {
       pickup_parts_[pickup_part_count_++] = {i, kLatest};
     for (std::size_t n = 0; n < driving_count_; ++n)
       for (std::size_t e = first; e < pickup_part_count_; ++e)
-        compute_echo(driving_[n], i, pickup_parts_[e].part);
+        compute_feedthrough(driving_[n], i, pickup_parts_[e].part);
   }
   for (std::size_t done = 0; done < frames;) {
     const std::size_t to_grid = kLeap - static_cast<std::size_t>(clock_ % kLeap);
@@ -235,9 +235,10 @@ void ModeBank::process_whole_leaps(std::size_t at, std::size_t leaps) noexcept {
                std::span(kernel_pickups_).first(list_pickup_parts(at)));
   for (std::size_t n = 0; n < driving_count_; ++n)
     for (std::size_t e = 0; e < pickup_part_count_; ++e)
-      kernel_->echo(force_[driving_[n]] + at,
-                    echo(driving_[n], pickup_parts_[e].pickup, pickup_parts_[e].part).echo.data(),
-                    leaps, output_[e].data() + at);
+      kernel_->feedthrough(
+          force_[driving_[n]] + at,
+          feedthrough(driving_[n], pickup_parts_[e].pickup, pickup_parts_[e].part).response.data(),
+          leaps, output_[e].data() + at);
   if (release_left_ == 0)
     return;
   for (std::size_t e = 0; e < pickup_part_count_; ++e)
@@ -246,23 +247,24 @@ void ModeBank::process_whole_leaps(std::size_t at, std::size_t leaps) noexcept {
 }
 
 void ModeBank::process_partial_leap(std::size_t at, std::size_t count, bool ends) noexcept {
-  kernel_->listen(view(), phase_, count, std::span(kernel_pickups_).first(list_pickup_parts(at)));
+  kernel_->output_samples(view(), phase_, count,
+                          std::span(kernel_pickups_).first(list_pickup_parts(at)));
   if (release_left_ > 0) {
     for (std::size_t e = 0; e < pickup_part_count_; ++e)
       kernel_pickups_[e].out = released_output_[e].data() + at;
-    kernel_->listen(released_view(), phase_, count,
-                    std::span(kernel_pickups_).first(pickup_part_count_));
+    kernel_->output_samples(released_view(), phase_, count,
+                            std::span(kernel_pickups_).first(pickup_part_count_));
   }
   for (std::size_t d = 0; d < gain_.size(); ++d)
     std::copy_n(force_[d] + at, count, history_[d].begin() + static_cast<std::ptrdiff_t>(phase_));
   for (std::size_t n = 0; n < driving_count_; ++n)
-    add_echo(driving_[n], phase_, phase_ + count, at);
+    add_feedthrough(driving_[n], phase_, phase_ + count, at);
   phase_ += count;
   if (ends)
-    settle();
+    flush_pending();
 }
 
-void ModeBank::settle() noexcept {
+void ModeBank::flush_pending() noexcept {
   if (phase_ == 0)
     return;
   std::size_t count = 0;
@@ -277,14 +279,15 @@ void ModeBank::settle() noexcept {
   phase_ = 0;
 }
 
-/// Of samples `from` to `to` of the leap at hand.
-void ModeBank::add_echo(std::size_t drive, std::size_t from, std::size_t to,
-                        std::size_t at) noexcept {
+/// For samples `from` to `to` of the present leap.
+void ModeBank::add_feedthrough(std::size_t drive, std::size_t from, std::size_t to,
+                               std::size_t at) noexcept {
   for (std::size_t e = 0; e < pickup_part_count_; ++e) {
     std::array<float, kLeap> sum{};
-    kernel_->echo(history_[drive].data(),
-                  echo(drive, pickup_parts_[e].pickup, pickup_parts_[e].part).echo.data(), 1,
-                  sum.data());
+    kernel_->feedthrough(
+        history_[drive].data(),
+        feedthrough(drive, pickup_parts_[e].pickup, pickup_parts_[e].part).response.data(), 1,
+        sum.data());
     for (std::size_t i = from; i < to; ++i)
       output_[e][at + i - from] += sum[i];
   }
@@ -317,8 +320,8 @@ void ModeBank::deactivate_inaudible() noexcept {
   for (std::size_t n = 0; n < active_count_; ++n) {
     const std::size_t b = active_[n];
     bool rings = false;
-    // By the block's largest weights: a mode that this place happens not to hear may be heard from
-    // the next.
+    // By the block's largest weights: a mode on a nodal line of this listener may be audible at the
+    // next one.
     float loudest = 0;
     for (const Pickup& pickup : pickups_)
       for (std::size_t i = 0; i < kLanes; ++i)
@@ -328,7 +331,7 @@ void ModeBank::deactivate_inaudible() noexcept {
       float& real = state_[b].real.v[i];
       float& imaginary = state_[b].imaginary.v[i];
       const float size = std::abs(real) + std::abs(imaginary);
-      if (size < kNothing || static_cast<double>(size * loudest) < floor_)
+      if (size < kMinState || static_cast<double>(size * loudest) < audibility_floor_)
         real = imaginary = 0;
       else
         rings = true;
@@ -344,12 +347,13 @@ void ModeBank::deactivate_inaudible() noexcept {
 std::complex<double> ModeBank::state(std::size_t mode) const noexcept {
   const auto [block, lane] = lane_index(mode);
   const std::complex<double> z = entry(state_[block], lane);
-  return poles_[block].even ? z * entry(poles_[block].power[PoleBlock::kFromMiddle], lane) : z;
+  return poles_[block].shares_decay ? z * entry(poles_[block].power[PoleBlock::kFromMiddle], lane)
+                                    : z;
 }
 
 void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
   const auto [block, lane] = lane_index(mode);
-  if (poles_[block].even)
+  if (poles_[block].shares_decay)
     z *= entry(poles_[block].power[PoleBlock::kToMiddle], lane);
   state_[block].real.v[lane] = static_cast<float>(z.real());
   state_[block].imaginary.v[lane] = static_cast<float>(z.imag());
@@ -364,16 +368,17 @@ void ModeBank::read(const std::vector<ComplexLane>& from,
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes,
                       last = std::min(first + kLanes, std::min(modes_, z.size()));
-    const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kFromMiddle] : nullptr;
+    const ComplexLane* rotation =
+        poles_[b].shares_decay ? &poles_[b].power[PoleBlock::kFromMiddle] : nullptr;
     for (std::size_t k = first; k < last; ++k) {
       const auto value = entry(from[b], k - first);
-      z[k] = turn ? product(value, entry(*turn, k - first)) : value;
+      z[k] = rotation ? product(value, entry(*rotation, k - first)) : value;
     }
   }
 }
 
 void ModeBank::read_states(std::span<std::complex<double>> z) noexcept {
-  settle();
+  flush_pending();
   read(state_, z);
 }
 
@@ -382,10 +387,11 @@ void ModeBank::write_states(std::span<const std::complex<double>> z) noexcept {
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes,
                       last = std::min(first + kLanes, std::min(modes_, z.size()));
-    const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kToMiddle] : nullptr;
+    const ComplexLane* rotation =
+        poles_[b].shares_decay ? &poles_[b].power[PoleBlock::kToMiddle] : nullptr;
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t lane = k - first;
-      const auto value = turn ? product(z[k], entry(*turn, lane)) : z[k];
+      const auto value = rotation ? product(z[k], entry(*rotation, lane)) : z[k];
       state_[b].real.v[lane] = static_cast<float>(value.real());
       state_[b].imaginary.v[lane] = static_cast<float>(value.imag());
       if (value.real() != 0 || value.imag() != 0)
@@ -405,7 +411,7 @@ void ModeBank::skip(std::size_t samples) noexcept {
 }
 
 void ModeBank::silence() noexcept {
-  settle();
+  flush_pending();
   std::fill(state_.begin(), state_.end(), ComplexLane{});
   std::fill(is_active_.begin(), is_active_.end(), static_cast<unsigned char>(0));
   active_count_ = 0;

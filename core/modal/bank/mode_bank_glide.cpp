@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-/// How a ModeBank's weights glide, and how what rings is released.
+/// The glides of a ModeBank's weights, and its fade-out.
 namespace tactus::modal {
 
 void ModeBank::set_weight(std::size_t pickup,
@@ -16,14 +16,14 @@ void ModeBank::set_weight(std::size_t pickup,
 
 void ModeBank::set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept {
   const std::size_t count = std::min(pickups_.size(), weight.size());
-  bool same = modes_ > 0; // without modes nothing tells what else has changed
+  bool same = modes_ > 0; // without modes equal weights do not mean that nothing has changed
   for (std::size_t i = 0; i < count && same; ++i)
     same = is_target(i, weight[i]);
   for (std::size_t i = 0; i < count && !same; ++i)
     glide_to(i, weight[i]);
 }
 
-/// The newest target is this weight.
+/// True if `weight` equals the newest target.
 bool ModeBank::is_target(std::size_t pickup,
                          std::span<const std::complex<double>> weight) const noexcept {
   const Pickup& at = pickups_[pickup];
@@ -38,7 +38,7 @@ bool ModeBank::is_target(std::size_t pickup,
 }
 
 void ModeBank::glide_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept {
-  settle();
+  flush_pending();
   write_weight(pickups_[pickup].target, weight);
   exchange(pickup, pickups_[pickup].glide.start(), true);
 }
@@ -47,11 +47,11 @@ void ModeBank::jump_to_weight(std::size_t pickup,
                               std::span<const std::complex<double>> weight) noexcept {
   if (pickup >= pickups_.size())
     return;
-  settle();
+  flush_pending();
   pickups_[pickup].glide.stop();
   write_weight(pickups_[pickup].weight[kLatest], weight);
   for (std::size_t d = 0; d < gain_.size(); ++d)
-    echo(d, pickup, kLatest).known = false;
+    feedthrough(d, pickup, kLatest).valid = false;
   ++glide_version_;
 }
 
@@ -60,19 +60,19 @@ void ModeBank::set_glide(
     const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept {
   if (pickup >= pickups_.size())
     return;
-  settle();
+  flush_pending();
   Pickup& at = pickups_[pickup];
   at.glide = glide;
   at.glide.clear_target();
   for (const std::size_t part : {kOld, kMiddle, kLatest}) {
     write_weight(at.weight[part], weight[part]);
     for (std::size_t d = 0; d < gain_.size(); ++d)
-      echo(d, pickup, part).known = false;
+      feedthrough(d, pickup, part).valid = false;
   }
   ++glide_version_;
 }
 
-/// Moves the weights on, and what is known of them.
+/// Moves the weights on, and with them the cached responses.
 void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool had_target) noexcept {
   if (exchange == Glide::Exchange::kNone)
     return;
@@ -81,7 +81,7 @@ void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool had_t
   const auto move_weights = [&](Part from, Part to) {
     std::swap(weight[from], weight[to]);
     for (std::size_t d = 0; d < gain_.size(); ++d)
-      std::swap(echo(d, pickup, from), echo(d, pickup, to));
+      std::swap(feedthrough(d, pickup, from), feedthrough(d, pickup, to));
   };
   if (exchange == Glide::Exchange::kRotate)
     move_weights(kMiddle, kOld);
@@ -90,9 +90,9 @@ void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool had_t
   std::copy(latest.begin(), latest.end(), weight[kLatest].begin());
   for (std::size_t d = 0; d < gain_.size(); ++d)
     if (had_target)
-      echo(d, pickup, kLatest).known = false;
+      feedthrough(d, pickup, kLatest).valid = false;
     else
-      echo(d, pickup, kLatest) = echo(d, pickup, kMiddle);
+      feedthrough(d, pickup, kLatest) = feedthrough(d, pickup, kMiddle);
 }
 
 void ModeBank::advance_glides(std::size_t samples) noexcept {
@@ -117,7 +117,7 @@ std::complex<double> ModeBank::weight(std::size_t pickup, Part part,
 }
 
 void ModeBank::read_released(std::span<std::complex<double>> z) noexcept {
-  settle();
+  flush_pending();
   read(released_, z);
 }
 
@@ -133,7 +133,7 @@ double ModeBank::release_share(std::size_t left) noexcept {
 }
 
 void ModeBank::release() noexcept {
-  settle();
+  flush_pending();
   const auto share = static_cast<float>(release_share(release_left_));
   for (std::size_t b = 0; b < blocks_; ++b)
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -158,7 +158,7 @@ void ModeBank::list_released() noexcept {
   }
 }
 
-/// Adds what is being released, under half a cosine's turn.
+/// Adds what is being faded out, times release_share().
 void ModeBank::mix_released() noexcept {
   const std::size_t count = std::min(frames_, release_left_);
   for (std::size_t n = 0; n < count; ++n) {

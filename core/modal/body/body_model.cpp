@@ -10,7 +10,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMaxFrequencyRatio = 0.45; // a mode above is not left to ring: it would alias
+constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: modes above it would alias
 constexpr double kNepersIn60dB = 6.907755278982137;
 constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
 
@@ -18,7 +18,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Loss factor between the points of a curve, straight over the logarithms.
+/// A loss curve's value, interpolated linearly in the logarithms of both axes.
 double on_curve(const std::vector<std::array<double, 2>>& curve, double frequency) {
   if (curve.empty())
     return 0;
@@ -34,7 +34,7 @@ double on_curve(const std::vector<std::array<double, 2>>& curve, double frequenc
   return curve.back()[1];
 }
 
-/// The ear's sensitivity to quiet tones relative to 1 kHz, as a factor (IEC 61672-1, annex E).
+/// A-weighting as a factor, 1 at 1 kHz (IEC 61672-1, annex E).
 double a_weighting(double frequency) {
   const double f = frequency * frequency;
   const double poles = (f + 20.6 * 20.6) * std::sqrt((f + 107.7 * 107.7) * (f + 737.9 * 737.9)) *
@@ -59,7 +59,7 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   shape_scale = 1 / std::sqrt(mass_ratio * volume);
   mass_kg = table.mass_kg * mass_ratio * volume;
   board_shape_scale_ = 1 / std::sqrt(volume);
-  find_rates();
+  compute_rates();
   find_resting_contacts();
   const std::span<const std::complex<double>> all(rate);
   bank = ModeBank(all.first(audible_modes), settings.sample_rate, 1 + settings.voices,
@@ -67,7 +67,7 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   solver =
       ContactSolver(all, settings.sample_rate, resting_slot() + resting_contacts.size(),
                     table.free && table.mass_kg > 0, 3 * settings.listeners, settings.vector_set);
-  find_weights();
+  compute_weights();
   for (std::size_t k = 0; k < audible_modes; ++k)
     loudness.push_back(a_weight[k] * loudest_weight(k));
   for (std::size_t l = 0; l < kMaxListeners; ++l) {
@@ -130,19 +130,19 @@ double BodyModel::decay_rate(std::size_t k, double omega) const {
     break;
   }
   const double scale = shape_scale_of(of_board ? LoadedTable::kBoard : 0);
-  if (!table.radiation_decay_rate.empty()) // area times shape squared over mass, at the same k a
+  if (!table.radiation_decay_rate.empty()) // ~ area times shape squared, at the same k a
     rate_per_s += table.radiation_decay_rate[k] * scale * scale * settings.size * settings.size;
   if (settings.choke_t60_s > 0 && !of_board)
     rate_per_s += kNepersIn60dB / settings.choke_t60_s;
   return rate_per_s;
 }
 
-void BodyModel::find_rates() {
+void BodyModel::compute_rates() {
   const ModalTable& table = loaded->table;
   const Material& own = table.material;
   const double modulus = own.youngs_modulus_pa > 0 ? own.youngs_modulus_pa : kUnknownModulus;
   const double density = own.density_kg_per_m3 > 0 ? own.density_kg_per_m3 : kUnknownDensity;
-  const double faster =
+  const double frequency_ratio =
       std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) / settings.size;
   const double highest = kMaxFrequencyRatio * settings.sample_rate;
   const std::size_t maximum = settings.max_modes > 0 ? settings.max_modes : table.modes();
@@ -151,11 +151,12 @@ void BodyModel::find_rates() {
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
   for (std::size_t k = 0; k < table.modes(); ++k) {
     const bool of_board = loaded->is_board_mode(k);
-    double frequency = table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : faster);
+    double frequency =
+        table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : frequency_ratio);
     if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
       frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
     const double omega = 2 * std::numbers::pi * frequency;
-    // Beyond critical damping a mode has no rate of its own to swing at: kept just below.
+    // Damping is limited to just below critical, where a mode still oscillates.
     const double decay = std::min(decay_rate(k, omega), 0.999 * omega);
     const std::complex<double> s(-decay, std::sqrt(omega * omega - decay * decay));
     if (frequency < highest && k < maximum)
@@ -163,7 +164,7 @@ void BodyModel::find_rates() {
     else if (frequency < kContactLimit)
       high.emplace_back(s, k);
   }
-  // Modes of like decay fall silent together, and the bank can leave them out together.
+  // Sorted by decay: blocks of the bank then become inaudible as a whole and are skipped.
   std::stable_sort(low.begin(), low.end(),
                    [](const auto& a, const auto& b) { return a.first.real() > b.first.real(); });
   audible_modes = low.size();
@@ -212,14 +213,14 @@ RadiatingSurface::RigidShapes BodyModel::rigid_shapes() const {
     point.triangle = t;
     point.position = radiating.centre(t);
     RigidGain outward = rigid_gains(point, radiating.normal(t));
-    for (double& b : outward) // gains are for a push inwards
+    for (double& b : outward) // rigid_gains() is for a force inwards
       b = -b;
     shapes.push_back(outward);
   }
   return shapes;
 }
 
-/// Of a part's own modes; 0 where one is left out.
+/// Angular frequencies of a part's modes, 1/s; 0 for modes that are left out.
 std::vector<double> BodyModel::omega_by_mode(std::size_t part) const {
   std::vector<double> omega(loaded->table.modes(), 0);
   for (std::size_t i = 0; i < mode.size(); ++i)
@@ -236,7 +237,7 @@ std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
   const ModalTable& table = loaded->table;
   if (!table.free || !(mass_kg > 0))
     return {};
-  double volume = 0; // by the divergence theorem
+  double volume = 0; // divergence theorem
   const Surface& surface = loaded->body().surface;
   for (std::size_t t = 0; t < surface.triangles(); ++t) {
     const auto& c = surface.corners(t);
@@ -249,7 +250,7 @@ std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
   return rigid_dipoles(mass_kg, inertia, volume * length * length * length);
 }
 
-/// What a listener receives of a part of the table; null: nothing but its surface's velocity.
+/// The Arrivals of one body of the table; null: the listener gets the surface velocity.
 std::unique_ptr<Arrivals> BodyModel::arrivals_of(std::size_t part, const Vec3& listener,
                                                  double delay_from_s) const {
   const LoadedTable& own = loaded->parts.empty() ? *loaded : *loaded->parts[part].loaded;
@@ -268,7 +269,7 @@ std::unique_ptr<Arrivals> BodyModel::arrivals_of(std::size_t part, const Vec3& l
     return multipole_arrivals(own.table, omega_by_mode(part), from, scene,
                               is_body ? free_dipoles() : std::array<RigidDipole, 3>{},
                               is_body ? mass_kg : 0);
-  // Beside a body that has multipoles, one without is heard by its surface.
+  // Of two bodies one without multipoles radiates by its surface.
   if (settings.radiation == Radiation::kModal ||
       (settings.radiation == Radiation::kBody && !loaded->parts.empty()))
     return own.radiating.arrivals(from, scene,
@@ -282,7 +283,7 @@ std::unique_ptr<Arrivals> BodyModel::arrivals(const Vec3& listener) const {
     return of_body;
   auto of_board = arrivals_of(LoadedTable::kBoard, listener, of_body->delay_s);
   if (of_board->delay_s < of_body->delay_s &&
-      !of_board->silent) // the later one is timed by the earlier one
+      !of_board->silent) // delays are relative to the shorter one
     of_body = arrivals_of(0, listener, of_board->delay_s);
   std::vector<CombinedArrivals::Part> parts(2);
   parts[0] = {std::move(of_body), loaded->parts[0].mode, 0};
@@ -292,7 +293,7 @@ std::unique_ptr<Arrivals> BodyModel::arrivals(const Vec3& listener) const {
       DirectKernels::max_spread(mode.size(), loaded->table.vertices()));
 }
 
-void BodyModel::find_weights() {
+void BodyModel::compute_weights() {
   const ModalTable& table = loaded->table;
   const std::vector<DirectKernels::Mode> modes = direct_modes();
   const bool has_surface = !loaded->surface.empty();
@@ -314,14 +315,14 @@ void BodyModel::find_weights() {
       direct[l].build(*listener_arrivals, modes, table.free && mass_kg > 0, settings.sample_rate,
                       shapes);
     } else {
-      // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
+      // The signal of a vibrometer at the nearest point: the outward normal velocity.
       std::vector<double> gain(audible_modes, -1);
       if (has_surface) {
         const SurfacePoint point = nearest(settings.listener[l]);
         gains(point, point.normal, gain);
       }
       std::vector<std::complex<double>> velocity(audible_modes);
-      for (std::size_t k = 0; k < audible_modes; ++k) // z stands for q' = Im(s z)/omega_d
+      for (std::size_t k = 0; k < audible_modes; ++k) // q' = Im(s z)/omega_d
         velocity[k] = -gain[k] * rate[k] / rate[k].imag();
       direct[l].build_velocity(modes, velocity, settings.sample_rate);
     }
@@ -375,7 +376,7 @@ BodyModel::rigid_gains(const SurfacePoint& point, const Vec3& direction) const n
   const auto& t = table.inertia_kg_m2;
   if (!(t[0].x > 0))
     return project(gain);
-  // I = L L^T; the momentum of a unit impulse about the centre, solved by L, has unit inertia.
+  // With I = L L^T (Cholesky), L^-1 times the moment about the centre acts on unit inertia.
   const double scale = mass_kg / table.mass_kg * settings.size * settings.size;
   const double l00 = std::sqrt(t[0].x * scale), l10 = t[1].x * scale / l00,
                l20 = t[2].x * scale / l00;
@@ -418,7 +419,7 @@ SurfacePoint BodyModel::nearest(const Vec3& position_m) const noexcept {
 
 namespace {
 
-/// The state with the same displacement and velocity at another rate.
+/// The state z with the same displacement and velocity at another rate s.
 std::complex<double> same_motion(std::complex<double> z, std::complex<double> before,
                                  std::complex<double> now) noexcept {
   const double q = z.imag() / before.imag();
@@ -482,8 +483,8 @@ void BodyModel::glide_from(BodyModel& before) noexcept {
           scratch_weight_[part][i] = weight[l][i];
           continue;
         }
-        // What this displacement and velocity sounded like until now: the same w_i (q' + alpha q) +
-        // w_r omega q, written for the new rate. The glide begins without a step.
+        // The weight that gives the old sound w_i (q' + alpha q) + w_r omega q at the new rate, so
+        // that the glide begins without a step.
         const std::complex<double> w = before.bank.weight(l, part, j), s = before.rate[j];
         scratch_weight_[part][i] = {(w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) /
                                         rate[i].imag(),
@@ -492,7 +493,7 @@ void BodyModel::glide_from(BodyModel& before) noexcept {
     bank.set_glide(l, before.bank.glide(l),
                    {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
   }
-  // The direct sound of forces keeps one time for all listeners: their glides run in step.
+  // All listeners' glides run in step, as DirectSound requires.
   for (std::size_t l = before.settings.listeners; l < settings.listeners; ++l)
     bank.set_glide(l, before.bank.glide(0), {weight[l], weight[l], weight[l]});
   bank.set_weights(std::span(weight).first(settings.listeners));

@@ -24,14 +24,13 @@ inline constexpr std::size_t kMaxContacts = 64;
 enum class Radiation { kModal, kRaw, kBody, kNone };
 enum class Damping { kTable, kRayleigh, kLoss, kCurve };
 
-/// How a body lies on its board: at points, through what lies between.
+/// How a body rests on its board: contact points, contact law and load.
 struct RestSettings {
-  std::vector<Vec3> point_m; ///< in the body's axes, taken to the nearest of either surface
-  /// Between the bodies, at each point: the felt of a piano's bass hammer (Chaigne & Askenfelt,
-  /// J. Acoust. Soc. Am. 95, 1994: 4e8 N/m^2.3), with a loss.
+  std::vector<Vec3> point_m; ///< in the body's axes; moved to the nearest point of each surface
+  /// The contact law at each point. Default: the felt of a piano's bass hammer with a loss (Chaigne
+  /// & Askenfelt, J. Acoust. Soc. Am. 95, 1994: 4e8 N/m^2.3).
   contact::ImpactLaw law{4e8, 2.3, 2};
-  double pressing_n =
-      0; ///< that holds them together besides the body's weight, all points together
+  double pressing_n = 0; ///< force on the board besides the body's weight, over all points
   static constexpr std::size_t kMaxPoints = 8;
   [[nodiscard]] bool operator==(const RestSettings& other) const noexcept {
     return point_m == other.point_m && pressing_n == other.pressing_n &&
@@ -40,42 +39,42 @@ struct RestSettings {
   }
 };
 
-/// What can be changed of a body while it sounds.
+/// The settings of a body that can change while it sounds.
 struct BodySettings {
   double youngs_modulus_pa = 0; ///< 0: the table's
   double density_kg_per_m3 = 0; ///< 0: the table's
   double poisson = -1;          ///< below 0: the table's
-  double size = 1;              ///< times the table's lengths
-  /// Of the table's shape parameters, m in the table's size. Empty, or of another number than the
-  /// table has: the shape is the table's.
+  double size = 1;              ///< factor of the table's lengths
+  /// Displacements of the table's shape parameters, m in the table's size. Empty, or of another
+  /// length than the table's list: the table's shape.
   std::vector<double> shape_displacement_m;
   Damping damping = Damping::kTable;
   double rayleigh_a_per_s = 0, rayleigh_b_s = 0;
   double loss_factor = 0;
   std::vector<std::array<double, 2>> loss_curve; ///< Hz, loss factor; ascending
-  double choke_t60_s = 0; ///< above 0: damps every mode by this decay time besides
+  double choke_t60_s = 0; ///< above 0: additional damping of every mode, by decay time
   Radiation radiation = Radiation::kModal;
-  /// m; before the body, then behind it
+  /// m, in the body's axes; the defaults are two in front of the body, then two behind it
   std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5},
                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
-  std::size_t max_modes = 0; ///< 0: all that can be heard
-  std::size_t voices = 8;    ///< contacts at once
+  std::size_t max_modes = 0; ///< the most modes in the bank; 0: no limit
+  std::size_t voices = 8;    ///< strikes at once
   RestSettings rest;
   double sample_rate = 48000;
   VectorSet vector_set = best_vector_set(); ///< must be one that this processor runs
 };
 
-/// One body made of one material, heard from its listeners: everything that the audio path needs.
-/// Made off the audio path from table and settings.
+/// A modal table with settings applied: all rates, weights and kernels that the audio path needs.
+/// Built outside the audio path.
 ///
 /// Scaling at fixed Poisson's ratio: f ~ sqrt(E/rho)/L, phi ~ 1/sqrt(rho L^3), mass ~ rho L^3,
-/// inertia ~ rho L^5; a changed Poisson's ratio moves each mode by the table's d ln f/d nu.
-/// A moved shape moves each by frequency_factors(), and its decay as its damping law says.
-/// Decay: alpha = (a + b omega^2)/2 or omega eta/2, plus radiation's, plus the choke's 6.91/T60.
+/// inertia ~ rho L^5. Another Poisson's ratio multiplies each frequency by exp(d ln f/d nu *
+/// change), from the table; another shape by frequency_factors(). Decay: alpha = (a + b omega^2)/2
+/// or omega eta/2, plus radiation's, plus the choke's 6.91/T60.
 ///
-/// A body on a board is one model: `size` is that of both, all other material settings are the
-/// body's, and the board is as its table says.
+/// A body on a board is one model with the modes of both. `size` applies to both; the other
+/// material settings apply to the body only.
 struct BodyModel {
   BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with);
 
@@ -83,47 +82,48 @@ struct BodyModel {
   BodySettings settings;
   double youngs_modulus_pa, poisson, density_kg_per_m3;
   double shape_scale, mass_kg;
-  /// Table's number of each mode: first those of the bank, then those that only give way in a
-  /// contact, up to kContactLimit.
+  /// The table's index of each mode: first the audible modes, which ring in the bank, then higher
+  /// ones up to kContactLimit, which only add compliance to contacts.
   std::vector<std::size_t> mode;
   std::vector<std::size_t>
-      index_of; ///< in `mode`, of each of the table's modes; its size: left out
+      index_of; ///< index in `mode` of each of the table's modes; mode.size(): left out
   std::size_t audible_modes = 0;
   std::vector<std::complex<double>> rate;                              ///< of `mode`
-  std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< of the first `heard`
+  std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< of the audible modes
   std::array<double, kMaxListeners> delay_s{};                         ///< of the delay line
-  bool uses_recordings = false; ///< blows start recordings instead of contacts
+  bool uses_recordings = false; ///< strikes play recordings (RawTable) instead of contacts
   std::array<RawListener, kMaxListeners> raw;
   ModeBank bank;
   ContactSolver solver;
 
-  /// What forces sound like besides the modes that ring, and at their places: at the force inlet's
-  /// point (first) and where pulses strike, and of each contact of the solver.
+  /// The direct sound of forces (DirectKernels), and the kernels at the points of the external
+  /// force (first) and the pulses (sample_kernel), and of the solver's contacts (contact_kernel).
   std::array<DirectKernels, kMaxListeners> direct;
   std::vector<std::array<ForceKernel, kMaxListeners>> sample_kernel, contact_kernel;
   using RigidGain = std::array<double, ContactSolver::kRigid>;
-  /// The kernels of a force at a point of the surface against `direction`, gains of the modes as
-  /// gains() has them or none. Allocates nothing; may use `scratch`.
+  /// Build the kernels of a force at a point of the surface against `direction`. `gain`: of the
+  /// modes, as gains() computes them; empty: computed here. They do not allocate; they may use
+  /// `scratch`.
   void build_point_kernels(const SurfacePoint& point, const Vec3& direction) noexcept;
-  /// `gain`: times `pulse_gain`.
+  /// `gain`: multiplied by `pulse_gain`.
   void build_pulse_kernels(std::size_t slot, const SurfacePoint& point, const Vec3& direction,
                            std::span<const double> gain = {}) noexcept;
   void build_contact_kernels(std::size_t slot, const SurfacePoint& point, const Vec3& direction,
                              std::span<const double> gain = {}) noexcept;
 
-  std::vector<float> force_gain; ///< gains b of the modes at the force inlet's point
-  RigidGain force_rigid{};       ///< and of the rigid motions, of a body that rests on a board
-  /// A pulse's samples are means of the force over their time, which takes sin(x)/x from a tone,
-  /// x = omega/(2 fs); these factors of the gains give it back.
+  std::vector<float> force_gain; ///< gains b of the modes at the force point
+  RigidGain force_rigid{};       ///< and of the rigid motions, for a body on a board
+  /// x/sin(x), x = omega/(2 fs), for each mode: compensates the low-pass sin(x)/x of pulses, whose
+  /// samples are means of the force over a sample.
   std::vector<double> pulse_gain;
   std::vector<std::uint8_t> band;                  ///< pulse_band() of `mode`
   std::vector<double> scratch;                     ///< as long as `mode`
-  std::vector<double> scratch_level;               ///< as long as `heard`
+  std::vector<double> scratch_level;               ///< [audible_modes]
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
-  std::vector<std::complex<double>> bank_state;    ///< as long as `heard`
-  std::vector<double> a_weight;                    ///< A-weighting of the heard modes
-  std::vector<double> loudness; ///< of the heard modes: at the loudest listener and to the ear
-  /// What the contact solver listens with: a listener, and which of its gliding weights.
+  std::vector<std::complex<double>> bank_state;    ///< [audible_modes]
+  std::vector<double> a_weight;                    ///< A-weighting of the audible modes
+  std::vector<double> loudness; ///< of the audible modes: A-weighted, at the loudest listener
+  /// An output of the contact solver: a listener, and one of its three gliding weights.
   struct ListenerPart {
     std::size_t listener = 0;
     ModeBank::Part part = ModeBank::kLatest;
@@ -132,58 +132,59 @@ struct BodyModel {
   std::size_t listener_part_count = 0;
 
   static constexpr double kContactLimit = 60000; ///< Hz
-  /// Contacts of the solver besides the strikes': a hand's, and that of a surface that rubs.
+  /// Slots of the solver besides the strikes: a hand, and a rubbing surface.
   static constexpr std::size_t kContacts = 2;
 
   /// A point at which the body and its board touch.
   struct RestingContact {
     SurfacePoint on_body, on_board;
-    Vec3 direction{};         ///< of length 1: the force's on the body, the opposite on the board
-    std::vector<double> gain; ///< on the body less on the board: by which the two come apart
+    Vec3 direction{};         ///< of length 1: of the force on the body
+    std::vector<double> gain; ///< on the body less on the board
     std::array<double, ContactSolver::kRigid> rigid{};
-    contact::ImpactLaw law; ///< with the compliance of both surfaces
+    contact::ImpactLaw law; ///< with the residual compliance of both bodies
     double preload_n = 0;
   };
   std::vector<RestingContact> resting_contacts;
-  /// Why the body cannot rest as the settings want; it rests nowhere then. Else empty.
+  /// Why the body cannot rest as the settings say; it has no resting contacts then. Else empty.
   std::string resting_refusal;
-  /// Distance between the two surfaces at the points, the largest, m.
+  /// The largest distance between the two surfaces at a contact point, m.
   double largest_gap_m = 0;
-  /// The contacts of `rests` in the solver begin here.
+  /// The solver's first slot of resting_contacts.
   [[nodiscard]] std::size_t resting_slot() const noexcept { return kContacts + settings.voices; }
-  /// The body moves as a whole when it is pushed here; else its support, or the board's, takes it.
+  /// True if a force at this point moves the body as a whole; else its support, or the board's,
+  /// holds.
   [[nodiscard]] bool recoils(const SurfacePoint& point) const noexcept;
-  /// Of the body that a place is on.
+  /// Material of the body (or the board) that a point is on.
   [[nodiscard]] double modulus_at(const SurfacePoint& point) const noexcept;
   [[nodiscard]] double poisson_at(const SurfacePoint& point) const noexcept;
 
-  /// Gains b = -phi . direction of all modes at a place of the surface, 1/sqrt(kg), for a push
-  /// against `direction` (usually the outward normal). No allocation beyond `gain`'s size.
+  /// Gains b = -phi . direction of all modes at a point of the surface, 1/sqrt(kg), for a force
+  /// against `direction` (usually the outward normal). `gain`: [mode.size()]. Does not allocate.
   void gains(const SurfacePoint& point, const Vec3& direction,
              std::span<double> gain) const noexcept;
-  /// The same of a free body's three displacements and three rotations; of a body that rests on a
-  /// board, what its points resist of them.
+  /// The same for a free body's three translations and three rotations; of a body on a board, their
+  /// projection on the motions that its contact points resist.
   [[nodiscard]] std::array<double, ContactSolver::kRigid>
   rigid_gains(const SurfacePoint& point, const Vec3& direction) const noexcept;
-  /// Static compliance of the modes that the table leaves out, m/N.
+  /// Static compliance of the modes that the table omits, m/N.
   [[nodiscard]] double residual_compliance(const SurfacePoint& point) const noexcept;
-  /// Of a mode at the listener that hears it most.
+  /// The largest |weight| of a mode over the listeners.
   [[nodiscard]] double loudest_weight(std::size_t mode) const noexcept;
-  /// The nearest place of the surface to a point in metres, in the body's present size.
+  /// The point of the surface nearest to a position in m, in the body's present size.
   [[nodiscard]] SurfacePoint nearest(const Vec3& position_m) const noexcept;
-  /// Lets this model go on where another of the same table was: modal displacement and velocity
-  /// stay, and so does the sound, whose weights glide.
+  /// Continues the motion of another model of the same table: modal displacements and velocities
+  /// are kept, and the weights of the sound glide.
   void continue_from(BodyModel& before) noexcept;
-  /// The same while something touches the body: motion is in the solvers. Contacts are still to be
-  /// taken over.
+  /// The same during a contact: the motion is in the solvers. The caller takes over the contacts.
   void continue_in_contact(BodyModel& before) noexcept;
-  /// The same where another table of the same body was, which this one's follows; `touched`: motion
-  /// is in the solvers. Energies of modes, and their sound, go over by the table's shares: no
-  /// energy arises. What has no successor is left in `before`'s bank, being released; false when
-  /// nothing is.
+  /// The same from another table of the same body, whose modes were solved anew
+  /// (LoadedTable::follows). `in_contact_now`: the motion is in the solvers. Motion and sound are
+  /// mapped by the table's shares (ModeShare), which cannot raise the energy. Motion without a
+  /// successor fades out in `before`'s bank; false if there is none.
   bool continue_modes_from(BodyModel& before, bool in_contact_now) noexcept;
 
-  /// Gives the contact solver the weights that the bank's glides are at now, if they have changed.
+  /// Updates the contact solver's weights to those that the bank glides between, if they have
+  /// changed.
   void refresh_listener_weights() noexcept;
 
 private:
@@ -198,13 +199,13 @@ private:
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals_of(std::size_t part, const Vec3& listener,
                                                       double delay_from_s) const;
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals(const Vec3& listener) const;
-  void find_rates();
-  void find_weights();
+  void compute_rates();
+  void compute_weights();
 
-  std::array<std::vector<std::complex<double>>, 3> scratch_weight_;    ///< as long as `heard`
-  std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< of a body that rests
+  std::array<std::vector<std::complex<double>>, 3> scratch_weight_;    ///< [audible_modes]
+  std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< of a body on a board
   double board_shape_scale_ = 1;
-  std::uint64_t weights_version_ = 0; ///< of the bank's weights that the solver has
+  std::uint64_t weights_version_ = 0; ///< ModeBank::glide_version() of the solver's weights
   [[nodiscard]] std::vector<DirectKernels::Mode> direct_modes() const;
   [[nodiscard]] RadiatingSurface::RigidShapes rigid_shapes() const;
   [[nodiscard]] std::vector<double> omega_by_mode(std::size_t part) const;

@@ -3,28 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
-/// How a body that has been solved anew goes on ringing where it was.
+/// BodyModel: continuing the motion in a table whose modes were solved anew.
 ///
-/// With z = q' + alpha q + j omega q of modal mass 1 a mode's energy is |z|^2/2, and it is heard as
-/// Im(w z), w its weight at a listener. The shares T of the table are a partial isometry (see
-/// ModeShare), so that
-///   z_now = T z_before,  w_now = T w_before  and  z_left = z_before - T' z_now
-/// keep the energy, |z_now|^2 + |z_left|^2 = |z_before|^2, and the sound, w_now' z_now +
-/// w_before' z_left = w_before' z_before, at the sample of the exchange; then each mode swings at
-/// its new rate, w_now glides to the new table's weights, and z_left is faded out.
+/// With modal mass 1 and z = q' + alpha q + j omega q, a mode's energy is |z|^2/2 and its output is
+/// Im(w z). The table's shares T are a partial isometry (ModeShare). At the sample of the exchange
+///   z_now = T z_before,  w_now = T w_before,  z_left = z_before - T' z_now
+/// conserve the energy, |z_now|^2 + |z_left|^2 = |z_before|^2, and the sound,
+/// w_now' z_now + w_before' z_left = w_before' z_before. From then on each mode rings at its new
+/// rate, w_now glides to the new table's weights, and z_left fades out.
 namespace tactus::modal {
 namespace {
 
-constexpr double kNegligibleEnergy = 1e-12; // of the energy: -120 dB
+constexpr double kNegligibleEnergy = 1e-12; // of the total: -120 dB
 
 } // namespace
 
 bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noexcept {
-  // Beside a contact the bank rings with what is left of crowded strikes: that is faded out too.
+  // During a contact the bank may still ring from pulses; that fades out too.
   const std::size_t old_count = in_contact_now ? before.mode.size() : before.audible_modes;
   const auto old_states = std::span(before.scratch_state).first(old_count);
   const bool bank_ringing =
-      before.bank.release_left() > 0 || (in_contact_now && before.bank.rings());
+      before.bank.release_left() > 0 || (in_contact_now && before.bank.ringing());
   if (in_contact_now)
     before.solver.read_states(old_states);
   else
@@ -32,7 +31,7 @@ bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noex
   const std::size_t count = in_contact_now ? mode.size() : audible_modes;
   const auto states = std::span(scratch_state).first(count);
   std::fill(states.begin(), states.end(), 0.0);
-  double total_energy = 0, lost_energy = 0; // energies
+  double total_energy = 0, lost_energy = 0; // times 2, J
   for (const std::complex<double>& z : old_states)
     total_energy += std::norm(z);
   const auto for_shares = [&](auto&& work) {
@@ -64,7 +63,7 @@ bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noex
     return false;
   }
   if (in_contact_now)
-    before.bank.release(); // what rings beside
+    before.bank.release(); // modes that pulses have excited
   before.bank.write_states(std::span(before.scratch_state).first(before.audible_modes));
   before.bank.release();
   return true;
@@ -77,7 +76,7 @@ void BodyModel::glide_by_shares(BodyModel& before) noexcept {
     for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kLatest}) {
       auto& w = scratch_weight_[part];
       std::fill(w.begin(), w.end(), 0.0);
-      std::fill_n(scratch.begin(), audible_modes, 0.0); // of the shares' squares
+      std::fill_n(scratch.begin(), audible_modes, 0.0); // sums of squared shares
       for (const ModeShare& s : loaded->share) {
         const std::size_t i = index_of[s.now], j = before.index_of[s.before];
         if (i >= audible_modes || j >= before.audible_modes)
@@ -85,7 +84,7 @@ void BodyModel::glide_by_shares(BodyModel& before) noexcept {
         w[i] += s.share * before.bank.weight(l, part, j);
         scratch[i] += s.share * s.share;
       }
-      for (std::size_t i = 0; i < audible_modes; ++i) // a mode that is new is heard as it is
+      for (std::size_t i = 0; i < audible_modes; ++i) // modes without a predecessor
         if (scratch[i] == 0)
           w[i] = weight[l][i];
     }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-/// What forces on a body sound like besides its ringing modes: their kernels at the listeners.
+/// BodyModel: the kernels of the direct sound at the points where forces act.
 namespace tactus::modal {
 
 void BodyModel::make_kernels() {
@@ -22,7 +22,7 @@ void BodyModel::make_kernels() {
   }
 }
 
-/// Some listener's kernels are summed over the modes.
+/// True if some listener's kernels are summed over the modes, not over the surface.
 bool BodyModel::needs_gains() const noexcept {
   return std::any_of(direct.begin(),
                      direct.begin() + static_cast<std::ptrdiff_t>(settings.listeners),

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-/// How a body lies on its board: where they touch, what each point carries, what is heard of it.
+/// BodyModel: the contact points of a body on its board, their static loads and their kernels.
 namespace tactus::modal {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s^2
-constexpr double kMinAlignment = 0.1; // of their sum's length: directions that agree on an up
+constexpr double kGravity = 9.80665; // m/s^2
+constexpr double kMinAlignment =
+    0.1; // |sum of the directions| over their number: below it there is no common upward direction
 
 } // namespace
 
@@ -35,8 +36,8 @@ bool BodyModel::recoils(const SurfacePoint& point) const noexcept {
   return !resting_contacts.empty() && loaded->part_of_triangle(point.triangle) == 0;
 }
 
-/// The force at a point pushes the body inwards. The weight acts against the mean of these
-/// directions: the body lies, whichever way its axes turn.
+/// The contact force at a point pushes the body inwards. Up is the mean of these directions, so
+/// that the weight presses the body onto its points however its axes are turned.
 void BodyModel::find_resting_contacts() {
   if (loaded->parts.empty() || settings.rest.point_m.empty())
     return;
@@ -94,7 +95,8 @@ void BodyModel::find_resting_contacts() {
   resting_contacts = std::move(found);
 }
 
-/// The force on the one body and its opposite on the other, as each sounds at the listeners.
+/// A contact force acts on the body and, with the opposite sign, on the board: its kernels are
+/// those of both.
 void BodyModel::make_resting_kernels() {
   std::vector<float> other;
   for (std::size_t i = 0; i < resting_contacts.size(); ++i) {

@@ -9,14 +9,14 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMaxForce = 1e6;         // N taken from the inlet
+constexpr double kMaxForce = 1e6;         // N, of the external force
 constexpr double kMaxHeight = 10;         // m
-constexpr double kMaxSpeed = 1e3;         // m/s of a surface that rubs
-constexpr double kDivergedForce = 1e12;   // N
-constexpr double kAudibilityFloor = 1e-8; // of full scale: a mode below it is put to rest
-constexpr double kGainSpeed = 0.005;      // of the way, per sample
+constexpr double kMaxSpeed = 1e3;         // m/s, of the rubbing surface
+constexpr double kDivergedForce = 1e12;   // N, beyond which the motion is reset
+constexpr double kAudibilityFloor = 1e-8; // of full scale: quieter modes are set to zero
+constexpr double kGainSpeed = 0.005;      // of the remaining change, per sample
 
-/// Within bounds, and zero for what is no number.
+/// Clamps to +-limit; NaN becomes 0.
 template <class S> void limit_inputs(std::span<const S> from, double limit, float* to) noexcept {
   const S bound = static_cast<S>(limit);
   for (std::size_t n = 0; n < from.size(); ++n) {
@@ -60,7 +60,7 @@ void StruckBody::prepare(double sample_rate) {
                false, true);
   }
   if (model_)
-    settle_direct();
+    use_current_kernels();
   for (FadingBody& body : fading_) {
     retire(std::exchange(body.body, nullptr));
     body.direct.prepare(sample_rate);
@@ -92,7 +92,7 @@ void StruckBody::set_point(const SurfacePoint& point, const Vec3& direction) noe
   point_direction_ = direction;
   point_set_ = true;
   if (model_)
-    model_->solver.end(driven_slot()); // a hand lets go and comes down anew
+    model_->solver.end(driven_slot()); // a hand begins a new contact at the new point
   update_point_gains();
 }
 
@@ -131,7 +131,7 @@ void StruckBody::enter_contact() noexcept {
   model_->bank.read_states(states);
   model_->solver.write_states(states);
   model_->bank.silence();
-  if (resting_contacts())
+  if (has_resting_contacts())
     model_->solver.reset_rigid();
   begin_resting_contacts();
 }
@@ -150,13 +150,13 @@ void StruckBody::leave_contact() noexcept {
   m.solver.read_states(states);
   if (settled)
     std::fill(states.begin(), states.end(), 0.0);
-  if (!m.bank.asleep()) {
+  if (!m.bank.idle()) {
     m.bank.read_states(m.bank_state);
     for (std::size_t k = 0; k < m.audible_modes; ++k)
       states[k] += m.bank_state[k];
   }
   double loudest = 0;
-  for (std::size_t k = 0; k < m.audible_modes; ++k) { // squares of what is heard
+  for (std::size_t k = 0; k < m.audible_modes; ++k) { // squared loudness
     m.scratch[k] = m.loudness[k] * m.loudness[k] * std::norm(states[k]);
     loudest = std::max(loudest, m.scratch[k]);
   }
@@ -174,7 +174,7 @@ std::vector<double> StruckBody::levels(std::size_t limit) {
   std::vector<std::pair<double, double>> found;
   if (!model_)
     return {};
-  model_->bank.settle();
+  model_->bank.flush_pending();
   for (std::size_t k = 0; k < model_->audible_modes; ++k) {
     const double output = model_->loudest_weight(k);
     const double size = std::abs(in_solver_ ? model_->solver.state(k) : model_->bank.state(k));
@@ -202,12 +202,12 @@ void StruckBody::begin_driven() noexcept {
   build_contact_kernels(driven_slot(), point_, point_direction_);
 }
 
-/// What is released and what pulses excite rings in the bank beside a contact, which does not feel
-/// it; the sum is exact for all else.
-void StruckBody::ring_bank(std::size_t from, std::size_t to) noexcept {
+/// Runs the bank while the body is in the solver: sound that fades out, and modes excited by
+/// pulses. The contacts do not feel this motion; by linearity the sum of the sounds is exact.
+void StruckBody::run_bank_beside_contact(std::size_t from, std::size_t to) noexcept {
   BodyModel& m = *model_;
   std::array<const float*, 1 + kMaxContacts> force{};
-  bool rings = !m.bank.asleep();
+  bool rings = !m.bank.idle();
   for (std::size_t i = 0; i < m.settings.voices; ++i)
     if (pulses_[i].active) {
       force[1 + i] = chunk_.pulse[i].data() + from;
@@ -225,8 +225,28 @@ void StruckBody::ring_bank(std::size_t from, std::size_t to) noexcept {
       chunk_.output[l][n] += chunk_.released[l][n - from];
 }
 
-/// Sample by sample until nothing touches any more; returns where it stopped.
-std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcept {
+/// The solver's outputs at a sample, blended as the weights glide.
+void StruckBody::mix_coupled_output(std::size_t segment_begin, std::size_t sample) noexcept {
+  BodyModel& m = *model_;
+  for (std::size_t l = 0; l < m.settings.listeners; ++l)
+    chunk_.output[l][sample] = 0;
+  for (std::size_t e = 0; e < m.listener_part_count; ++e) {
+    const auto [listener, part] = m.listener_parts[e];
+    const Glide& glide = m.bank.glide(listener);
+    double output = m.solver.output(e);
+    if (glide.moving()) {
+      const Glide::Blend blend = glide.blend(sample - segment_begin);
+      output *= part == ModeBank::kOld      ? blend.old
+                : part == ModeBank::kMiddle ? blend.middle
+                                            : blend.latest;
+    }
+    chunk_.output[listener][sample] += static_cast<float>(output);
+  }
+}
+
+/// Runs coupled contacts sample by sample, until nothing touches or a glide exchanges its weights.
+/// Returns the sample where it stopped.
+std::size_t StruckBody::run_coupled(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
   const std::size_t hand = driven_slot();
   std::size_t n = from;
@@ -234,7 +254,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
   frames = std::min(frames, from + m.bank.glide_left());
   for (; n < frames && m.solver.touching(); ++n) {
     if (now_ >= next_landing_)
-      land();
+      begin_landed_contacts();
     const auto height = static_cast<double>(chunk_.height[n]);
     const bool driven = options_.driven && options_.spring_n_per_m == 0;
     if (driven && height < 0 && !m.solver.contact(hand).active)
@@ -248,7 +268,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
     double force = m.solver.step();
     if (std::abs(force) < kDivergedForce) {
       add_direct_contacts(n - from);
-    } else { // no body stands that: begin again from rest
+    } else { // beyond any physical body: start again from rest
       m.solver.silence();
       impacts_ = {};
       force = 0;
@@ -267,40 +287,28 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       m.solver.apply_impulse(m.force_gain, impulse);
       m.solver.apply_rigid_impulse(m.force_rigid, impulse);
     }
-    for (std::size_t l = 0; l < m.settings.listeners; ++l)
-      chunk_.output[l][n] = 0;
-    for (std::size_t e = 0; e < m.listener_part_count; ++e) {
-      const auto [listener, part] = m.listener_parts[e];
-      const Glide& glide = m.bank.glide(listener);
-      double output = m.solver.output(e);
-      if (glide.moving()) {
-        const Glide::Blend blend = glide.blend(n - from);
-        output *= part == ModeBank::kOld      ? blend.old
-                  : part == ModeBank::kMiddle ? blend.middle
-                                              : blend.latest;
-      }
-      chunk_.output[listener][n] += static_cast<float>(output);
-    }
+    mix_coupled_output(from, n);
   }
-  ring_bank(from, n);
+  run_bank_beside_contact(from, n);
   if (!m.solver.touching() || has_settled())
     leave_contact();
   return n;
 }
 
-/// Nothing touches: the bank alone, up to where the led striker comes down.
-std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept {
+/// Runs the bank alone, until a contact begins or a glide exchanges its weights. Returns the sample
+/// where it stopped.
+std::size_t StruckBody::run_uncoupled(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
-  if (resting_contacts() && m.bank.rings()) { // it has come to rest on a board while it rang
+  if (has_resting_contacts() && m.bank.ringing()) { // a board has been placed under a ringing body
     enter_contact();
     return from;
   }
   frames = std::min(frames, from + m.bank.glide_left());
-  // Up to where a hand or a surface that rubs comes down, or a force moves a body on a board.
+  // Contacts begin when a hand or a rubbing surface touches, or a force moves a body on a board.
   const bool driven = options_.driven && options_.spring_n_per_m == 0;
   const auto begins = [&](std::size_t n) {
     return (driven && chunk_.height[n] < 0) || chunk_.normal[n] > 0 ||
-           (resting_contacts() && chunk_.force[n] != 0);
+           (has_resting_contacts() && chunk_.force[n] != 0);
   };
   std::size_t to = from;
   while (to < frames && !begins(to))
@@ -324,7 +332,7 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
     last_height_ = static_cast<double>(chunk_.height[to - 1]);
   }
   if (lands)
-    land();
+    begin_landed_contacts();
   else if (to < frames && driven && chunk_.height[to] < 0)
     begin_driven();
   else if (to < frames && chunk_.normal[to] > 0)
@@ -341,12 +349,12 @@ void StruckBody::run(std::size_t frames) noexcept {
   for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMaxListeners; ++l)
     chunk_.output[l].fill(0); // all others are overwritten
   if (sounds) {
-    model_->bank.set_floor(kAudibilityFloor / std::max(options_.gain, 1e-6));
+    model_->bank.set_audibility_floor(kAudibilityFloor / std::max(options_.gain, 1e-6));
     make_pulses(frames);
     for (std::size_t n = 0; n < frames;) {
       const std::size_t from = n;
       const Glide glide = model_->bank.glide(0);
-      n = in_solver_ ? in_contact(n, frames) : in_flight(n, frames);
+      n = in_solver_ ? run_coupled(n, frames) : run_uncoupled(n, frames);
       finish_direct(from, n, glide);
     }
     if (model_->uses_recordings)
@@ -386,10 +394,10 @@ void StruckBody::finish(std::size_t frames) noexcept {
     for (; n < frames; ++n)
       sound[n] *= steady;
     for (n = 0; n < frames; ++n)
-      sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // what is not finite
+      sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // NaN and infinity become 0
   }
   silent_samples_ = std::min(silent, kSilence);
-  if (listeners == 1) // is heard on both sides
+  if (listeners == 1) // both channels
     chunk_.output[1] = chunk_.output[0];
 }
 
@@ -400,7 +408,7 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
   adopt();
   const std::size_t frames = force_out.size();
   for (std::size_t begin = 0, count = 0; begin < frames; begin += count) {
-    carry_out_due();
+    apply_due_events();
     count = std::min(kChunk, frames - begin);
     const std::int64_t next = events_.next();
     if (next < clock_ + static_cast<std::int64_t>(count))
@@ -410,7 +418,7 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
     if (options_.driven)
       limit_inputs(height.subspan(begin, count), kMaxHeight, chunk_.height.data());
     else
-      chunk_.height.fill(0); // a hand that begins to lead begins at the surface
+      chunk_.height.fill(0); // a hand begins at the surface
     if (rubbing.normal_force.empty() || (model_ && model_->uses_recordings)) {
       chunk_.normal.fill(0);
     } else {

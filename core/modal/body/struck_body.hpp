@@ -16,36 +16,41 @@
 
 namespace tactus::modal {
 
-/// What strikes: a ball by Hertz, or a contact law given outright.
+/// A striker: a ball in Hertz contact, or a mass with a contact law of its own.
 struct Striker {
   double mass_kg = 0.00710, radius_m = 0.006, youngs_modulus_pa = 206e9, poisson = 0.29;
   double stiffness = 0, exponent = 1.5, loss_s_per_m = 0; ///< stiffness above 0 overrides Hertz
-  double restitution = 1; ///< on a resting wall; below 1 it sets the loss
+  double restitution = 1; ///< on a rigid wall; below 1 it sets the loss
 };
 
 /// A surface that rubs the body, such as a bow.
 struct Rub {
-  bool placed = false; ///< else it rubs at the point
+  bool placed = false; ///< else it rubs at the force point
   SurfacePoint point;
-  Vec3 direction{0, 0, 1}; ///< of length 1, along the body's surface: where its velocity counts to
+  Vec3 direction{0, 0, 1}; ///< of length 1, along the body's surface: that of positive velocity
   contact::FrictionLaw law;
 };
 
-/// One blow.
+/// One strike.
 struct Hit {
   SurfacePoint point;
-  Vec3 direction{0, 0, 1}; ///< of length 1; the blow goes against it
+  Vec3 direction{0, 0, 1}; ///< of length 1; the striker moves against it
   double speed_m_per_s = 1;
-  bool falls = false; ///< by its weight: it comes back under gravity until it lies
+  bool falls = false; ///< under gravity: the striker bounces until it lies still
 };
 
-/// A body that is struck, pushed and pressed, and heard: model, contacts, mode bank and the ways to
-/// the listeners. New models are handed over between threads and taken at a block's beginning.
+/// A virtual body that is struck, pushed, pressed and rubbed, with its sound at up to four
+/// listeners.
 ///
-/// Contacts run coupled with the body in ContactSolver, sample by sample; everything else rings in
-/// ModeBank. A body that rests on a board touches it for as long as anything moves: it rings in the
-/// solver, and the bank has what crowded strikes excite beside it. process() and hit() belong to
-/// one thread (or are called in turn), publish() to another.
+/// While something touches the body, ContactSolver computes contacts and modes together, sample by
+/// sample. Otherwise the modes ring in ModeBank, which is much cheaper. A body on a board touches
+/// it for as long as anything moves, so that it rings in the solver; strikes that exceed the budget
+/// (kMaxCoupledWork) are pulses that excite the bank besides. Sound passes through DirectSound and
+/// a DelayLine for each listener.
+///
+/// Threads: process(), hit() and all setters belong to one thread (or are called in turn).
+/// publish() may be called from another thread; the new model is taken at the beginning of a block.
+/// Nothing but prepare(), publish() and levels() allocates.
 class StruckBody {
 public:
   StruckBody() = default;
@@ -53,87 +58,91 @@ public:
   StruckBody(const StruckBody&) = delete;
   StruckBody& operator=(const StruckBody&) = delete;
 
-  /// Allocates. Models must be made for the same sample rate to sound.
+  /// Allocates. A model sounds only if it was made for the same sample rate.
   void prepare(double sample_rate);
 
-  /// Hands over a model; the one that it replaces before the audio path has taken it is dropped.
-  /// `same_body`: it goes on ringing, else it is silent and the old body, ringing on, is faded out.
+  /// Hands over a model. A model that has not been taken yet is dropped. `same_body`: the motion
+  /// continues in the new model; else it begins at rest and the old body fades out.
   void publish(std::unique_ptr<BodyModel> model, bool same_body);
   /// Takes a published model now. Not while process() runs.
   void adopt() noexcept;
-  /// The model at work; null before the first.
+  /// The present model; null before the first.
   [[nodiscard]] const BodyModel* model() const noexcept { return model_.get(); }
 
   void set_striker(const Striker& striker) noexcept { striker_ = striker; }
   [[nodiscard]] const Striker& striker() const noexcept { return striker_; }
-  /// A blow now. False when there is no body.
+  /// Strikes the body now. False if there is no body or the speed is not above 0.
   bool hit(const Hit& hit) noexcept;
-  /// Where the outer force and the led striker meet the body.
+  /// Sets the point where the external force and the driven striker act.
   void set_point(const SurfacePoint& point, const Vec3& direction) noexcept;
-  /// Where they meet when all that is scheduled has happened.
+  /// The point after all scheduled events.
   [[nodiscard]] const SurfacePoint& point() const noexcept { return requested_point_; }
-  /// What rubs the body, and where; a rub under way changes its law and slides on to the place.
+  /// Sets the friction law and the point of the rubbing surface; it slides there if it is rubbing.
   void set_rub(const Rub& rub) noexcept;
+  /// Ends all contacts and fades the sound out.
   void reset() noexcept;
 
-  /// The same at a sample on the clock of process(), at once for a sample that is over. At most
-  /// kMaxScheduled wait; one more makes the first happen now.
+  /// The same at a sample on the clock of process(), or at once if that is past. At most
+  /// kMaxScheduled events wait; one more applies the first of them now.
   void schedule_hit(const Hit& hit, std::int64_t sample) noexcept;
   void schedule_point(const SurfacePoint& point, const Vec3& direction,
                       std::int64_t sample) noexcept;
   void schedule_rub(const Rub& rub, std::int64_t sample) noexcept;
-  /// What rubs when all that is scheduled has happened.
+  /// The rub after all scheduled events.
   [[nodiscard]] const Rub& requested_rub() const noexcept { return requested_rub_; }
   void schedule_reset(std::int64_t sample) noexcept;
-  /// The next process() begins at this sample; else where the last one ended.
+  /// Sets the sample at which the next process() begins; without it, where the last one ended.
   void begin_block(std::int64_t sample) noexcept { clock_ = sample; }
   [[nodiscard]] std::int64_t clock() const noexcept { return clock_; }
   static constexpr std::size_t kMaxScheduled = 512;
-  /// Modes times contacts that are followed coupled at once; a blow beyond it is a pulse, unless
-  /// it is the only one, so that any number of blows on a large body stays in time.
+  /// The most modes times coupled contacts. A strike beyond it is a pulse, unless it is the only
+  /// one, so that any number of strikes on a large body is computed in time.
   static constexpr std::size_t kMaxCoupledWork = 8192;
-  /// Contacts that are followed coupled at once; a strike beyond them is a pulse.
+  /// The most coupled contacts at once; a strike beyond them is a pulse.
   static constexpr std::size_t kMaxCoupled = 16;
-  /// Modes, and a quarter of them for each listener, of scheduled strikes that begin within
-  /// kBudgetSamples; what comes beyond it begins so much later, in order. On 20 000 modes one
-  /// strike, on 10 000 modes three.
+  /// The most work of scheduled strikes that begin within kBudgetSamples, in modes plus a quarter
+  /// of the modes for each listener. Further strikes begin kBudgetSamples later, in order. With two
+  /// listeners: on 20 000 modes one strike, on 10 000 modes two.
   static constexpr std::size_t kMaxStartingWork = 40000;
   static constexpr std::int64_t kBudgetSamples = 64;
-  /// A body of more modes takes one new force point, and one new place of what rubs, within
-  /// kBudgetSamples, the newest.
+  /// A body of more modes takes at most one new force point and one new point of the rub, the
+  /// newest, within kBudgetSamples.
   static constexpr std::size_t kMaxUnthrottledModes = 4096;
 
-  /// Levels in dB from full scale at the loudest listener, of the lowest modes by frequency; -120
-  /// for what is at rest. Allocates.
+  /// The levels of the `limit` lowest modes, by frequency: dB from full scale at the loudest
+  /// listener, at least -120. Allocates.
   [[nodiscard]] std::vector<double> levels(std::size_t limit);
 
   struct Options {
-    bool coupled = true; ///< else blows are pulses of known shape
-    bool driven = false; ///< the second inlet holds a striker's height above the point
-    bool doppler = false;
-    double spring_n_per_m = 0; ///< above 0: the led striker feels this spring, nothing sounds
+    bool coupled = true;       ///< else strikes are half-sine pulses (Pulse)
+    bool driven = false;       ///< `height` of process() moves a striker above the force point
+    bool doppler = false;      ///< a moving listener hears the pitch change
+    double spring_n_per_m = 0; ///< above 0: the driven striker meets this spring, without sound
     double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
     double cull_db = 90;
   };
-  /// A new gain is smoothed while something sounds; in silence it holds at once.
+  /// A new gain is smoothed while something sounds; in silence it is applied at once.
   void set_options(const Options& options) noexcept;
   [[nodiscard]] const Options& options() const noexcept { return options_; }
-  /// Modes that the last blow left out as inaudible, and those that ring now.
+  /// Modes that the last strike left out as inaudible.
   [[nodiscard]] std::size_t culled() const noexcept { return culled_; }
+  /// Contacts and pulses at present, without resting contacts.
   [[nodiscard]] std::size_t contacts() const noexcept;
-  /// Strikers that are in the air between two bounces.
+  /// Strikers in the air between two bounces.
   [[nodiscard]] std::size_t flights() const noexcept;
 
   static constexpr double kGravity = 9.80665; ///< m/s^2
 
-  /// How the surface that rubs presses, N, and moves, m/s, sample by sample, and its force along
-  /// the body's surface, N. Empty spans: nothing rubs.
+  /// The rubbing surface, sample by sample: its normal force, N, its velocity, m/s, and the
+  /// resulting friction force, N. Empty spans: nothing rubs.
   template <class S> struct Rubbing {
     std::span<const S> normal_force, velocity;
     std::span<S> friction;
   };
-  /// out: kMaxListeners spans or fewer, overwritten, N samples each; force_out in N.
-  /// `force` N, `height` m above the point. Input and output may share memory.
+  /// Computes a block of force_out.size() samples. `force`: N, at the force point. `height`: of the
+  /// driven striker above it, m. `out`: up to kMaxListeners spans, overwritten. `force_out`: the
+  /// force of strikers and hands, N. Input and output may share memory. Any input is safe: NaN
+  /// counts as 0, forces are limited to 1e6 N.
   template <class S>
   void process(std::span<const S> force, std::span<const S> height,
                std::span<const std::span<S>> out, std::span<S> force_out,
@@ -154,48 +163,48 @@ private:
     std::size_t release_left = ModeBank::kRelease; ///< samples, when released
   };
   using Recordings = std::array<Recording, kMaxContacts>;
-  using Sound = std::array<std::array<float, kChunk>, kMaxListeners>;
-  /// A coupled blow, and where its striker is when it bounces.
+  using ChannelBlock = std::array<std::array<float, kChunk>, kMaxListeners>;
+  /// A coupled strike, and the state of its striker between bounces.
   struct CoupledImpact {
     Hit hit;
     Striker striker;
     bool bounces = false, in_air = false;
     double landing_speed_m_per_s = 0;
-    std::uint64_t landing = 0; ///< on the clock of samples
+    std::uint64_t landing = 0; ///< sample
   };
   struct Chunk {
     std::array<float, kChunk> force{}, height{}, contact{}, normal{}, velocity{}, friction{};
-    Sound output{}, released{};
+    ChannelBlock output{}, released{};
     std::array<std::array<float, kChunk>, kMaxContacts> pulse{};
   };
-  /// What waits for its sample.
+  /// A scheduled event.
   struct Event {
     enum class Kind { kHit, kPoint, kRub, kReset };
     Kind kind = Kind::kReset;
-    Hit hit; ///< of a point: its place and direction
+    Hit hit; ///< of kPoint: point and direction only
     Striker striker;
     Rub rub;
   };
   void schedule(const Event& event, std::int64_t sample) noexcept;
-  void carry_out_due() noexcept;
+  void apply_due_events() noexcept;
   [[nodiscard]] bool has_event_by(Event::Kind kind, std::int64_t sample) noexcept;
-  void carry_out(const Event& event) noexcept;
+  void apply_event(const Event& event) noexcept;
   void move_events(const BodyModel& before) noexcept;
   bool strike(const Hit& hit, const Striker& striker) noexcept;
   void run(std::size_t frames) noexcept;
-  [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
-  [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
+  [[nodiscard]] std::size_t run_coupled(std::size_t from, std::size_t frames) noexcept;
+  [[nodiscard]] std::size_t run_uncoupled(std::size_t from, std::size_t frames) noexcept;
   void begin_driven() noexcept;
   void begin_rub() noexcept;
   void set_rub_point() noexcept;
   void drive_rub(std::size_t sample) noexcept;
   [[nodiscard]] std::size_t driven_slot() const noexcept { return model_->settings.voices; }
   [[nodiscard]] std::size_t rub_slot() const noexcept { return model_->settings.voices + 1; }
-  void ring_bank(std::size_t from, std::size_t to) noexcept;
+  void run_bank_beside_contact(std::size_t from, std::size_t to) noexcept;
   void take_over_contacts(BodyModel& before) noexcept;
   void start_flights() noexcept;
   void start_flight(std::size_t slot) noexcept;
-  void land() noexcept;
+  void begin_landed_contacts() noexcept;
   void find_next_landing() noexcept;
   void finish(std::size_t frames) noexcept;
   void enter_contact() noexcept;
@@ -205,8 +214,10 @@ private:
   void continue_pulses() noexcept;
   [[nodiscard]] contact::ImpactLaw law(const Striker& striker, double speed,
                                        const SurfacePoint& point) const noexcept;
-  // A body that rests on a board: struck_body_rest.cpp.
-  [[nodiscard]] bool resting_contacts() const noexcept { return !model_->resting_contacts.empty(); }
+  // A body that rests on a board: struck_body_resting.cpp.
+  [[nodiscard]] bool has_resting_contacts() const noexcept {
+    return !model_->resting_contacts.empty();
+  }
   [[nodiscard]] std::size_t active_strikes() const noexcept;
   void begin_resting_contacts() noexcept;
   [[nodiscard]] bool has_settled() const noexcept;
@@ -215,7 +226,7 @@ private:
                                   double max_mass_ratio) noexcept;
   void strike_recording(std::size_t slot, const Hit& hit) noexcept;
   void play_recordings(const BodyModel& model, Recordings& recordings, std::size_t frames,
-                       Sound& output) noexcept;
+                       ChannelBlock& output) noexcept;
   [[nodiscard]] std::size_t free_slot() noexcept;
   void update_point_gains() noexcept;
 
@@ -225,23 +236,35 @@ private:
     std::unique_ptr<BodyModel> model;
     bool same_body = false;
     Handover* next = nullptr;
-    int owners = 1; ///< what retires it, each once
+    int owners = 1; ///< each calls retire() once
   };
   void drop_retired() noexcept;
   void retire(Handover* body) noexcept;
-  /// A body that has been exchanged, until the last of its sound has reached the listeners.
+  /// An exchanged body, until the last of its sound has reached the listeners.
   struct FadingBody {
     Handover* body = nullptr;
     std::array<DelayLine, kMaxListeners> delay{};
     Recordings recordings{};
     DirectSound direct;
     std::size_t left = 0;      ///< samples
-    bool before_delay = false; ///< of the present delay lines, with the present body
+    bool before_delay = false; ///< it sounds through the delay lines of the present body
   };
-  /// Room for a body that leaves: of more than there is room for, the one nearest to its end goes.
+  /// A slot for a body that fades out: a free one, or that of the body nearest to its end.
   [[nodiscard]] FadingBody& fading_slot() noexcept;
   void fade_unmatched(Handover* before) noexcept;
-  void follow_surface() noexcept;
+  void map_points_to_new_shape() noexcept;
+  /// What adopt() changes when a new model takes over.
+  struct Transition {
+    bool same_body = false;  ///< its motion continues
+    bool resolved = false;   ///< ... in a table whose modes were solved anew (ModeShare)
+    bool in_contact = false; ///< ... and its contacts continue
+    bool in_silence = false; ///< nothing sounds: all changes take effect at once
+    bool gliding = false;    ///< the old model's weights were gliding
+  };
+  [[nodiscard]] bool continue_states(BodyModel& next, const Transition& change) noexcept;
+  void place_point() noexcept;
+  void continue_direct(Handover* before, const Transition& change) noexcept;
+  void mix_coupled_output(std::size_t segment_begin, std::size_t sample) noexcept;
   void add_fading_before_delay(std::size_t frames) noexcept;
   void fade_out(Handover* before, bool glides) noexcept;
   void add_fading(std::size_t listener_count, std::size_t frames) noexcept;
@@ -255,16 +278,16 @@ private:
                            const Vec3& direction) noexcept;
   void build_point_kernels() noexcept;
   void take_over_direct(Handover* before, bool moving) noexcept;
-  void settle_direct() noexcept;
+  void use_current_kernels() noexcept;
   void retire_unused() noexcept;
   void carry_over_direct(BodyModel& before, const ContactSolver& solver) noexcept;
   void add_direct_contacts(std::size_t at) noexcept;
   void add_direct_samples(std::size_t at, std::size_t sample) noexcept;
   void finish_direct(std::size_t from, std::size_t to, const Glide& glide) noexcept;
   std::atomic<Handover*> incoming_{nullptr}, retired_{nullptr};
-  /// Models before, while their kernels are heard, and the kernels of each part of the glide.
+  /// Earlier models whose kernels still sound, and the model of each part of the glide.
   std::array<Handover*, 4> previous_models_{};
-  std::array<BodyModel*, 3> part_{};
+  std::array<BodyModel*, 3> part_model_{};
   DirectSound direct_;
   bool point_kernels_valid_ = false; ///< the force inlet's kernels are those of the point
   Striker striker_;

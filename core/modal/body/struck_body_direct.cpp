@@ -4,11 +4,11 @@
 #include <functional>
 #include <utility>
 
-/// What the forces on a StruckBody sound like besides the modes that ring. While the weights of the
-/// modes glide from model to model, forces sound by the kernels of those models, in step.
+/// StruckBody: the direct sound of forces (DirectSound). While the modes' weights glide from model
+/// to model, forces are filtered by the kernels of each of these models, blended in step.
 namespace tactus::modal {
 
-/// Every model whose kernels are heard, or will be.
+/// Calls work(model) for every model whose kernels sound.
 template <class Work> void StruckBody::for_each_model(Work&& work) noexcept {
   work(*model_);
   for (Handover* const previous : previous_models_)
@@ -21,7 +21,7 @@ void StruckBody::build_contact_kernels(std::size_t slot, const SurfacePoint& poi
   for_each_model([&](BodyModel& m) { m.build_contact_kernels(slot, point, direction); });
 }
 
-/// The gains that are left of the modes are in the present model's `scratch`.
+/// The pulse's gains, without culled modes, are in the present model's `scratch`.
 void StruckBody::build_pulse_kernels(std::size_t slot, const SurfacePoint& point,
                                      const Vec3& direction) noexcept {
   for_each_model([&](BodyModel& m) {
@@ -36,35 +36,36 @@ void StruckBody::build_point_kernels() noexcept {
   for_each_model([&](BodyModel& m) { m.build_point_kernels(point_, point_direction_); });
 }
 
-/// A model of the same body has come, the one before given; `moving`: its weights were gliding. The
-/// models before stay for as long as their kernels are heard.
+/// Continues with a new model of the same body. `moving`: the weights of the old one were gliding.
+/// Old models are kept for as long as their kernels sound.
 void StruckBody::take_over_direct(Handover* before, bool moving) noexcept {
   const auto free_entry = std::find(previous_models_.begin(), previous_models_.end(), nullptr);
-  *free_entry = before; // three parts at most are heard, so one of four is free
+  *free_entry = before; // at most three parts sound, so that one of four is free
   if (!moving) {
     direct_.start();
-    part_ = {nullptr, before->model.get(), model_.get()};
+    part_model_ = {nullptr, before->model.get(), model_.get()};
     carry_over_direct(*before->model, before->model->solver);
   }
   retire_unused();
 }
 
-/// Only the present model's kernels count from now on, whether the bank's weights glide or not.
-void StruckBody::settle_direct() noexcept {
-  part_.fill(model_.get());
+/// From now on only the present model's kernels are used, whether the bank's weights glide or not.
+void StruckBody::use_current_kernels() noexcept {
+  part_model_.fill(model_.get());
   retire_unused();
 }
 
 void StruckBody::retire_unused() noexcept {
   for (Handover*& previous : previous_models_)
-    if (previous && std::find(part_.begin(), part_.end(), previous->model.get()) == part_.end())
+    if (previous && std::find(part_model_.begin(), part_model_.end(), previous->model.get()) ==
+                        part_model_.end())
       retire(std::exchange(previous, nullptr));
 }
 
-/// The freshest part goes on from a model before: forces that go on are taken as having acted for
-/// long. `solver` has the present contacts.
+/// Continues the latest part from an earlier model: forces that persist are taken as constant for
+/// long (DirectSound::add_history). `solver` has the present contacts.
 void StruckBody::carry_over_direct(BodyModel& before, const ContactSolver& solver) noexcept {
-  const BodyModel& latest = *part_[ModeBank::kLatest];
+  const BodyModel& latest = *part_model_[ModeBank::kLatest];
   const auto carry = [&](const auto& to, const auto& from, std::span<const double> force) {
     std::array<double, DirectKernels::kMaxMoments> negative{};
     std::transform(force.begin(), force.end(), negative.begin(), std::negate());
@@ -89,19 +90,20 @@ void StruckBody::carry_over_direct(BodyModel& before, const ContactSolver& solve
             sampled.moments);
 }
 
-/// Calls work(part, model) for the parts that a force sounds by.
+/// Calls work(part, model) for the parts of the glide with a weight above 0.
 template <class Work> void StruckBody::for_each_part(Work&& work) noexcept {
   const Glide& glide = model_->bank.glide(0);
   for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kLatest}) {
     const bool counts = part == ModeBank::kOld      ? glide.moving() && glide.has_old()
                         : part == ModeBank::kMiddle ? glide.moving()
                                                     : !glide.moving() || glide.has_latest();
-    if (counts && part_[part])
-      work(part, *part_[part]);
+    if (counts && part_model_[part])
+      work(part, *part_model_[part]);
   }
 }
 
-/// Of the sample that the solver has just worked, `at` samples into the segment.
+/// Adds the contact forces of the sample that the solver has just computed, `at` samples into the
+/// segment.
 void StruckBody::add_direct_contacts(std::size_t at) noexcept {
   for (const ContactSolver::SampledForce& sampled : model_->solver.sampled())
     for_each_part([&](ModeBank::Part part, const BodyModel& m) {
@@ -111,7 +113,7 @@ void StruckBody::add_direct_contacts(std::size_t at) noexcept {
     });
 }
 
-/// Of the force inlet and of pulses, at a sample of the chunk.
+/// Adds the external force and the pulses at a sample of the chunk.
 void StruckBody::add_direct_samples(std::size_t at, std::size_t sample) noexcept {
   const auto add = [&](std::size_t drive, float force) {
     for_each_part([&](ModeBank::Part part, const BodyModel& m) {
@@ -130,7 +132,7 @@ void StruckBody::add_direct_samples(std::size_t at, std::size_t sample) noexcept
       add(1 + i, chunk_.pulse[i][sample]);
 }
 
-/// `glide`: as it was when the segment began.
+/// Ends a segment of the chunk. `glide`: as at the segment's beginning.
 void StruckBody::finish_direct(std::size_t from, std::size_t to, const Glide& glide) noexcept {
   for (std::size_t l = 0; l < model_->settings.listeners; ++l)
     direct_.finish(l, std::span(chunk_.output[l]).subspan(from, to - from), glide);
@@ -141,16 +143,16 @@ void StruckBody::finish_direct(std::size_t from, std::size_t to, const Glide& gl
   const Glide& after = model_->bank.glide(0);
   direct_.rotate(glide, after);
   if (glide.has_latest()) {
-    part_[ModeBank::kOld] = part_[ModeBank::kMiddle];
-    part_[ModeBank::kMiddle] = part_[ModeBank::kLatest];
+    part_model_[ModeBank::kOld] = part_model_[ModeBank::kMiddle];
+    part_model_[ModeBank::kMiddle] = part_model_[ModeBank::kLatest];
   }
   if (!after.moving())
-    return settle_direct();
+    return use_current_kernels();
   if (!after.has_old())
-    part_[ModeBank::kOld] = nullptr;
-  part_[ModeBank::kLatest] = after.has_latest() ? model_.get() : nullptr;
+    part_model_[ModeBank::kOld] = nullptr;
+  part_model_[ModeBank::kLatest] = after.has_latest() ? model_.get() : nullptr;
   if (after.has_latest())
-    carry_over_direct(*part_[ModeBank::kMiddle], model_->solver);
+    carry_over_direct(*part_model_[ModeBank::kMiddle], model_->solver);
   retire_unused();
 }
 

@@ -1,6 +1,6 @@
 #include "core/modal/body/struck_body.hpp"
 
-/// How a StruckBody is rubbed.
+/// StruckBody: friction by a rubbing surface.
 namespace tactus::modal {
 
 void StruckBody::begin_rub() noexcept {
@@ -16,16 +16,16 @@ void StruckBody::set_rub(const Rub& rub) noexcept {
   set_rub_point();
 }
 
-/// Works out what a rub's place and direction are to the modes.
+/// Sets the modal gains of the rub's point and direction.
 void StruckBody::set_rub_point() noexcept {
   if (!rub_.placed)
     rub_.point = point_;
   rub_.direction = along_surface(rub_.point.normal, rub_.direction);
-  // Gains are of a push against a direction.
+  // gains() is for a force against a direction.
   const Vec3 against = -rub_.direction;
   model_->gains(rub_.point, against, model_->scratch);
-  // What is rubbed is held: the surface drags its modes along, not the body, unless it rests on a
-  // board.
+  // A rubbed body is held: friction moves its modes but not the body as a whole, unless it rests on
+  // a board.
   const BodyModel::RigidGain rigid = model_->recoils(rub_.point)
                                          ? model_->rigid_gains(rub_.point, against)
                                          : BodyModel::RigidGain{};
@@ -36,7 +36,7 @@ void StruckBody::set_rub_point() noexcept {
   build_contact_kernels(rub_slot(), rub_.point, against);
 }
 
-/// What rubs in this sample.
+/// Applies the rubbing surface's normal force and velocity of a sample.
 void StruckBody::drive_rub(std::size_t sample) noexcept {
   const auto normal = static_cast<double>(chunk_.normal[sample]);
   if (normal > 0) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-/// How a StruckBody gives way to another: what waited, and what still rings.
+/// StruckBody: how a new model takes over from the present one, and how an old body fades out.
 namespace tactus::modal {
 namespace {
 
-/// Of the same contacts and listeners.
+/// True if both have the same slots of contacts and the same number of listeners.
 bool have_compatible_kernels(const BodyModel& one, const BodyModel& two) noexcept {
   return one.settings.sample_rate == two.settings.sample_rate &&
          one.settings.voices == two.settings.voices &&
@@ -27,91 +27,103 @@ void StruckBody::adopt() noexcept {
   Handover* next = incoming_.exchange(nullptr, std::memory_order_acq_rel);
   if (!next)
     return;
-  const bool follows = next->same_body && model_ && next->model->loaded->follows(*model_->loaded);
-  const bool same_body_continues =
-      follows || (next->same_body && model_ && model_->loaded == next->model->loaded);
-  bool unmatched = false;
-  const bool in_contact_now = same_body_continues && in_solver_ &&
-                              next->model->settings.sample_rate == model_->settings.sample_rate;
-  if (!in_contact_now)
+  Transition change;
+  change.resolved = next->same_body && model_ && next->model->loaded->follows(*model_->loaded);
+  change.same_body =
+      change.resolved || (next->same_body && model_ && model_->loaded == next->model->loaded);
+  change.in_contact = change.same_body && in_solver_ &&
+                      next->model->settings.sample_rate == model_->settings.sample_rate;
+  if (!change.in_contact)
     leave_contact();
-  // In silence everything holds at once.
-  const bool in_silence =
-      !model_ || (!in_contact_now && silent_samples_ >= kSilence && model_->bank.asleep());
-  if (same_body_continues && in_silence) {
-    next->model->bank.set_clock(model_->bank.clock());
-  } else if (follows) {
-    unmatched = next->model->continue_modes_from(*model_, in_contact_now);
-  } else if (in_contact_now) {
-    next->model->continue_in_contact(*model_);
-  } else if (same_body_continues) {
-    next->model->continue_from(*model_);
-  } else {
-    impacts_ = {};
-    next_landing_ = kNever;
-    pulses_ = {};
-    if (model_)
-      next->model->bank.set_clock(model_->bank.clock());
-  }
-  const bool glides = model_ && model_->bank.glide(0).moving();
+  change.in_silence =
+      !model_ || (!change.in_contact && silent_samples_ >= kSilence && model_->bank.idle());
+  const bool unmatched = continue_states(*next->model, change);
+  change.gliding = model_ && model_->bank.glide(0).moving();
   std::swap(model_, next->model);
-  if (follows)
-    follow_surface();
+  if (change.resolved)
+    map_points_to_new_shape();
   if (unmatched)
     fade_unmatched(next);
-  if (in_contact_now) {
-    if (next->model->resting_contacts.empty() && resting_contacts())
-      model_->solver.reset_rigid(); // where it was without a board is its equilibrium now
+  if (change.in_contact) {
+    if (next->model->resting_contacts.empty() && has_resting_contacts())
+      model_->solver.reset_rigid(); // the present position is the equilibrium on the new board
     take_over_contacts(*next->model);
   }
-  if (!same_body_continues && next->model)
+  if (!change.same_body && next->model)
     move_events(*next->model);
-  if (!same_body_continues)
-    fade_out(next, glides);
+  if (!change.same_body)
+    fade_out(next, change.gliding);
   for (std::size_t l = 0; l < kMaxListeners; ++l) {
     delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler,
-                  !same_body_continues || in_silence);
+                  !change.same_body || change.in_silence);
   }
-  if (!same_body_continues && rub_.placed && next->model) {
+  if (!change.same_body && rub_.placed && next->model) {
     rub_.point = model_->nearest(next->model->settings.size * rub_.point.position);
     rub_.direction = along_surface(rub_.point.normal, rub_.direction);
   }
-  if (!point_set_ || !same_body_continues) {
-    const Surface& surface = model_->loaded->surface;
-    if (!surface.empty()) {
-      // Until a point is given: what lies nearest to the user.
-      const Vec3 there = point_set_ ? point_.position
-                                    : 0.5 * (surface.lowest() + surface.highest()) +
-                                          Vec3{0, 0, surface.diagonal()};
-      point_ = surface.nearest(there);
-      point_direction_ = point_.normal;
-    } else {
-      point_ = {};
-    }
-  }
+  if (!point_set_ || !change.same_body)
+    place_point();
   update_point_gains();
   for (std::size_t i = model_->settings.voices; i < kMaxContacts; ++i)
     impacts_[i] = {};
   find_next_landing();
   continue_pulses();
-  if (same_body_continues) {
-    if (!in_silence && have_compatible_kernels(*model_, *next->model)) {
-      take_over_direct(next, glides);
-    } else {
-      if (in_silence) {
-        direct_.clear();
-      } else { // what has been given goes on, to the listeners that stay
-        direct_.settle(next->model->bank.glide(0));
-        direct_.clear_from(model_->settings.listeners);
-      }
-      settle_direct();
-      retire(next);
-    }
-  }
+  if (change.same_body)
+    continue_direct(next, change);
   requested_point_ = point_;
   for (std::size_t i = 0; i < events_.size(); ++i)
     if (events_[i].kind == Event::Kind::kPoint)
       requested_point_ = events_[i].hit.point;
+}
+
+/// Moves the present model's motion to the next one. True if modes without a successor are left in
+/// the present model's bank, to be faded out.
+bool StruckBody::continue_states(BodyModel& next, const Transition& change) noexcept {
+  if (change.same_body && change.in_silence) {
+    next.bank.set_clock(model_->bank.clock());
+  } else if (change.resolved) {
+    return next.continue_modes_from(*model_, change.in_contact);
+  } else if (change.in_contact) {
+    next.continue_in_contact(*model_);
+  } else if (change.same_body) {
+    next.continue_from(*model_);
+  } else {
+    impacts_ = {};
+    next_landing_ = kNever;
+    pulses_ = {};
+    if (model_)
+      next.bank.set_clock(model_->bank.clock());
+  }
+  return false;
+}
+
+/// Moves the force point to the surface of a new body: to the nearest point, or, if none has been
+/// set, to the point nearest to the user, who looks from +z.
+void StruckBody::place_point() noexcept {
+  const Surface& surface = model_->loaded->surface;
+  if (surface.empty()) {
+    point_ = {};
+    return;
+  }
+  const Vec3 there =
+      point_set_ ? point_.position
+                 : 0.5 * (surface.lowest() + surface.highest()) + Vec3{0, 0, surface.diagonal()};
+  point_ = surface.nearest(there);
+  point_direction_ = point_.normal;
+}
+
+/// Continues the direct sound of forces with the new model of the same body.
+void StruckBody::continue_direct(Handover* before, const Transition& change) noexcept {
+  if (!change.in_silence && have_compatible_kernels(*model_, *before->model))
+    return take_over_direct(before, change.gliding);
+  if (change.in_silence) {
+    direct_.clear();
+  } else { // sound on its way goes on to the listeners that stay
+    direct_.merge_parts(before->model->bank.glide(0));
+    direct_.clear_from(model_->settings.listeners);
+  }
+  use_current_kernels();
+  retire(before);
 }
 
 void StruckBody::take_over_contacts(BodyModel& before) noexcept {
@@ -134,7 +146,7 @@ void StruckBody::take_over_contacts(BodyModel& before) noexcept {
   take_over_slot(rub_slot(), voices + 1, rub_.point, -rub_.direction, true);
 }
 
-/// What waits happens to the new body, at the same positions.
+/// Moves scheduled events to the new body, at the same positions in metres.
 void StruckBody::move_events(const BodyModel& before) noexcept {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Hit& hit = events_[i].hit;
@@ -148,7 +160,7 @@ void StruckBody::move_events(const BodyModel& before) noexcept {
   }
 }
 
-/// What is left of a body is deleted by another thread.
+/// Hands a body to the publishing thread for deletion, when its last owner retires it.
 void StruckBody::retire(Handover* body) noexcept {
   if (!body || --body->owners > 0)
     return;
@@ -166,8 +178,8 @@ StruckBody::FadingBody& StruckBody::fading_slot() noexcept {
   return *entry;
 }
 
-/// Modes of the table before that have no successor, being released in its bank, are heard by the
-/// delay lines of the present body.
+/// Lets modes without a successor, which fade out in the old model's bank, sound through the
+/// present delay lines.
 void StruckBody::fade_unmatched(Handover* before) noexcept {
   FadingBody& entry = fading_slot();
   ++before->owners;
@@ -177,8 +189,8 @@ void StruckBody::fade_unmatched(Handover* before) noexcept {
   entry.left = ModeBank::kRelease;
 }
 
-/// Places on the surface are the same material points of a body that has another shape.
-void StruckBody::follow_surface() noexcept {
+/// Keeps all points on the same material points of a surface that has another shape.
+void StruckBody::map_points_to_new_shape() noexcept {
   const Surface& surface = model_->loaded->surface;
   if (surface.empty())
     return;
@@ -206,15 +218,15 @@ void StruckBody::follow_surface() noexcept {
   }
 }
 
-/// The body before rings on by itself while it is faded out.
+/// Lets an exchanged body ring on by itself while it fades out.
 void StruckBody::fade_out(Handover* before, bool glides) noexcept {
   if (glides)
-    direct_.settle(before->model->bank.glide(0));
-  settle_direct();
+    direct_.merge_parts(before->model->bank.glide(0));
+  use_current_kernels();
   Recordings recordings = std::exchange(recordings_, {});
   BodyModel* const model = before->model.get();
   const bool sounds = model && model->settings.sample_rate == sample_rate_ &&
-                      (silent_samples_ < kSilence || !model->bank.asleep());
+                      (silent_samples_ < kSilence || !model->bank.idle());
   if (!sounds) {
     direct_.clear();
     return retire(before);

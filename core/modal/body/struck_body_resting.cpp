@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// How a StruckBody rests on a board.
+/// StruckBody: a body that rests on a board.
 namespace tactus::modal {
 
 std::size_t StruckBody::active_strikes() const noexcept {
@@ -11,7 +11,7 @@ std::size_t StruckBody::active_strikes() const noexcept {
   return in_solver_ ? active - std::min(active, model_->resting_contacts.size()) : active;
 }
 
-/// From where the two bodies are.
+/// Begins all resting contacts at the bodies' present positions.
 void StruckBody::begin_resting_contacts() noexcept {
   BodyModel& m = *model_;
   for (std::size_t i = 0; i < m.resting_contacts.size(); ++i) {
@@ -21,15 +21,15 @@ void StruckBody::begin_resting_contacts() noexcept {
   }
 }
 
-/// Nothing touches the two bodies but each other, and what is left of their motion is a millionth
-/// of what their rest bends them by, in a louder object less: it ends there, and costs nothing
-/// until something moves them again.
+/// True if nothing but the board touches the body and its motion is about a millionth of the static
+/// deflection (less for a gain above kReferenceGain). The body is then set to rest and costs
+/// nothing until something moves it again.
 bool StruckBody::has_settled() const noexcept {
   constexpr double kEnergyShare = 1e-12, kMinEnergy = 1e-18; // of energies; J
   constexpr double kForceShare = 1e-6;                       // of the weight on all points
   constexpr double kReferenceGain = 0.01;                    // 1/Pa
   const BodyModel& m = *model_;
-  if (!resting_contacts() || active_strikes() > 0)
+  if (!has_resting_contacts() || active_strikes() > 0)
     return false;
   const double gain_ratio = std::min(kReferenceGain / std::max(options_.gain, 1e-6), 1.0);
   double stored = 0, load = 0, largest = 0;

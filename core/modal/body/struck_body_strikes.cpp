@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-/// How a StruckBody is struck: coupled blows and their bounces, pulses, recordings.
+/// StruckBody: scheduled events, coupled strikes and their bounces, pulses, recordings.
 namespace tactus::modal {
 
 contact::ImpactLaw StruckBody::law(const Striker& striker, double speed,
@@ -64,12 +64,13 @@ void StruckBody::schedule_reset(std::int64_t sample) noexcept {
 
 void StruckBody::schedule(const Event& event, std::int64_t sample) noexcept {
   if (events_.full())
-    carry_out(events_.pop());
+    apply_event(events_.pop());
   events_.push(sample, event);
 }
 
-/// What is due, within what a large body has time for; the rest stays due for later.
-void StruckBody::carry_out_due() noexcept {
+/// Applies the events that are due. On a large body strikes are delayed to stay within
+/// kMaxStartingWork, and new points to one within kBudgetSamples.
+void StruckBody::apply_due_events() noexcept {
   if (clock_ - budget_begin_ >= kBudgetSamples || clock_ < budget_begin_) {
     budget_begin_ = clock_;
     starting_work_ = 0;
@@ -88,13 +89,13 @@ void StruckBody::carry_out_due() noexcept {
       std::int64_t& moved = event.kind == Event::Kind::kPoint ? point_moved_ : rub_moved_;
       const std::int64_t free_at = moved + kBudgetSamples;
       if (clock_ < free_at && clock_ >= moved) {
-        if (!has_event_by(event.kind, free_at)) // else a newer one comes
+        if (!has_event_by(event.kind, free_at)) // else a newer one replaces it
           events_.push(free_at, event);
         continue;
       }
       moved = clock_;
     }
-    carry_out(event);
+    apply_event(event);
   }
 }
 
@@ -105,7 +106,7 @@ bool StruckBody::has_event_by(Event::Kind kind, std::int64_t sample) noexcept {
   return false;
 }
 
-void StruckBody::carry_out(const Event& event) noexcept {
+void StruckBody::apply_event(const Event& event) noexcept {
   switch (event.kind) {
   case Event::Kind::kHit:
     strike(event.hit, event.striker);
@@ -113,7 +114,7 @@ void StruckBody::carry_out(const Event& event) noexcept {
   case Event::Kind::kPoint: {
     const SurfacePoint requested = requested_point_;
     set_point(event.hit.point, event.hit.direction);
-    requested_point_ = requested; // a later change may wait
+    requested_point_ = requested; // a later point may be scheduled
     break;
   }
   case Event::Kind::kRub:
@@ -136,8 +137,8 @@ bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
     const std::size_t active = active_strikes();
     const bool limit_reached = active >= kMaxCoupled ||
                                (active > 0 && (active + 1) * model_->mode.size() > kMaxCoupledWork);
-    // The board answers what is coupled alone.
-    const bool pulse = limit_reached || !(options_.coupled || resting_contacts());
+    // A board reacts to coupled contacts only.
+    const bool pulse = limit_reached || !(options_.coupled || has_resting_contacts());
     const double limit =
         limit_reached ? std::numeric_limits<double>::infinity() : Pulse::kMaxMassRatio;
     if (hit.falls || !pulse || !strike_pulse(slot, hit, striker, limit))
@@ -161,7 +162,7 @@ void StruckBody::strike_coupled(std::size_t slot, const Hit& hit, const Striker&
   build_contact_kernels(slot, hit.point, hit.direction);
 }
 
-/// Contacts have ended: who falls is in the air now, unless it lies.
+/// Contacts have ended: falling strikers are in the air, unless they lie still.
 void StruckBody::start_flights() noexcept {
   for (std::size_t i = 0; i < model_->settings.voices; ++i)
     if (impacts_[i].bounces && !impacts_[i].in_air && !model_->solver.contact(i).active)
@@ -171,12 +172,12 @@ void StruckBody::start_flights() noexcept {
 void StruckBody::start_flight(std::size_t slot) noexcept {
   CoupledImpact& impact = impacts_[slot];
   const ContactSolver::Contact& contact = model_->solver.contact(slot);
-  // The body's supports hold it where it was: the way down ends at its resting surface.
+  // Supports hold the body in place: the striker lands on the surface at rest.
   const double up = -contact.exciter.velocity_m_per_s;
   const double height = std::max(model_->solver.height(slot), 0.0);
   const double landing_speed = std::sqrt(up * up + 2 * kGravity * height);
   const double time = (up + landing_speed) / kGravity;
-  // A ball that is back before a contact would be over does not leave at all.
+  // A flight shorter than a contact is none: the striker stays.
   const bool leaves =
       !contact.settled && std::isfinite(time) && landing_speed > 0 &&
       time > contact.exciter.impact.law().duration(contact.exciter.mass_kg, landing_speed);
@@ -195,7 +196,7 @@ void StruckBody::find_next_landing() noexcept {
       next_landing_ = std::min(next_landing_, impact.landing);
 }
 
-void StruckBody::land() noexcept {
+void StruckBody::begin_landed_contacts() noexcept {
   for (std::size_t i = 0; i < model_->settings.voices; ++i) {
     const CoupledImpact impact = impacts_[i];
     if (!impact.in_air || impact.landing > now_)
@@ -207,7 +208,7 @@ void StruckBody::land() noexcept {
   find_next_landing();
 }
 
-/// False for a striker too heavy for a single pulse.
+/// False if the striker is too heavy for a single pulse (Pulse::mass_ratio).
 bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker,
                               double max_mass_ratio) noexcept {
   std::vector<double>& gain = model_->scratch;
@@ -222,7 +223,7 @@ bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
   if (pulse.mass_ratio > max_mass_ratio)
     return false;
   pulses_[slot] = {hit, pulse, 0, true};
-  // A mode that the ear would not find beside the loudest one is left out.
+  // Modes quieter than the loudest by cull_db are left out.
   double loudest = 0;
   std::array<double, kPulseBands> envelope{}; // at each band's lowest frequency
   for (std::size_t i = 0; i < kPulseBands; ++i)
@@ -251,7 +252,7 @@ void StruckBody::set_pulse_gains(std::size_t slot, std::span<double> gain) noexc
   m.bank.set_gain(1 + slot, std::span<const double>(gain).first(m.audible_modes));
 }
 
-/// Pulses under way go on pushing a new model of their body.
+/// Continues the present pulses on a new model of the body.
 void StruckBody::continue_pulses() noexcept {
   BodyModel& m = *model_;
   for (std::size_t i = 0; i < pulses_.size(); ++i) {
@@ -278,7 +279,7 @@ void StruckBody::strike_recording(std::size_t slot, const Hit& hit) noexcept {
 }
 
 void StruckBody::play_recordings(const BodyModel& model, Recordings& recordings, std::size_t frames,
-                                 Sound& audible_modes) noexcept {
+                                 ChannelBlock& output) noexcept {
   const RawTable& table = model.loaded->table.raw;
   for (Recording& r : recordings) {
     if (!r.active)
@@ -303,7 +304,7 @@ void StruckBody::make_pulses(std::size_t frames) noexcept {
     PulseImpact& impact = pulses_[i];
     if (!impact.active)
       continue;
-    // Each sample holds the mean force of its time, so that the impulse is exact.
+    // Each sample holds the mean force of its interval, so that the impulse is exact.
     const auto passed = [&](double t) {
       return 0.5 * (1 - std::cos(std::numbers::pi * std::min(t / impact.pulse.duration_s, 1.0)));
     };

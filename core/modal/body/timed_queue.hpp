@@ -8,8 +8,8 @@
 
 namespace tactus::modal {
 
-/// Events that wait for their sample, in the order of their times; of equal times, as they came.
-/// Bounded, allocates nothing.
+/// A bounded queue of events ordered by time; events of equal time keep their order of arrival.
+/// Does not allocate.
 template <class Event, std::size_t Capacity> class TimedQueue {
 public:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
@@ -17,16 +17,16 @@ public:
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
   [[nodiscard]] bool full() const noexcept { return count_ == Capacity; }
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
-  /// Sample of the first; kNever without one.
+  /// Time of the first event; kNever if there is none.
   [[nodiscard]] std::int64_t next() const noexcept { return empty() ? kNever : at(0).time; }
-  /// Not when full.
+  /// Inserts an event; the queue must not be full.
   void push(std::int64_t time, const Event& event) noexcept {
     std::size_t i = count_++;
     for (; i > 0 && at(i - 1).time > time; --i)
       at(i) = at(i - 1);
     at(i) = {time, event};
   }
-  /// Not when empty.
+  /// Removes the first event; the queue must not be empty.
   Event pop() noexcept {
     Event event = std::move(at(0).event);
     begin_ = (begin_ + 1) % Capacity;
@@ -35,7 +35,7 @@ public:
   }
   [[nodiscard]] Event& operator[](std::size_t i) noexcept { return at(i).event; }
   [[nodiscard]] std::int64_t time(std::size_t i) const noexcept { return at(i).time; }
-  /// All that waits becomes due.
+  /// Makes all events due.
   void expire_all() noexcept {
     for (std::size_t i = 0; i < count_; ++i)
       at(i).time = std::numeric_limits<std::int64_t>::min();

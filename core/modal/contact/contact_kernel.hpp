@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <vector>
 
-/// The sums over modes that a contact needs in every step, one copy for each instruction set, in
-/// double and in single precision.
+/// The interface to the loops over modes that a contact runs in every step. Each instruction set
+/// has its own copy, in double and in single precision.
 namespace tactus::modal {
 
-inline constexpr std::size_t kContactLanes = 16; ///< arrays are whole multiples of it
+inline constexpr std::size_t kContactLanes = 16; ///< the length of arrays is a multiple of it
 
-/// One number a mode, zeros up to a whole multiple of kContactLanes, aligned for vectors.
+/// One number for each mode, padded with zeros to a multiple of kContactLanes, aligned for vectors.
 template <class T> class LaneArray {
 public:
   explicit LaneArray(std::size_t count = 0)
@@ -31,7 +31,7 @@ private:
   std::vector<Block> blocks_;
 };
 
-/// Complex numbers of all modes, real and imaginary parts apart.
+/// A complex number for each mode, real and imaginary parts in separate arrays.
 template <class T> struct SplitView {
   T* real;
   T* imaginary;
@@ -41,50 +41,50 @@ template <class T> struct ConstSplitView {
   const T* imaginary;
 };
 
-/// A pass over all modes: what it reads and writes, forces, and what it finds out. No two arrays
-/// overlap.
+/// The arguments and results of one pass over all modes. z = q' + alpha q + j omega_d q is a mode's
+/// state, p = exp(s h) its pole for a step h. No two arrays overlap.
 template <class T> struct ContactPass {
   static constexpr std::size_t kMaxPending = 2;
   static constexpr std::size_t kMaxPickups = 12;
-  std::size_t count = 0; ///< a whole multiple of kContactLanes
+  std::size_t count = 0; ///< a multiple of kContactLanes
   SplitView<T> z{};
   ConstSplitView<T> pole_minus_one{}; ///< p - 1: a step's change of the state
-  ConstSplitView<T> push{};           ///< b
-  const T* gain = nullptr;
+  ConstSplitView<T> input_gain{};     ///< b (p - 1)/s, of the contact that the forces belong to
+  const T* gain = nullptr;            ///< b/omega_d of that contact
   const ConstSplitView<T>* pickup = nullptr;
-  std::size_t pushes = 1;         ///< forces that are still to be taken into the state, 1 or 2
+  std::size_t pending = 1;        ///< forces that the state does not contain yet, 1 or 2
   double force[kMaxPending] = {}; ///< N
   std::size_t steps = 1;          ///< to look ahead, 1 or 2
   double displacement[kMaxPending] =
-      {};                           ///< sum of gain Im(z) after each of them, without new forces
-  std::size_t pickups = 0;          ///< that listen after the pass's last step
+      {};                           ///< sum of gain Im(z) after each step, without new forces; m
+  std::size_t pickups = 0;          ///< outputs to compute after the last step
   double outputs[kMaxPickups] = {}; ///< sum of Im(w z) there
 };
 
-/// Sums are always taken in the same order.
+/// Sums are taken in the same order whatever the arguments.
 template <class T> class ContactKernel {
 public:
   virtual ~ContactKernel() = default;
-  /// For each force: z <- z + force b, z <- z + turn z. Then, without changing z further, what the
-  /// next steps would be without forces.
+  /// For each pending force: z <- z + force input_gain, then z <- p z. Fills displacement and
+  /// outputs for the steps ahead; a second step ahead does not change z.
   virtual void advance(ContactPass<T>& pass) const noexcept = 0;
   /// z <- z + force b.
-  virtual void push(SplitView<T> z, ConstSplitView<T> b, double force,
-                    std::size_t count) const noexcept = 0;
-  /// Sum of a b.
+  virtual void add_force(SplitView<T> z, ConstSplitView<T> b, double force,
+                         std::size_t count) const noexcept = 0;
+  /// The sum of a b.
   virtual double sum(const T* a, const T* b, std::size_t count) const noexcept = 0;
-  /// Sum of Im(w z).
+  /// The sum of Im(w z).
   virtual double output(ConstSplitView<T> w, ConstSplitView<T> z,
                         std::size_t count) const noexcept = 0;
 };
 
-/// One instruction set's; null where the processor does not run it.
+/// The kernels of one instruction set; null where the compiler lacks it.
 struct ContactKernels {
   const ContactKernel<float>* single_precision = nullptr;
   const ContactKernel<double>* double_precision = nullptr;
 };
 
-/// Null where the processor does not run it.
+/// The kernel of an instruction set; null where the processor does not run it.
 template <class T> [[nodiscard]] const ContactKernel<T>* contact_kernel(VectorSet) noexcept;
 template <> const ContactKernel<float>* contact_kernel<float>(VectorSet) noexcept;
 template <> const ContactKernel<double>* contact_kernel<double>(VectorSet) noexcept;

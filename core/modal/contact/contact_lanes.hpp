@@ -3,15 +3,16 @@
 #include "core/dsp/vector.hpp"
 #include "core/modal/contact/contact_kernel.hpp"
 
-/// A contact's loops over modes, written once for any instruction set and precision; a template on
-/// the set, so that the linker never takes a newer processor's code for an older one's.
+/// The loops of ContactKernel, written once for any instruction set and precision. They are
+/// templates on the set, so that the linker never takes a newer processor's code for an older
+/// one's.
 namespace tactus::modal {
 
 template <class Set, class T> class ContactLanes final : public ContactKernel<T> {
   using L = simd::Vectors<Set, T, kContactLanes>;
   using V = typename L::V;
   static constexpr std::size_t kWidth = L::kWidth;
-  static constexpr std::size_t kRegisters = L::kRegisters; // of a turn of the loop
+  static constexpr std::size_t kRegisters = L::kRegisters; // in one iteration
 
   struct Pair {
     V real, imaginary;
@@ -24,7 +25,7 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
   [[gnu::always_inline]] static void store(T* to, V value) noexcept { L::store(to, value); }
   [[gnu::always_inline]] static V all(double x) noexcept { return L::all(x); }
   /// z + force b
-  [[gnu::always_inline]] static Pair pushed(const Pair& z, const Pair& b, V force) noexcept {
+  [[gnu::always_inline]] static Pair with_force(const Pair& z, const Pair& b, V force) noexcept {
     return {fma(b.real, force, z.real), fma(b.imaginary, force, z.imaginary)};
   }
   /// z + t z
@@ -32,7 +33,7 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
     return {fma(t.real, z.real, fma(-t.imaginary, z.imaginary, z.real)),
             fma(t.real, z.imaginary, fma(t.imaginary, z.real, z.imaginary))};
   }
-  /// One sum in several registers, which do not wait for each other.
+  /// One sum in several registers, so that additions do not wait for each other.
   struct Sum {
     V part[kRegisters];
     [[gnu::always_inline]] Sum() noexcept {
@@ -45,31 +46,31 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
     }
   };
 
-  /// Few ears are counted when this is compiled, so that their sums stay in registers.
+  /// The number of pick-ups, a constant where there are few, so that their sums stay in registers.
   [[gnu::always_inline]] static constexpr std::size_t pickup_bound(std::size_t compiled,
                                                                    std::size_t pickups) noexcept {
     return compiled < ContactPass<T>::kMaxPickups ? compiled : pickups;
   }
-  template <std::size_t Pushes, std::size_t Steps, std::size_t Pickups>
+  template <std::size_t Pending, std::size_t Steps, std::size_t Pickups>
   static void advance_by(ContactPass<T>& pass) noexcept {
     const SplitView<T> z = pass.z;
-    const ConstSplitView<T> pole_minus_one = pass.pole_minus_one, push = pass.push;
+    const ConstSplitView<T> pole_minus_one = pass.pole_minus_one, input_gain = pass.input_gain;
     const T* const gain = pass.gain;
     ConstSplitView<T> pickup[Pickups + 1] = {};
     for (std::size_t e = 0; e < Pickups; ++e)
       pickup[e] = pass.pickup[e < pass.pickups ? e : 0];
     Sum first, second, outputs[Pickups + 1];
     const std::size_t listening = pass.pickups < Pickups ? pass.pickups : Pickups;
-    const V pending = all(pass.force[0]), last = all(pass.force[Pushes - 1]);
+    const V first_force = all(pass.force[0]), last_force = all(pass.force[Pending - 1]);
     for (std::size_t k = 0; k < pass.count; k += kContactLanes) {
 #pragma GCC unroll 8
       for (std::size_t r = 0; r < kRegisters; ++r) {
         const std::size_t i = k + r * kWidth;
         Pair state{load(z.real + i), load(z.imaginary + i)};
-        const Pair t = load(pole_minus_one, i), b = load(push, i);
-        state = advanced(pushed(state, b, pending), t);
-        if constexpr (Pushes == 2)
-          state = advanced(pushed(state, b, last), t);
+        const Pair t = load(pole_minus_one, i), b = load(input_gain, i);
+        state = advanced(with_force(state, b, first_force), t);
+        if constexpr (Pending == 2)
+          state = advanced(with_force(state, b, last_force), t);
         store(z.real + i, state.real);
         store(z.imaginary + i, state.imaginary);
         const V g = load(gain + i);
@@ -90,17 +91,17 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
     for (std::size_t e = 0; e < pickup_bound(Pickups, listening); ++e)
       pass.outputs[e] = outputs[e].total();
   }
-  template <std::size_t Pushes, std::size_t Steps>
+  template <std::size_t Pending, std::size_t Steps>
   static void advance_with_pickups(ContactPass<T>& pass) noexcept {
     switch (pass.pickups) {
     case 0:
-      return advance_by<Pushes, Steps, 0>(pass);
+      return advance_by<Pending, Steps, 0>(pass);
     case 1:
-      return advance_by<Pushes, Steps, 1>(pass);
+      return advance_by<Pending, Steps, 1>(pass);
     case 2:
-      return advance_by<Pushes, Steps, 2>(pass);
+      return advance_by<Pending, Steps, 2>(pass);
     default:
-      return advance_by<Pushes, Steps, ContactPass<T>::kMaxPickups>(pass);
+      return advance_by<Pending, Steps, ContactPass<T>::kMaxPickups>(pass);
     }
   }
 
@@ -108,13 +109,13 @@ public:
   void advance(ContactPass<T>& pass) const noexcept override {
     if (pass.steps == 1)
       return advance_with_pickups<1, 1>(pass);
-    if (pass.pushes == 1)
+    if (pass.pending == 1)
       return advance_with_pickups<1, 2>(pass);
     return advance_with_pickups<2, 2>(pass);
   }
 
-  void push(SplitView<T> z, ConstSplitView<T> b, double force,
-            std::size_t count) const noexcept override {
+  void add_force(SplitView<T> z, ConstSplitView<T> b, double force,
+                 std::size_t count) const noexcept override {
     const V f = all(force);
     for (std::size_t i = 0; i < count; i += kWidth) {
       store(z.real + i, fma(load(b.real + i), f, load(z.real + i)));

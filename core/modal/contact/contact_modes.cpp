@@ -15,9 +15,10 @@ public:
           std::size_t contacts, std::size_t listeners, VectorSet set)
       : kernel_(contact_kernel<T>(set)), modes_(rate.size()), max_steps_(max_steps),
         alpha_(modes_, 0), omega_(modes_, 1), inverse_omega_(modes_, 1), inverse_square_(modes_, 1),
-        finest_(modes_), change_(modes_), pole_minus_one_(modes_), state_(modes_), slots_(contacts),
+        finest_(modes_), force_response_(modes_), pole_minus_one_(modes_), state_(modes_),
+        slots_(contacts),
         weights_(std::min(listeners, ContactPass<T>::kMaxPickups), Split<T>(modes_)),
-        pickups_(weights_.size()), echo_(contacts * weights_.size()) {
+        pickups_(weights_.size()), direct_output_(contacts * weights_.size()) {
     padded_ = state_.real.padded();
     pass_.count = padded_;
     pass_.z = state_.view();
@@ -28,7 +29,7 @@ public:
       omega_[k] = rate[k].imag();
       inverse_omega_[k] = 1 / omega_[k];
       inverse_square_[k] = 1 / (alpha_[k] * alpha_[k] + omega_[k] * omega_[k]);
-      // exp(x + j y) - 1 without the difference
+      // exp(x + j y) - 1 without cancellation
       const double x = rate[k].real() / (sample_rate * max_steps);
       const double y = rate[k].imag() / (sample_rate * max_steps);
       const double half = std::sin(0.5 * y);
@@ -37,7 +38,7 @@ public:
     }
     for (Slot& slot : slots_) {
       slot.gain = slot.displacement_gain = LaneArray<T>(modes_);
-      slot.push = Split<T>(modes_);
+      slot.input_gain = Split<T>(modes_);
     }
     for (std::size_t l = 0; l < pickups_.size(); ++l)
       pickups_[l] = std::as_const(weights_[l]).view();
@@ -46,7 +47,7 @@ public:
   }
 
   void set_steps(unsigned steps) noexcept override {
-    settle();
+    flush_pending();
     for (std::size_t k = 0; k < modes_; ++k) {
       double re = finest_.real[k], im = finest_.imaginary[k];
       for (unsigned s = steps; s < max_steps_; s *= 2) { // (1 + t)^2 - 1
@@ -58,16 +59,16 @@ public:
       pole_minus_one_.imaginary[k] = static_cast<T>(im);
       // t/s, s = -alpha + j omega
       const double inverse = inverse_square_[k];
-      change_.real[k] = (im * omega_[k] - re * alpha_[k]) * inverse;
-      change_.imaginary[k] = -(re * omega_[k] + im * alpha_[k]) * inverse;
+      force_response_.real[k] = (im * omega_[k] - re * alpha_[k]) * inverse;
+      force_response_.imaginary[k] = -(re * omega_[k] + im * alpha_[k]) * inverse;
     }
     for (std::size_t i = 0; i < slots_.size(); ++i)
       if (slots_[i].used)
-        make_push(i);
+        update_input_gain(i);
   }
 
   double set_gain(std::size_t slot, std::span<const double> gain) noexcept override {
-    settle();
+    flush_pending();
     Slot& s = slots_[slot];
     double squares = 0;
     const std::size_t gain_count = std::min(gain.size(), modes_);
@@ -79,88 +80,89 @@ public:
     for (std::size_t k = gain_count; k < modes_; ++k)
       s.gain[k] = s.displacement_gain[k] = 0;
     s.used = true;
-    make_push(slot);
+    update_input_gain(slot);
     return squares;
   }
 
-  void drop(std::size_t slot) noexcept override {
+  void remove_contact(std::size_t slot) noexcept override {
     if (pending_slot_ == slot)
-      settle();
+      flush_pending();
     slots_[slot].used = false;
   }
 
   [[nodiscard]] double compliance(std::size_t to, std::size_t from,
                                   std::size_t lag) noexcept override {
-    const Split<T>& push = slots_[from].push;
+    const Split<T>& input = slots_[from].input_gain;
     const T* gain = slots_[to].displacement_gain.data();
-    double sum = kernel_->sum(gain, push.imaginary.data(), padded_);
+    double sum = kernel_->sum(gain, input.imaginary.data(), padded_);
     if (lag == 0)
       return sum;
     for (std::size_t k = 0; k < modes_; ++k)
-      sum += static_cast<double>(gain[k] * (pole_minus_one_.real[k] * push.imaginary[k] +
-                                            pole_minus_one_.imaginary[k] * push.real[k]));
+      sum += static_cast<double>(gain[k] * (pole_minus_one_.real[k] * input.imaginary[k] +
+                                            pole_minus_one_.imaginary[k] * input.real[k]));
     return sum;
   }
 
   [[nodiscard]] const double* predict_displacement(std::size_t slot, std::size_t steps,
                                                    bool ends_sample) noexcept override {
-    if (pending_slot_ != slot || pass_.pushes > steps)
-      settle();
+    if (pending_slot_ != slot || pass_.pending > steps)
+      flush_pending();
     if (pending_slot_ != slot) {
       pending_slot_ = slot;
-      pass_.push = std::as_const(slots_[slot].push).view();
+      pass_.input_gain = std::as_const(slots_[slot].input_gain).view();
       pass_.gain = slots_[slot].displacement_gain.data();
     }
     pass_.steps = steps;
     pass_.pickups = ends_sample ? listening_ : 0;
     kernel_->advance(pass_);
-    pass_.pushes = steps;
+    pass_.pending = steps;
     pass_.force[0] = pass_.force[1] = 0;
-    outputs_known_ = ends_sample;
+    outputs_valid_ = ends_sample;
     return pass_.displacement;
   }
 
   void apply_forces(const double* force) noexcept override {
-    const std::size_t last = pass_.pushes - 1;
+    const std::size_t last = pass_.pending - 1;
     for (std::size_t j = 0; j <= last; ++j) {
       pass_.force[j] = force[j];
-      if (outputs_known_ && force[j] != 0)
+      if (outputs_valid_ && force[j] != 0)
         add_force_to_outputs(pending_slot_, last - j, force[j]);
     }
   }
-  void apply_force_beside(std::size_t slot, double force) noexcept override {
-    kernel_->push(state_.view(), std::as_const(slots_[slot].push).view(), force, padded_);
-    if (outputs_known_)
+  void apply_force_at(std::size_t slot, double force) noexcept override {
+    kernel_->add_force(state_.view(), std::as_const(slots_[slot].input_gain).view(), force,
+                       padded_);
+    if (outputs_valid_)
       add_force_to_outputs(slot, 0, force);
   }
-  [[nodiscard]] double displacement_beside(std::size_t slot) noexcept override {
+  [[nodiscard]] double predicted_displacement(std::size_t slot) noexcept override {
     return kernel_->sum(slots_[slot].displacement_gain.data(), state_.imaginary.data(), padded_);
   }
 
-  void settle() noexcept override {
+  void flush_pending() noexcept override {
     if (pending_slot_ >= slots_.size())
       return;
     const Slot& s = slots_[pending_slot_];
-    if (pass_.pushes == 2) {
-      pass_.pushes = pass_.steps = 1;
+    if (pass_.pending == 2) {
+      pass_.pending = pass_.steps = 1;
       pass_.pickups = 0;
       const double last = pass_.force[1];
       kernel_->advance(pass_);
       pass_.force[0] = last;
     }
-    if (const double last = pass_.force[pass_.pushes - 1]; last != 0)
-      kernel_->push(state_.view(), s.push.view(), last, padded_);
-    pass_.pushes = 1;
+    if (const double last = pass_.force[pass_.pending - 1]; last != 0)
+      kernel_->add_force(state_.view(), s.input_gain.view(), last, padded_);
+    pass_.pending = 1;
     pass_.force[0] = pass_.force[1] = 0;
     pending_slot_ = slots_.size();
   }
 
   [[nodiscard]] double displacement(std::size_t slot) noexcept override {
-    settle();
+    flush_pending();
     return kernel_->sum(slots_[slot].displacement_gain.data(), state_.imaginary.data(), padded_);
   }
   [[nodiscard]] double velocity(std::size_t slot) noexcept override {
-    settle();
+    flush_pending();
     return kernel_->sum(slots_[slot].gain.data(), state_.real.data(), padded_);
   }
 
@@ -172,23 +174,23 @@ public:
       weights_[listener].real[k] = static_cast<T>(weight[k].real());
       weights_[listener].imaginary[k] = static_cast<T>(weight[k].imag());
     }
-    outputs_known_ = false;
+    outputs_valid_ = false;
     for (std::size_t i = 0; i < slots_.size(); ++i)
-      slots_[i].echo_known = false;
+      slots_[i].direct_output_valid = false;
   }
   void set_listening(std::size_t listeners) noexcept override {
     listening_ = std::min(listeners, pickups_.size());
-    outputs_known_ = false;
+    outputs_valid_ = false;
   }
   [[nodiscard]] double output(std::size_t listener) noexcept override {
-    if (outputs_known_)
+    if (outputs_valid_)
       return pass_.outputs[listener];
-    settle();
+    flush_pending();
     return kernel_->output(pickups_[listener], std::as_const(state_).view(), padded_);
   }
 
   [[nodiscard]] double output(std::span<const std::complex<double>> w) noexcept override {
-    settle();
+    flush_pending();
     double sum = 0;
     for (std::size_t k = 0; k < std::min(w.size(), modes_); ++k)
       sum += w[k].real() * static_cast<double>(state_.imaginary[k]) +
@@ -197,13 +199,13 @@ public:
   }
 
   void apply_impulse(std::span<const float> gain, double impulse) noexcept override {
-    if (pass_.pushes > 1) // one force that is still to come in is added to the same state
-      settle();
+    if (pass_.pending > 1) // the impulse acts on the state after the first of two pending forces
+      flush_pending();
     const std::size_t count = std::min(gain.size(), modes_);
     const T size = static_cast<T>(impulse);
     for (std::size_t k = 0; k < count; ++k)
       state_.real[k] += static_cast<T>(gain[k]) * size;
-    for (std::size_t l = 0; l < listening_ && outputs_known_; ++l)
+    for (std::size_t l = 0; l < listening_ && outputs_valid_; ++l)
       pass_.outputs[l] += impulse * partial_sums(count, [&](std::size_t k) {
                             return static_cast<T>(gain[k]) * pickups_[l].imaginary[k];
                           });
@@ -214,12 +216,12 @@ public:
                            static_cast<double>(state_.imaginary[k]));
     if (pending_slot_ >= slots_.size())
       return z;
-    const Split<T>& push = slots_[pending_slot_].push;
-    const std::complex<double> b(static_cast<double>(push.real[k]),
-                                 static_cast<double>(push.imaginary[k]));
+    const Split<T>& input = slots_[pending_slot_].input_gain;
+    const std::complex<double> b(static_cast<double>(input.real[k]),
+                                 static_cast<double>(input.imaginary[k]));
     const std::complex<double> t(static_cast<double>(pole_minus_one_.real[k]),
                                  static_cast<double>(pole_minus_one_.imaginary[k]));
-    for (std::size_t j = 0; j < pass_.pushes; ++j) {
+    for (std::size_t j = 0; j < pass_.pending; ++j) {
       if (j > 0)
         z += t * z;
       z += pass_.force[j] * b;
@@ -227,13 +229,13 @@ public:
     return z;
   }
   void set_state(std::size_t k, std::complex<double> z) noexcept override {
-    settle();
-    outputs_known_ = false;
+    flush_pending();
+    outputs_valid_ = false;
     state_.real[k] = static_cast<T>(z.real());
     state_.imaginary[k] = static_cast<T>(z.imag());
   }
   void read_states(std::span<std::complex<double>> z) noexcept override {
-    settle();
+    flush_pending();
     for (std::size_t k = 0; k < std::min(z.size(), modes_); ++k)
       z[k] = {static_cast<double>(state_.real[k]), static_cast<double>(state_.imaginary[k])};
   }
@@ -245,16 +247,16 @@ public:
     }
   }
   void silence() noexcept override {
-    settle();
-    outputs_known_ = false;
+    flush_pending();
+    outputs_valid_ = false;
     std::fill_n(state_.real.data(), modes_, T{0});
     std::fill_n(state_.imaginary.data(), modes_, T{0});
   }
 
-  [[nodiscard]] Reach reach(std::size_t slot) noexcept override {
-    settle();
-    // Amplitudes |z| from above without roots: at most a + (sqrt(2) - 1) b of the larger part a
-    // and the smaller b, 8 % too much.
+  [[nodiscard]] MotionBounds motion_bounds(std::size_t slot) noexcept override {
+    flush_pending();
+    // An upper bound of |z| without square roots: a + (sqrt(2) - 1) b, a the larger and b the
+    // smaller of |Re z| and |Im z|; at most 8 % above |z|.
     constexpr T kSum = T(0.70711), kDifference = T(0.29290);
     const Slot& s = slots_[slot];
     constexpr std::size_t kStride = 16;
@@ -270,14 +272,14 @@ public:
         displacement_square[i] += a * a;
         speed_square[i] += b * b;
       }
-    Reach reach;
+    MotionBounds bounds;
     for (std::size_t i = 0; i < kStride; ++i) {
-      reach.displacement += static_cast<double>(displacement[i]);
-      reach.speed += static_cast<double>(speed[i]);
-      reach.displacement_square += static_cast<double>(displacement_square[i]);
-      reach.speed_square += static_cast<double>(speed_square[i]);
+      bounds.displacement += static_cast<double>(displacement[i]);
+      bounds.speed += static_cast<double>(speed[i]);
+      bounds.displacement_square += static_cast<double>(displacement_square[i]);
+      bounds.speed_square += static_cast<double>(speed_square[i]);
     }
-    return reach;
+    return bounds;
   }
 
 private:
@@ -292,13 +294,13 @@ private:
   };
   struct Slot {
     LaneArray<T> gain, displacement_gain; ///< b and b/omega_d of the modes
-    Split<T> push;                        ///< b (p - 1)/s
-    bool used = false, echo_known = false;
+    Split<T> input_gain;                  ///< b (p - 1)/s
+    bool used = false, direct_output_valid = false;
   };
-  /// What a listener hears at once of 1 N in the last step, and of 1 N in the one before.
-  using Echo = std::array<double, kMaxStepsAhead>;
+  /// A listener's output now for 1 N in the last step, and for 1 N in the step before.
+  using DirectOutput = std::array<double, kMaxStepsAhead>;
 
-  /// Sum of part(k), in several sums that do not wait for each other.
+  /// The sum of part(k), in several partial sums, so that additions do not wait for each other.
   template <class Part> static double partial_sums(std::size_t count, const Part& part) noexcept {
     constexpr std::size_t kSums = 16;
     std::array<T, kSums> sums{};
@@ -314,55 +316,56 @@ private:
     return sum;
   }
 
-  void make_push(std::size_t slot) noexcept {
+  void update_input_gain(std::size_t slot) noexcept {
     Slot& s = slots_[slot];
     for (std::size_t k = 0; k < modes_; ++k) {
       const auto b = static_cast<double>(s.gain[k]);
-      s.push.real[k] = static_cast<T>(b * change_.real[k]);
-      s.push.imaginary[k] = static_cast<T>(b * change_.imaginary[k]);
+      s.input_gain.real[k] = static_cast<T>(b * force_response_.real[k]);
+      s.input_gain.imaginary[k] = static_cast<T>(b * force_response_.imaginary[k]);
     }
-    s.echo_known = false;
+    s.direct_output_valid = false;
   }
 
-  void find_echo(std::size_t slot) noexcept {
+  void compute_direct_output(std::size_t slot) noexcept {
     Slot& s = slots_[slot];
-    s.echo_known = true;
+    s.direct_output_valid = true;
     for (std::size_t l = 0; l < listening_; ++l) {
-      Echo& echo = echo_[slot * pickups_.size() + l];
+      DirectOutput& direct = direct_output_[slot * pickups_.size() + l];
       const ConstSplitView<T> w = pickups_[l];
-      echo[0] = kernel_->output(w, std::as_const(s.push).view(), padded_);
+      direct[0] = kernel_->output(w, std::as_const(s.input_gain).view(), padded_);
       double later = 0;
       for (std::size_t k = 0; k < modes_; ++k) {
-        const T re = pole_minus_one_.real[k] * s.push.real[k] -
-                     pole_minus_one_.imaginary[k] * s.push.imaginary[k];
-        const T im = pole_minus_one_.real[k] * s.push.imaginary[k] +
-                     pole_minus_one_.imaginary[k] * s.push.real[k];
+        const T re = pole_minus_one_.real[k] * s.input_gain.real[k] -
+                     pole_minus_one_.imaginary[k] * s.input_gain.imaginary[k];
+        const T im = pole_minus_one_.real[k] * s.input_gain.imaginary[k] +
+                     pole_minus_one_.imaginary[k] * s.input_gain.real[k];
         later += static_cast<double>(w.real[k] * im + w.imaginary[k] * re);
       }
-      echo[1] = echo[0] + later;
+      direct[1] = direct[0] + later;
     }
   }
   void add_force_to_outputs(std::size_t slot, std::size_t lag, double force) noexcept {
-    if (!slots_[slot].echo_known)
-      find_echo(slot);
+    if (!slots_[slot].direct_output_valid)
+      compute_direct_output(slot);
     for (std::size_t l = 0; l < listening_; ++l)
-      pass_.outputs[l] += force * echo_[slot * pickups_.size() + l][lag];
+      pass_.outputs[l] += force * direct_output_[slot * pickups_.size() + l][lag];
   }
 
   const ContactKernel<T>* kernel_;
   std::size_t modes_, padded_ = 0, listening_ = 0;
   unsigned max_steps_;
   std::vector<double> alpha_, omega_, inverse_omega_, inverse_square_;
-  Split<double> finest_, change_; ///< p - 1 of the shortest step; (p - 1)/s of the step at work
-  Split<T> pole_minus_one_;       ///< p - 1 of the step at work
-  Split<T> state_;                ///< z before the forces of pass_
+  Split<double> finest_,
+      force_response_;      ///< p - 1 of the shortest step; (p - 1)/s of the present step
+  Split<T> pole_minus_one_; ///< p - 1 of the present step
+  Split<T> state_;          ///< z before the forces of pass_
   std::vector<Slot> slots_;
   std::vector<Split<T>> weights_;
   std::vector<ConstSplitView<T>> pickups_;
-  std::vector<Echo> echo_;
+  std::vector<DirectOutput> direct_output_;
   ContactPass<T> pass_;
-  std::size_t pending_slot_ = static_cast<std::size_t>(-1); ///< whose forces pass_ holds
-  bool outputs_known_ = false;                              ///< pass_.heard is of now
+  std::size_t pending_slot_ = static_cast<std::size_t>(-1); ///< the slot whose forces pass_ holds
+  bool outputs_valid_ = false; ///< pass_.outputs are those of the present state
 };
 
 } // namespace

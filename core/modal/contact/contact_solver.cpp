@@ -11,16 +11,17 @@ namespace {
 using contact::ContactTerm;
 using contact::Exciter;
 
-constexpr double kStepAngle = 0.15;  // rad that a contact turns in a step: 27 in a ball's contact
-constexpr double kStepRate = 176400; // 1/s at least in a strike: the force true up to 20 kHz
-constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts: it is followed less finely
-constexpr double kMaxFlight = 0.05;  // s that a striker is followed after it has let go
+constexpr double kStepAngle =
+    0.15; // rad of the contact's oscillation in a step: 27 steps in a ball's contact
+constexpr double kStepRate = 176400; // 1/s, the least in a strike: the force is exact up to 20 kHz
+constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts long and needs fewer
+constexpr double kMaxFlight = 0.05;  // s after which a separated striker is given up
 constexpr unsigned kMinSteps = 2;
-constexpr std::size_t kMaxContactSteps = 1024; // contacts times steps in a sample, of several
-constexpr double kPeakToRms = 8;               // of the root mean square of many modes' sum
-constexpr unsigned kReachPeriod = 64;          // samples
-constexpr double kMaxContactDurations =
-    8; // contact times after which one that has not left lies still
+constexpr std::size_t kMaxContactSteps =
+    1024;                                  // contacts times steps in a sample, for several contacts
+constexpr double kPeakToRms = 8;           // the largest peak of many modes' sum over its rms
+constexpr unsigned kBoundsPeriod = 64;     // samples
+constexpr double kMaxContactDurations = 8; // after which a striker under gravity has settled
 
 } // namespace
 
@@ -40,7 +41,7 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
 }
 
 bool ContactSolver::choose_steps(double required) noexcept {
-  // Coarser only when much coarser will do, or must do: a change costs as much as some steps.
+  // Fewer steps only if a quarter is enough or the work is too much: a change costs several steps.
   const bool too_many =
       active_count_ > 1 && steps_ * active_count_ > kMaxContactSteps && steps_ > kMinSteps;
   if (required <= steps_ && 4 * required > steps_ && !too_many)
@@ -66,22 +67,22 @@ void ContactSolver::couple() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a)
     for (std::size_t b = 0; b <= a; ++b) {
       const std::size_t i = touching_[a], j = touching_[b];
-      double compliance = contact_modes_->compliance(i, j, 0) / h;
+      double mobility = contact_modes_->compliance(i, j, 0) / h; // m/(N s), mean of a step
       if (has_rigid_)
-        compliance += 0.5 * h * rigid_at(slots_[i], slots_[j].rigid);
-      system_.coupling(a, b) = system_.coupling(b, a) = compliance;
+        mobility += 0.5 * h * rigid_at(slots_[i], slots_[j].rigid);
+      system_.coupling(a, b) = system_.coupling(b, a) = mobility;
     }
-  find_preload_velocities();
+  update_preload_velocities();
   if (active_count_ == 1 && steps_ > 1)
     next_compliance_m_per_n_ = contact_modes_->compliance(touching_[0], touching_[0], 1);
 }
 
-void ContactSolver::fill(std::size_t slot, std::span<const double> gain,
-                         const Rigid& rigid_gain) noexcept {
+void ContactSolver::set_contact_gains(std::size_t slot, std::span<const double> gain,
+                                      const Rigid& rigid_gain) noexcept {
   Slot& s = slots_[slot];
   Exciter& e = contacts_[slot].exciter;
   s.out_of_reach = false;
-  s.reach_age = 0;
+  s.bounds_age = 0;
   s.rigid = has_rigid_ ? rigid_gain : Rigid{};
   e.inverse_mass = e.kind == Exciter::Kind::kImpact && !e.held ? 1 / e.mass_kg : 0;
   e.impulse_mobility = e.inverse_mass + contact_modes_->set_gain(slot, gain);
@@ -92,10 +93,10 @@ void ContactSolver::fill(std::size_t slot, std::span<const double> gain,
   s.surface_m = surface_displacement(slot);
 }
 
-/// A filled contact takes part from now on.
+/// Adds a contact, whose gains are set, to those that are solved.
 void ContactSolver::activate(std::size_t slot) noexcept {
   list_touching();
-  find_required_steps(slot);
+  update_required_steps(slot);
   if (!choose_steps(required_steps()))
     couple();
 }
@@ -122,7 +123,7 @@ void ContactSolver::begin(std::size_t slot, const Strike& strike, std::span<cons
   e.held = strike.held;
   e.velocity_m_per_s = strike.velocity_m_per_s;
   e.external_force_n = strike.fall_m_per_s2 * strike.mass_kg;
-  fill(slot, gain, rigid_gain);
+  set_contact_gains(slot, gain, rigid_gain);
   // No contact begins with work stored in it.
   const double surface = slots_[slot].surface_m;
   e.position_m = strike.held ? std::min(strike.position_m, surface) : strike.position_m + surface;
@@ -143,7 +144,7 @@ void ContactSolver::begin_rub(std::size_t slot, const contact::FrictionLaw& law,
   e.kind = Exciter::Kind::kFriction;
   e.friction.set(law);
   e.noise.seed(slot + 1);
-  fill(slot, gain, rigid_gain);
+  set_contact_gains(slot, gain, rigid_gain);
   e.approach_m_per_s = e.mean_velocity_m_per_s = -surface_velocity(slot);
   activate(slot);
 }
@@ -155,9 +156,9 @@ void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std
     return;
   end(slot);
   Exciter& e = (contacts_[slot] = before.contacts_[old_slot]).exciter;
-  fill(slot, gain, rigid_gain);
+  set_contact_gains(slot, gain, rigid_gain);
   slots_[slot].max_contact_s = before.slots_[old_slot].max_contact_s;
-  // The shapes have changed, and with them where the surface is: the striker stays on it.
+  // The new shapes displace the surface: the striker moves with it.
   const double surface = slots_[slot].surface_m;
   if (!e.held)
     e.position_m = e.depth_m + surface;
@@ -181,7 +182,7 @@ void ContactSolver::end(std::size_t slot) noexcept {
   contacts_[slot].exciter.force_n = 0;
   contacts_[slot].exciter.impact.release();
   contacts_[slot].exciter.friction.release();
-  contact_modes_->drop(slot);
+  contact_modes_->remove_contact(slot);
   list_touching();
   couple();
 }
@@ -216,7 +217,7 @@ void ContactSolver::move_rub(std::size_t slot, std::span<const double> gain,
                              const Rigid& rigid_gain) noexcept {
   if (slot >= contacts_.size() || !contacts_[slot].active)
     return;
-  fill(slot, gain, rigid_gain);
+  set_contact_gains(slot, gain, rigid_gain);
   activate(slot);
 }
 
@@ -224,7 +225,7 @@ void ContactSolver::silence() noexcept {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     end(i);
   contact_modes_->silence();
-  invalidate_reach();
+  invalidate_bounds();
   reset_rigid();
 }
 
@@ -241,8 +242,8 @@ void ContactSolver::move_rigidly(double h) noexcept {
     rigid_displacement_[r] += h * rigid_velocity_[r];
 }
 
-/// A step of a contact begins. The rigid motions have gone on already; `modal_displacement_m`:
-/// where the modes lead the place without this step's forces.
+/// Begins a step of a contact. The rigid motions have already moved. `modal_displacement_m`: the
+/// modal displacement of the point at the step's end without the step's forces.
 void ContactSolver::enter_step(std::size_t position, double modal_displacement_m,
                                double h) noexcept {
   const std::size_t i = touching_[position];
@@ -252,7 +253,8 @@ void ContactSolver::enter_step(std::size_t position, double modal_displacement_m
       system_.coupling(position, position), h);
 }
 
-/// It ends, after so many of the sample: what its force has done to all but the modes.
+/// Ends the step: the effect of its force on everything but the modes. `after`: steps of the sample
+/// before this one.
 void ContactSolver::leave_step(std::size_t position, double h, unsigned after) noexcept {
   const ContactTerm& t = system_[position];
   Contact& c = contacts_[touching_[position]];
@@ -275,7 +277,7 @@ void ContactSolver::leave_step(std::size_t position, double h, unsigned after) n
     }
 }
 
-/// The next steps of a contact that is the only one, one or two at a time, after so many.
+/// One or two steps (`ahead`) of a single contact. `after`: steps of the sample before.
 void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
   const double* const displacement =
@@ -292,14 +294,14 @@ void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept
   contact_modes_->apply_forces(force.data());
 }
 
-/// The next step of all contacts, after so many.
+/// One step of all contacts. `after`: steps of the sample before.
 void ContactSolver::step_contacts(unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
   move_rigidly(h);
   for (std::size_t a = 0; a < active_count_; ++a)
     enter_step(a,
                a == 0 ? *contact_modes_->predict_displacement(touching_[0], 1, after + 1 == steps_)
-                      : contact_modes_->displacement_beside(touching_[a]),
+                      : contact_modes_->predicted_displacement(touching_[a]),
                h);
   solve();
   for (std::size_t a = 0; a < active_count_; ++a) {
@@ -308,11 +310,11 @@ void ContactSolver::step_contacts(unsigned after) noexcept {
     if (a == 0)
       contact_modes_->apply_forces(&force);
     else if (force != 0)
-      contact_modes_->apply_force_beside(touching_[a], force);
+      contact_modes_->apply_force_at(touching_[a], force);
   }
 }
 
-/// The forces of a step; friction's in two stages.
+/// Solves the forces of a step; those of friction in two stages.
 void ContactSolver::solve() noexcept {
   system_.solve(active_count_);
   system_.find_inactive_velocities(active_count_);
@@ -328,9 +330,8 @@ void ContactSolver::solve() noexcept {
   system_.find_inactive_velocities(active_count_);
 }
 
-/// How many steps of a sample a contact needs, from the energy in it. Only a new energy makes a new
-/// answer.
-void ContactSolver::find_required_steps(std::size_t slot) noexcept {
+/// Updates the number of steps in a sample that a contact needs, if its energy has changed.
+void ContactSolver::update_required_steps(std::size_t slot) noexcept {
   Exciter& e = contacts_[slot].exciter;
   if (e.kind == Exciter::Kind::kFriction) {
     slots_[slot].required_steps = e.rubbing_steps(1 / sample_rate_);
@@ -368,7 +369,7 @@ double ContactSolver::step() noexcept {
     Exciter& e = contacts_[touching_[a]].exciter;
     e.force_n = e.impulse_ns = e.dissipated_j = 0;
     slots_[touching_[a]].moments = {};
-    find_required_steps(touching_[a]);
+    update_required_steps(touching_[a]);
   }
   sampled_count_ = 0;
   choose_steps(required_steps());
@@ -391,18 +392,18 @@ double ContactSolver::step() noexcept {
       sampled_[sampled_count_++] = {touching_[a], slots_[touching_[a]].moments};
   }
   if (sampled_count_ > 0)
-    invalidate_reach();
+    invalidate_bounds();
   end_finished_contacts();
   return contact_force;
 }
 
-void ContactSolver::invalidate_reach() noexcept {
+void ContactSolver::invalidate_bounds() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a)
-    slots_[touching_[a]].reach_age = 0;
+    slots_[touching_[a]].bounds_age = 0;
 }
 
 void ContactSolver::end_finished_contacts() noexcept {
-  for (std::size_t a = active_count_; a > 0; --a) { // from behind: who ends leaves the list
+  for (std::size_t a = active_count_; a > 0; --a) { // backwards: an ended contact leaves the list
     const std::size_t i = touching_[a - 1];
     Contact& c = contacts_[i];
     if (c.exciter.held || c.exciter.kind != Exciter::Kind::kImpact)
@@ -417,8 +418,7 @@ void ContactSolver::end_finished_contacts() noexcept {
       end(i);
     }
   }
-  // A body that is rubbed alone is held: what blows have left of its recoil is taken by its
-  // support.
+  // A body that is only rubbed is held: its support stops the recoil that strikes have left.
   const auto strikes = [this](std::size_t slot) {
     return contacts_[slot].exciter.kind == Exciter::Kind::kImpact;
   };
@@ -428,18 +428,20 @@ void ContactSolver::end_finished_contacts() noexcept {
     reset_rigid();
 }
 
-/// It has let go. It meets the surface again only if that can still catch up with it. No point
-/// moves further or faster than all modes together; of many modes, which never meet, no more than
-/// kPeakToRms times their root of the mean square. Without forces that stays true for a while.
+/// True if a separated striker cannot meet the surface again. A point moves no further and no
+/// faster than the sum of all modes' amplitudes; of many modes, whose peaks never coincide, than
+/// kPeakToRms times the rms of their sum. Without forces these bounds hold on, and are reused for
+/// kBoundsPeriod samples.
 bool ContactSolver::separates(std::size_t slot) noexcept {
   const Contact& c = contacts_[slot];
   Slot& s = slots_[slot];
-  if (s.reach_age == 0)
-    s.reach = contact_modes_->reach(slot);
-  s.reach_age = (s.reach_age + 1) % kReachPeriod;
+  if (s.bounds_age == 0)
+    s.bounds = contact_modes_->motion_bounds(slot);
+  s.bounds_age = (s.bounds_age + 1) % kBoundsPeriod;
   const double displacement =
-      std::min(s.reach.displacement, kPeakToRms * std::sqrt(0.5 * s.reach.displacement_square));
-  const double speed = std::min(s.reach.speed, kPeakToRms * std::sqrt(0.5 * s.reach.speed_square));
+      std::min(s.bounds.displacement, kPeakToRms * std::sqrt(0.5 * s.bounds.displacement_square));
+  const double speed =
+      std::min(s.bounds.speed, kPeakToRms * std::sqrt(0.5 * s.bounds.speed_square));
   const double separation_speed = rigid_at(s, rigid_velocity_) - c.exciter.velocity_m_per_s;
   s.out_of_reach = -c.exciter.depth_m > 2 * std::max(speed - separation_speed, 0.0) / sample_rate_;
   return separation_speed > speed || (separation_speed >= 0 && height(slot) > displacement) ||
@@ -448,7 +450,7 @@ bool ContactSolver::separates(std::size_t slot) noexcept {
 
 void ContactSolver::apply_impulse(std::span<const float> gain, double impulse) noexcept {
   contact_modes_->apply_impulse(gain, impulse);
-  invalidate_reach();
+  invalidate_bounds();
 }
 
 double ContactSolver::energy() const noexcept {

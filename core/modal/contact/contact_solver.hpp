@@ -14,100 +14,103 @@
 
 namespace tactus::modal {
 
-/// A struck body and everything that touches it, in steps much shorter than a contact.
+/// Simulates the contacts of a modal body with strikers, hands, rubbing surfaces and a board, in
+/// steps that are much shorter than a contact.
 ///
-/// Within a step h every contact force is constant, and modes (z = q' + alpha q + j omega_d q), a
-/// free body's six rigid motions and the strikers answer it exactly: z goes to
-/// e^(s h) z + b F (e^(s h) - 1)/s. The forces are those of core/contact: linear in the step's mean
-/// velocities (Impact, Friction), all of a step found together (ContactSystem). So what a contact
-/// stores is to rounding what the bodies lose, for any step, stiffness or mode.
+/// Within a step h every contact force is constant. Modes (z = q' + alpha q + j omega_d q), the six
+/// rigid motions of a free body and the strikers move exactly under it: z goes to
+/// e^(s h) z + b F (e^(s h) - 1)/s. The force laws are those of core/contact (Impact, Friction);
+/// within a step they are linear in the mean velocities, and all forces of a step are solved
+/// together (ContactSystem). The energy that a contact stores is, to rounding, what the bodies
+/// lose, for any step, stiffness or mode.
 class ContactSolver {
 public:
   static constexpr std::size_t kRigid = 6;
-  /// In a sample, a power of 2; fewer for bodies of more than 16 modes, so that a sample's work is
-  /// bounded: 256 for 64 modes, 4 for 4096. Fewer steps are less exact and as passive.
+  /// A power of 2. Bodies of more than 16 modes have fewer (kMaxWork): 256 for 64 modes, 4 for
+  /// 4096. Fewer steps are less exact and still passive.
   static constexpr unsigned kMaxStepsPerSample = 1024;
-  /// Modes times steps in a sample, so that strikes stay in time.
+  /// Modes times steps in a sample: bounds the computing time.
   static constexpr std::size_t kMaxWork = 16384;
 
-  /// Rates s of all modes, also those too high to be heard; room for so many contacts and
-  /// listeners. `rigid`: the body is free to recoil.
+  /// Allocates. `rate`: s of all modes in 1/s, also of those too high to be heard. `contacts`,
+  /// `listeners`: the number of slots. `rigid`: the body is free to recoil.
   ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
                 std::size_t contacts, bool rigid, std::size_t listeners = 0,
                 VectorSet set = best_vector_set());
 
-  /// A striker that comes, or a hand.
+  /// A striker in flight, or a hand (held).
   struct Strike {
     contact::ImpactLaw law{1e9, 1.5, 0};
     double mass_kg = 0.01;
-    double position_m = 0;       ///< inwards, from the surface as it is; of a held striker from the
-                                 ///< untouched surface
+    double position_m = 0;       ///< inwards; from the present surface, of a held striker from the
+                                 ///< surface at rest
     double velocity_m_per_s = 0; ///< inwards
-    double fall_m_per_s2 = 0;    ///< gravity that draws the striker towards the body
+    double fall_m_per_s2 = 0;    ///< gravity towards the body
     bool held = false;           ///< its motion is given
   };
-  /// A point at which two bodies of the same list of modes rest on each other: a contact along a
-  /// direction in which they come apart by sum of b q, gains being those on the one less those on
-  /// the other. What presses them together is constant: weight, a string, a screw.
+  /// A point at which two bodies, whose modes are in one list, rest on each other. The gap opens by
+  /// the sum of b q, b the gains on the one body less those on the other. A constant load (weight,
+  /// a string, a screw) presses the bodies together.
   ///
-  /// Motions are counted from the static equilibrium, in which the contact's force is `preload_n`
-  /// and balances what presses. So the bodies move by the contact's force less the preload:
-  /// F(x) - F0, x = x0 - sum of b q, F(x0) = F0. That is exact for any motion, also while they are
-  /// apart (F = 0), because modes and rigid motions are linear.
+  /// Motions are measured from the static equilibrium, in which the contact force is the preload
+  /// F0. The net force on the bodies is F(x) - F0, where x = x0 - sum of b q and F(x0) = F0. This
+  /// is exact for any motion, also while the bodies are apart (F = 0), because modes and rigid
+  /// motions are linear.
   struct RestingContact {
     contact::ImpactLaw law{1e9, 1.5, 0};
     double preload_n = 0; ///< F0 >= 0
   };
-  /// What touches at a place.
+  /// The state of one contact.
   struct Contact {
     contact::Exciter exciter;
     double fall_m_per_s2 = 0;
-    double preload_n = 0; ///< of a rest
+    double preload_n = 0; ///< of a resting contact
     double age_s = 0;
     bool resting = false; ///< between two bodies
     bool active = false;
-    bool settled = false; ///< it has ended because the striker has come to rest
+    bool settled = false; ///< it has ended because the striker has come to rest on the body
   };
-  /// Starts a contact: b of all modes and of the rigid motions along it, 1/sqrt(kg).
+  /// Begins a contact. `gain`, `rigid_gain`: b of all modes and of the rigid motions along the
+  /// contact's direction, 1/sqrt(kg).
   void begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
              const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// A surface that rubs along the direction of the gains, until it is ended.
+  /// Begins friction along the direction of the gains; it lasts until end().
   void begin_rub(std::size_t slot, const contact::FrictionLaw& law, std::span<const double> gain,
                  const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Two bodies touch from now on, until it is ended: wherever they are, with the force that
-  /// belongs to it. Rigid motions go on as they are.
+  /// Begins a contact between two bodies; it lasts until end(). Its force is that of the bodies'
+  /// present positions. Rigid motions continue.
   void begin_resting_contact(std::size_t slot, const RestingContact& rest,
                              std::span<const double> gain,
                              const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Force of a contact between two bodies less its preload, mean of the last sample, N.
+  /// Force of a resting contact less its preload, N: the mean over the last sample.
   [[nodiscard]] double net_contact_force(std::size_t slot) const noexcept {
     return slots_[slot].moments[0];
   }
   void end(std::size_t slot) noexcept;
-  /// Where a held striker shall be after the next sample; it gets there no faster than a hand.
+  /// Target of a held striker for the end of the next sample; its speed is limited.
   void set_held_position(std::size_t slot, double position_m, double fastest_m_per_s = 50) noexcept;
-  /// How a surface presses and moves, until changed.
+  /// Normal force and velocity of a rubbing surface, until changed.
   void rub(std::size_t slot, double normal_force_n, double velocity_m_per_s) noexcept;
   void set_friction(std::size_t slot, const contact::FrictionLaw& law) noexcept;
-  /// A surface that rubs slides on to another place, its bristles bent as they are.
+  /// Moves a rubbing surface to another point; its bristle deflection is kept.
   void move_rub(std::size_t slot, std::span<const double> gain,
                 const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Everything at rest, nothing touches.
+  /// Ends all contacts and sets all motion to zero.
   void silence() noexcept;
   [[nodiscard]] const Contact& contact(std::size_t slot) const noexcept { return contacts_[slot]; }
   [[nodiscard]] bool touching() const noexcept { return active_count_ > 0; }
   [[nodiscard]] std::size_t active() const noexcept { return active_count_; }
-  /// How far the striker of a contact that has ended is above the body's resting surface, m.
+  /// Height of the striker of an ended contact above the body's surface at rest, m.
   [[nodiscard]] double height(std::size_t slot) const noexcept {
     return rigid_at(slots_[slot], rigid_displacement_) - contacts_[slot].exciter.position_m;
   }
-  /// Steps that one sample takes now.
+  /// Steps in a sample at present.
   [[nodiscard]] unsigned steps() const noexcept { return steps_; }
 
-  /// One sample on. Strikers that are gone for good become inactive. Returns the mean force of
-  /// those that press, N.
+  /// Advances by one sample. Strikers that cannot meet the body again become inactive. Returns the
+  /// sum of the mean forces of strikers and hands, N.
   double step() noexcept;
-  /// Forces of the last sample that were not zero.
+  /// A force of the last sample that was not zero.
   struct SampledForce {
     std::size_t slot;
     ForceMoments moments;
@@ -115,18 +118,18 @@ public:
   [[nodiscard]] std::span<const SampledForce> sampled() const noexcept {
     return std::span(sampled_).first(sampled_count_);
   }
-  /// An impulse on the modes at once, N s, e.g. a sample of an outer force.
+  /// An impulse on the modes at once, N s, e.g. of one sample of an external force.
   void apply_impulse(std::span<const float> gain, double impulse) noexcept;
   /// The same on the rigid motions.
   void apply_rigid_impulse(const std::array<double, kRigid>& gain, double impulse) noexcept {
     for (std::size_t r = 0; r < kRigid; ++r)
       rigid_velocity_[r] += gain[r] * impulse;
   }
-  /// Sum over modes of Im(w z).
+  /// The sum over the modes of Im(w z).
   [[nodiscard]] double output(std::span<const std::complex<double>> weight) noexcept {
     return contact_modes_->output(weight);
   }
-  /// The same with weights given before, quicker.
+  /// The same with weights that are set beforehand; faster.
   void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept {
     contact_modes_->set_weight(listener, weight);
   }
@@ -134,19 +137,19 @@ public:
   [[nodiscard]] double output(std::size_t listener) noexcept {
     return contact_modes_->output(listener);
   }
-  /// A contact goes on with the body's new rates and shapes: same compression and striker.
-  /// Both solvers' modal states must be in place; gains as in begin().
+  /// Continues a contact of another solver, whose body had other rates and shapes, with the same
+  /// compression and striker. Both solvers' modal states must be set; gains as in begin().
   void take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
                  std::span<const double> gain,
                  const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// A free body goes on moving where it was, its mass and lengths changed by these factors.
+  /// Continues the rigid motions of another solver, whose body had other mass and lengths.
   void take_over_rigid(const ContactSolver& before, double mass_ratio,
                        double length_ratio) noexcept;
-  /// What these orthonormal directions of the rigid motions' space hold of one.
+  /// The orthogonal projection of a rigid motion onto the span of an orthonormal basis.
   [[nodiscard]] static std::array<double, kRigid>
   project(const std::array<double, kRigid>& motion,
           std::span<const std::array<double, kRigid>> basis) noexcept;
-  /// Leaves that of the present rigid motions.
+  /// Projects the present rigid motions.
   void project_rigid(std::span<const std::array<double, kRigid>> basis) noexcept;
 
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {
@@ -155,9 +158,9 @@ public:
   void set_state(std::size_t mode, std::complex<double> z) noexcept {
     contact_modes_->set_state(mode, z);
   }
-  /// The first states, or all.
+  /// All states, or the first ones.
   void read_states(std::span<std::complex<double>> z) noexcept { contact_modes_->read_states(z); }
-  /// The others come to rest.
+  /// Writes all states, or the first ones; the others become zero.
   void write_states(std::span<const std::complex<double>> z) noexcept {
     contact_modes_->write_states(z);
   }
@@ -173,22 +176,22 @@ public:
       sum += 0.5 * speed * speed;
     return sum;
   }
-  /// Energy of modes, rigid motion, strikers and contacts, J; of what presses two bodies together,
-  /// its work from the equilibrium on.
+  /// Energy of modes, rigid motions, strikers and contacts, J; of a preload its work since the
+  /// equilibrium.
   [[nodiscard]] double energy() const noexcept;
 
 private:
   using Rigid = std::array<double, kRigid>;
   struct Slot {
     Rigid rigid{};
-    double required_steps = 1; ///< in a sample, for the energy that the contact was judged by
-    double max_contact_s = 0;  ///< a contact that lasts longer lies still
-    bool out_of_reach = false; ///< nothing can touch within the next sample
-    ContactModes::Reach reach; ///< of the modes at the place
-    unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
-    double surface_m = 0;      ///< of the place, after the steps so far
-    double preload_velocity_m_per_s = 0; ///< of the place, mean of a step, for all that presses
-    ForceMoments moments{};              ///< of the force within the sample at hand
+    double required_steps = 1; ///< in a sample, for the contact's present energy
+    double max_contact_s = 0;  ///< a falling striker's contact that lasts longer has settled
+    bool out_of_reach = false; ///< the surface cannot meet the striker within the next sample
+    ContactModes::MotionBounds bounds; ///< of the modes at the point
+    unsigned bounds_age = 0;           ///< samples since `bounds` was computed; 0: it is not valid
+    double surface_m = 0;              ///< displacement of the point after the steps so far
+    double preload_velocity_m_per_s = 0; ///< of the point, mean of a step, by all preloads
+    ForceMoments moments{};              ///< of the force within the present sample
   };
   [[nodiscard]] static double rigid_at(const Slot& slot, const Rigid& q) noexcept {
     double sum = 0;
@@ -200,11 +203,12 @@ private:
   [[nodiscard]] double net_force(std::size_t position) const noexcept {
     return system_[position].force - contacts_[touching_[position]].preload_n;
   }
-  void find_preload_velocities() noexcept;
+  void update_preload_velocities() noexcept;
   [[nodiscard]] double max_resting_steps() const noexcept;
-  void fill(std::size_t slot, std::span<const double> gain, const Rigid& rigid_gain) noexcept;
+  void set_contact_gains(std::size_t slot, std::span<const double> gain,
+                         const Rigid& rigid_gain) noexcept;
   void activate(std::size_t slot) noexcept;
-  void find_required_steps(std::size_t slot) noexcept;
+  void update_required_steps(std::size_t slot) noexcept;
   [[nodiscard]] double required_steps() const noexcept;
   bool choose_steps(double required) noexcept;
   void set_steps(unsigned steps) noexcept;
@@ -218,7 +222,7 @@ private:
   [[nodiscard]] double surface_displacement(std::size_t slot) noexcept;
   [[nodiscard]] double surface_velocity(std::size_t slot) noexcept;
   void list_touching() noexcept;
-  void invalidate_reach() noexcept;
+  void invalidate_bounds() noexcept;
   void end_finished_contacts() noexcept;
   [[nodiscard]] bool separates(std::size_t slot) noexcept;
 
@@ -231,7 +235,7 @@ private:
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
   contact::ContactSystem system_;      ///< by position in touching_
-  double next_compliance_m_per_n_ = 0; ///< of the only contact's place, a step after its force
+  double next_compliance_m_per_n_ = 0; ///< of a single contact, a step after its force
   std::vector<std::size_t> touching_;  ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
   std::vector<SampledForce> sampled_;

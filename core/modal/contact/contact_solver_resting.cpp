@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// Two bodies that rest on each other, in a ContactSolver.
+/// ContactSolver: two bodies that rest on each other.
 namespace tactus::modal {
 
 void ContactSolver::begin_resting_contact(std::size_t slot, const RestingContact& rest,
@@ -19,7 +19,7 @@ void ContactSolver::begin_resting_contact(std::size_t slot, const RestingContact
   e.held = true;
   e.impact.set(rest.law);
   c.preload_n = contact::within(rest.preload_n, 0, contact::kMaxForce, 0);
-  fill(slot, gain, rigid_gain);
+  set_contact_gains(slot, gain, rigid_gain);
   e.position_m = e.impact.law().penetration(c.preload_n);
   e.depth_m = e.position_m - slots_[slot].surface_m;
   e.impact.hold(e.depth_m);
@@ -27,8 +27,8 @@ void ContactSolver::begin_resting_contact(std::size_t slot, const RestingContact
   activate(slot);
 }
 
-/// What presses moves every place as if its preload pulled there.
-void ContactSolver::find_preload_velocities() noexcept {
+/// The constant load acts at every contact point as minus its preload.
+void ContactSolver::update_preload_velocities() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a) {
     double velocity = 0;
     for (std::size_t b = 0; b < active_count_; ++b)
@@ -37,7 +37,7 @@ void ContactSolver::find_preload_velocities() noexcept {
   }
 }
 
-/// Steps of a sample for such contacts, which last: fewer where there is much to do in each.
+/// The most steps in a sample for resting contacts, which last: fewer for many modes and contacts.
 double ContactSolver::max_resting_steps() const noexcept {
   constexpr double kMaxSteps = 8;
   const double work = static_cast<double>(std::max<std::size_t>(modes_ * active_count_, 1));

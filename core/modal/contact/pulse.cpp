@@ -11,17 +11,17 @@
 namespace tactus::modal {
 namespace {
 
-constexpr int kRounds = 12;
+constexpr int kMaxIterations = 12;
 
 constexpr std::size_t kPerOctave = 4, kBands = kPulseBands;
 
-/// Mobility of the modes of each band and their mean frequency.
+/// The mobility (sum of b^2) and mean angular frequency of the modes in each band.
 class Bands {
 public:
   explicit Bands(const StruckPoint& point) noexcept {
     const std::size_t count = std::min(point.gain.size(), point.rate.size());
     const bool known = point.band.size() >= count;
-    // Several sums side by side: neighbouring modes mostly share a band.
+    // Several sums side by side, so that neighbouring modes, mostly of one band, do not wait.
     std::array<std::array<Band, kApart>, kBands> part{};
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t index = known ? point.band[k] % kBands : pulse_band(point.rate[k].imag());
@@ -52,7 +52,7 @@ private:
 
 } // namespace
 
-/// By the exponent and the first two bits of the mantissa.
+/// From the exponent and the first two bits of the mantissa of the floating-point number.
 std::uint8_t pulse_band(double omega_per_s) noexcept {
   constexpr std::uint64_t kOfOne = std::uint64_t{1023} << 2;
   const double omega = omega_per_s > 1 ? omega_per_s : 1;
@@ -77,17 +77,17 @@ Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg, double s
   const double own = 1 / striker_mass_kg + point.rigid_mobility_per_kg;
   double mobility = own;
   double duration = law.duration(1 / mobility, speed_m_per_s);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     mobility = own;
     double compliance = point.compliance_m_per_n;
     bands.each([&](double b_squared, double omega) {
       const double spectrum = Pulse::spectrum(omega * duration);
-      const double turns = omega * duration / std::numbers::pi;
+      const double x = omega * duration / std::numbers::pi;
       mobility += b_squared * spectrum * spectrum;
-      compliance += b_squared / (omega * omega) * turns * turns / (1 + turns * turns);
+      compliance += b_squared / (omega * omega) * x * x / (1 + x * x);
     });
-    // Deepest at m v^2/2 = W(d) + C F(d)^2/2: the law's own duration for its part of the way, half
-    // a period of a spring for the compliance's.
+    // The largest depth d from m v^2/2 = W(d) + C F(d)^2/2. The law's share of it takes the law's
+    // own duration, the compliance's share half a period of a spring.
     contact::ImpactLaw compliant = law;
     compliant.compliance_m_per_n = std::max(compliance, 0.0);
     const double energy = 0.5 * speed_m_per_s * speed_m_per_s / mobility;
@@ -100,7 +100,7 @@ Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg, double s
     if (!(std::isfinite(next) && next > 0))
       break;
     const bool found = std::abs(next - duration) < 1e-3 * duration;
-    duration = std::sqrt(duration * next); // towards it, in proportion
+    duration = std::sqrt(duration * next); // geometric mean, for convergence
     if (found)
       break;
   }

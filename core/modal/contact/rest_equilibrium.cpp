@@ -8,7 +8,7 @@ namespace {
 
 using Rigid = RestEquilibrium::Rigid;
 
-constexpr double kSameDirection = 1e-3; // of its length: what else a gain has is of the mesh
+constexpr double kSameDirection = 1e-3; // relative: smaller remainders come from the mesh
 constexpr double kBalance = 1e-6;       // of the load
 
 double dot(const Rigid& a, const Rigid& b) {
@@ -18,7 +18,7 @@ double dot(const Rigid& a, const Rigid& b) {
   return sum;
 }
 
-/// Gram and Schmidt, the longest remainder first.
+/// An orthonormal basis of the span, by Gram-Schmidt with pivoting.
 std::vector<Rigid> span_of(std::vector<Rigid> gain) {
   std::vector<Rigid> basis;
   double longest = 0;
@@ -44,7 +44,8 @@ std::vector<Rigid> span_of(std::vector<Rigid> gain) {
   }
 }
 
-/// x of the symmetric system a x = right, by elimination; directions that a does not reach stay 0.
+/// Solves the symmetric positive semidefinite system a x = right by Gauss-Jordan elimination; x is
+/// 0 where a is singular.
 std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double> right) {
   const std::size_t count = right.size();
   double largest = 0;
@@ -79,7 +80,7 @@ std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double
 
 RestEquilibrium::RestEquilibrium(std::span<const Rigid> gain, const Rigid& load, double pressing_n)
     : force_n(gain.size(), 0), basis(span_of({gain.begin(), gain.end()})) {
-  if (basis.empty()) { // held: only what presses
+  if (basis.empty()) { // held: the points carry only the pressing force
     std::fill(force_n.begin(), force_n.end(), pressing_n);
     return;
   }

@@ -7,21 +7,23 @@
 
 namespace tactus::modal {
 
-/// How a rigid body lies on points that only push: gains g of a force at each point on the body's
-/// six rigid motions, 1/sqrt(kg) (unit inertia), and a constant load on these, N/sqrt(kg).
+/// The static contact forces of a rigid body that lies on points which can push but not pull.
 ///
-/// Motions that no point resists (sliding, turning about the line through two points) are held
-/// without loss, by friction or a cord's guides: `basis` is an orthonormal basis of the others, the
-/// span of the gains.
+/// A force at point i acts on the body's six rigid motions (of unit inertia) by the gains g_i,
+/// 1/sqrt(kg). A constant load acts on the same motions, N/sqrt(kg). Motions that no point resists
+/// (sliding, turning about the line through two points) are taken as held without loss, as friction
+/// or a cord's guides hold them; only the span of the gains is solved.
 struct RestEquilibrium {
   using Rigid = std::array<double, 6>;
-  /// Contact forces F >= 0 with sum of (F - pressing) g = -load within the span, N: what the points
-  /// carry beyond what presses the bodies together at each of them. Where many such forces exist,
-  /// those of points equally stiff (least sum of squares); points that would pull are lifted off.
+  /// Contact forces F_i >= 0, N, with sum of (F_i - pressing) g_i = -load within the span. Of many
+  /// solutions it is the one with the least sum of squares (equally stiff points); points that
+  /// would pull are lifted off.
   std::vector<double> force_n;
-  std::vector<Rigid> basis;
-  bool balanced = true; ///< false: there are no such forces, the body tips over
+  std::vector<Rigid> basis; ///< orthonormal, of the span of the gains
+  bool balanced = true;     ///< false: no such forces exist, the body tips over
 
+  /// Allocates. `pressing_n`: the force that presses the bodies together at each point, besides the
+  /// load.
   RestEquilibrium(std::span<const Rigid> gain, const Rigid& load, double pressing_n);
 };
 

@@ -11,10 +11,12 @@
 
 namespace tactus::modal {
 
-/// The time of the shortest path, less BandLimit's latency and never below 0, in two parts: what a
-/// delay line takes, and the fraction of a sample that a near listener's kernels hold, because the
-/// line is flat for whole delays only when they are short. `from_s`: a shorter delay that this one
-/// shall exceed by whole samples; below 0: none.
+/// The sound's travel time along the shortest path, split between the delay line and the kernels.
+///
+/// BandLimit's latency is taken off, down to 0. The delay line takes `delay_s`; the kernels of a
+/// near listener hold the remaining fraction of a sample, because a short delay line is flat for
+/// whole delays only. `from_s`: another delay that this one exceeds by whole samples; below 0:
+/// none.
 struct TravelTime {
   double delay_s = 0, fractional_samples = 0;
   TravelTime() = default;
@@ -30,25 +32,27 @@ struct TravelTime {
   }
 };
 
-/// What a listener receives of a body's motions: the pressure for a unit impulse of each motion's
-/// acceleration, band-limited by BandLimit and BandLimit::kLatency late, with the delay of the
-/// shortest path taken out. Motions are the table's modes, then a free body's six rigid motions.
+/// The impulse responses from a body's motions to the sound pressure at a listener.
+///
+/// Each response is the pressure for a unit impulse of one motion's acceleration, band-limited by
+/// BandLimit (and late by BandLimit::kLatency), without the delay of the shortest path. The motions
+/// are the table's modes, then the six rigid motions of a free body.
 class Arrivals {
 public:
   static constexpr std::size_t kRigid = 6;
-  /// Later arrivals are counted as if they came then: the paths of a body of more than 7 m differ
-  /// by more (48 kHz).
+  /// The longest response in samples; later arrivals are moved to its end. Paths differ by more
+  /// only for bodies of more than 7 m (at 48 kHz).
   static constexpr std::size_t kMaxSpread = 1024;
 
   virtual ~Arrivals() = default;
-  double delay_s = 0;  ///< left for a delay line
-  bool silent = false; ///< the listener sees nothing of the body
-  /// Of the table; a free body's rigid motions come after them.
+  double delay_s = 0;  ///< for the delay line
+  bool silent = false; ///< no part of the body faces the listener
+  /// The number of modes; the rigid motions come after them.
   [[nodiscard]] virtual std::size_t modes() const noexcept = 0;
-  /// Samples within which everything arrives.
+  /// The length of the responses in samples.
   [[nodiscard]] virtual std::size_t samples() const noexcept = 0;
-  /// Pressure [samples()][BandLimit::kNodes] in Pa for an acceleration impulse of the motion at
-  /// time 0, 1/sample.
+  /// Writes [samples()][BandLimit::kNodes] pressures in Pa for an impulse of 1/sample of the
+  /// acceleration of `motion` at time 0.
   virtual void find(std::size_t motion, std::span<double> pressure) const = 0;
 };
 

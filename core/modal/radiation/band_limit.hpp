@@ -8,30 +8,31 @@
 
 namespace tactus::modal {
 
-/// Low-pass kernel that turns what happens at any time into samples: a sinc under Kaiser's window
-/// (Kaiser 1974), time in samples. Flat within 0.003 dB up to 20 kHz (0.4535 of lower sample
-/// rates); what would alias to below that is 100 dB down, at rates below 48 kHz, where there is
-/// less room for it, 72 dB.
+/// The low-pass kernel that samples impulses at arbitrary times without aliasing.
+///
+/// A sinc under a Kaiser window (Kaiser 1974), time in samples. Its passband is flat within 0.003
+/// dB up to 20 kHz, or 0.4535 of lower sample rates. Aliases below that are 100 dB down; at sample
+/// rates below 47 kHz, where the transition band is narrower, 72 dB.
 struct BandLimit {
   static constexpr std::size_t kHalfWidth = 24;
-  /// Samples by which everything is late, so that the kernel is causal with some room for Binning.
+  /// Latency in samples, which makes the kernel causal and leaves room for the interpolation below.
   static constexpr std::size_t kLatency = kHalfWidth + 1;
 
-  /// Points within a sample where signals are taken: its beginning, for samples, and the four
-  /// nodes of Gauss and Legendre, for integrals over it.
+  /// Times within a sample at which signals are evaluated: its beginning, and the four nodes of
+  /// Gauss-Legendre quadrature for integrals over it.
   static constexpr std::size_t kNodes = 5, kGauss = 4;
   static constexpr std::array<double, kNodes> kNode{0, 0.06943184420297371, 0.33000947820757187,
                                                     0.6699905217924281, 0.9305681557970263};
   static constexpr std::array<double, kGauss> kGaussWeight{
       0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692};
 
-  /// Delays are binned to eighths of a sample by cubic interpolation (error below 0.002 dB).
+  /// Delays are distributed to bins of 1/8 sample by cubic interpolation (error below 0.002 dB).
   static constexpr std::size_t kBins = 8, kSpan = 4;
-  /// Samples that the response of one bin lies in.
+  /// The length of one bin's response in samples.
   static constexpr std::size_t kLength = 2 * kLatency + 1;
 
-  /// Response [kLength][kNodes] to an impulse in bin r of a sample, kLatency later; bin 1 is the
-  /// sample's beginning.
+  /// Responses [bin][kLength][kNodes] to an impulse in one bin of a sample, delayed by kLatency;
+  /// bin 1 is the sample's beginning.
   std::array<std::array<double, kLength * kNodes>, kBins> response;
 
   [[nodiscard]] static const BandLimit& at_rate(double sample_rate) {
@@ -42,8 +43,8 @@ struct BandLimit {
     const double x = t / static_cast<double>(kHalfWidth);
     if (!(std::abs(x) < 1))
       return 0;
-    const double turn = std::numbers::pi * t;
-    const double sinc = std::abs(turn) < 1e-9 ? 1 : std::sin(turn) / turn;
+    const double phase = std::numbers::pi * t;
+    const double sinc = std::abs(phase) < 1e-9 ? 1 : std::sin(phase) / phase;
     return sinc * bessel_i0(beta_ * std::sqrt(1 - x * x)) / bessel_i0(beta_);
   }
 

@@ -9,17 +9,17 @@
 
 namespace tactus::modal {
 
-/// What a listener receives of two bodies: each as if alone, neither in the other's way. Motions
-/// are the modes of both in one list, then the first one's rigid motions.
+/// The Arrivals of several bodies in one: the sounds add, no body shadows another. The motions are
+/// the modes of all bodies in one list, then the rigid motions of the first.
 class CombinedArrivals final : public Arrivals {
 public:
   struct Part {
     std::unique_ptr<Arrivals> arrivals;
     std::span<const std::size_t>
-        mode;                    ///< in the common list, of each of its own; must outlive this
+        mode; ///< index in the common list of each of its modes; must outlive this
     std::size_t extra_delay = 0; ///< samples after the first part's delay
   };
-  /// Their delays must differ by whole samples (TravelTime).
+  /// The parts' delays must differ by whole samples (TravelTime).
   CombinedArrivals(std::vector<Part> parts, double sample_rate, std::size_t max_extra_delay);
   [[nodiscard]] std::size_t modes() const noexcept override { return source_.size(); }
   [[nodiscard]] std::size_t samples() const noexcept override;
@@ -30,7 +30,7 @@ private:
     std::size_t part = 0, motion = 0;
   };
   std::vector<Part> parts_;
-  std::vector<Source> source_; ///< of each mode
+  std::vector<Source> source_; ///< of each mode in the list
 };
 
 } // namespace tactus::modal

@@ -95,7 +95,7 @@ void DelayLine::set(double samples, bool glide, bool jump) noexcept {
 
 void DelayLine::clear() noexcept { std::fill(line_.begin(), line_.end(), 0.0F); }
 
-/// As near to the target as the fastest glide gets within a segment.
+/// The target, limited to what the fastest glide reaches within a segment.
 DelayLine::Value DelayLine::limited(double target) const noexcept {
   if (doppler_) {
     constexpr double kMaxDelayChange = kMaxSlope * static_cast<double>(Glide::kSegment);
@@ -112,11 +112,11 @@ void DelayLine::exchange(Glide::Exchange exchange, bool had_target) noexcept {
   middle_ = latest_;
   if (exchange == Glide::Exchange::kStart)
     latest_ = limited(target_);
-  else if (had_target) // a moving delay follows the mean, which does not depend on when targets
-                       // come
+  else if (had_target) // a moving delay follows the mean, which does not depend on the times
+                       // at which targets arrive
     latest_ = limited(doppler_ ? target_sum_ / target_age_ : target_);
   target_sum_ = target_age_ = 0;
-  // What is still missing of a long way follows.
+  // The rest of a limited step follows in the next segments.
   if (latest_.delay != target_) {
     const Glide::Exchange more = glide_.start();
     if (more == Glide::Exchange::kStart)
@@ -124,7 +124,7 @@ void DelayLine::exchange(Glide::Exchange exchange, bool had_target) noexcept {
   }
 }
 
-/// What the line holds a delay before each of the last samples, from sample `first` on.
+/// Reads the delayed samples of the present chunk from sample `first` on.
 void DelayLine::read(const Kernel& kernel, std::size_t first, float* out,
                      std::size_t count) const noexcept {
   std::array<float, kChunk + 2 * kHalf> piece;

@@ -8,25 +8,26 @@
 
 namespace tactus::modal {
 
-/// The sound's travel time: a delay of any fraction of a sample, without latency beyond it.
+/// A variable fractional delay line for the sound's travel time to a listener.
 ///
-/// A sample between two others is the sum over 40 neighbours of sinc(t) under Kaiser's window
-/// (beta 5.5), its gain at 0 Hz made 1: flat within 0.03 dB and true within a thousandth of a
-/// sample up to 0.4535 of the sample rate (20 kHz at 44.1 kHz). A delay shorter than 20 samples has
-/// fewer neighbours on one side and takes as many on both: within 0.25 dB at a quarter of the
-/// sample rate from two samples on, but no longer flat to the top. Whole delays are exact, so a
-/// resting listener that near has its fraction of a sample in what it is given (TravelTime).
+/// Interpolation: 40 neighbours weighted by a sinc under a Kaiser window (beta 5.5), normalised to
+/// gain 1 at 0 Hz. It is flat within 0.03 dB and delays exactly within 0.001 samples up to 0.4535
+/// of the sample rate (20 kHz at 44.1 kHz). A delay below 20 samples has fewer newer neighbours and
+/// uses as few older ones: from two samples on it is within 0.25 dB at a quarter of the sample
+/// rate, but falls above. Whole delays are exact; the kernels of a near listener hold the fraction
+/// (TravelTime).
 ///
-/// A new delay takes over as Glide has it: in a cross-fade of up to three delays, or as one delay
-/// that moves and bends the pitch as a moving listener hears it, no faster than kMaxSlope.
+/// A new delay is reached as Glide describes: by a cross-fade of up to three delays, or by one
+/// moving delay, whose Doppler shift is limited by kMaxSlope.
 class DelayLine {
 public:
   static constexpr std::size_t kHalf = 20;   ///< neighbours on each side
-  static constexpr double kMaxSlope = 0.125; ///< samples a sample: 43 m/s
+  static constexpr double kMaxSlope = 0.125; ///< samples per sample: 43 m/s
 
-  /// Allocates; keeps nothing of before.
+  /// Allocates and clears. `longest`: the longest delay in samples.
   void prepare(std::size_t longest);
-  /// `glide`: bends the pitch, else cross-fades; holds from the next rest on. `jump`: at once.
+  /// Sets the delay in samples. `glide`: a moving delay with Doppler shift, else a cross-fade; a
+  /// change of this holds from the next rest on. `jump`: at once.
   void set(double samples, bool glide, bool jump) noexcept;
   void clear() noexcept;
 
@@ -34,17 +35,17 @@ public:
     run(&in, 1);
     return in;
   }
-  /// The same for many samples, in place; the same bits however they are cut.
+  /// The same for many samples, in place; the same bits in blocks of any size.
   void run(float* sound, std::size_t count) noexcept;
 
 private:
-  static constexpr std::size_t kChunk = 64;                      ///< samples worked together
+  static constexpr std::size_t kChunk = 64;                      ///< samples computed together
   static constexpr std::size_t kMargin = kChunk + 2 * kHalf + 2; ///< beyond the longest delay
 
-  /// Weights of the samples whole - half + 1 ... whole + half before the present one.
+  /// Interpolation weights of the samples around the delay.
   struct Kernel {
     std::array<float, 2 * kHalf> weight{1};
-    std::size_t newest = 0, count = 1; ///< of the samples: age of the newest, and how many
+    std::size_t newest = 0, count = 1; ///< age of the newest sample, number of samples
     explicit Kernel(double delay = 0) noexcept;
   };
   struct Value {
@@ -58,8 +59,9 @@ private:
 
   std::vector<float> line_ = std::vector<float>(256, 0.0F);
   std::size_t mask_ = 255, write_ = 0;
-  double target_ = 0;                      ///< samples
-  double target_sum_ = 0, target_age_ = 0; ///< over the samples of the segment, for its mean
+  double target_ = 0; ///< samples
+  double target_sum_ = 0,
+         target_age_ = 0; ///< sum of targets in the segment and its age, for their mean
   Value old_, middle_, latest_;
   Glide glide_;
   bool doppler_ = false;

@@ -10,7 +10,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::size_t kNodes = BandLimit::kNodes, kGauss = BandLimit::kGauss;
-constexpr double kHighDecay = 0.3;    // Np a sample, at least, of modes too high for the bank
+constexpr double kHighDecay = 0.3;    // Np a sample, the least, of modes too high for the bank
 constexpr double kSilentDecay = 9;    // Np after which a mode is cut off
 constexpr std::size_t kHighTail = 30; // samples: kSilentDecay at kHighDecay
 
@@ -102,8 +102,8 @@ void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes,
   } else {
     for (std::size_t k = 0; k < modes.size(); ++k)
       if (modes[k].part != Mode::Part::kInaudible)
-        find_mode(arrivals, modes[k], sample_rate, samples_.data() + k * taps_,
-                  moments_.data() + k * moment_count_ * taps_);
+        compute_mode(arrivals, modes[k], sample_rate, samples_.data() + k * taps_,
+                     moments_.data() + k * moment_count_ * taps_);
   }
   if (rigid) {
     rigid_samples_.clear();
@@ -128,8 +128,8 @@ void DirectKernels::sum_over_modes(const Arrivals& arrivals, std::span<const Mod
     for (std::size_t i = 0; i < count; ++i) {
       const Mode& mode = modes[first + i];
       if (mode.part != Mode::Part::kInaudible)
-        find_mode(arrivals, mode, sample_rate, samples.data() + i * taps_,
-                  moments.data() + i * row);
+        compute_mode(arrivals, mode, sample_rate, samples.data() + i * taps_,
+                     moments.data() + i * row);
       for (std::size_t v = 0; v < vertices; ++v)
         for (std::size_t axis = 0; axis < 3; ++axis)
           shape[(3 * v + axis) * count + i] =
@@ -147,39 +147,43 @@ void DirectKernels::sum_over_modes(const Arrivals& arrivals, std::span<const Mod
   }
 }
 
-void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate,
-                              float* samples, float* moments) {
-  std::vector<double>& pressure = pressure_;
-  std::vector<Complex>& motion = motion_;
-  const std::size_t arrived = arrivals.samples();
-  std::fill(pressure.begin(), pressure.end(), 0);
-  arrivals.find(mode.motion, std::span(pressure).first(arrived * kNodes));
-  const bool rings = mode.part == Mode::Part::kRinging;
-  Complex s = mode.rate / sample_rate;
-  const double square = std::norm(s);
-  if (!rings && -s.real() < kHighDecay) // its own ringing is above what can be heard
-    s = {-kHighDecay, std::sqrt(std::max(square - kHighDecay * kHighDecay, 1e-3))};
-  const double alpha = -s.real(), omega = s.imag(), stiffness = std::norm(s);
-  const Complex pole = std::exp(s);
-  const auto shape = exponential_moments(s);
-  // z' = s z + gamma: gamma's cubic in every sample is answered exactly.
+/// z' = s z + gamma, exact for the cubic through gamma at the Gauss nodes of every sample.
+void DirectKernels::integrate_motion(Complex pole, const std::array<Complex, 4>& shape) noexcept {
   std::array<Complex, kGauss> response{};
   for (std::size_t m = 0; m < kGauss; ++m)
     for (std::size_t j = 0; j < kGauss; ++j)
       response[m] += static_cast<double>(2 * j + 1) * BandLimit::kGaussWeight[m] *
                      legendre(j, 2 * BandLimit::kNode[1 + m] - 1) * shape[j];
-  motion[0] = 0;
+  motion_[0] = 0;
   for (std::size_t n = 0; n < taps_; ++n) {
-    const double* gamma = pressure.data() + n * kNodes + 1;
-    Complex z = pole * motion[n];
+    const double* gamma = pressure_.data() + n * kNodes + 1;
+    Complex z = pole * motion_[n];
     for (std::size_t m = 0; m < kGauss; ++m)
       z += gamma[m] * response[m];
-    motion[n + 1] = z;
+    motion_[n + 1] = z;
   }
+}
+
+void DirectKernels::compute_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate,
+                                 float* samples, float* moments) {
+  std::vector<double>& pressure = pressure_;
+  std::vector<Complex>& motion = motion_;
+  const std::size_t arrived = arrivals.samples();
+  std::fill(pressure.begin(), pressure.end(), 0);
+  arrivals.find(mode.motion, std::span(pressure).first(arrived * kNodes));
+  const bool in_bank = mode.part == Mode::Part::kRinging;
+  Complex s = mode.rate / sample_rate;
+  const double square = std::norm(s);
+  if (!in_bank && -s.real() < kHighDecay) // its own oscillation is inaudible
+    s = {-kHighDecay, std::sqrt(std::max(square - kHighDecay * kHighDecay, 1e-3))};
+  const double alpha = -s.real(), omega = s.imag(), stiffness = std::norm(s);
+  const Complex pole = std::exp(s);
+  const auto shape = exponential_moments(s);
+  integrate_motion(pole, shape);
   Complex weight = 0;
-  if (rings && alpha * static_cast<double>(arrived) <= kMaxDecay)
+  if (in_bank && alpha * static_cast<double>(arrived) <= kMaxDecay)
     weight = s * s / omega * motion[arrived] * std::exp(-s * static_cast<double>(arrived));
-  if (rings)
+  if (in_bank)
     weight_.push_back(weight * sample_rate);
   Complex ring = weight;
   double residual = 0; // of the answer to a constant sampled force
@@ -206,8 +210,8 @@ void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double
       loudest = n;
     ring *= pole;
   }
-  // What the band limit lets through at the sample rate itself, 1e-4 of the direct sound, is taken
-  // out where it arrives.
+  // The response to a constant force must cancel the bank's. The remainder, which the band limit
+  // passes at the sample rate (1e-4 of the direct sound), is subtracted at the loudest tap.
   residual += (weight / (1.0 - pole)).imag();
   samples[loudest] -= static_cast<float>(residual);
 }
@@ -395,7 +399,7 @@ void DirectSound::add_history(std::size_t listener, const ForceKernel& kernel, s
   const auto spread = [&](const std::vector<float>& from, std::vector<float>& to) {
     for (std::size_t j = 0; j < force.size(); ++j) {
       const float* const k = from.data() + j * taps;
-      double residual = 0; // what forces before now have still to give
+      double residual = 0; // response still to come of forces before now
       for (std::size_t i = taps; i-- > 1;) {
         residual += force[j] * static_cast<double>(k[i]);
         to[i - 1] += static_cast<float>(residual);
@@ -427,7 +431,7 @@ void DirectSound::rotate(const Glide& before, const Glide& after) noexcept {
   }
 }
 
-void DirectSound::settle(const Glide& glide) noexcept {
+void DirectSound::merge_parts(const Glide& glide) noexcept {
   const Glide::Blend blend = glide.blend(0);
   for (auto& [old, middle, latest] : lines_) {
     if (glide.moving()) {
@@ -477,7 +481,8 @@ void DirectSound::finish(std::size_t listener, std::span<float> sound,
     one = suspension_.b1 * rigid - suspension_.a1 * y + two;
     two = suspension_.b2 * rigid - suspension_.a2 * y;
     sound[n] += static_cast<float>(elastic + y);
-    if (std::abs(one) < 1e-15 && std::abs(two) < 1e-15) // at each sample: blocks must not tell
+    if (std::abs(one) < 1e-15 &&
+        std::abs(two) < 1e-15) // at each sample, so that block sizes make no difference
       one = two = 0;
   }
   shift(old, frames);

@@ -12,44 +12,43 @@
 
 namespace tactus::modal {
 
-/// Mean and shape of a force within a sample: its integrals over the sample with Legendre's
-/// polynomials P_j(2 v - 1), v the time that is left to the sample's end, in samples. N
+/// The course of a force within a sample, N: its integrals with the Legendre polynomials
+/// P_j(2 v - 1), v the time from now to the sample's end, in samples. Moment 0 is the mean.
 using ForceMoments = std::array<double, 3>;
 
-/// What a listener hears of a force besides the modes that ring: the sound of the true surface
-/// acceleration, less what the mode bank gives while it rings.
+/// Short FIR filters from a force to its direct sound: the exact pressure of the driven surface,
+/// less the output of the mode bank.
 ///
-/// Mode k, driven, has the acceleration q'' = b f - 2 alpha q' - |s|^2 q, and the pressure is
-/// p = rho g_k * q_k'', g_k the distribution of the delays from the surface (Arrivals). Once the
-/// force and the latest arrival are over this is exactly Im(w_k z_k) with
-///   w_k = rho s_k^2 / omega_k  int g_k(tau) exp(-s_k tau) dtau,
-/// which is what the bank plays. The difference
-///   D_k(t) = rho (g_k * (delta + Im(s_k^2 e^(s_k t))/omega_k))(t) - Im(w_k e^(s_k t))
-/// is zero after the latest arrival: a short filter of the force, sum over k of b_k D_k, whose
-/// response to a constant force cancels the bank's. Modes that decay within the arrivals' spread,
-/// those too high for the bank and rigid motions are in the filter alone (w = 0).
+/// A driven mode k has the acceleration q'' = b f - 2 alpha q' - |s|^2 q and radiates the pressure
+/// p = rho g_k * q_k'', where g_k is its response in Arrivals. After the end of the force and the
+/// latest arrival, p equals Im(w_k z_k), the output of the mode bank, with the weight
+///   w_k = rho s_k^2 / omega_k  int g_k(tau) exp(-s_k tau) dtau.
+/// Until then they differ by
+///   D_k(t) = rho (g_k * (delta + Im(s_k^2 e^(s_k t))/omega_k))(t) - Im(w_k e^(s_k t)),
+/// so that the direct sound is the force filtered by the sum over k of b_k D_k. Its response to a
+/// constant force cancels the bank's. Modes that decay within the arrivals' spread, modes too high
+/// for the bank and rigid motions are in this filter only (w = 0).
 ///
-/// Two forms: for forces that are impulses at the samples (as ModeBank takes them), and for forces
-/// that act all through a sample, given by their moments (as ContactSolver finds them).
+/// There are two forms: for impulses at the samples, as ModeBank takes forces, and for forces that
+/// act throughout a sample, given by their moments, as ContactSolver computes them.
 ///
-/// The sum over the modes is taken where a force begins to act. Of a body of many modes it is taken
-/// beforehand instead, for a unit force at every vertex of the surface along each axis: between
-/// vertices modal gains are linear, and so a force anywhere takes the sum of nine rows, however
-/// many modes there are.
+/// The sum over the modes is taken when a force begins to act. For bodies of many modes it is taken
+/// beforehand, for a unit force at every vertex along each axis. Modal gains are linear between
+/// vertices, so that a force at any point needs a sum of nine rows, however many modes there are.
 class DirectKernels {
 public:
   static constexpr std::size_t kMaxMoments = std::tuple_size_v<ForceMoments>;
-  /// Modes times taps above which the sums over the modes are taken beforehand: below, a force
-  /// that begins to act costs less than 20 us a listener.
+  /// Modes times taps above which the sums over the modes are taken beforehand; below, the
+  /// beginning of a force costs less than 20 us a listener.
   static constexpr std::size_t kMaxSummed = std::size_t{1} << 15;
-  /// Products of those sums above which a force's shape within a sample is left out, so that a
-  /// model is made within some seconds: -2.6 dB of the direct part at 20 kHz and 48 kHz.
+  /// Products in those sums above which only moment 0 is used, so that a model is built within some
+  /// seconds: an error of -2.6 dB of the direct part at 20 kHz (at 48 kHz).
   static constexpr std::size_t kMaxProducts = std::size_t{1} << 33;
-  /// Numbers that the rows of one listener take at most, 256 MB: kernels are cut to fit.
+  /// The most floats in the rows of one listener, 256 MB; kernels are truncated to fit.
   static constexpr std::size_t kMaxNumbers = std::size_t{1} << 26;
   static constexpr std::size_t kMaxTaps = 4096;
-  /// A mode whose amplitude falls by more than this (Np) within the arrivals is not left to the
-  /// bank, which would have to play it so much too loud and have it cancelled.
+  /// A mode that decays by more than this (Np) within the arrivals is not given to the bank: its
+  /// weight would be too large by that factor, to be cancelled by the filter.
   static constexpr double kMaxDecay = 3;
 
   struct Mode {
@@ -57,12 +56,12 @@ public:
     std::size_t motion;        ///< of Arrivals
     enum class Part {
       kRinging,  ///< in the bank
-      kTooHigh,  ///< for the bank: it only follows the force
-      kInaudible ///< not to be heard
+      kTooHigh,  ///< above the bank's limit: it follows the force quasi-statically
+      kInaudible ///< left out
     } part;
-    double pulse_gain = 1; ///< factor of the gain when pulses strike (BodyModel)
+    double pulse_gain = 1; ///< factor of the gain for pulses (BodyModel)
   };
-  /// Shapes [V][K][3] of a table, and the kernels that add up matrices.
+  /// Mode shapes [V][K][3] of a table, and the kernel that multiplies matrices.
   struct SurfaceShapes {
     std::span<const float> shape; ///< empty: there are none
     std::size_t modes = 0;        ///< K
@@ -71,14 +70,14 @@ public:
       return modes > 0 ? shape.size() / (3 * modes) : 0;
     }
   };
-  /// A row of a vertex's x, and how much of it a force has; y and z follow.
+  /// The share of a force that acts at a vertex: b = gain . shape.
   struct VertexGain {
     std::size_t vertex;
-    Vec3 gain; ///< b = gain . shape
+    Vec3 gain;
   };
   using SurfaceGain = std::array<VertexGain, 3>;
-  /// Samples of arrivals that rows for so many modes, or vertices where these give the shorter
-  /// list, have room for.
+  /// The longest arrivals in samples that fit in kMaxNumbers, for rows of `modes`, or of `vertices`
+  /// where these are fewer; 0 vertices: there is no surface.
   [[nodiscard]] static std::size_t max_spread(std::size_t modes, std::size_t vertices) noexcept;
   /// Allocates. Not for the audio path.
   void build(const Arrivals& arrivals, std::span<const Mode> modes, bool rigid, double sample_rate,
@@ -87,21 +86,21 @@ public:
              double sample_rate) {
     build(arrivals, modes, rigid, sample_rate, {});
   }
-  /// Nothing but what makes a constant force silent: velocities, for a listener that hears
-  /// Im(w z) at once.
+  /// For a listener without arrivals, whose signal is a velocity Im(w z): one tap, which makes a
+  /// constant force silent.
   void build_velocity(std::span<const Mode> modes, std::span<const std::complex<double>> weight,
                       double sample_rate);
 
-  /// w of the modes that ring, Pa s/(m sqrt(kg)).
+  /// Weights w of the modes in the bank, Pa s/(m sqrt(kg)).
   [[nodiscard]] const std::vector<std::complex<double>>& weight() const noexcept { return weight_; }
   [[nodiscard]] std::size_t taps() const noexcept { return taps_; }
-  /// Of a force within a sample, that count.
+  /// The number of moments of a force that are used.
   [[nodiscard]] std::size_t moments() const noexcept { return moment_count_; }
   [[nodiscard]] bool has_rigid() const noexcept { return !rigid_moments_.empty(); }
 
-  /// Whether rows belong to the surface's vertices; else they belong to modes.
+  /// Rows belong to the surface's vertices; else they belong to modes.
   [[nodiscard]] bool on_surface() const noexcept { return on_surface_; }
-  /// sum of b D over the modes, for impulses: [taps()] Pa/N. Allocates nothing.
+  /// The kernel of a force at a point, sum of b D, for impulses: [taps()] Pa/N. Does not allocate.
   void assemble_samples(std::span<const double> gain, std::span<float> out) const noexcept;
   void assemble_samples(const SurfaceGain& gain, std::span<float> out) const noexcept;
   void assemble_pulse(const SurfaceGain& gain, std::span<float> out) const noexcept;
@@ -114,9 +113,12 @@ public:
                               std::span<float> out) const noexcept;
 
 private:
-  /// Of one mode, [taps()] and [moments()][taps()].
-  void find_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate, float* samples,
-                 float* moments);
+  /// D of one mode: `samples` [taps()] and `moments` [moments()][taps()].
+  void compute_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate, float* samples,
+                    float* moments);
+  /// The states of a mode of pole p at the samples, driven by its arrivals.
+  void integrate_motion(std::complex<double> pole,
+                        const std::array<std::complex<double>, 4>& shape) noexcept;
   void sum_over_modes(const Arrivals& arrivals, std::span<const Mode> modes, double sample_rate,
                       const SurfaceShapes& shapes);
   void add_rigid(const Arrivals& arrivals, std::size_t motion, std::vector<double>& pressure);
@@ -132,51 +134,53 @@ private:
   std::vector<std::complex<double>> motion_;
 };
 
-/// Kernels of one source of force to one listener, with room for the largest.
+/// The kernels from one force to one listener, with room for the largest.
 struct ForceKernel {
   std::vector<float> elastic, rigid;
 };
 
-/// The sound that forces give besides the modes, on its way to the listeners. Kernels may change
-/// with every force: what has been given goes on as it was. While the bank's weights glide
-/// (Glide), forces sound by the kernels that belong to each of its three weights, in the same
-/// blend.
+/// Filters forces by their DirectKernels and sums the direct sound at each listener.
+///
+/// The kernels are applied as forces arrive, into output buffers, so that they may change at any
+/// time without affecting earlier forces. While the bank's weights glide (Glide), each force is
+/// filtered by the kernels that belong to each of the three weights, blended as the weights are.
 class DirectSound {
 public:
   static constexpr std::size_t kChunk = 64;
   static constexpr std::size_t kListeners = 4;
-  /// A free body hangs so softly: its rigid motions follow forces above, and come to rest below.
+  /// A free body hangs in a soft suspension: its rigid motions are high-passed at this frequency.
   static constexpr double kSuspensionHz = 4;
 
   /// Allocates.
   void prepare(double sample_rate);
   void clear() noexcept;
-  /// Of this listener and those after it.
+  /// Clears this listener and those after it.
   void clear_from(std::size_t listener) noexcept;
-  /// A force at a sample of the segment at hand, N, by the kernels of one of the glide's parts.
+  /// Adds a force in N at sample `at` of the present segment, by the kernels of one part of the
+  /// glide.
   void add_sample(std::size_t listener, ModeBank::Part part, std::size_t at,
                   const ForceKernel& kernel, std::size_t taps, double force) noexcept;
   void add_moments(std::size_t listener, ModeBank::Part part, std::size_t at,
                    const ForceKernel& kernel, std::size_t taps,
                    std::span<const double> force) noexcept;
-  /// The glide's exchanges: parts move as its values do. A part that begins is what the one before
-  /// it gave; add_history() makes it its own.
+  /// Exchange the parts as the glide exchanges its values. A new part begins as a copy of the one
+  /// before it; add_history() turns it into its own.
   void start() noexcept;
   void rotate(const Glide& before, const Glide& after) noexcept;
-  /// All parts become the same, blended as `glide` is now.
-  void settle(const Glide& glide) noexcept;
-  /// Forces that have acted for long are, in the freshest part, as if they had acted by another
-  /// kernel all along. Call it with that kernel and the force, and with the one before and its
-  /// negative.
+  /// Sets all parts to their present blend.
+  void merge_parts(const Glide& glide) noexcept;
+  /// Replaces, in the latest part, the kernel of a force that has been constant for long. Call it
+  /// with the new kernel and the force, and with the old kernel and the force's negative.
   void add_history(std::size_t listener, const ForceKernel& kernel, std::size_t taps,
                    std::span<const double> force) noexcept;
-  /// Adds the segment's sound and goes on to the next; within a segment `glide` makes no exchange.
+  /// Adds the segment's output to `sound` and begins the next segment. `glide`: as at the segment's
+  /// beginning; it must not exchange its values within the segment.
   void finish(std::size_t listener, std::span<float> sound, const Glide& glide) noexcept;
 
 private:
   struct Line {
     std::vector<float> elastic, rigid;
-    std::size_t end = 0; ///< samples from now that are not zero
+    std::size_t end = 0; ///< samples that may differ from zero
   };
   using Lines = std::array<Line, 3>; ///< by Part
   static void add(Line& line, std::size_t at, const ForceKernel& kernel, std::size_t taps,

@@ -102,19 +102,19 @@ Complex MultipoleDirection::harmonic(std::size_t l, std::size_t j) const noexcep
 
 ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Complex> rate,
                                     std::span<const std::size_t> mode, const Vec3& listener,
-                                    double size, double shape_scale, double air_density,
-                                    double sound_speed) {
+                                    const RadiatingSurface::Scene& scene) {
+  const double size = scene.size, sound_speed = scene.sound_speed_m_per_s;
   const MultipoleTable& poles = table.multipoles;
   ListenerTransfer out;
   out.pressure.assign(rate.size(), 0);
   const Vec3 from_centre = listener - size * poles.centre;
   const double reference = size * poles.reference_radius_m;
-  // Inside the sphere around the body the series means nothing: the listener stays on it.
+  // The series does not hold inside the reference sphere: a nearer listener is moved onto it.
   const double distance = std::max(norm(from_centre), reference);
   const MultipoleDirection direction(table, from_centre);
   out.delay_s = (distance - reference) / sound_speed;
   for (std::size_t i = 0; i < rate.size(); ++i) {
-    // Size keeps k a as it is; only a change of sqrt(E/rho) moves along the tabulated ratios.
+    // A change of size leaves k a as it is; only a change of sqrt(E/rho) changes the ratio.
     const double ratio =
         rate[i].imag() * size / (2 * std::numbers::pi * table.frequency_hz[mode[i]]);
     const std::vector<Complex> sums = direction.sums(mode[i], ratio);
@@ -124,14 +124,15 @@ ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Com
     Complex sum = 0;
     for (std::size_t l = 0; l < sums.size(); ++l) {
       const Complex spread = far[l] / near[l];
-      // Where even the ratio's parts are too large for numbers only the near field is left.
+      // Where the Hankel functions overflow only the near field is left.
       sum += sums[l] * (std::isfinite(spread.real()) && std::isfinite(spread.imag())
                             ? spread
                             : Complex(std::pow(reference / distance, static_cast<double>(l) + 1)));
     }
-    // The delay from the reference sphere to the listener is kept by the delay line.
+    // The delay line holds the delay from the reference sphere to the listener.
     const Complex advance = std::polar(1.0, wavenumber * (distance - reference));
-    out.pressure[i] = shape_scale * air_density / table.air_density_kg_per_m3 * sum * advance;
+    out.pressure[i] = scene.shape_scale * scene.air_density_kg_per_m3 /
+                      table.air_density_kg_per_m3 * sum * advance;
   }
   return out;
 }

@@ -14,14 +14,14 @@ namespace tactus::modal {
 /// which is stable for functions that grow with the degree.
 [[nodiscard]] std::vector<std::complex<double>> spherical_hankel(std::size_t max_degree, double x);
 
-/// A table's multipoles seen in one direction from their centre.
+/// The angular part of a table's multipole series in one direction from the centre.
 class MultipoleDirection {
 public:
   MultipoleDirection(const ModalTable& table, const Vec3& direction);
-  /// sum over m of c_lm Y_lm(direction) for each degree l of a mode, at a ratio of frequency,
-  /// interpolated between the table's ratios.
+  /// The sum over m of c_lm Y_lm(direction) for each degree l of a mode. `ratio`: the present
+  /// frequency over the table's; coefficients are interpolated between the table's ratios.
   [[nodiscard]] std::vector<std::complex<double>> sums(std::size_t mode, double ratio) const;
-  /// The same at one of the band's frequencies.
+  /// The same at one of the frequencies of MultipoleTable::Band.
   [[nodiscard]] std::vector<std::complex<double>> band_sums(std::size_t mode,
                                                             std::size_t frequency) const;
 
@@ -33,32 +33,36 @@ private:
   double azimuth_ = 0;
 };
 
-/// Six degrees of freedom of a free body as a source of sound: three translations, each as a rigid
-/// sphere of the same dipole moment.
+/// One translation of a free body as a source of sound: a rigid sphere of the same dipole moment.
 struct RigidDipole {
   Vec3 axis{};         ///< principal axis, of length 1
-  double radius_m = 0; ///< of a sphere that radiates alike along it; 0: silent
+  double radius_m = 0; ///< of the equivalent sphere; 0: silent
 };
-/// A body with an ellipsoid's mass and inertia and the volume of its surface, in incompressible
-/// air: dipole moment rho (V + V_e k) a with Lamb's inertia coefficients k (Lamb 1932, section
-/// 114), V_e the ellipsoid's volume, as much as a sphere's 2 pi rho R^3 a. Exact for ellipsoids
-/// that are small against the wave.
+/// The equivalent dipoles of a rigid body along its principal axes.
+///
+/// The body is replaced by the ellipsoid of its mass and inertia, in incompressible air. Its dipole
+/// moment is rho (V + V_e k) a, with V the volume of the body, V_e that of the ellipsoid, a the
+/// acceleration and k Lamb's inertia coefficients (Lamb 1932, section 114); a sphere of radius R
+/// has 2 pi rho R^3 a. Exact for ellipsoids that are small compared with the wavelength.
 [[nodiscard]] std::array<RigidDipole, 3>
 rigid_dipoles(double mass_kg, const std::array<Vec3, 3>& inertia_kg_m2, double volume_m3);
 
-/// What a listener receives of a body in free air, at all frequencies. From a table with a band
-/// (MultipoleTable::Band) the velocities v_l below are interpolated between its frequencies by
-/// cubics, their travel time from half the reference radius taken out; constant in their real and
-/// proportional to the frequency in their imaginary part below its lowest, constant above.
+/// The Arrivals of a body in free air, from the multipoles of its table, at all frequencies.
 ///
-/// From multipoles that are known near each mode's own frequency alone, each degree radiates as
-/// from the sphere of the table's reference radius a that moves with the normal velocity which
-/// gives the table's pressure at the mode's frequency,
-///   p_l = v_l rho j omega E_l,   E_l = -c h_l(k r) / (omega h_l'(k a)),
-/// which is causal, falls as a compact source of degree l does towards low frequencies
-/// (E_l -> a (a/r)^(l+1)/(l+1)), and is exact at the mode's frequency. The imaginary part of v_l,
-/// by which a body differs from a sphere, vanishes towards 0 Hz as j omega tau/(1 + j omega tau).
-/// `omega` of each of the table's modes, 1/s; 0: not asked for.
+/// Degree l of a mode radiates like a sphere of the table's reference radius a that moves with a
+/// normal velocity v_l,
+///   p_l = v_l rho j omega E_l,   E_l = -c h_l(k r) / (omega h_l'(k a)).
+/// This is causal, and falls towards low frequencies as a compact source of degree l does,
+/// E_l -> a (a/r)^(l+1)/(l+1).
+///
+/// Tables with multipoles near each mode's own frequency only: v_l gives the table's pressure at
+/// that frequency. Its imaginary part, by which a body differs from a sphere, is multiplied by j
+/// omega tau/(1 + j omega tau), so that it vanishes at 0 Hz. Tables with a band
+/// (MultipoleTable::Band): v_l is interpolated between the band's frequencies by cubics, without
+/// the travel time from half the reference radius. Below the lowest frequency its real part is
+/// constant and its imaginary part proportional to the frequency; above, it is constant.
+///
+/// `omega`: of each of the table's modes, 1/s; 0: not needed.
 [[nodiscard]] std::unique_ptr<Arrivals>
 multipole_arrivals(const ModalTable& table, std::span<const double> omega, const Vec3& listener,
                    const RadiatingSurface::Scene& scene, const std::array<RigidDipole, 3>& rigid,

@@ -13,16 +13,17 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDecay = 9;      // a sphere's transients have died away after so many times a/c
-constexpr double kBandDecay = 20; // those of a body with edges and hollows
-constexpr double kMaxTurn = 2 * kPi * 0.6; // a sample, what BandLimit lets through
+constexpr double kDecay = 9;      // length of a sphere's transients in units of a/c
+constexpr double kBandDecay = 20; // of a body with edges and cavities
+constexpr double kMaxPhaseStep =
+    2 * kPi * 0.6; // rad a sample: the end of BandLimit's transition band
 
 /// h_l' by the recursion h_l' = h_(l-1) - (l + 1)/x h_l.
 Complex slope(const std::vector<Complex>& h, std::size_t l, double x) {
   return l == 0 ? -h[1] : h[l - 1] - static_cast<double>(l + 1) / x * h[l];
 }
 
-/// BandLimit's transfer at a turn (rad) a sample.
+/// BandLimit's transfer function at an angular frequency in rad per sample.
 double band_limit_transfer(const BandLimit& band, double turn) {
   constexpr int kSteps = 8;
   double sum = 1;
@@ -53,7 +54,7 @@ public:
     samples_ = static_cast<std::size_t>(spread) + BandLimit::kLength + 2;
     while (period_ < samples_ + samples_ / 2)
       period_ *= 2;
-    for (std::size_t i = 1; static_cast<double>(i) * turn() < kMaxTurn; ++i)
+    for (std::size_t i = 1; static_cast<double>(i) * turn() < kMaxPhaseStep; ++i)
       band_.push_back(band_limit_transfer(BandLimit::at_rate(scene.sample_rate),
                                           static_cast<double>(i) * turn()));
   }
@@ -108,7 +109,7 @@ private:
   }
 
   void find_rigid(std::size_t motion, std::span<double> pressure) const {
-    if (motion >= 3 || !(mass_kg_ > 0)) // a turning body radiates as a quadrupole: next to nothing
+    if (motion >= 3 || !(mass_kg_ > 0)) // rotations radiate as quadrupoles, which is negligible
       return;
     for (const RigidDipole& dipole : rigid_)
       if (dipole.radius_m > 0)
@@ -148,10 +149,10 @@ private:
     correct_low_frequencies(transfer, pressure);
   }
 
-  /// The level of a mode of high degree rises a thousandfold from 0 Hz to 20 kHz, and what its
-  /// kernel's two ends cut off of the highs is then more than all of the lows. A smooth pulse over
-  /// the kernel's length, a sum of kSmooth shapes under a Hann window, puts these right, by least
-  /// squares over the transfer's lowest frequencies.
+  /// Corrects the low frequencies of a truncated kernel. The transfer of a high degree rises a
+  /// thousandfold from 0 Hz to 20 kHz, so that truncating the high frequencies disturbs the low
+  /// ones. The correction is a smooth pulse over the kernel's length, a sum of kSmooth shapes under
+  /// a Hann window, fitted by least squares at the transfer's lowest frequencies.
   void correct_low_frequencies(const std::vector<Complex>& transfer, std::span<double> out) const {
     constexpr std::size_t kSmooth = 10;
     const std::size_t count = std::min(period_ / 28, transfer.size());
@@ -180,7 +181,8 @@ private:
         equation[p][kSmooth] += (std::conj(own[p]) * residual).real();
       }
     }
-    for (std::size_t p = 0; p < kSmooth; ++p) // shapes that these frequencies hardly tell apart
+    for (std::size_t p = 0; p < kSmooth;
+         ++p) // regularisation: these frequencies hardly separate the shapes
       equation[p][p] *= 1 + 1e-5;
     const std::array<double, kSmooth> amount = solve(equation);
     for (std::size_t n = 0; n < samples_; ++n)
@@ -190,7 +192,7 @@ private:
               amount[q] * shape(q, static_cast<double>(n) + BandLimit::kNode[m]);
   }
 
-  /// Gauss' elimination with pivots; the right side is the last column.
+  /// Gaussian elimination with pivoting; the last column is the right-hand side.
   template <std::size_t Count>
   static std::array<double, Count> solve(std::array<std::array<double, Count + 1>, Count>& a) {
     for (std::size_t p = 0; p < Count; ++p) {
@@ -213,11 +215,11 @@ private:
     return x;
   }
 
-  /// Weights of the samples of a smooth function of k a at one value of it.
+  /// Interpolation weights for a function of k a that is known at the band's frequencies.
   struct Interpolation {
     std::size_t first = 0;
     std::array<double, 4> weight{};
-    double below = 1; ///< the share of the imaginary part below the lowest sample
+    double below = 1; ///< factor of the imaginary part below the lowest frequency
     Interpolation(const std::vector<double>& x, double at) {
       if (at <= x.front()) {
         weight[0] = 1;
@@ -243,8 +245,8 @@ private:
     }
   };
 
-  /// Degree l's transfer from velocity on the sphere to the listener, per acceleration, the common
-  /// delay taken out and band-limited; half of it at 0 Hz.
+  /// Degree l's transfer from the acceleration of the sphere's surface to the listener,
+  /// band-limited and without the common delay; halved at 0 Hz, for the integral below.
   [[nodiscard]] const std::vector<Complex>& waves(std::size_t l) const {
     const auto [entry, is_new] = waves_.try_emplace(l);
     if (is_new)
@@ -272,7 +274,7 @@ private:
     return transfer;
   }
 
-  /// Fourier's integral, at the nodes of every sample.
+  /// The inverse Fourier transform at the nodes of every sample.
   void transform(const std::vector<Complex>& transfer, std::span<double> out) const {
     for (std::size_t n = 0; n < samples_; ++n)
       for (std::size_t m = 0; m < BandLimit::kNodes; ++m) {
@@ -328,7 +330,7 @@ private:
   mutable std::map<std::size_t, std::vector<Complex>> waves_; ///< by degree
 };
 
-/// Jacobi's rotations: eigenvalues of a symmetric matrix, which becomes diagonal, and eigenvectors.
+/// Eigenvalues (left on the diagonal) and eigenvectors of a symmetric matrix by Jacobi rotations.
 void diagonalise(std::array<Vec3, 3>& a, std::array<Vec3, 3>& vectors) {
   vectors = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   for (int sweep = 0; sweep < 20; ++sweep)

@@ -44,7 +44,8 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
   }
   if (total > 0)
     middle_ = middle_ * (1 / total);
-  // Seen from its thin direction a plate shows most of its surface; a ball half from everywhere.
+  // The projected area along the thin axis is nearly half the surface of a plate, a quarter of a
+  // ball's.
   constexpr double kFlatShare = 0.6;
   int axis = 0;
   for (int a = 1; a < 3; ++a)
@@ -73,8 +74,8 @@ std::vector<std::size_t> RadiatingSurface::facing(const Vec3& listener) const {
 
 ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> rate,
                                          std::span<const std::size_t> mode, const Vec3& listener,
-                                         double size, double shape_scale, double air_density,
-                                         double sound_speed) const {
+                                         const Scene& scene) const {
+  const double size = scene.size, sound_speed = scene.sound_speed_m_per_s;
   ListenerTransfer out;
   out.pressure.assign(rate.size(), 0);
   double highest = 0;
@@ -102,12 +103,14 @@ ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> r
       real += amount * std::cos(rate[k].imag() * delay);
       imaginary -= amount * std::sin(rate[k].imag() * delay);
     }
-    out.pressure[k] = air_density * shape_scale * rate[k] * std::complex<double>(real, imaginary);
+    out.pressure[k] = scene.air_density_kg_per_m3 * scene.shape_scale * rate[k] *
+                      std::complex<double>(real, imaginary);
   }
   return out;
 }
 
-/// What each node of the surface gives to bins of delay, and each source for the rigid motions.
+/// Arrivals of a surface: the shares of delay bins at each node, and of each source for the rigid
+/// motions.
 class RadiatingSurface::Retarded final : public Arrivals {
 public:
   Retarded(const RadiatingSurface& surface, const Vec3& listener, const Scene& scene,
@@ -191,13 +194,13 @@ private:
     std::uint32_t bin;
     std::array<double, BandLimit::kSpan> share;
   };
-  struct NodeArrivals { ///< shares of the bins from the first on that a node reaches
+  struct NodeArrivals { ///< shares of consecutive bins, from the first that the node contributes to
     std::uint32_t node = 0, first_bin = 0;
     std::size_t begin = 0, count = 0; ///< in `share_`
   };
 
-  /// The sources lie between nodes, whose displacements they follow: a mode is summed over nodes,
-  /// of which there are far fewer.
+  /// Displacements at the sources are interpolated between nodes, so that a mode is summed over the
+  /// nodes, of which there are far fewer.
   void collect_nodes(std::span<const SurfaceSource> sources, std::span<const Arrival> arrival,
                      double shape_scale) {
     const std::size_t nodes = surface_.nodes_.vertex.size();

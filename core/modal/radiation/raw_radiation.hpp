@@ -10,11 +10,11 @@
 
 namespace tactus::modal {
 
-/// Sound from the surface's recorded or computed velocities, the way the AudioHaptics paper gives
-/// it:
+/// The sound at a listener from recorded or computed velocities of surface elements (the method of
+/// the AudioHaptics paper):
 ///   phi(t) = sum over points of v(t - d/c) dS / (2 pi d),   p(t) = rho (phi(t) - phi(t - D))/D,
-/// D = 1/44100 s, d the distance from point to listener. Rings or a full grid: as the table's
-/// points and areas are. Costs two reads a point and sample.
+/// with D = 1/44100 s and d the distance from point to listener. The table gives points and areas.
+/// A sample costs two interpolated reads for each point.
 class RawListener {
 public:
   /// Allocates.
@@ -28,14 +28,14 @@ public:
       area_weight_m_[i] = table.area_m2[i] / (2 * std::numbers::pi * distance);
     }
   }
-  /// Pressure in Pa at a time after a blow of 1 m/s at one of the table's places.
+  /// Pressure in Pa at a time after a strike of 1 m/s at one of the table's points.
   [[nodiscard]] double pressure(const RawTable& table, std::size_t hit,
                                 double time_s) const noexcept {
     constexpr double kStep = 1 / 44100.0;
     return density_ * (potential(table, hit, time_s) - potential(table, hit, time_s - kStep)) /
            kStep;
   }
-  /// When nothing comes any more.
+  /// The time after the strike when the sound has ended, s.
   [[nodiscard]] double end_s(const RawTable& table) const noexcept {
     const auto longest = std::max_element(delay_s_.begin(), delay_s_.end());
     return static_cast<double>(table.samples) / table.sample_rate_hz + 1e-3 +

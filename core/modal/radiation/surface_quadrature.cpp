@@ -32,13 +32,19 @@ Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// One triangle, or a part of it by the weights of the part's corners.
+struct Accuracy {
+  Vec3 listener;
+  double wavenumber, nearest;
+};
+
+/// Divides a triangle until a rule is accurate enough. Parts are given by the barycentric weights
+/// of their corners.
 class Divider {
 public:
-  Divider(const std::array<Vec3, 3>& corners, std::uint32_t triangle, const Vec3& listener,
-          double size, double wavenumber, double nearest, std::vector<SurfaceSource>& out)
-      : corner_{size * corners[0], size * corners[1], size * corners[2]}, triangle_(triangle),
-        listener_(listener), wavenumber_(wavenumber), nearest_(nearest), out_(out) {}
+  Divider(const std::array<Vec3, 3>& corners, std::uint32_t triangle, const Accuracy& accuracy,
+          std::vector<SurfaceSource>& out)
+      : corner_(corners), triangle_(triangle), listener_(accuracy.listener),
+        wavenumber_(accuracy.wavenumber), nearest_(accuracy.nearest), out_(out) {}
 
   void divide(const std::array<Weights, 3>& part, int depth) {
     std::array<Vec3, 3> at;
@@ -48,13 +54,13 @@ public:
     const Vec3 centre = (at[0] + at[1] + at[2]) * (1.0 / 3);
     const double distance = std::max(norm(listener_ - centre) - 0.6 * edge, nearest_);
     const double area = 0.5 * norm(cross(at[1] - at[0], at[2] - at[0]));
-    const double turn = wavenumber_ * edge;
-    if (turn < 0.25 && edge < 0.1 * distance)
-      return put(kCentre, part, area);
-    if (turn < 0.8 && edge < 0.3 * distance)
-      return put(kThree, part, area);
-    if ((turn < 3 && edge < distance) || depth == kMaxDepth)
-      return put(kSeven, part, area);
+    const double phase = wavenumber_ * edge;
+    if (phase < 0.25 && edge < 0.1 * distance)
+      return add_points(kCentre, part, area);
+    if (phase < 0.8 && edge < 0.3 * distance)
+      return add_points(kThree, part, area);
+    if ((phase < 3 && edge < distance) || depth == kMaxDepth)
+      return add_points(kSeven, part, area);
     std::array<Weights, 3> middle;
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j)
@@ -69,7 +75,7 @@ private:
   [[nodiscard]] Vec3 position(const Weights& w) const noexcept {
     return w[0] * corner_[0] + w[1] * corner_[1] + w[2] * corner_[2];
   }
-  void put(std::span<const Point> rule, const std::array<Weights, 3>& part, double area) {
+  void add_points(std::span<const Point> rule, const std::array<Weights, 3>& part, double area) {
     for (const Point& point : rule) {
       Weights w{};
       for (std::size_t i = 0; i < 3; ++i)
@@ -98,10 +104,12 @@ std::vector<SurfaceSource> surface_sources(const Surface& surface,
                                            double nearest) {
   std::vector<SurfaceSource> sources;
   sources.reserve(3 * triangles.size());
-  for (const std::size_t t : triangles)
-    Divider(surface.corners(t), static_cast<std::uint32_t>(t), listener, size, wavenumber, nearest,
-            sources)
+  for (const std::size_t t : triangles) {
+    const auto& c = surface.corners(t);
+    Divider({size * c[0], size * c[1], size * c[2]}, static_cast<std::uint32_t>(t),
+            {listener, wavenumber, nearest}, sources)
         .divide({Weights{1, 0, 0}, Weights{0, 1, 0}, Weights{0, 0, 1}}, 0);
+  }
   return sources;
 }
 
@@ -110,7 +118,7 @@ SurfaceNodes surface_nodes(const Surface& surface,
                            std::size_t vertices) {
   SurfaceNodes nodes;
   nodes.triangle_nodes.resize(triangles.size());
-  // Nodes of each vertex so far, as chains.
+  // Linked lists of the nodes of each vertex so far.
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> first(vertices, kNone), next;
   std::vector<Vec3> sum; // of the triangles' normals times area

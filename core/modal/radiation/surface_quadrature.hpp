@@ -10,27 +10,30 @@
 
 namespace tactus::modal {
 
-/// A point of a triangulated surface that stands for a piece of it.
+/// A quadrature point on a triangulated surface.
 struct SurfaceSource {
   std::uint32_t triangle = 0;
   std::array<float, 3> weight{}; ///< of the triangle's corners, sum 1
   double area_m2 = 0, distance_m = 0;
 };
 
-/// Points and areas for integrals over triangles of smooth functions times exp(-j k d)/d, d the
-/// distance to the listener: rules of degree 1, 2 or 5 (Strang & Fix 1973; Radon 1948) by the
-/// triangle's longest edge h against wavelength and distance, and quarters of triangles where
-/// k h > 3 or h > d. A flat piston comes out within 0.01 dB up to that k.
+/// Quadrature points for integrals over triangles of smooth functions times exp(-j k d)/d, d the
+/// distance to the listener.
 ///
-/// `listener` in metres; `size` scales the surface; `wavenumber` k in 1/m, the highest that is to
-/// be integrated; `nearest` m: no distance is taken for less.
+/// The rule of a triangle has degree 1, 2 or 5 (Strang & Fix 1973; Radon 1948), by its longest edge
+/// h compared with wavelength and distance; where k h > 3 or h > d the triangle is divided into
+/// four. A flat piston comes out within 0.01 dB up to that k.
+///
+/// `listener`: m. `size`: scales the surface. `wavenumber`: the largest k, 1/m. `nearest`: smaller
+/// distances are set to this, m.
 [[nodiscard]] std::vector<SurfaceSource> surface_sources(const Surface& surface,
                                                          std::span<const std::size_t> triangles,
                                                          const Vec3& listener, double size,
                                                          double wavenumber, double nearest);
 
-/// Corners of a triangulated surface as nodes: a vertex whose triangles turn by less than 30
-/// degrees is one node with their mean normal; at an edge it is one node a side.
+/// The vertices of a triangulated surface with their normals. A vertex whose triangles' normals
+/// differ by less than 30 degrees is one node with the mean normal; at a sharp edge it is one node
+/// for each side.
 struct SurfaceNodes {
   std::vector<std::uint32_t> vertex;                        ///< [N]
   std::vector<Vec3> normal;                                 ///< [N] outwards, length 1

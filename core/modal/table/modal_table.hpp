@@ -14,7 +14,7 @@ namespace tactus::modal {
 
 using haptic::Vec3;
 
-/// What a body is made of; the frequencies of a table belong to it.
+/// The material to which the frequencies of a table belong.
 struct Material {
   std::string name;
   double youngs_modulus_pa = 0; ///< 0: the table does not say
@@ -22,9 +22,9 @@ struct Material {
   double density_kg_per_m3 = 0; ///< 0: the table does not say
 };
 
-/// How each mode radiates from the free body: outgoing spherical waves about a centre, for unit
-/// amplitude of modal velocity, at one or several frequencies. core/modal/radiation/multipole.hpp
-/// evaluates.
+/// The radiation of each mode of a free body: coefficients of outgoing spherical waves about a
+/// centre, for unit amplitude of modal velocity, at one or several frequencies. Evaluated by
+/// core/modal/radiation/multipole.hpp.
 struct MultipoleTable {
   std::vector<std::int32_t> highest_degree;      ///< mp_lmax [K]
   std::vector<std::int64_t> offset;              ///< mp_off [K+1], into one scale's coefficients
@@ -32,7 +32,7 @@ struct MultipoleTable {
   std::vector<std::complex<float>> coefficients; ///< mp_coef [S x total]
   Vec3 centre{};                                 ///< m
   double reference_radius_m = 0;                 ///< mp_rref
-  /// The same at frequencies common to all modes, which a force drives them at; may be empty.
+  /// The same at frequencies common to all modes, for modes that a force drives; may be empty.
   struct Band {
     std::vector<double> frequency_hz;              ///< mp_band_freq [F], ascending
     std::vector<std::int32_t> highest_degree;      ///< mp_band_lmax [K]
@@ -43,7 +43,7 @@ struct MultipoleTable {
   [[nodiscard]] bool empty() const noexcept { return coefficients.empty(); }
 };
 
-/// Measured or computed velocities of surface elements after a hit, the paper's way.
+/// Measured or computed velocities of surface elements after a strike (AudioHaptics paper).
 struct RawTable {
   std::size_t hits = 0, points = 0, samples = 0;
   std::vector<float> velocity_m_per_s; ///< [hits][points][samples], for an impact of 1 m/s
@@ -53,8 +53,8 @@ struct RawTable {
   [[nodiscard]] bool empty() const noexcept { return velocity_m_per_s.empty(); }
 };
 
-/// Everything about a body that the ear and the hand can find out: the modes of its surface.
-/// Written by modal_fem and read by files/modal_table.hpp; docs/modal_impact.md lists the arrays.
+/// The modes of a body's surface, with everything that sound and contact depend on. Written by
+/// modal_fem, read by files/modal_table.hpp; docs/modal_impact.md lists the arrays.
 struct ModalTable {
   std::vector<double> frequency_hz; ///< [K], ascending, elastic modes only
   std::vector<float> shape;         ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain
@@ -68,7 +68,7 @@ struct ModalTable {
   double mass_kg = 0;
   Vec3 centre_of_mass_m{};
   std::array<Vec3, 3> inertia_kg_m2{};
-  bool free = true; ///< nothing holds the body: a blow makes it recoil
+  bool free = true; ///< nothing holds the body: a strike makes it recoil
   std::string body_name, boundary;
   Material material;
   double air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;

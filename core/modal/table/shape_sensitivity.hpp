@@ -8,15 +8,14 @@
 
 namespace tactus::modal {
 
-/// How the frequencies of a body follow its shape, to first order.
+/// The derivatives of a body's eigenvalues with its shape parameters, for frequencies of other
+/// shapes.
 ///
-/// omega^2 is extrapolated straight in its logarithm,
-///   omega_k^2(d) = omega_k^2 exp(sum over p of slope_pk (d_p - d_p0) / omega_k^2),
-///
-/// from the shape d_0 that the table was solved at, which keeps it above 0, is exact for every body
-/// whose shape is scaled along an axis by a factor exp(d) (omega^2 ~ scale^n) and errs least over
-/// stretches and squeezes of bars and plates (docs/modal_impact.md, "Shape"). Mode shapes, mass and
-/// surface stay those of the table.
+/// The logarithm of omega^2 is extrapolated linearly from the shape d_0 of the table,
+///   omega_k^2(d) = omega_k^2 exp(sum over p of slope_pk (d_p - d_p0) / omega_k^2).
+/// This keeps omega^2 above 0, is exact for shapes scaled along an axis by exp(d) (omega^2 ~
+/// scale^n), and has the least error of four expansions for stretched bars and plates
+/// (docs/modal_impact.md, "Shape"). Mode shapes, mass and surface stay those of the table.
 struct ShapeSensitivity {
   design::ShapeParameters shape;
   std::vector<double> eigenvalue_slope; ///< [P][K] d(omega^2)/dp, rad^2/s^2 per m
@@ -29,14 +28,13 @@ struct ShapeSensitivity {
   }
 };
 
-/// A frequency is moved by this factor or its inverse at most.
+/// The largest factor of a frequency; the smallest is its inverse.
 inline constexpr double kMaxShapeFactor = 4;
 inline constexpr std::size_t kMaxShapeSlopes = 1U << 24; ///< parameters times modes: 128 MB
 
-/// omega/omega_0 of each mode when the parameters are displaced by so many metres (in the table's
-/// size), within 1/kMaxShapeFactor..kMaxShapeFactor whatever the numbers. 1 for all, to the bit,
-/// for those that the table was solved at and for a number of them that is not the parameters'.
-/// Allocates.
+/// omega/omega_0 of each mode for parameters displaced by `displacement_m` (m, in the table's
+/// size), limited to 1/kMaxShapeFactor..kMaxShapeFactor. Exactly 1 for the table's own shape, and
+/// if the number of displacements is not that of the parameters. Allocates.
 [[nodiscard]] std::vector<double> frequency_factors(const ShapeSensitivity& sensitivity,
                                                     std::span<const double> frequency_hz,
                                                     std::span<const double> displacement_m);

@@ -1,0 +1,233 @@
+// Surfaces of triangles: the nearest place by search through all of them, directions along them,
+// integrals over them by closed forms, and their nodes.
+#include "core/geometry/surface.hpp"
+#include "core/modal/radiation/surface_quadrature.hpp"
+#include "tests/approx.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+using namespace tactus::modal;
+using tactus::test::approx;
+
+namespace {
+
+using Triangle = std::array<std::int32_t, 3>;
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Nearest point of a segment.
+Vec3 on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const double along = dot(p - a, b - a) / dot(b - a, b - a);
+  return a + std::clamp(along, 0., 1.) * (b - a);
+}
+
+/// Nearest point of a triangle: the foot of the perpendicular if that is inside, else of an edge.
+Vec3 on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const Vec3 normal = cross(b - a, c - a);
+  const Vec3 foot = p - (dot(p - a, normal) / dot(normal, normal)) * normal;
+  const auto inside = [&](const Vec3& from, const Vec3& to) {
+    return dot(cross(to - from, foot - from), normal) >= 0;
+  };
+  if (inside(a, b) && inside(b, c) && inside(c, a))
+    return foot;
+  Vec3 best = on_segment(a, b, p);
+  for (const Vec3& q : {on_segment(b, c, p), on_segment(c, a, p)})
+    if (norm(q - p) < norm(best - p))
+      best = q;
+  return best;
+}
+
+/// Two triangles that meet at an angle along the y axis, the first in the x-y plane.
+struct Fold {
+  explicit Fold(double degrees)
+      : vertex{{0, 0, 0},
+               {0, 1, 0},
+               {-1, .5, 0},
+               {std::cos(degrees / 57.29577951), .5, std::sin(degrees / 57.29577951)}},
+        triangle{Triangle{0, 1, 2}, Triangle{0, 3, 1}} {
+    surface.build(vertex, triangle);
+  }
+  std::vector<Vec3> vertex;
+  std::vector<Triangle> triangle;
+  Surface surface;
+};
+
+} // namespace
+
+TEST_CASE("the nearest point of a surface is the nearest of all its triangles'") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<> plain(-1, 1);
+  const auto point = [&](double size) {
+    return Vec3{size * plain(random), size * plain(random), size * plain(random)};
+  };
+  for (const std::size_t count : {1UL, 4UL, 5UL, 9UL, 100UL, 1000UL}) {
+    std::vector<Vec3> vertex;
+    std::vector<Triangle> triangle;
+    for (std::size_t t = 0; t < count; ++t) {
+      const Vec3 centre = point(1);
+      const auto first = static_cast<std::int32_t>(vertex.size());
+      for (int i = 0; i < 3; ++i)
+        vertex.push_back(centre + point(.2));
+      triangle.push_back({first, first + 1, first + 2});
+    }
+    Surface surface;
+    surface.build(vertex, triangle);
+    REQUIRE(surface.triangles() == count);
+    Vec3 low = vertex[0], high = vertex[0];
+    for (const Vec3& v : vertex)
+      for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], v[axis]);
+        high[axis] = std::max(high[axis], v[axis]);
+      }
+    CHECK(surface.lowest() == low);
+    CHECK(surface.highest() == high);
+    CHECK(surface.diagonal() == approx(norm(high - low)));
+    for (int trial = 0; trial < 300; ++trial) {
+      const Vec3 p = point(trial % 3 ? 1 : 4);
+      double best = 1e9;
+      for (const Triangle& t : triangle)
+        best = std::min(best, norm(on_triangle(vertex[static_cast<std::size_t>(t[0])],
+                                               vertex[static_cast<std::size_t>(t[1])],
+                                               vertex[static_cast<std::size_t>(t[2])], p) -
+                                   p));
+      const SurfacePoint found = surface.nearest(p);
+      CHECK(found.distance == approx(best).epsilon(1e-9));
+      CHECK(norm(found.position - p) == approx(best).epsilon(1e-9));
+      const auto& c = surface.corners(found.triangle);
+      Vec3 blend{};
+      double sum = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(found.weight[i] >= -1e-12);
+        blend += found.weight[i] * c[i];
+        sum += found.weight[i];
+      }
+      CHECK(sum == approx(1).epsilon(1e-12));
+      CHECK(norm(blend - found.position) < 1e-12);
+      CHECK(norm(found.normal) == approx(1).epsilon(1e-12));
+      CHECK(dot(found.normal, cross(c[1] - c[0], c[2] - c[0])) > 0);
+    }
+    const std::size_t t = count / 2;
+    const auto& c = surface.corners(t);
+    const SurfacePoint on = surface.on(t, .2, .3);
+    CHECK(on.triangle == t);
+    CHECK(norm(on.position - (.5 * c[0] + .2 * c[1] + .3 * c[2])) < 1e-12);
+    CHECK(dot(on.normal, cross(c[1] - c[0], c[2] - c[0])) > 0);
+  }
+}
+
+TEST_CASE("of equally near points that of the triangle of the lower number is taken") {
+  const Fold fold(0);
+  for (const double y : {0., .25, 1.}) {
+    CHECK(fold.surface.nearest({0, y, .3}).triangle == 0);
+    CHECK(fold.surface.nearest({0, y, 0}).distance == 0);
+  }
+  CHECK(fold.surface.nearest({.1, .5, 0}).triangle == 1);
+}
+
+TEST_CASE("a direction along a surface is the nearest to the one wanted") {
+  const Vec3 up{0, 0, 1};
+  CHECK(norm(along_surface(up, {3, 4, 0}) - Vec3{.6, .8, 0}) < 1e-12);
+  // A facet's slope of less than 20 degrees is the wanted direction's own business.
+  const Vec3 slight{1, 0, .3}, steep{1, 0, .5};
+  CHECK(norm(along_surface(up, slight) - slight * (1 / norm(slight))) < 1e-12);
+  CHECK(norm(along_surface(up, steep) - Vec3{1, 0, 0}) < 1e-12);
+  const double edge = std::tan(20 / 57.29577951);
+  CHECK(along_surface(up, {1, 0, .995 * edge}).z > .3);
+  CHECK(along_surface(up, {1, 0, 1.005 * edge}).z == 0);
+  CHECK(norm(along_surface(up, {0, -2, -20}) - Vec3{0, -1, 0}) < 1e-12);
+  // Along the normal, and for nothing at all: x, and where that is the normal, y.
+  CHECK(along_surface(up, {0, 0, 5}) == Vec3{1, 0, 0});
+  CHECK(along_surface(up, {0, 0, 0}) == Vec3{1, 0, 0});
+  CHECK(along_surface({1, 0, 0}, {2, 0, 0}) == Vec3{0, 1, 0});
+  CHECK(norm(along_surface({1, 0, 0}, {2, 0, .01}) - Vec3{0, 0, 1}) < 1e-12);
+}
+
+TEST_CASE("integrals over a triangle are exact to the degree of their rule, and finer when near") {
+  const std::vector<Vec3> vertex{{0, 0, 0}, {1e-2, 0, 0}, {2e-3, 8e-3, 0}};
+  const std::vector<Triangle> triangle{Triangle{0, 1, 2}};
+  Surface surface;
+  surface.build(vertex, triangle);
+  const std::size_t all = 0;
+  const double edge = 1e-2; // the longest of 10, 8.2 and 11.3 mm
+  const double longest = std::max(edge, std::hypot(8e-3, 8e-3));
+  // Moments of the weights: the integral of a^i b^j over a triangle is 2 A i! j!/(i + j + 2)!.
+  const auto factorial = [](int n) { return std::tgamma(n + 1.); };
+  const auto check = [&](double distance, double turn, std::size_t points, int degree) {
+    CAPTURE(distance);
+    CAPTURE(turn);
+    const double size = 2, area = .5 * 1e-2 * 8e-3 * size * size;
+    const Vec3 listener{0, 0, distance * longest * size};
+    const auto sources =
+        surface_sources(surface, {&all, 1}, listener, size, turn / (longest * size), 1e-4);
+    if (points > 0)
+      CHECK(sources.size() == points);
+    else
+      CHECK(sources.size() > 7);
+    for (int i = 0; i <= degree; ++i)
+      for (int j = 0; i + j <= degree; ++j) {
+        double sum = 0;
+        for (const SurfaceSource& s : sources)
+          sum += s.area_m2 * std::pow(static_cast<double>(s.weight[1]), i) *
+                 std::pow(static_cast<double>(s.weight[2]), j);
+        CAPTURE(i);
+        CAPTURE(j);
+        CHECK(sum ==
+              approx(2 * area * factorial(i) * factorial(j) / factorial(i + j + 2)).epsilon(1e-5));
+      }
+    for (const SurfaceSource& s : sources) {
+      Vec3 at{};
+      for (std::size_t i = 0; i < 3; ++i)
+        at += static_cast<double>(s.weight[i]) * size * vertex[i];
+      CHECK(s.distance_m == approx(norm(listener - at)).epsilon(1e-6));
+    }
+  };
+  check(100, .24, 1, 1);
+  check(100, .26, 3, 2);
+  check(100, .79, 3, 2);
+  check(100, .81, 7, 5);
+  check(100, 2.9, 7, 5);
+  check(100, 3.1, 28, 5); // quarters
+  check(12, .2, 1, 1);
+  check(8, .2, 3, 2);
+  check(5, .2, 3, 2);
+  check(3, .2, 7, 5);
+  check(2, .2, 7, 5);
+  check(.8, .2, 0, 5);
+  // On the surface it ends.
+  const auto touching = surface_sources(surface, {&all, 1}, {4e-3, 3e-3, 0}, 1, 1, 1e-9);
+  CHECK(touching.size() < 4000);
+  for (const SurfaceSource& s : touching)
+    CHECK(s.distance_m >= 1e-9);
+  const auto far = surface_sources(surface, {&all, 1}, {4e-3, 3e-3, 0}, 1, 1, .5);
+  for (const SurfaceSource& s : far)
+    CHECK(s.distance_m == .5);
+}
+
+TEST_CASE("a vertex is one node where its surface turns by less than 30 degrees, else one a side") {
+  for (const double degrees : {0., 10., 29., 31., 90., 170.}) {
+    CAPTURE(degrees);
+    const Fold fold(degrees);
+    const SurfaceNodes nodes = surface_nodes(fold.surface, fold.triangle, 4);
+    const bool smooth = degrees < 30;
+    CHECK(nodes.vertex.size() == (smooth ? 4 : 6));
+    CHECK((nodes.triangle_nodes[0][0] == nodes.triangle_nodes[1][0]) == smooth);
+    CHECK((nodes.triangle_nodes[0][1] == nodes.triangle_nodes[1][2]) == smooth);
+    for (std::size_t t = 0; t < 2; ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t node = nodes.triangle_nodes[t][i];
+        CHECK(nodes.vertex[node] == static_cast<std::uint32_t>(fold.triangle[t][i]));
+        CHECK(norm(nodes.normal[node]) == approx(1));
+        const auto& c = fold.surface.corners(t);
+        const Vec3 normal = cross(c[1] - c[0], c[2] - c[0]);
+        CHECK(dot(nodes.normal[node], normal) > .96 * norm(normal));
+      }
+  }
+}
