@@ -12,7 +12,7 @@
 // m/s, a fast hand. glide: leaps, and all bodies move all the time.
 #include "core/dsp/random.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "tests/core/haptic/meshes.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
 
 #include <benchmark/benchmark.h>
 

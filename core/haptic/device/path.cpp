@@ -13,12 +13,12 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr std::size_t kMaxRows = 2'000'000;
 constexpr double kMaxPosition_mm = 1e5;
 
-// The phase is reduced in turns first: hours into a path its sine is still exact.
+// Whole periods are removed before the product with 2 pi, so that the sine is exact after hours.
 double phase_of(double turns) noexcept { return kTwoPi * (turns - std::floor(turns)); }
 
 bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == ','; }
 
-/// Numbers of one line; -1 when something else stands there or they are too many.
+/// Reads the numbers of one line and returns their count; -1 for anything else, or more than 5.
 int parse_numbers(std::string_view line, std::array<double, 5>& values) noexcept {
   int count = 0;
   std::size_t offset = 0;

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-/// Where a simulated hand wants to be, as a function of time.
+/// Paths of the simulated hand: position, velocity and buttons as functions of time.
 namespace tactus::haptic {
 
 struct PathPoint {
@@ -23,11 +23,12 @@ struct PathRow {
   std::uint32_t buttons;
 };
 
-/// Rows joined by straight lines, the first and last held outside. Buttons hold from their row on.
-/// Two rows of one time are a jump.
+/// A path through given points, linearly interpolated. Before the first and after the last row the
+/// position is held. Buttons hold from their row to the next. Two rows of the same time make a
+/// jump.
 class RowPath {
 public:
-  /// Rows in order of time; nothing else is accepted by parse_path.
+  /// Rows in order of time, as from parse_path.
   explicit RowPath(std::vector<PathRow> rows) : rows_(std::move(rows)) {}
   [[nodiscard]] PathPoint at(double time_s) const noexcept;
   [[nodiscard]] std::size_t size() const noexcept { return rows_.size(); }
@@ -39,14 +40,15 @@ private:
   std::vector<PathRow> rows_;
 };
 
-/// There and back between two points: position a + (b - a)(1 - cos(2 pi t / period)) / 2.
+/// To and fro between two points: from + (to - from)(1 - cos(2 pi t / period)) / 2.
 struct LinePath {
   Vec3 from{}, to{};
   double period_s = 1;
   [[nodiscard]] PathPoint at(double time_s) const noexcept;
 };
 
-/// Round a centre in the plane of axes first and second (0, 1, 2 = x, y, z), starting on first.
+/// A circle in the plane of the axes first and second (0, 1, 2 = x, y, z), from first to second:
+/// centre + radius (cos(2 pi t / period) e_first + sin(2 pi t / period) e_second).
 struct CirclePath {
   Vec3 centre{};
   double radius_m = 0.02, period_s = 1;
@@ -66,12 +68,13 @@ using Path = std::variant<LinePath, CirclePath, LissajousPath, RowPath>;
   return std::visit([time_s](const auto& shape) { return shape.at(time_s); }, path);
 }
 
-/// Rows `ms x y z [buttonmask]`, positions in mm, separated by blanks, tabs or commas; `#` starts a
-/// comment. Either rows or one sentence with the number of the line that is wrong.
+/// Either rows, or one sentence with the number of the wrong line.
 struct ParsedPath {
   std::vector<PathRow> rows;
   std::string error;
 };
+/// Reads lines `ms x y z [buttonmask]`, positions in mm, separated by blanks, tabs or commas; `#`
+/// starts a comment.
 [[nodiscard]] ParsedPath parse_path(std::string_view text);
 
 } // namespace tactus::haptic

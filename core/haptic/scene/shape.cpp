@@ -8,7 +8,7 @@ namespace {
 
 using Found = std::optional<Crossing>;
 
-// Where a rim meets a face, rounding must not leave a slit between them.
+// Tolerance where a rim meets a face, so that rounding leaves no gap between them.
 constexpr double kSeam_m = 1e-13;
 
 Found enters(const Plane&, const Vec3& from, const Vec3& to) noexcept {
@@ -17,9 +17,9 @@ Found enters(const Plane&, const Vec3& from, const Vec3& to) noexcept {
   return Crossing{from.z / (from.z - to.z), {0, 0, 1}};
 }
 
-/// Fraction s at which |from + s motion| first falls to the radius, over the chosen axes; nothing
-/// when the motion begins inside or never gets there. a s^2 + 2 b s + c = 0, in the form that keeps
-/// its digits when the motion begins at the surface.
+/// The smaller root of a s^2 + 2 b s + c = 0: the fraction s at which |from + s motion| falls to a
+/// radius. Nothing when the motion begins inside or does not reach it. In the form without
+/// cancellation for a motion that begins at the surface.
 std::optional<double> enters_circle(double a, double b, double c) noexcept {
   const double discriminant = b * b - a * c;
   if (!(c >= 0.0 && b < 0.0 && discriminant >= 0.0))
@@ -124,7 +124,7 @@ Exit exit_from(const Disk& disk, const Vec3& p) noexcept {
   return SurfacePoint{{normal.x * disk.radius, normal.y * disk.radius, p.z}, normal};
 }
 
-/// What a tool of that radius enters; a point where it is 0.
+/// crossing() for each shape.
 struct Entry {
   double radius;
   Vec3 from, to;
@@ -148,8 +148,8 @@ struct Entry {
   }
 };
 
-/// Where a tool that overlaps a shape leaves it.
-struct Leaving {
+/// nearest_exit() for each shape.
+struct ExitSearch {
   double radius;
   Vec3 inside;
   WorkLimit& work;
@@ -172,7 +172,7 @@ struct Leaving {
       return {};
     if (distance > 0.0)
       return SurfacePoint{core + gap * (radius / distance), gap * (1.0 / distance)};
-    Exit out = exit_from(solid, inside * (1.0 - 1e-12)); // one that lies on the surface, too
+    Exit out = exit_from(solid, inside * (1.0 - 1e-12)); // also for a point on the surface
     if (out)
       out->point += out->normal * radius;
     return out;
@@ -199,7 +199,7 @@ std::optional<Crossing> crossing(const Shape& shape, double tool_radius, const V
 
 std::optional<SurfacePoint> nearest_exit(const Shape& shape, double tool_radius, const Vec3& inside,
                                          WorkLimit& work) noexcept {
-  return std::visit(Leaving{tool_radius, inside, work}, shape);
+  return std::visit(ExitSearch{tool_radius, inside, work}, shape);
 }
 
 std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, double tool_radius,

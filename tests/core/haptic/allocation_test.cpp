@@ -4,7 +4,7 @@
 #include "core/haptic/servo/local_models.hpp"
 #include "core/haptic/servo/servo.hpp"
 #include "core/haptic/signal/signal_player.hpp"
-#include "tests/core/haptic/meshes.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
 
 #include <doctest/doctest.h>
 

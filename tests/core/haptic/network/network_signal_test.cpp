@@ -1,6 +1,6 @@
 #include "core/haptic/signal/signal_player.hpp"
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/network_rig.hpp"
+#include "tests/core/haptic/network/network_rig.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 #include "core/dsp/random.hpp"
-#include "tests/core/haptic/meshes.hpp"
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 

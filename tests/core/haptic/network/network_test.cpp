@@ -2,7 +2,7 @@
 #include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/network/stability.hpp"
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/network_rig.hpp"
+#include "tests/core/haptic/network/network_rig.hpp"
 #include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
@@ -237,7 +237,7 @@ TEST_CASE("random networks never gain energy, with dampers or without, at the lo
     Vec3 before{0.03, 0.02, 0.005};
     rig.tick(before);
     rig.model.queue_action({NetworkModel::Action::Kind::kGrab, rig.key(5), {}, 0});
-    rig.tick_for(1.1 * NetworkModel::kEmerging_s, before);
+    rig.tick_for(1.1 * NetworkModel::kContactRamp_s, before);
     double supplied = rig.model.energy_j();
     // The hand stirs, and what it puts in is counted by its own force and motion.
     for (int n = 0; n < 2000; ++n) {

@@ -1,5 +1,5 @@
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 

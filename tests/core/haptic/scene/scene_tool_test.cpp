@@ -1,7 +1,7 @@
 #include "core/dsp/random.hpp"
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/meshes.hpp"
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 #include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>

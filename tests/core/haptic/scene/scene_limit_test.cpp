@@ -1,6 +1,6 @@
 #include "core/dsp/random.hpp"
-#include "tests/core/haptic/meshes.hpp"
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 
@@ -196,7 +196,7 @@ TEST_CASE("an exhausted sweep ends at once, and says that it knows nothing") {
     const auto stop = Proxy::sweep({0.1, 0, 0}, {-0.1, 0, 0}, {obstacles, tool_m, little});
     CHECK(!stop.complete);
     CHECK(little.exhausted());
-    CHECK(little.left() > -60);
+    CHECK(little.remaining() > -60);
     const auto whole = Proxy::sweep({0.1, 0, 0}, {-0.1, 0, 0}, {obstacles, tool_m, plenty});
     CHECK(whole.complete);
     CHECK(whole.touch.slot == 0);

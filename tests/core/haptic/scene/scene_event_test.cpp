@@ -1,4 +1,4 @@
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/device/simulated_device.hpp"
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/network_rig.hpp"
+#include "tests/core/haptic/network/network_rig.hpp"
 
 #include <doctest/doctest.h>
 
@@ -412,7 +412,7 @@ TEST_CASE("a sphere that grows pushes masses with a force that goes on from the 
   for (int n = 0; n < 101; ++n) {
     const Vec3 now = rig.tick({});
     // 400 N/m of 47 mm, and nine times as much, within 0.1 s
-    CHECK(norm(now - last) < 2 * 10 * 400 * 0.047 * rig.period_s / NetworkModel::kEmerging_s);
+    CHECK(norm(now - last) < 2 * 10 * 400 * 0.047 * rig.period_s / NetworkModel::kContactRamp_s);
     last = now;
   }
   double theory = 0; // by the positions that there are

@@ -2,7 +2,7 @@
 #include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/scene/half_spaces.hpp"
 #include "core/haptic/scene/mesh_file.hpp"
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 
@@ -221,7 +221,7 @@ TEST_CASE("the nearest point of half spaces is the one that alternating projecti
         correction[i] = y - x;
       }
     for (std::size_t i = 0; i < count; ++i)
-      rebuilt += faces[i].normal * nearest->push[i];
+      rebuilt += faces[i].normal * nearest->multiplier[i];
     CHECK(error(rebuilt, nearest->point) < 1e-9);
     if (error(x, nearest->point) < 1e-3) { // sharp wedges converge too slowly to compare closely
       CHECK(norm(nearest->point - goal) <= norm(x - goal) + 1e-6);

@@ -1,5 +1,5 @@
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/network_rig.hpp"
+#include "tests/core/haptic/network/network_rig.hpp"
 
 #include <doctest/doctest.h>
 
@@ -22,7 +22,7 @@ TEST_CASE("a spring that yields keeps the work of the hand that stretched it") {
     rig.tick({0, 0, start});
     if (!pressed)
       rig.model.queue_action({Order::Kind::kGrab, rig.key(0), {}, 0});
-    rig.tick_for(2 * NetworkModel::kEmerging_s, {0, 0, start});
+    rig.tick_for(2 * NetworkModel::kContactRamp_s, {0, 0, start});
     double work_j = 0, z = start;
     for (int n = 1; n <= 600; ++n) {
       const double extent = 1e-4 * n, next = pressed ? 0.1 - extent : extent;

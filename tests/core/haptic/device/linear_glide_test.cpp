@@ -1,7 +1,7 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/chain/velocity.hpp"
 #include "core/haptic/device/linear_glide.hpp"
-#include "tests/core/haptic/scene_rig.hpp"
+#include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 

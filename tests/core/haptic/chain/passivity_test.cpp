@@ -1,5 +1,5 @@
 #include "tests/core/haptic/approx.hpp"
-#include "tests/core/haptic/sampled_wall.hpp"
+#include "tests/core/haptic/chain/sampled_wall.hpp"
 #include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
