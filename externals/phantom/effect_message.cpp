@@ -105,7 +105,8 @@ template <class Effect> std::string read_or_off(Words words, std::optional<Effec
     effect.reset();
     return {};
   }
-  return read(words, effect.emplace());
+  effect = Effect{}; // not emplace(), which clang 14 rejects for a nested aggregate
+  return read(words, *effect);
 }
 
 std::string read_named(Words words, EffectSettings& settings) {

@@ -34,7 +34,7 @@ void operator delete(void* memory, std::size_t) noexcept {
 
 using namespace tactus::haptic;
 
-TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders") {
+TEST_CASE("ten thousand servo ticks allocate nothing, for any hand and requests") {
   const long none = allocations;
   CHECK(std::make_unique<int>(1) != nullptr);
   CHECK(allocations == none + 1); // the counter counts

@@ -79,7 +79,7 @@ TEST_CASE("the clamp keeps the direction") {
   CHECK(state.counters.clamped == 1);
 }
 
-TEST_CASE("a target that is not a number is refused, counted and outlived by the last good one") {
+TEST_CASE("a target that is not finite is refused and counted, and the last good one stays") {
   for (const double bad : {kNan, kInf, -kInf}) {
     ChainSettings settings = plain();
     ChainState state;
@@ -107,7 +107,7 @@ TEST_CASE("a target that is not a number is refused, counted and outlived by the
   }
 }
 
-TEST_CASE("fixed interpolation takes its time, none takes one tick") {
+TEST_CASE("fixed interpolation takes the set time, interp off one tick") {
   ChainSettings settings = plain();
   settings.interpolation = ChainSettings::Interpolation::kFixed;
   settings.interpolation_s = 0.004;
@@ -136,7 +136,7 @@ TEST_CASE("a target is reached in the time since the one before it, in 50 ticks 
   CHECK(g[280] == 13.0);
 }
 
-TEST_CASE("a second target in the same tick keeps the way's length") {
+TEST_CASE("a second target in the same tick keeps the interpolation time") {
   ChainSettings settings = plain();
   ChainState state;
   std::vector<double> f;
@@ -216,7 +216,8 @@ TEST_CASE("an emergency stop is at once and stays; motors on comes back over hal
   CHECK(force == doctest::Approx(2).epsilon(1e-9));
 }
 
-TEST_CASE("before a device is homed there is no force, and its leap when it is costs no energy") {
+TEST_CASE(
+    "before a device is homed there is no force, and the jump of its position then does no work") {
   ChainSettings settings = plain();
   settings.passivity = true;
   ChainState state;
@@ -237,7 +238,7 @@ TEST_CASE("before a device is homed there is no force, and its leap when it is c
   CHECK(state.counters.braked == 0);
 }
 
-TEST_CASE("motors off lets the force fall by the slew") {
+TEST_CASE("motors off lets the force fall at the slew limit") {
   ChainSettings settings = plain();
   settings.slew_n_per_s = 100;
   ChainState state;
@@ -292,7 +293,7 @@ TEST_CASE("the observer keeps the exact energy of a force that is held over the 
   }
 }
 
-TEST_CASE("the tank bounds what the observer remembers") {
+TEST_CASE("the tank bounds the energy that the observer stores") {
   ChainSettings settings = plain();
   settings.tank_j = 2e-3;
   ChainState state;
@@ -306,7 +307,7 @@ TEST_CASE("the tank bounds what the observer remembers") {
   }
 }
 
-TEST_CASE("targets may put their allowance into the hand, local models nothing") {
+TEST_CASE("commands may put their allowance into the hand, local models nothing") {
   for (const bool local : {false, true}) {
     ChainSettings settings = plain();
     settings.allowance_w = 0.01;
@@ -325,7 +326,7 @@ TEST_CASE("targets may put their allowance into the hand, local models nothing")
   }
 }
 
-TEST_CASE("what was forgiven is taken back when the hand returns, as often as it goes to and fro") {
+TEST_CASE("the allowance is subtracted again when the hand returns, in every cycle") {
   // 1 N of the patch along 4 mm and back: no work in the mean, no credit and no debt at any time.
   ChainSettings settings = plain();
   settings.allowance_w = 10;
@@ -347,7 +348,7 @@ TEST_CASE("what was forgiven is taken back when the hand returns, as often as it
   CHECK(state.energy_j == doctest::Approx(1e-3).epsilon(1e-9));
 }
 
-TEST_CASE("what is forgiven is never more than the work that was done") {
+TEST_CASE("the allowance is never more than the work done") {
   // The patch asks for 8 N, the limit lets 1 N pass: 1 N is what the hand felt, and forgiving 8
   // would put credit into the tank.
   ChainSettings settings = plain();
@@ -364,7 +365,7 @@ TEST_CASE("what is forgiven is never more than the work that was done") {
   }
 }
 
-TEST_CASE("an extrapolated slope ends after its time and never leads beyond the force limit") {
+TEST_CASE("an extrapolated slope ends after its time and never exceeds the force limit") {
   // 0, then 4 N after 10 ticks: a slope of 0.4 N a tick, continued for 5 ticks to 6 N.
   ChainSettings settings = plain();
   settings.extrapolation_s = 0.005;
@@ -397,7 +398,7 @@ TEST_CASE("an extrapolated slope ends after its time and never leads beyond the 
   CHECK(limited[30] == doctest::Approx(5 - 5.0 / 20));
 }
 
-TEST_CASE("whatever comes in, the written force is finite and within the limit") {
+TEST_CASE("for any input the written force is finite and within the limit") {
   tactus::Random random(2024);
   const double absurd[] = {0,     -0.0,  1,      -1,      1e-310, 1e-3, 8,     1e6,
                            -1e30, 1e308, -1e308, 1.7e308, kNan,   kInf, -kInf, 5e-324};

@@ -53,7 +53,8 @@ struct Motion {
 
 } // namespace
 
-TEST_CASE("the observer sums the work of the force that the handle felt, latency or not") {
+TEST_CASE(
+    "the observer sums the work of the force that acted on the handle, with and without latency") {
   for (const int latency : {-3, 0, 1, 2, 5, 8, 20}) {
     const auto felt_delay = static_cast<std::size_t>(std::clamp(latency, 0, 8));
     PassivitySettings settings = settings_of(1e-3);
@@ -77,7 +78,8 @@ TEST_CASE("the observer sums the work of the force that the handle felt, latency
   }
 }
 
-TEST_CASE("a debt is forgotten after 50 ms of rest within the reading's error, a credit is not") {
+TEST_CASE(
+    "negative energy is cleared after 50 ms at rest within the reading's error, positive is not") {
   constexpr double kRadius_m = 2e-5;
   for (const double noise_m : {0.0, 3e-5})
     for (const double energy_j : {-1e-3, 1e-3})
@@ -99,7 +101,8 @@ TEST_CASE("a debt is forgotten after 50 ms of rest within the reading's error, a
       }
 }
 
-TEST_CASE("a debt is paid by min(debt/(T u^2), 3 K T, b_device) of damping, at every rate") {
+TEST_CASE(
+    "negative energy is removed by min(-E/(T u^2), 3 K T, b_device) of damping, at every rate") {
   constexpr double kDevice = 5;
   for (const double period_s : {2.5e-4, 1e-3, 2e-3})
     for (const double stiffness : {100.0, 800.0, 30000.0})
@@ -122,7 +125,7 @@ TEST_CASE("a debt is paid by min(debt/(T u^2), 3 K T, b_device) of damping, at e
       }
 }
 
-TEST_CASE("without a debt, or at no speed, nothing is braked") {
+TEST_CASE("with positive energy, or at zero velocity, nothing is braked") {
   Motion motion{settings_of(1e-3), 800, 0.15, 0};
   motion.run(40);
   CHECK(motion.with_energy(1e-9, {0.15, 0, 0}).x == doctest::Approx(-800 * motion.x()));
@@ -155,7 +158,8 @@ TEST_CASE("the braked velocity is the reading, no faster than 2 ms of displaceme
   }
 }
 
-TEST_CASE("an encoder's step is no debt, and a displacement counts beyond the reading's error") {
+TEST_CASE("an encoder's step is no created energy, and a displacement counts beyond the reading's "
+          "error") {
   constexpr double kNoise_m = 2e-5, kSpeed = 0.15, kStiffness = 400;
   for (const double moved_m : {3e-5, 1.5e-5, -1.5e-5}) { // in 2 ms, read as 1 m/s
     Motion slow{settings_of(1e-3), 1e6, moved_m / 2e-3, 0};
@@ -203,7 +207,7 @@ TEST_CASE("the damper acts along the force, or along the last one when there is 
   }
 }
 
-TEST_CASE("the stiffness that bounds the damper is forgotten over 50 ms") {
+TEST_CASE("the stiffness that bounds the damper decays with 50 ms") {
   // A spring while it moves, then a constant force: what remains of K after t is K exp(-t/2 tau)
   // for the changes of force; those of the position go on, so the ratio falls by the counts.
   Motion motion{settings_of(1e-3), 1000, 0.1, 0};
@@ -231,7 +235,8 @@ TEST_CASE("the stiffness that bounds the damper is forgotten over 50 ms") {
   CHECK(3 * remaining * 1e-3 < 4); // so that it is the bound that acts
 }
 
-TEST_CASE("a contact that throws the handle back releases what is left, as its force falls") {
+TEST_CASE(
+    "a contact that throws the handle back releases the remaining energy, as its force falls") {
   // A free handle M under a constant force from rest. At one instant the observer has E left: the
   // force that is then let through is felt `latency` ticks later, held for a tick, and falls by the
   // slew, while the handle goes on: what all this releases is integrated here in small steps.
@@ -295,7 +300,8 @@ TEST_CASE("a contact that throws the handle back releases what is left, as its f
   CHECK(most < 1.03);
 }
 
-TEST_CASE("no more is cut from a contact than it is, than a credit asks, or than 0.1 s allow") {
+TEST_CASE(
+    "the reduction of a contact is limited by its force, by the energy and to the first 0.1 s") {
   PassivitySettings settings = settings_of(1e-3);
   settings.slew_n_per_s = 2000;
   const auto limited_force = [&settings](int ticks, double energy_j, double velocity,

@@ -119,7 +119,7 @@ TEST_CASE("a handle that flies into a wall five times too stiff does not come ou
   CHECK(on.energy_after_ten >= -1e-9);
 }
 
-TEST_CASE("into a soft wall too the observer takes back the energy of the hold") {
+TEST_CASE("in a soft wall, too, the controller removes the energy of the zero-order hold") {
   const Flight off = fly(500, false), on = fly(500, true);
   MESSAGE("K 500, arrival " << off.arrival << "; off: exit " << off.exit << ", E " << off.lowest
                             << "; on: exit " << on.exit << ", lowest E " << on.lowest);
@@ -138,7 +138,7 @@ TEST_CASE("a constant push on a wall five times too stiff: the observer shrinks 
   CHECK(on.peak_to_peak_m < 1.5e-3);
 }
 
-TEST_CASE("a constant push on a wall within Colgate's limit rests at F/K") {
+TEST_CASE("a constant push on a wall within Colgate's limit converges to F/K") {
   const Push off = push(500, false), on = push(500, true);
   MESSAGE("K 500: off p-p " << off.peak_to_peak_m * 1e3 << " mm about " << off.middle_m * 1e3
                             << "; on " << on.peak_to_peak_m * 1e3 << " about "
@@ -173,7 +173,7 @@ TEST_CASE("Colgate's bound K < 2(B + b)/T separates decay from growth") {
   }
 }
 
-TEST_CASE("more slots of damping raise the stable stiffness") {
+TEST_CASE("more damping raises the stable stiffness") {
   // With damp 4 the bound is 2(0.5 + 4)/1 ms = 9000 N/m, so 5000 N/m rests.
   Rig rig(5000, false);
   ServoSettings settings;
@@ -219,7 +219,7 @@ TEST_CASE("guidance by a patch reaches the hand, with an allowance and without")
   CHECK(guided(0.05) == approx(5e-3).epsilon(1e-3));
 }
 
-TEST_CASE("a stiff wall that a patch renders a tick late stays tame with the default allowance") {
+TEST_CASE("a stiff wall that a patch renders a tick late is bounded with the default allowance") {
   const auto peak_to_peak = [](bool observer, double allowance_w) {
     Rig rig(0, observer);
     ServoSettings settings;
@@ -284,7 +284,7 @@ void check_not_worse(const WallCase& c) {
 
 } // namespace
 
-TEST_CASE("the controller does not hum where the wall is quiet without it") {
+TEST_CASE("the controller does not oscillate where the wall is stable without it") {
   // What an unbounded damper, after the slew limit, made of three harmless walls: 4.74 N rms
   // against 0.04, 5.6 mm against 0.06, 2.5 mm against 0.04.
   WallCase person;
@@ -313,7 +313,7 @@ TEST_CASE("the controller does not hum where the wall is quiet without it") {
   }
 }
 
-TEST_CASE("over walls, rates, encoders, velocities and hands it makes nothing worse") {
+TEST_CASE("over walls, rates, encoders, velocities and hands the controller makes nothing worse") {
   // bench/haptic_passivity is the whole sweep.
   for (const double k : {50.0, 300.0, 1000.0, 4000.0})
     for (const double rate : {500.0, 1000.0})
@@ -412,7 +412,7 @@ TEST_CASE("a soft wall gives a flying handle its energy back") {
   CHECK(on.exit_energy == approx(theory).epsilon(0.1));
 }
 
-TEST_CASE("a debt is forgotten when the handle has rested, and not before") {
+TEST_CASE("negative energy is cleared once the handle is at rest, and not before") {
   PassivityController controller;
   PassivitySettings settings;
   controller.observe(settings, {}, {1, 0, 0}, 0);
@@ -452,7 +452,8 @@ struct ControllerRig {
 
 } // namespace
 
-TEST_CASE("the damper is no stronger than the device's limit and than the wall's leak asks for") {
+TEST_CASE(
+    "the damper is no stronger than the device's limit and than the wall's created power needs") {
   for (const double period_s : {1e-3, 2e-3})
     for (const double stiffness : {100.0, 1e5}) { // c K T = 0.3 or 0.6, and beyond the limit
       ControllerRig rig;
@@ -470,7 +471,7 @@ TEST_CASE("the damper is no stronger than the device's limit and than the wall's
     }
 }
 
-TEST_CASE("the damper takes no more than the debt, less what a step of the encoder seems to give") {
+TEST_CASE("the damper removes no more than the negative energy, less that of an encoder step") {
   for (const double noise_m : {0.0, 5e-5}) {
     ControllerRig rig;
     rig.settings.damping_limit_n_s_per_m = 20;
@@ -512,7 +513,7 @@ TEST_CASE(
   CHECK(oblique.z == 0);
 }
 
-TEST_CASE("a contact that throws the handle back may release what is left, and then no more") {
+TEST_CASE("a contact that throws the handle back may release the remaining energy and no more") {
   // Approach at 0.4 m/s, back at some speed against 5 N, with some energy left; nothing else moves.
   const auto left_over = [](double back, double energy_j, double slew, int held_ticks = 0) {
     ControllerRig rig;

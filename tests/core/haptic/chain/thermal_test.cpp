@@ -64,7 +64,7 @@ TEST_CASE("the heat follows the squared force with one time constant") {
   CHECK(motors.heat_n2() == approx(4 * (1 - std::exp(-1.0))).epsilon(1e-9));
 }
 
-TEST_CASE("a force that is asked for without end settles below the continuous rating") {
+TEST_CASE("a force requested for ever settles below the continuous rating") {
   for (const double commanded_n : {1.0, 2.0, 3.3}) {
     Touch device;
     Servo servo;
@@ -105,7 +105,7 @@ TEST_CASE("the rating holds without the passivity controller, and no new connect
   CHECK(device.forces.back() < 0.88);
 }
 
-TEST_CASE("pushes with pauses, below the rating in the mean, are left alone") {
+TEST_CASE("pushes with pauses, below the rating in the mean, are not limited") {
   Touch device;
   Servo servo;
   attach(device, servo);
@@ -118,7 +118,7 @@ TEST_CASE("pushes with pauses, below the rating in the mean, are left alone") {
   CHECK_FALSE(servo.chain().derating);
 }
 
-TEST_CASE("a device without a figure, or whose figure is its peak, is never spared") {
+TEST_CASE("a device without a rating, or with one at its peak, is never derated") {
   for (const double rated : {0.0, 8.0}) {
     ThermalLimit motors;
     const ThermalSettings settings{1e-3, 8, rated};
@@ -128,7 +128,7 @@ TEST_CASE("a device without a figure, or whose figure is its peak, is never spar
   }
 }
 
-TEST_CASE("a device that calls its motors warm gets less force within a second, by a ramp") {
+TEST_CASE("a device that reports warm motors gets less force within a second, by a ramp") {
   Touch device;
   Servo servo;
   attach(device, servo);
@@ -147,7 +147,7 @@ TEST_CASE("a device that calls its motors warm gets less force within a second, 
   CHECK(device.forces.back() > 0.85);
 }
 
-TEST_CASE("whatever the figures, the ceiling is finite and never above the peak") {
+TEST_CASE("for any ratings the limit is finite and never above the peak") {
   for (const double peak : {0.0, 1e-3, 8.0})
     for (const double rated : {0.0, 1e-6, 1.0, 1e3})
       for (const double force : {0.0, 8.0, 1e6}) {
@@ -163,7 +163,7 @@ TEST_CASE("whatever the figures, the ceiling is finite and never above the peak"
       }
 }
 
-TEST_CASE("the figure that a user is told is the one that a lasting force settles at") {
+TEST_CASE("the reported limit is the one at which a lasting force settles") {
   for (const double peak : {1.0, 2.0, 3.3, 20.0})
     for (const double rated : {0.3, 0.88}) {
       ThermalLimit motors;
@@ -176,7 +176,7 @@ TEST_CASE("the figure that a user is told is the one that a lasting force settle
     }
 }
 
-TEST_CASE("pushes near the limit do not switch the word of warm motors with every push") {
+TEST_CASE("pushes near the limit do not switch the report of warm motors with every push") {
   ThermalLimit motors;
   const ThermalSettings settings{1e-3, 3.3, 0.88};
   int changes = 0;
@@ -193,7 +193,7 @@ TEST_CASE("pushes near the limit do not switch the word of warm motors with ever
   CHECK_FALSE(motors.derating());
 }
 
-TEST_CASE("the report of a servo tells warm motors and what their force settles at") {
+TEST_CASE("the servo's report has warm motors and the limit at which their force settles") {
   Touch device;
   Servo servo;
   attach(device, servo);
@@ -230,7 +230,7 @@ TEST_CASE("late ticks heat the motors for as long as they hold the force, a stal
         doctest::Approx(kept * after_30_s + (1 - kept) * 0.25).epsilon(1e-6));
 }
 
-TEST_CASE("motors that were warm when another servo let them go begin with their heat") {
+TEST_CASE("motors that were warm under another servo start with their heat") {
   Touch device;
   Servo servo;
   servo.set_motor_heat(0.88 * 0.88);

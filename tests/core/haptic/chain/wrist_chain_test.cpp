@@ -98,7 +98,7 @@ TEST_CASE("torque and grip rise by the slew, to the device's peak and no further
   CHECK(last.grip_n == doctest::Approx(-8));
 }
 
-TEST_CASE("what is not finite is none") {
+TEST_CASE("a request that is not finite counts as zero") {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   WristChain chain;
   ChainState state;
@@ -112,7 +112,8 @@ TEST_CASE("what is not finite is none") {
   }
 }
 
-TEST_CASE("a stop, a device that is not homed and an unreachable pose leave none at that tick") {
+TEST_CASE("after a stop, without homing and at an unreachable pose torque and grip are zero at "
+          "that tick") {
   Rig rig;
   rig.want(true, {0.1, 0, 0}, 3);
   const auto none = [&] {
@@ -139,7 +140,7 @@ TEST_CASE("a stop, a device that is not homed and an unreachable pose leave none
   CHECK(none()); // the fault is latched
 }
 
-TEST_CASE("a host that falls silent leaves none after the watchdog's time") {
+TEST_CASE("torque and grip are zero after the watchdog's time without the host") {
   Rig rig;
   rig.want(true, {0.1, 0, 0}, 3);
   rig.tick(2000);
@@ -153,7 +154,7 @@ TEST_CASE("a host that falls silent leaves none after the watchdog's time") {
   CHECK(rig.device.sent.grip_n == 0);
 }
 
-TEST_CASE("a torque goes through the axis map as the cross product of what it maps") {
+TEST_CASE("a torque maps like the cross product of mapped vectors") {
   const auto cross = [](const Vec3& a, const Vec3& b) {
     return Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
   };

@@ -45,7 +45,7 @@ std::pair<double, double> distance_after(double seconds, double k, HandSettings 
 
 } // namespace
 
-TEST_CASE("a steady hand is led to the goal at the rate that its yielding gives") {
+TEST_CASE("a steady hand is guided to the goal at the rate of its yielding") {
   // In balance K (x - x_h) = k (goal - x), and the intention moves at (x - x_h)/tau: the distance
   // falls as exp(-t k/((K + k) tau)), here exp(-t/6 s), from 20 K/(K + k) = 16.7 mm on.
   HandSettings steady;
@@ -57,7 +57,7 @@ TEST_CASE("a steady hand is led to the goal at the rate that its yielding gives"
   CHECK(at_12 / at_6 == doctest::Approx(std::exp(-1.0)).epsilon(0.01));
 }
 
-TEST_CASE("a trembling, wandering hand is led there too, and stays away without a force") {
+TEST_CASE("a hand with tremor and wander is guided there too, and stays away without a force") {
   const HandSettings person;
   const double guided_distance = distance_after(30, 40, person).second;
   const double alone = distance_after(30, 0, person).second;

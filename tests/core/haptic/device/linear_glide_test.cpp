@@ -63,7 +63,7 @@ TEST_CASE("a position between two reports lies between them, and a last one is r
   CHECK(glide.update(target, t) == target);
 }
 
-TEST_CASE("reports that are up to a quarter late leave no tick at rest") {
+TEST_CASE("reports up to a quarter interval late leave no tick without motion") {
   LinearGlide glide;
   tactus::Random random(5);
   const double v = 0.1;
@@ -94,7 +94,7 @@ TEST_CASE("after a pause the interval is the usual one, not the pause") {
   CHECK(glide.update({0.01, 0, 0}, t + 1.001 * usual_s).x == 0.01);
 }
 
-TEST_CASE("two reports at one instant are a way of 1.25 ms, not a jump") {
+TEST_CASE("two reports at one instant make a motion of 1.25 ms, not a jump") {
   LinearGlide glide;
   glide.update({}, 0);
   glide.update({0.01, 0, 0}, 0.01);
@@ -126,7 +126,7 @@ TEST_CASE("a stroke that is reported every 10 ms hits a body with its speed") {
   }
 }
 
-TEST_CASE("what is no number, and time that runs backwards, change nothing") {
+TEST_CASE("values that are not finite, and time that runs backwards, change nothing") {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   LinearGlide glide;

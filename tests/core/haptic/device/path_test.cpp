@@ -47,7 +47,7 @@ TEST_CASE("a file that is wrong is refused with the line") {
         "line 1: the button mask is not a whole number from 0 to 4294967295");
 }
 
-TEST_CASE("random bytes never break the reader") {
+TEST_CASE("random bytes never crash the reader") {
   tactus::Random random(6);
   const std::string alphabet = "0123456789+-.eE \t\n,#naif\r\x80";
   for (int round = 0; round < 5000; ++round) {
@@ -76,7 +76,7 @@ TEST_CASE("the velocities of the built-in paths are the slopes of their position
   CHECK(norm(point_at(paths[0], 0.35).position - Vec3{0.03, 0.01, 0}) < 1e-15);
 }
 
-TEST_CASE("a circle and a Lissajous figure are where their formulas have them, hours on too") {
+TEST_CASE("a circle and a Lissajous figure follow their formulas, also after hours") {
   const CirclePath circle{{0.01, 0.02, 0.03}, 0.02, 0.4, 2, 0};
   for (const double hours : {0.0, 5.0}) {
     const double t = hours * 3600; // a whole number of periods

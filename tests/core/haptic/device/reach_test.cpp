@@ -28,7 +28,7 @@ struct ScriptedDevice final : Backend {
 
 } // namespace
 
-TEST_CASE("a position that no device can have is the last good one, and said to be none") {
+TEST_CASE("an unreachable position becomes the last good one and is flagged") {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const Caps caps; // 50 mm either way: 87 mm to a corner

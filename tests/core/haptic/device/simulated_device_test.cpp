@@ -159,7 +159,7 @@ TEST_CASE("without force the energy of handle and hand only falls") {
   CHECK(previous < 1e-12);
 }
 
-TEST_CASE("a held force does exactly the work that the handle gains or rubs away") {
+TEST_CASE("a held force does exactly the work that the handle gains or dissipates") {
   auto settings = free_handle();
   Sim frictionless(settings);
   settings.viscous_n_s_per_m = 0;
@@ -184,7 +184,7 @@ TEST_CASE("a held force does exactly the work that the handle gains or rubs away
   }
 }
 
-TEST_CASE("with a hand that moves, the held hand values converge at first order in the tick") {
+TEST_CASE("with a moving hand the held values converge at first order in the tick") {
   // Reference: the same with a tick 64 times shorter.
   const auto end = [](int divide) {
     auto settings = free_handle();
@@ -215,7 +215,7 @@ TEST_CASE("a rigid hand puts the handle exactly on the path, whatever the force"
   }
 }
 
-TEST_CASE("hard stops keep the handle, return less than they get and never pull") {
+TEST_CASE("hard stops bound the handle, return less energy than they get and never pull") {
   SimulatedDevice::Settings settings;
   settings.hand.hold = Hold::kFree;
   Sim sim(settings);
@@ -234,7 +234,7 @@ TEST_CASE("hard stops keep the handle, return less than they get and never pull"
   CHECK(state.position.x == test::approx(0.055 + 8.0 / 2e4).epsilon(1e-3));
 }
 
-TEST_CASE("the same ticks and forces give the same bits, and skipped ticks are made up") {
+TEST_CASE("the same ticks and forces give the same bits, and skipped ticks are simulated") {
   auto settings = free_handle();
   settings.hand.hold = Hold::kPerson;
   settings.noise_m = 1e-5;
@@ -253,7 +253,7 @@ TEST_CASE("the same ticks and forces give the same bits, and skipped ticks are m
   CHECK(state.position == c.device.position());
 }
 
-TEST_CASE("a device begins at its first reading, whatever the servo's count is by then") {
+TEST_CASE("a device starts at its first reading, for any index of the tick") {
   SimulatedDevice device;
   device.set(free_handle());
   device.set_state({0.01, 0, 0}, {0.5, 0, 0});
@@ -286,7 +286,7 @@ TEST_CASE("the reading has the encoder's step and noise, and then no velocity of
   }
 }
 
-TEST_CASE("a target draws the spring hand smoothly and exactly there") {
+TEST_CASE("a target moves the spring hand smoothly and exactly there") {
   auto settings = free_handle();
   settings.hand.hold = Hold::kSpring;
   Sim sim(settings);

@@ -39,7 +39,7 @@ TEST_CASE("an axis map keeps power and comes back") {
   CHECK(map->to_device(map->to_project(velocity)) == velocity);
 }
 
-TEST_CASE("words that are no permutation and signs that are not one are refused") {
+TEST_CASE("words that are no permutation and signs other than 1 and -1 are refused") {
   CHECK_FALSE(AxisMap::parse("xxy", {1, 1, 1}));
   CHECK_FALSE(AxisMap::parse("xy", {1, 1, 1}));
   CHECK_FALSE(AxisMap::parse("xyw", {1, 1, 1}));

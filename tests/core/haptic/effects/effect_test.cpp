@@ -53,7 +53,8 @@ struct EffectRig {
 
 } // namespace
 
-TEST_CASE("constant and spring are the patch's own, the spring no longer than its maximum") {
+TEST_CASE(
+    "constant and spring count as forces of the patch, and the spring is limited to its maximum") {
   EffectRig rig;
   EffectSettings settings;
   settings.constant = {{1, -2, 0.5}};
@@ -103,7 +104,7 @@ TEST_CASE("inertia has the impedance of a mass behind a spring and a damper") {
   }
 }
 
-TEST_CASE("a free handle with inertia accelerates as both masses together, and stays calm") {
+TEST_CASE("a free handle with inertia accelerates as both masses together, without oscillating") {
   for (const double mass : {0.01, 0.1, 0.5, 2.0, 10.0})
     for (const auto hold : {HandSettings::Hold::kFree, HandSettings::Hold::kSpring}) {
       SimulatedDevice device;
@@ -136,7 +137,7 @@ TEST_CASE("a free handle with inertia accelerates as both masses together, and s
     }
 }
 
-TEST_CASE("inertia and friction never give back more than they got, whatever the numbers") {
+TEST_CASE("inertia and friction never return more energy than they got, for any parameters") {
   Random random(5);
   const auto in = [&random](double low, double high) {
     return low * std::pow(high / low, random.uniform());
@@ -200,7 +201,7 @@ TEST_CASE("texture is a sine of the position along its direction, and costs noth
   CHECK(std::abs(work) < 1e-8); // of 1 mJ along one ridge after another
 }
 
-TEST_CASE("relief is carved into what is touched, and only there") {
+TEST_CASE("relief cuts grooves into the touched body, and only there") {
   EffectRig rig;
   rig.floor(800); // z < 0 is solid
   EffectSettings settings;
@@ -272,7 +273,7 @@ TEST_CASE("wild positions leave every effect finite") {
   }
 }
 
-TEST_CASE("a device that is opened elsewhere feels no friction or mass of the last one") {
+TEST_CASE("a device opened at another position has no friction or mass of the last one") {
   EffectRig rig;
   EffectSettings settings;
   settings.friction = EffectSettings::Friction{5, 500};
@@ -285,7 +286,7 @@ TEST_CASE("a device that is opened elsewhere feels no friction or mass of the la
   CHECK(rig.tick({0.04, 0, 0}) == Vec3{});
 }
 
-TEST_CASE("a damper is felt up to what the device damps in ticks of that length") {
+TEST_CASE("a damper is limited to the device's damping limit at that period") {
   for (const double period_s : {2.5e-4, 1e-3, 5e-3}) {
     EffectRig rig;
     EffectSettings settings;

@@ -8,7 +8,7 @@ using test::approx;
 using test::NetworkRig;
 using Order = NetworkModel::Action;
 
-TEST_CASE("a spring that yields keeps the work of the hand that stretched it") {
+TEST_CASE("a spring at its force limit stores the work of the hand that stretched it") {
   // k up to F = 40 N, then F: k x^2/2, and F x - F^2/(2k) beyond. The mass is
   // too heavy to move: by 40 N t^2/2M = 2e-8 m in a second.
   constexpr double k = 2000, kMax_n = NetworkModel::kMaxHandle_n;

@@ -14,7 +14,8 @@ using test::approx;
 using test::NetworkRig;
 using Order = NetworkModel::Action;
 
-TEST_CASE("what the hand feels is the opposite of the momentum that it gives, to rounding") {
+TEST_CASE(
+    "the force on the hand is the negative of the momentum given to the masses, to rounding") {
   NetworkRig rig;
   rig.network.touch = {0.012, 800, 0.5};
   rig.network.grab = {300, 0.4};
@@ -105,7 +106,7 @@ TEST_CASE("a string pressed in the middle has the stiffness 4 T/L of the continu
   CHECK(felt == approx(1 / (1 / 400. + 1 / 1e4)).epsilon(1e-6)); // 4 T/L = 400 N/m
 }
 
-TEST_CASE("the sphere pushes and never pulls, and lets go") {
+TEST_CASE("the sphere pushes and never pulls, and releases") {
   NetworkRig rig;
   rig.network.touch = {0.01, 500, 20}; // a damper that would hold a leaving mass
   rig.mass(1e-2, {});
@@ -119,7 +120,7 @@ TEST_CASE("the sphere pushes and never pulls, and lets go") {
   CHECK(rig.tick({0, 0, 0.5}) == Vec3{});
 }
 
-TEST_CASE("the handle begins where it is first read, not with a way from the origin") {
+TEST_CASE("the handle starts at its first reading, without a motion from the origin") {
   for (const bool again : {false, true}) {
     NetworkRig rig;
     rig.network.touch = {0.01, 1000, 1};
@@ -174,7 +175,7 @@ TEST_CASE("a mass that appears at the hand pushes it with a force that grows for
   CHECK(rig.tick({0, 0, 0.008}).z > 0.1);
 }
 
-TEST_CASE("a mass that emerges leaves the others' motion alone") {
+TEST_CASE("a mass that appears does not change the others' motion") {
   NetworkRig rig;
   rig.network.touch = {0.01, 500, 0.1};
   const std::size_t anchor = rig.mass(1, {0.1, 0, 0}, true), far = rig.mass(1e-3, {0.1, 0, 1e-3});
@@ -192,7 +193,7 @@ TEST_CASE("a mass that emerges leaves the others' motion alone") {
   CHECK(rig.model.energy_limited_ticks() == 0);
 }
 
-TEST_CASE("a hand that leaps over a mass pushes it on the way") {
+TEST_CASE("a hand that jumps over a mass pushes it on its path") {
   NetworkRig rig;
   rig.network.touch = {0.01, 1000, 0};
   rig.mass(1e-3, {0.001, 0, 0.018});
@@ -213,7 +214,7 @@ TEST_CASE("a pluck gives its impulse, also one shorter than a step") {
   }
 }
 
-TEST_CASE("displacement is heard from the position at rest") {
+TEST_CASE("the displacement pickup is relative to the position at rest") {
   NetworkRig rig;
   const std::size_t mass = rig.mass(1e-3, {0.01, 0.02, 0.03});
   rig.network.pickups[1] = {mass, 1, NetworkPickup::Quantity::kDisplacement};
@@ -350,7 +351,7 @@ TEST_CASE("an edited network keeps the motion of the masses that stay") {
   CHECK(rig.model.position(0) == Vec3{0.2, 0, 0});
 }
 
-TEST_CASE("wild handles and orders leave the network finite, and bounded when it flies away") {
+TEST_CASE("absurd handles and actions leave the network finite, and bounded when it flies away") {
   Random random(11);
   constexpr double kWild[] = {0,
                               1e300,
@@ -397,7 +398,7 @@ TEST_CASE("a network at rest holds no denormal numbers, which would slow its tic
   }
 }
 
-TEST_CASE("a sphere that grows pushes masses with a force that goes on from the one before") {
+TEST_CASE("a sphere that grows pushes masses with a force that continues from the one before") {
   NetworkRig rig;
   rig.network.touch = {0.005, 400, 0.1};
   for (int i = 0; i < 9; ++i)
@@ -424,7 +425,7 @@ TEST_CASE("a sphere that grows pushes masses with a force that goes on from the 
   CHECK(rig.tick({}).z == approx(-theory).epsilon(0.01));
 }
 
-TEST_CASE("a spring that grabs a far mass takes hold within a tenth of a second") {
+TEST_CASE("the spring to a grabbed distant mass has a ramp of a tenth of a second") {
   NetworkRig rig;
   rig.network.grab = {400, 0};
   const std::size_t far = rig.mass(1e4, {0.08, 0, 0});

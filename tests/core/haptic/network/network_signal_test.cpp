@@ -50,7 +50,7 @@ struct AudioRig {
 
 } // namespace
 
-TEST_CASE("in logical time the network is heard step by step, at any sample rate a pure tone") {
+TEST_CASE("in logical time the network is played step by step, at any sample rate as a pure tone") {
   for (const double rate : {44100.0, 48000.0, 88200.0}) {
     AudioRig rig;
     rig.link->configure(SignalLink::Time::kLogical, 1000,
@@ -87,7 +87,7 @@ TEST_CASE("in logical time the network is heard step by step, at any sample rate
   }
 }
 
-TEST_CASE("a network that is stepped faster than it is read is read as means, at its pitch") {
+TEST_CASE("a network stepped faster than it is read is averaged, at its pitch") {
   AudioRig rig(192000);
   rig.tick();
   CHECK(rig.network.model.samples().size() == 48);
@@ -134,7 +134,7 @@ TEST_CASE("in wall time the network is played smoothly behind the servo, over bu
   CHECK(largest_step < 1.05 * speed * rig.omega / 48000); // 2 % faster at most, no clicks
 }
 
-TEST_CASE("a second player does not hear what an earlier one has taken") {
+TEST_CASE("a second player does not play samples that an earlier one has read") {
   AudioRig rig;
   rig.link->configure(SignalLink::Time::kLogical, 1000,
                       {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});

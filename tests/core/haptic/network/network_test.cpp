@@ -61,7 +61,7 @@ TEST_CASE("without a network, and with one at rest, there is no energy and no fo
   CHECK(rig.model.samples().size() == 48);
 }
 
-TEST_CASE("a reset puts all at rest and ends what was plucked and held") {
+TEST_CASE("a reset puts all masses at rest and ends plucks and grabs") {
   NetworkRig rig;
   rig.network.grab = {300, 0.1};
   const std::size_t mass = rig.mass(0.01, {}), other = rig.mass(0.01, {0.05, 0, 0});
@@ -95,7 +95,7 @@ TEST_CASE("drag alone slows a free mass exponentially") {
   CHECK(rig.model.velocity(mass).z == approx(start * std::exp(-2)).epsilon(1e-3));
 }
 
-TEST_CASE("every mode of a string swings at the discrete chain's frequency") {
+TEST_CASE("every mode of a string oscillates at the discrete chain's frequency") {
   // omega_j = 2 sqrt(T/(m d)) sin(j pi/(2(n+1))); the scheme turns it into sin(w h/2) = omega h/2.
   const NetworkString string{20, {-0.05, 0, 0}, {0.05, 0, 0}, 1e-3, 10, 0, 0};
   const double m = string.mass_kg / string.count, d = 0.1 / 21;
@@ -146,7 +146,7 @@ TEST_CASE("a string with a rest length has the same small transverse motion, and
   CHECK(crossing_s(0.01) == approx(0.5 * kPi / omega / sharper).epsilon(0.01));
 }
 
-TEST_CASE("every mode of a membrane swings at its frequency, in any axis plane") {
+TEST_CASE("every mode of a membrane oscillates at its frequency, in any axis plane") {
   NetworkMembrane membrane{5, 4, {-0.03, 0.01, 0.02}, {0.03, 0.01, -0.02}, 1e-3, 40, 0};
   const double dx = 0.06 / 6, dz = 0.04 / 5, m = 1e-3 / 20;
   for (const auto& mode : {std::pair{1, 1}, {2, 1}, {5, 4}, {3, 2}}) {
@@ -178,7 +178,7 @@ TEST_CASE("every mode of a membrane swings at its frequency, in any axis plane")
   CHECK(make_membrane(membrane).masses.empty());
 }
 
-TEST_CASE("without damping the scheme's energy stays to rounding; damping only lowers it") {
+TEST_CASE("without damping the scheme's energy is constant to rounding; damping only lowers it") {
   for (const double damping : {0.0, 2e-3}) {
     NetworkRig rig;
     NetworkPart part = make_string({30, {-0.05, 0, 0}, {0.05, 0, 0}, 1e-3, 10, damping, 0});
@@ -319,7 +319,8 @@ TEST_CASE("dampers, the hand and drag shorten the step as the formula says") {
   CHECK(bound() == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("steps are the set rate's, more where springs ask for them, fewer for a tick's work") {
+TEST_CASE(
+    "steps follow the set rate, more where springs need them, fewer for the work limit of a tick") {
   NetworkRig rig;
   const std::size_t a = rig.mass(1, {}, true), b = rig.mass(1e-3, {0.01, 0, 0});
   rig.link(a, b, 100);

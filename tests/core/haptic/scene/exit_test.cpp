@@ -85,7 +85,7 @@ template <class Solid> void check(const Solid& solid, const Vec3& reach) {
 
 } // namespace
 
-TEST_CASE("a tool leaves a solid by the shortest way") {
+TEST_CASE("a tool leaves a solid by the shortest exit") {
   check(Box{{0.03, 0.01, 0.02}}, {0.03, 0.01, 0.02});
   check(Disk{0.03, 0.008}, {0.03, 0.03, 0.008});
   check(Disk{0.01, 0.03}, {0.01, 0.01, 0.03});

@@ -8,7 +8,7 @@
 
 using namespace tactus::haptic;
 
-TEST_CASE("an edge that a motion meets is one triangle's, from wherever the motion comes") {
+TEST_CASE("a motion through an edge meets exactly one triangle, from any direction") {
   // Ridges and valleys along y, at integer coordinates: whatever meets a valley's line meets the
   // triangles on both sides of it at the same fraction, to the last bit.
   constexpr std::uint32_t kColumns = 33;

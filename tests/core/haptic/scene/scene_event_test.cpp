@@ -36,12 +36,12 @@ TEST_CASE("chatter at 40 Hz is a hit for each departure of 0.2 mm and 10 ms, and
   CHECK(hits_of_swing(5, 100) == 1);
 }
 
-TEST_CASE("a drum roll keeps all its hits") {
+TEST_CASE("a drum roll gives all its hits") {
   CHECK(hits_of_swing(5, 20) == 40);
   CHECK(hits_of_swing(5, 10) == 20);
 }
 
-TEST_CASE("a departure along the surface, over an edge, counts like one away from it") {
+TEST_CASE("leaving along the surface, over an edge, counts like leaving away from it") {
   SceneRig rig;
   rig.add(Box{{0.02, 0.01, 0.02}});
   rig.stroke({15, 12, 0}, {15, 9, 0});
@@ -53,7 +53,7 @@ TEST_CASE("a departure along the surface, over an edge, counts like one away fro
   CHECK(rig.count(Kind::kHit) == 2);
 }
 
-TEST_CASE("bodies reached at one tick are told in the scene's order") {
+TEST_CASE("bodies reached at one tick are reported in the scene's order") {
   for (const bool swapped : {false, true}) {
     SceneRig rig;
     const Pose floor{{}, Rotation::from_z_to({0, 1, 0})}, wall{{}, Rotation::from_z_to({1, 0, 0})};
@@ -70,7 +70,7 @@ TEST_CASE("bodies reached at one tick are told in the scene's order") {
   }
 }
 
-TEST_CASE("of two bodies with the same face it is the first that is felt") {
+TEST_CASE("of two bodies with the same face the first one is touched") {
   for (const double first : {300.0, 900.0}) {
     SceneRig rig;
     rig.add(Plane{}, {}, {first, 0, 0});
@@ -90,7 +90,7 @@ TEST_CASE("a body that appears around a fast hand is no hit") {
   CHECK(rig.count(Kind::kHit) == 0);
 }
 
-TEST_CASE("a hand that starts inside is led out with at most the device's continuous force") {
+TEST_CASE("a hand that starts inside is pushed out with at most the device's continuous force") {
   struct Case {
     double continuous_n, limit_n;
   };
@@ -106,7 +106,7 @@ TEST_CASE("a hand that starts inside is led out with at most the device's contin
   }
 }
 
-TEST_CASE("several bodies around the hand give no more together, and full force after the exit") {
+TEST_CASE("several bodies around the hand share that limit, and have full force after the exit") {
   SceneRig rig;
   rig.add(Plane{}, {{0.002, 0, 0}, Rotation::from_z_to({1, 0, 0})});
   rig.add(Plane{}, {{0, 0.003, 0}, Rotation::from_z_to({0, 1, 0})});
@@ -120,7 +120,7 @@ TEST_CASE("several bodies around the hand give no more together, and full force 
   CHECK(norm(rig.stroke({10, 10, 20}, {10, 10, 2}) - Vec3{0, 0, 4}) < 1e-9);
 }
 
-TEST_CASE("where the way out of one body leads into another, that one leads on") {
+TEST_CASE("where the exit of one body lies in another, that one pushes the tool on") {
   SceneRig rig;
   rig.add(Sphere{0.01}, {{0, 0, 0}, {}});
   rig.add(Sphere{0.01}, {{0.012, 0, 0}, {}}); // the nearest exit of the first lies in it
@@ -130,7 +130,7 @@ TEST_CASE("where the way out of one body leads into another, that one leads on")
     CHECK(norm(rig.model.proxy() - body.pose.position) > 0.01);
 }
 
-TEST_CASE("a wall's damper acts on the approach alone: nothing sticks") {
+TEST_CASE("a wall's damper acts on the approach only and never pulls") {
   const double k = 500, b = 5;
   SceneRig rig;
   rig.add(Plane{}, {}, {k, b, 0});

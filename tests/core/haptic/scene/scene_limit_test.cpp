@@ -80,7 +80,7 @@ bool is_outside(const Scene& scene, const Vec3& p) {
 
 } // namespace
 
-TEST_CASE("whatever the work limit, no proxy is ever inside a body or beyond a closed mesh") {
+TEST_CASE("for any work limit the proxy is never inside a body or beyond a closed mesh") {
   // Absurdly little up to plenty: 300 units are some thirty tests of one body.
   for (const std::int64_t limit : {40, 300, 1000, 4000, 24000})
     for (const double tool_m : {0.0, 0.002}) {
@@ -161,7 +161,7 @@ TEST_CASE("under a work limit the proxy arrives where it would without one, when
   }
 }
 
-TEST_CASE("under a work limit friction does not hold a proxy that is still on its way") {
+TEST_CASE("under a work limit friction does not hold a proxy that has not arrived") {
   int incomplete = 0;
   for (const std::int64_t limit : {1000, 4000})
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
@@ -185,7 +185,7 @@ TEST_CASE("under a work limit friction does not hold a proxy that is still on it
   CHECK(incomplete < 20); // of 480: some hollows take more than 1000 units even at rest
 }
 
-TEST_CASE("an exhausted sweep ends at once, and says that it knows nothing") {
+TEST_CASE("an exhausted sweep ends at once and is not complete") {
   Body ball;
   ball.shape = Sphere{0.01};
   std::vector<Obstacle> obstacles;
@@ -204,7 +204,7 @@ TEST_CASE("an exhausted sweep ends at once, and says that it knows nothing") {
   }
 }
 
-TEST_CASE("in reach of its work a body that glides by carries the hand; else it waits for it") {
+TEST_CASE("with enough work a gliding body moves the hand; without, it waits") {
   // A wall of many bodies glides through the hand: with too little work they come later, and never
   // without pushing it.
   SceneRig rig(400);
@@ -223,7 +223,7 @@ TEST_CASE("in reach of its work a body that glides by carries the hand; else it 
     CHECK(norm(rig.model.proxy() - body.pose.position) > 0.02);
 }
 
-TEST_CASE("a body whose motion never fits the work does not keep the others waiting") {
+TEST_CASE("a body whose motion always exceeds the work limit does not block the others") {
   // A plate of slivers that meet in its middle, which passes the hand there.
   std::vector<Vec3> corners{{}};
   std::vector<Triangle> triangles;
@@ -260,7 +260,7 @@ TEST_CASE("a body whose motion never fits the work does not keep the others wait
     }
 }
 
-TEST_CASE("without work for a single motion the known faces hold, pressed as deep as the hand is") {
+TEST_CASE("without work for a single motion the known faces hold, at the full depth of the hand") {
   for (const double friction : {0.0, 0.4}) {
     SceneRig rig(84); // enough for a plane alone
     rig.add(Plane{}, {}, {500, 0, friction});
@@ -307,7 +307,7 @@ TEST_CASE("the work limit does not touch a fast hand in a scene of 16 bodies and
   }
 }
 
-TEST_CASE("whatever the work limit, friction found within it keeps to its cone") {
+TEST_CASE("for any work limit friction stays within its cone") {
   // The last round that was complete counts: a proxy on its way would drag by all that is missing.
   constexpr double kFriction = 0.5;
   int completed = 0, cut = 0;
@@ -326,7 +326,7 @@ TEST_CASE("whatever the work limit, friction found within it keeps to its cone")
   CHECK(cut > 500);
 }
 
-TEST_CASE("whatever the work limit, a rounded body is followed through no other") {
+TEST_CASE("for any work limit the proxy follows a rounded body without passing another") {
   for (std::int64_t work = 10; work < 600; ++work) {
     SceneRig rig(work);
     rig.add(Sphere{0.02});
@@ -341,7 +341,7 @@ TEST_CASE("whatever the work limit, a rounded body is followed through no other"
   }
 }
 
-TEST_CASE("whatever the work limit, a hand deep in a mesh is pushed out at every tick") {
+TEST_CASE("for any work limit a hand deep in a mesh is pushed out at every tick") {
   for (std::int64_t work = 500; work < 2000; work += 20) {
     SceneRig rig(work);
     rig.add(test::mesh_sphere(0.02, 48, 48));
@@ -355,7 +355,7 @@ TEST_CASE("whatever the work limit, a hand deep in a mesh is pushed out at every
   }
 }
 
-TEST_CASE("without work nothing is known to be far") {
+TEST_CASE("without work no body counts as far away") {
   WorkLimit none(0), enough;
   const Vec3 far{0.019, 0.019, 0.019}; // but within the box around it
   const Shape ball = test::mesh_sphere(0.02, 48, 48);
@@ -363,7 +363,7 @@ TEST_CASE("without work nothing is known to be far") {
   CHECK(!is_farther(ball, far, 2e-4, none));
 }
 
-TEST_CASE("a mesh leaves out triangles without an area and those of corners that it has not") {
+TEST_CASE("a mesh leaves out triangles without area and with missing corners") {
   const std::vector<Vec3> corners{{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0.02, 0, 0}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {4, 1, 2}, {0, 4, 2}, {0, 1, 4},
                                         {9, 9, 9}, {0, 1, 3}, {1, 1, 2}};

@@ -74,7 +74,7 @@ TEST_CASE("of any number of bodies that move at once each pushes the hand in its
     }
 }
 
-TEST_CASE("a rough floor that moves carries the hand's proxy until it slips") {
+TEST_CASE("a rough moving floor takes the proxy along until it slips") {
   SceneRig rig;
   rig.add(Plane{}, {}, {500, 0, 0.5});
   rig.stroke({0, 0, 3}, {0, 0, -2});
@@ -88,7 +88,7 @@ TEST_CASE("a rough floor that moves carries the hand's proxy until it slips") {
   CHECK(worst < 1e-9);
 }
 
-TEST_CASE("a turning box takes what rests on it along") {
+TEST_CASE("a rotating box takes the proxy on it along") {
   SceneRig rig;
   rig.add(Box{{0.05, 0.01, 0.05}}, {}, {500, 0, 10});
   rig.stroke({30, 20, 0}, {30, 8, 0});
@@ -104,7 +104,7 @@ TEST_CASE("a turning box takes what rests on it along") {
   CHECK(error(force, (went - Vec3{30, 8, 0}) * 0.5) < 1e-6);
 }
 
-TEST_CASE("a body that appears around the hand lets it out, with a force that rises slowly") {
+TEST_CASE("a body that appears around the hand pushes it out with a slowly rising force") {
   SceneRig rig;
   rig.touch({18, 0, 0});
   rig.add(Sphere{0.02});
@@ -159,7 +159,7 @@ TEST_CASE("a hundred edits between two ticks are one, and none is lost when nobo
   CHECK(error(rig.stroke({0, 0, 5}, {0, 0, -2}), {0, 0, 1}) < 1e-9);
 }
 
-TEST_CASE("a held handle in the simulated hand leaves a scene's wall no faster than it came") {
+TEST_CASE("a handle in the simulated hand leaves a wall of the scene no faster than it came") {
   // The wall of the passivity cases, now as a plane of the scene: 5 kN/m at 1 kHz.
   const auto leaves = [](bool passivity) {
     SimulatedDevice device;
@@ -257,7 +257,7 @@ TEST_CASE("meshes are read from text and binary, and what is wrong is named") {
   CHECK(parse_mesh(std::string(84, '\xff')).error != "");
 }
 
-TEST_CASE("random bytes are no mesh, and no harm") {
+TEST_CASE("random bytes give no mesh and do not crash") {
   tactus::Random random(9);
   for (int round = 0; round < 2000; ++round) {
     std::string bytes;

@@ -23,7 +23,7 @@ double error(const Vec3& is, const Vec3& should) { return norm(is - should); }
 
 } // namespace
 
-TEST_CASE("a smooth sphere gives back what it took: its force is its potential's gradient") {
+TEST_CASE("the force of a smooth sphere is the gradient of a potential and returns all work") {
   SceneRig rig;
   rig.add(Sphere{0.02}, {{0.003, -0.002, 0.001}, {}});
   const Vec3 centre{3, -2, 1};
@@ -47,7 +47,7 @@ TEST_CASE("a smooth sphere gives back what it took: its force is its potential's
   CHECK(std::abs(work) < 1e-8);
 }
 
-TEST_CASE("on a rough plane the hand is held until the friction cone, then drags with mu F_n") {
+TEST_CASE("on a rough plane the hand sticks within the friction cone, then slips with mu F_n") {
   SceneRig rig;
   rig.add(Plane{}, {}, {800, 0, 0.4});
   rig.stroke({0, 0, 5}, {0, 0, -2});
@@ -67,7 +67,7 @@ TEST_CASE("on a rough plane the hand is held until the friction cone, then drags
   CHECK(worst < 1e-9);
 }
 
-TEST_CASE("friction holds for as long as one likes, on flat and on curved faces") {
+TEST_CASE("sticking friction does not creep, on flat and on curved faces") {
   SceneRig flat, curved;
   flat.add(Plane{}, {}, {500, 0, 0.5});
   curved.add(Sphere{0.02}, {}, {500, 0, 0.5});
@@ -84,7 +84,7 @@ TEST_CASE("friction holds for as long as one likes, on flat and on curved faces"
   CHECK(error(curved.touch({0.7, 0.3, 18}), begun_curved) == 0);
 }
 
-TEST_CASE("on a rough sphere the drag is mu times the normal force") {
+TEST_CASE("on a rough sphere the tangential force is mu times the normal force") {
   SceneRig rig;
   rig.add(Sphere{0.02}, {}, {500, 0, 0.3});
   rig.stroke({0, 0, 25}, {0, 0, 18});
@@ -146,7 +146,7 @@ TEST_CASE("inner edges of a flat mesh are not felt") {
   CHECK(worst < 1e-8);
 }
 
-TEST_CASE("along the edges of its triangles, too, a flat mesh holds") {
+TEST_CASE("along the edges of its triangles, too, a flat mesh holds the proxy") {
   SceneRig rig;
   rig.add(test::flat_mesh(40, 0.1));
   rig.stroke({0, 0, 5}, {0, 0, -1}); // exactly on a corner of the grid
@@ -189,7 +189,7 @@ TEST_CASE("a sphere of 50000 triangles feels like the sphere, as far as it is on
   CHECK(largest_step < 500 * 2e-3 * 0.05);
 }
 
-TEST_CASE("a closed mesh is felt from inside as well") {
+TEST_CASE("a closed mesh is touched from inside as well") {
   SceneRig rig;
   rig.add(test::mesh_sphere(0.05, 60, 60));
   rig.stroke({0, 0, 0}, {0, 0, 0});
@@ -199,7 +199,8 @@ TEST_CASE("a closed mesh is felt from inside as well") {
   CHECK(force.z < 0);
 }
 
-TEST_CASE("whatever the hand does, the proxy stays outside, and near, and every force finite") {
+TEST_CASE(
+    "for any motion of the hand the proxy stays outside and near, and every force is finite") {
   tactus::Random random(11);
   for (int round = 0; round < 40; ++round) {
     SceneRig rig;
@@ -238,7 +239,7 @@ TEST_CASE("whatever the hand does, the proxy stays outside, and near, and every 
   }
 }
 
-TEST_CASE("absurd positions and bodies do no harm") {
+TEST_CASE("absurd positions and bodies give finite forces") {
   SceneRig rig;
   rig.add(Sphere{1e-5}, {}, {1e5, 1000, 10});
   rig.add(Box{{10, 1e-5, 10}}, {{0, 1e-5, 0}, {}}, {1e5, 1000, 10});

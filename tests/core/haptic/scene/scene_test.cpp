@@ -39,7 +39,7 @@ TEST_CASE("a box entered through its top is felt from its top") {
   check(rig.stroke({29, 7, 0}, {29, -12, 0}), {0, 11, 0});
 }
 
-TEST_CASE("a thin disk never lets the handle pop through to its other side") {
+TEST_CASE("the proxy never passes through a thin disk") {
   SceneRig rig;
   rig.add(Disk{0.05, 0.006});
   check(rig.stroke({0, 0, 20}, {0, 0, -3}), {0, 0, 4.5});
@@ -106,7 +106,7 @@ TEST_CASE("contact is reported every fourth millisecond with depth and force") {
   }
 }
 
-TEST_CASE("a touch slower than 5 mm/s, or one that hardly left, is no hit") {
+TEST_CASE("a contact slower than 5 mm/s, or without a departure before, is no hit") {
   SceneRig slow;
   slow.add(Plane{});
   slow.stroke({0, 0, 0.1}, {0, 0, -1}, 0.004);

@@ -187,7 +187,7 @@ TEST_CASE(
   const Shape shapes[] = {box, disk, tetrahedron().surface()};
   for (const Shape& shape : shapes)
     for (const double radius : {1e-5, 1e-3, 0.02}) {
-      int met = 0;
+      int hit_count = 0;
       for (int n = 0; n < 3000; ++n) {
         const Vec3 from = random_point(random, 0.05), to = random_point(random, 0.05);
         WorkLimit work;
@@ -199,13 +199,13 @@ TEST_CASE(
           REQUIRE(is_farther(shape, from + (to - from) * (until * i / 64), radius - 1e-12, work));
         if (!found)
           continue;
-        ++met;
+        ++hit_count;
         const Vec3 touch = from + (to - from) * until;
         CHECK(!is_farther(shape, touch, radius + 1e-12, work));
         CHECK(norm(found->normal) == doctest::Approx(1).epsilon(1e-12));
         CHECK(!is_farther(shape, touch - found->normal * radius, 1e-11, work)); // on the surface
       }
-      CHECK(met > 20);
+      CHECK(hit_count > 20);
     }
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("round a box's edge the tool's force is the gradient of its potential 
   CHECK(worst < 1e-6);
 }
 
-TEST_CASE("a thin disk does not let a tool pop through, however deep its centre is") {
+TEST_CASE("a tool does not pass through a thin disk, however deep its centre is") {
   SceneRig rig;
   rig.add(Disk{0.05, 0.0005});
   with_tool(rig, 5);
@@ -298,7 +298,7 @@ TEST_CASE("a tool's hit lies on the surface, at the tick in which the sphere rea
   CHECK(hit.approach_m_per_s == doctest::Approx(0.25 * hit.normal.y).epsilon(1e-6));
 }
 
-TEST_CASE("a tool that grows, or starts in a body or a mesh, is led out gently") {
+TEST_CASE("a tool that grows, or starts in a body or a mesh, is pushed out gently") {
   SceneRig rig;
   rig.add(Box{{0.02, 0.01, 0.02}}, {}, {4000, 0, 0});
   rig.add(test::flat_mesh(10, 0.1), {{0, 0.012, 0}, Rotation::from_z_to({0, 1, 0})}, {4000, 0, 0});
@@ -328,7 +328,7 @@ TEST_CASE("a tool that shrinks rests on the body, or leaves it, also with fricti
   CHECK(rig.count(Kind::kRelease) == 1);
 }
 
-TEST_CASE("a tool that grows while it presses goes on with the force of before") {
+TEST_CASE("a tool that grows in contact continues with the force of before") {
   SceneRig rig;
   rig.add(Plane{}, {}, {500, 0, 0});
   with_tool(rig, 5);
@@ -341,7 +341,7 @@ TEST_CASE("a tool that grows while it presses goes on with the force of before")
   CHECK(rig.stroke({0, 0, 3}, {0, 0, 0}).z == approx(3).epsilon(1e-6));
 }
 
-TEST_CASE("a body whose exit takes more work than a tick has does not keep the others waiting") {
+TEST_CASE("a body whose exit exceeds the work of a tick does not block the others") {
   SceneRig rig(160);
   Raw fan{{{0, 0, 0}}, {}};
   constexpr std::uint32_t kSlivers = 1000;
@@ -377,7 +377,7 @@ TEST_CASE("a tool too wide for the slit beside an edge stays on its side of it")
   }
 }
 
-TEST_CASE("of two triangles that are met at once it is the last one in the mesh's order") {
+TEST_CASE("of two triangles met at the same fraction the last one in the mesh's order counts") {
   const std::vector<Vec3> roof{{0, -0.01, 0},    {0, 0.01, 0},     {-0.01, 0, -0.01},
                                {0.01, 0, -0.01}, {-0.01, 0, 0.01}, {0.01, 0, 0.01}};
   const Triangle left{0, 1, 2}, right{0, 1, 3}, left_up{0, 1, 4}, right_up{0, 1, 5};
@@ -386,10 +386,10 @@ TEST_CASE("of two triangles that are met at once it is the last one in the mesh'
       const TriangleMesh mesh(roof, std::array{right_last ? one : other, right_last ? other : one});
       WorkLimit work;
       const Vec3 above{0, 0, 0.02}, below{0, 0, -0.02};
-      const auto met = radius > 0 ? mesh.crossing(radius, above, below, work)
+      const auto hit = radius > 0 ? mesh.crossing(radius, above, below, work)
                                   : mesh.crossing(above, below, work);
-      REQUIRE(met.has_value());
-      return met->normal.x;
+      REQUIRE(hit.has_value());
+      return hit->normal.x;
     };
     CHECK((normal_of(left, right, 0) > 0) == right_last);          // a point on the ridge
     CHECK((normal_of(left_up, right_up, 2e-3) < 0) == right_last); // a sphere in the valley

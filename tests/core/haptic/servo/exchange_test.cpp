@@ -68,7 +68,7 @@ TEST_CASE("a full ring drops and counts, and gives back what it took in order") 
   CHECK_FALSE(ring.pop(value));
 }
 
-TEST_CASE("between two threads the ring loses nothing but what it counts") {
+TEST_CASE("between two threads the ring drops nothing that it does not count") {
   Ring<unsigned, 256> ring;
   constexpr unsigned kCount = 300000;
   std::atomic<bool> done{false};

@@ -44,6 +44,21 @@ Command force_x(double newtons, double heartbeat_s, std::uint64_t number = 1) {
   return c;
 }
 
+/// A servo on an injected clock without passivity control, with a force of 2 N from the time 0.
+struct ClockedServo {
+  FakeClock clock;
+  Recorder device;
+  Servo servo;
+  ClockedServo() {
+    ServoSettings settings;
+    settings.chain.passivity = false;
+    servo.exchange().settings.write(settings);
+    servo.attach(device);
+    servo.start(clock, 1e-3);
+    servo.exchange().commands.write(force_x(2, 0));
+  }
+};
+
 } // namespace
 
 TEST_CASE("a wake-up 3.5 ms late runs its tick once, skips three grid points and keeps the phase") {
@@ -89,16 +104,11 @@ TEST_CASE("any sequence of wake-ups keeps the grid: ticks run and skipped add up
   }
 }
 
-TEST_CASE("a host that stops is noticed: half force after 125 ms, none after 150, back in 50") {
-  FakeClock clock;
-  Recorder device;
-  Servo servo;
-  ServoSettings settings;
-  settings.chain.passivity = false;
-  servo.exchange().settings.write(settings);
-  servo.attach(device);
-  servo.start(clock, 1e-3);
-  servo.exchange().commands.write(force_x(2, 0));
+TEST_CASE("after the host stops the force is half at 125 ms, zero at 150 ms, and back in 50 ms") {
+  ClockedServo rig;
+  FakeClock& clock = rig.clock;
+  Recorder& device = rig.device;
+  Servo& servo = rig.servo;
   const auto run_to = [&](double until_s, bool beats) {
     while (servo.deadline_s() < until_s + 1e-9) {
       clock.now = servo.deadline_s();
@@ -125,16 +135,11 @@ TEST_CASE("a host that stops is noticed: half force after 125 ms, none after 150
   CHECK(servo.chain().counters.watchdog_trips == 1);
 }
 
-TEST_CASE("a servo that itself was late does not ramp faster than time") {
-  FakeClock clock;
-  Recorder device;
-  Servo servo;
-  ServoSettings settings;
-  settings.chain.passivity = false;
-  servo.exchange().settings.write(settings);
-  servo.attach(device);
-  servo.start(clock, 1e-3);
-  servo.exchange().commands.write(force_x(2, 0));
+TEST_CASE("a late servo does not ramp faster than real time") {
+  ClockedServo rig;
+  FakeClock& clock = rig.clock;
+  Recorder& device = rig.device;
+  Servo& servo = rig.servo;
   servo.wake(clock);
   clock.now = 0.125; // one wake-up after 125 ms of silence on both sides
   servo.wake(clock);
@@ -406,7 +411,7 @@ TEST_CASE("an emergency stop outlives every new attachment until the motors are 
   CHECK(rig.run(600) == doctest::Approx(2));
 }
 
-TEST_CASE("a pause lets the force fall and rise, and at_rest says when there is none") {
+TEST_CASE("a pause lets the force fall and rise, and zero_force_confirmed says when it is zero") {
   LoadedServo rig;
   ServoSettings settings;
   settings.chain.passivity = false;
@@ -438,7 +443,7 @@ TEST_CASE("the last thing that a released servo writes is zero") {
   CHECK_FALSE(rig.servo.release());
 }
 
-TEST_CASE("before a device's first reading there is no force, since nothing is known of the hand") {
+TEST_CASE("before a device's first reading the force is zero") {
   struct Push final : LocalModel {
     Vec3 force(const Tick&, const State&) noexcept override { return {3, 0, 0}; }
   } push;

@@ -80,7 +80,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the decimator survives any input and rests at nothing") {
+TEST_CASE("the decimator stays finite for any input and decays to exact zero") {
   Decimator decimator;
   decimator.set(48000, 1000);
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(),
@@ -117,7 +117,7 @@ TEST_CASE("a steady stream is played the set delay behind the newest reading, in
   CHECK(lag_s == doctest::Approx(3e-3 + 0.5e-3 + 32 / 48000.0).epsilon(0.05).scale(0));
 }
 
-TEST_CASE("playing begins anew where the servo's time leaps, forwards or back") {
+TEST_CASE("playout restarts where the servo's time jumps, forwards or back") {
   for (const std::uint64_t after : {std::uint64_t{0}, std::uint64_t{9000}}) {
     WallRig rig;
     const auto play = [&rig](std::uint64_t first, int blocks) {
@@ -137,7 +137,7 @@ TEST_CASE("playing begins anew where the servo's time leaps, forwards or back") 
   }
 }
 
-TEST_CASE("an absurd sample rate makes 64 ticks a sample and no more") {
+TEST_CASE("an absurd sample rate gives 64 ticks per sample at most") {
   auto link = std::make_unique<SignalLink>();
   int steps = 0;
   link->configure(SignalLink::Time::kLogical, 1000,
@@ -175,7 +175,7 @@ TEST_CASE("positions are played normalised to the workspace that was set last") 
         doctest::Approx(0.8).epsilon(1e-3));
 }
 
-TEST_CASE("on the wall's time positions are played smoothly and the set delay late") {
+TEST_CASE("in wall time positions are played smoothly, late by the set delay") {
   WallRig rig;
   // Blocks of 64 in bursts of four, as behind an audio buffer.
   double worst = 0, largest_step = 0, last = 0;
@@ -200,7 +200,7 @@ TEST_CASE("on the wall's time positions are played smoothly and the set delay la
   CHECK(largest_step < 1.05 * 0.126 / 48000);
 }
 
-TEST_CASE("on the wall's time the last sample of a block is the force, and a stopped signal none") {
+TEST_CASE("in wall time the last sample of a block is the force, and a stopped signal gives zero") {
   WallRig rig;
   rig.block(0.010, 64, 1.5);
   rig.tick_until(0.0125);
