@@ -239,18 +239,18 @@ void Phantom::store_heat() noexcept {
 /// thread that ends it; its last report is copied.
 void Phantom::replace_rig(Host& host) {
   auto next = std::make_shared<ServoRig>();
-  haptic::Exchange& last = exchange();
-  haptic::Exchange& exchange_of_next = next->servo.exchange();
-  exchange_of_next.motors.take_over(last.motors);
-  exchange_of_next.tracing = last.tracing.load();
-  last.tracing = false;
+  haptic::Exchange& from = exchange();
+  haptic::Exchange& to = next->servo.exchange();
+  to.motors.take_over(from.motors);
+  to.tracing = from.tracing.load();
+  from.tracing = false;
   store_heat();
-  last.statistics.read();
-  exchange_of_next.reports.write(last.reports.latest());
-  exchange_of_next.reports.read();
-  exchange_of_next.statistics.write(last.statistics.latest());
-  exchange_of_next.statistics.read();
-  exchange_of_next.wrist.write(wrist_);
+  from.statistics.read();
+  to.reports.write(from.reports.latest());
+  to.reports.read();
+  to.statistics.write(from.statistics.latest());
+  to.statistics.read();
+  to.wrist.write(wrist_);
   next->scene.publish(scene_.snapshot());
   next->network.publish(network_.snapshot());
   next->effects.set(effect_settings_);

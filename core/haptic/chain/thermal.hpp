@@ -30,7 +30,8 @@ public:
   static constexpr double kTimeConstant_s = 30;
   static constexpr double kWarmRamp_s = 1, kCoolRamp_s = 10;
 
-  /// After a tick with that force, N; reported_warm: the device reports warm motors.
+  /// Updates the heat after a tick with that force, N; reported_warm: the device reports warm
+  /// motors.
   void advance(const ThermalSettings& settings, double force_n, bool reported_warm) noexcept;
   /// The force limit now, N; never above peak_n.
   [[nodiscard]] double ceiling_n(const ThermalSettings& settings) const noexcept;

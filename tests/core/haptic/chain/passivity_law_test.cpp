@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-// The controller tick by tick, against its equations (docs/phantom.md, "Passivity"), each worked
-// out here from the motion itself; passivity_test.cpp has it in a loop with walls and hands.
+// The controller tick by tick against its equations (docs/phantom.md, "Passivity"), which are
+// evaluated here from the motion. passivity_test.cpp tests it in a loop with walls and hands.
 
 using namespace tactus::haptic;
 
@@ -22,8 +22,8 @@ PassivitySettings settings_of(double period_s) {
   return settings;
 }
 
-/// A handle at x = v t + a t^2/2 in a spring -K x that a world renders; what it does besides is
-/// told the observer as a work, J.
+/// A handle with the motion x = v t + a t^2/2 in a rendered spring -K x. Other work, J, is given to
+/// the observer as its allowance.
 struct Motion {
   PassivitySettings settings;
   double stiffness = 0, velocity = 0, acceleration = 0;
@@ -44,7 +44,7 @@ struct Motion {
       ++tick;
     }
   }
-  /// The next tick with an energy that is set: the force that is written.
+  /// One tick with the observer's energy set to that value; returns the force to write.
   Vec3 with_energy(double energy_j, const Vec3& reading) {
     controller.observe(settings, direction * x(), {}, energy_j - controller.energy_j());
     return controller.limit(settings, direction * (-stiffness * x()), {}, reading);
