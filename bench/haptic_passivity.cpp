@@ -7,7 +7,7 @@
 // prints, for each latency: of the cases that are stable without the controller, how often its
 // force rms is above 1.1 times that without, and the worst; of the flights that gain energy without
 // it, how often they still do, and the worst; and the largest change of force over the slew limit.
-#include "tests/core/haptic/sampled_wall.hpp"
+#include "tests/core/haptic/chain/sampled_wall.hpp"
 
 #include <cstdio>
 #include <cstring>

@@ -12,7 +12,7 @@
 // m/s, a fast hand. glide: leaps, and all bodies move all the time.
 #include "core/dsp/random.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "tests/core/haptic/meshes.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -112,7 +112,7 @@ Scene with_tool(Scene scene, double radius_m) {
   return scene;
 }
 
-enum class Motion { kLeap, kStroke, kMixTime };
+enum class Motion { kLeap, kStroke, kGlide };
 
 double thread_cpu_s() {
   timespec now{};
@@ -133,7 +133,7 @@ Times run(Scene scene, Motion motion, std::int64_t work_per_tick) {
   Times times;
   Vec3 at{0, 0.2, 0}, aim = at;
   for (std::size_t n = 0; n < kTicks; ++n) {
-    if (motion == Motion::kMixTime && n % 50 == 0) {
+    if (motion == Motion::kGlide && n % 50 == 0) {
       for (Body& one : scene.bodies) {
         const Vec3 to = random_point(random, kCube_m);
         one.pose = {to, random_rotation(random)};
@@ -218,7 +218,7 @@ constexpr Row kRows[] = {
     {"fans_8x50000_tool", [] { return with_tool(meshes(fan(50000)), 0.004); }},
 };
 constexpr std::pair<const char*, Motion> kMotions[] = {
-    {"leap", Motion::kLeap}, {"stroke", Motion::kStroke}, {"glide", Motion::kMixTime}};
+    {"leap", Motion::kLeap}, {"stroke", Motion::kStroke}, {"glide", Motion::kGlide}};
 
 } // namespace
 

@@ -7,7 +7,7 @@
 #include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 #include "core/haptic/servo/servo.hpp"
-#include "tests/core/haptic/meshes.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
 
 #include <benchmark/benchmark.h>
 

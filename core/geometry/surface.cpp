@@ -13,7 +13,8 @@ Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Weights of the corners at the triangle's point nearest to p.
+/// Barycentric weights of the triangle's point nearest to p, by its Voronoi regions (Ericson,
+/// Real-Time Collision Detection, 2005, section 5.1.5).
 std::array<double, 3> nearest_weights(const std::array<Vec3, 3>& t, const Vec3& p) noexcept {
   const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -72,8 +73,8 @@ void Surface::build(std::span<const Vec3> vertices,
 }
 
 void Surface::split(std::size_t box, std::size_t first, std::size_t last) {
-  constexpr double kFar = std::numeric_limits<double>::max();
-  Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+  constexpr double kHuge = std::numeric_limits<double>::max();
+  Vec3 low{kHuge, kHuge, kHuge}, high{-kHuge, -kHuge, -kHuge};
   for (std::size_t i = first; i < last; ++i)
     for (const Vec3& c : corner_[order_[i]])
       for (int axis = 0; axis < 3; ++axis) {
@@ -121,32 +122,33 @@ SurfacePoint Surface::nearest(const Vec3& point) const noexcept {
   SurfacePoint best;
   double best_squared = std::numeric_limits<double>::infinity();
   // The tree is balanced: its depth is the logarithm of the number of triangles.
-  std::array<std::uint32_t, 64> waiting;
+  std::array<std::uint32_t, 64> stack;
   std::size_t count = 0;
-  waiting[count++] = 0;
+  stack[count++] = 0;
   while (count > 0) {
-    const Box& box = boxes_[waiting[--count]];
+    const Box& box = boxes_[stack[--count]];
     if (distance_squared(box, point) > best_squared)
       continue;
     if (box.count == 0) {
       const bool right_first = distance_squared(boxes_[box.first + 1], point) <
                                distance_squared(boxes_[box.first], point);
-      waiting[count++] = box.first + (right_first ? 0 : 1);
-      waiting[count++] = box.first + (right_first ? 1 : 0);
+      stack[count++] = box.first + (right_first ? 0 : 1);
+      stack[count++] = box.first + (right_first ? 1 : 0);
       continue;
     }
     for (std::uint32_t i = box.first; i < box.first + box.count; ++i) {
       const auto& corners = corner_[order_[i]];
       const auto weight = nearest_weights(corners, point);
-      const Vec3 there = blend(corners, weight);
-      const Vec3 gap = there - point;
+      const Vec3 position = blend(corners, weight);
+      const Vec3 gap = position - point;
       const double squared = dot(gap, gap);
-      // Equal distances go to the lower number, whatever the order of the search.
+      // Of equal distances the triangle of the lower number wins, so that the order of the search
+      // does not matter.
       if (squared < best_squared || (squared == best_squared && order_[i] < best.triangle)) {
         best_squared = squared;
         best.triangle = order_[i];
         best.weight = weight;
-        best.position = there;
+        best.position = position;
       }
     }
   }
@@ -167,15 +169,15 @@ SurfacePoint Surface::on(std::size_t triangle, double u, double v) const noexcep
 double Surface::diagonal() const noexcept { return norm(boxes_[0].high - boxes_[0].low); }
 
 Vec3 along_surface(const Vec3& normal, const Vec3& desired) noexcept {
-  constexpr double kFacet = 0.342; // sine of 20 degrees
-  constexpr double kLeast = 1e-3;  // of the length wanted
+  constexpr double kFacetSine = 0.342; // sine of 20 degrees
+  constexpr double kMinTangent = 1e-3; // of the desired length
   for (const Vec3& direction : {desired, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
     const double length = norm(direction), off = dot(direction, normal);
     const Vec3 along = direction - off * normal;
-    if (length > 0 && std::abs(off) < kFacet * length)
+    if (length > 0 && std::abs(off) < kFacetSine * length)
       return direction * (1 / length);
-    if (const double rest = norm(along); rest > kLeast * length)
-      return along * (1 / rest);
+    if (const double tangent_length = norm(along); tangent_length > kMinTangent * length)
+      return along * (1 / tangent_length);
   }
   return {1, 0, 0}; // no normal
 }

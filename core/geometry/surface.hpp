@@ -11,34 +11,37 @@ namespace tactus::modal {
 
 using haptic::Vec3;
 
-/// A place on a triangulated surface.
+/// A point on a triangulated surface.
 struct SurfacePoint {
   std::size_t triangle = 0;
-  std::array<double, 3> weight{1, 0, 0}; ///< of the triangle's corners, sum 1
+  std::array<double, 3> weight{1, 0, 0}; ///< barycentric, of the triangle's corners; sum 1
   Vec3 position{};
   Vec3 normal{0, 0, 1}; ///< outwards, length 1
-  double distance = 0;  ///< from the place that was asked for, m
+  double distance = 0;  ///< of nearest(): from the given point, m
 };
 
-/// Finds the place of a triangulated surface that is nearest to a point, by a tree of boxes.
-/// Closest point of a triangle: Ericson, Real-Time Collision Detection, 5.1.5.
+/// A triangulated surface that finds its point nearest to a given one: a bounding volume hierarchy
+/// of axis-aligned boxes. Nearest point of a triangle: Ericson, Real-Time Collision Detection,
+/// 2005, section 5.1.5. Units m.
 class Surface {
 public:
-  /// Allocates. The surface must have triangles, their corners within the vertices.
+  /// Allocates. Every triangle holds three indices into `vertices`. Without triangles empty() is
+  /// true, and the queries below must not be called.
   void build(std::span<const Vec3> vertices,
              std::span<const std::array<std::int32_t, 3>> triangles);
   [[nodiscard]] bool empty() const noexcept { return corner_.empty(); }
   /// Never fails for a finite point; allocates nothing.
   [[nodiscard]] SurfacePoint nearest(const Vec3& point) const noexcept;
-  /// A place by triangle and the weights u, v of its second and third corner.
+  /// The point of a triangle by the barycentric weights u, v of its second and third corner.
   [[nodiscard]] SurfacePoint on(std::size_t triangle, double u, double v) const noexcept;
+  /// The number of triangles.
   [[nodiscard]] std::size_t triangles() const noexcept { return corner_.size(); }
   [[nodiscard]] const std::array<Vec3, 3>& corners(std::size_t triangle) const noexcept {
     return corner_[triangle];
   }
+  /// Opposite corners of the axis-aligned box around the surface, and the distance between them.
   [[nodiscard]] const Vec3& lowest() const noexcept { return boxes_[0].low; }
   [[nodiscard]] const Vec3& highest() const noexcept { return boxes_[0].high; }
-  /// Of the box around the body.
   [[nodiscard]] double diagonal() const noexcept;
 
 private:
@@ -54,9 +57,10 @@ private:
   std::vector<Box> boxes_;
 };
 
-/// The direction, of length 1, along a surface with this normal that is nearest to the one wanted.
-/// One within 20 degrees of the plane is along: facets of a curved surface lie so far off it. Along
-/// the normal there is none: the nearest to x or y then.
+/// The unit vector tangent to a surface with this unit normal that is nearest to `desired`.
+/// A direction within 20 degrees of the tangent plane is kept as it is: the facets of a coarse mesh
+/// of a curved surface deviate by as much. Where `desired` has no usable tangential part (it is
+/// zero or along the normal) that of the x axis is taken, else of the y axis.
 [[nodiscard]] Vec3 along_surface(const Vec3& normal, const Vec3& desired) noexcept;
 
 } // namespace tactus::modal

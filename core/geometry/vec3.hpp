@@ -5,7 +5,8 @@
 
 namespace tactus::haptic {
 
-/// Three components in the project frame: x right, y up, z towards the user.
+/// A vector of three doubles in the project frame: x right, y up, z towards the user. The unit is
+/// the quantity's: m, m/s, N.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
@@ -28,7 +29,8 @@ inline bool is_finite(const Vec3& a) noexcept {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Length without overflow or underflow of the squares.
+/// Euclidean length. The components are scaled first, so that their squares neither overflow nor
+/// underflow.
 inline double norm(const Vec3& a) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
   if (!(largest > 0.0) || !std::isfinite(largest))
@@ -37,7 +39,7 @@ inline double norm(const Vec3& a) noexcept {
   return largest * std::sqrt(dot(scaled, scaled));
 }
 
-/// The vector itself, or one of that length in the same direction when it is longer; none when it
+/// The vector shortened to max_norm where it is longer; its direction stays. Zero for a vector that
 /// is not finite.
 inline Vec3 limited(const Vec3& a, double max_norm) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});

@@ -6,9 +6,9 @@
 #include "externals/phantom/signal_link_name.hpp"
 #include "externals/phantom/tags.hpp"
 
-/// Which device [phantom] has, and how it comes and goes. Real devices are opened, run and closed
-/// by a worker, since a driver's call may take seconds or never return; the host's thread waits for
-/// none of them and takes the answers in posted().
+/// Choosing, opening and closing [phantom]'s device. A worker opens, runs and closes real devices,
+/// since a call of a driver may take seconds or never return. The host's thread waits for none of
+/// these calls and reads the answers in posted().
 namespace tactus {
 
 using namespace phantom;
@@ -91,7 +91,7 @@ void Phantom::on_backend(Words words, Host& host) {
     connect_simulation(host);
 }
 
-/// Hands words to the device's driver; one word alone says which device, if it names none.
+/// Passes words to the device's driver as a setting; with `which` as the choice of a device.
 std::string Phantom::configure(haptic::Backend& device, Words words, bool which) {
   std::vector<std::string> texts;
   if (which)
@@ -199,8 +199,8 @@ void Phantom::disconnect(Host& host) {
   closed({}, host);
 }
 
-/// Hands the real device and the servo that runs on it to the worker, which lets the force fall and
-/// closes the device; the object goes on with another servo.
+/// Gives the real device and its servo to the worker, which lets the force fall and closes the
+/// device. The object continues with a new servo.
 void Phantom::end_session(Host& host) {
   worker_->abandon();
   while (const auto answer = worker_->take())
@@ -209,7 +209,7 @@ void Phantom::end_session(Host& host) {
   if (open()) {
     collect(host);
     if (!open())
-      return; // the device was lost at this very moment
+      return; // collect() found the device lost
     rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
     exchange().motors.pause(true);
     if (const std::string refusal = worker_->close(driver_, {rig_, runner_}, device_);
@@ -220,7 +220,7 @@ void Phantom::end_session(Host& host) {
   host.wake_in(kWatchWorker, kWatchInterval_ms);
 }
 
-/// Nothing is connected any more.
+/// The device is closed; reports that and the reason, if any.
 void Phantom::closed(std::string_view why, Host& host) {
   link_ = Link::kClosed;
   has_report_ = has_report_ && !driver_;
@@ -229,28 +229,28 @@ void Phantom::closed(std::string_view why, Host& host) {
   send_status("closed", host);
 }
 
-/// For the next servo that drives this device.
+/// Stores the motors' heat for the next servo that drives this device.
 void Phantom::store_heat() noexcept {
   exchange().reports.read();
   store_motor_heat(device_key_, exchange().reports.latest().heat_n2, devices::ServoThread::now_s());
 }
 
-/// Another servo with the same wishes, scene and name. The last one belongs to the thread that ends
-/// it: only what it reported is kept.
+/// Makes a new servo with the same settings, scene, network and name. The old one belongs to the
+/// thread that ends it; its last report is copied.
 void Phantom::replace_rig(Host& host) {
   auto next = std::make_shared<ServoRig>();
-  haptic::Exchange& last = exchange();
-  haptic::Exchange& fresh = next->servo.exchange();
-  fresh.motors.take_over(last.motors);
-  fresh.tracing = last.tracing.load();
-  last.tracing = false;
+  haptic::Exchange& from = exchange();
+  haptic::Exchange& to = next->servo.exchange();
+  to.motors.take_over(from.motors);
+  to.tracing = from.tracing.load();
+  from.tracing = false;
   store_heat();
-  last.statistics.read();
-  fresh.reports.write(last.reports.latest());
-  fresh.reports.read();
-  fresh.statistics.write(last.statistics.latest());
-  fresh.statistics.read();
-  fresh.wrist.write(wrist_);
+  from.statistics.read();
+  to.reports.write(from.reports.latest());
+  to.reports.read();
+  to.statistics.write(from.statistics.latest());
+  to.statistics.read();
+  to.wrist.write(wrist_);
   next->scene.publish(scene_.snapshot());
   next->network.publish(network_.snapshot());
   next->effects.set(effect_settings_);
@@ -309,8 +309,8 @@ void Phantom::posted(Host& host) {
   }
 }
 
-/// While the worker is at work: an opening that nobody wants is cancelled, and a call that does not
-/// return is left to its thread.
+/// While the worker is busy: cancels an opening that is no longer requested, and abandons a thread
+/// whose call does not return.
 void Phantom::watch_worker(Host& host) {
   if (!worker_)
     return;
@@ -364,7 +364,7 @@ void Phantom::opened(const Answer& answer, Host& host) {
   send_identity(host);
   if (caps.axes_out == 0)
     send_status("noforce", host);
-  warn_of_scene(host); // what was asked for while its limits were not known
+  warn_of_scene(host); // now that the device's limits are known
   for (const char* effect : {"spring", "viscous", "inertia", "friction", "texture"})
     warn_of_effect(effect, host);
   begin(host);
@@ -392,7 +392,7 @@ void Phantom::listed(const Answer& answer, Host& host) {
     host.info({"obstacle", std::string_view(driver), std::string_view(problem)});
 }
 
-/// Also when the host's program ends without deleting the object.
+/// Also called when the host's program ends without deleting the object.
 void Phantom::let_go() noexcept {
   rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
   if (!driver_) {

@@ -5,7 +5,8 @@
 #include <array>
 #include <cstddef>
 
-/// What [phantom] says of itself. The order of the tables is the order of the enums below them.
+/// Tables of [phantom]'s parameters, messages, inlets and outlets. Each enum is in the order of the
+/// table above it.
 namespace tactus::phantom {
 
 inline constexpr std::array<std::string_view, 2> kUnits{"newton", "norm"};

@@ -9,13 +9,13 @@
 #include <system_error>
 #include <thread>
 
-/// The host's side of the worker: none of these waits for a driver.
+/// DeviceWorker's functions for the host's thread; none of them waits for a driver.
 namespace tactus::phantom {
 namespace {
 
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
-/// Those with a thread, for the end of the program; never destroyed.
+/// The workers with a thread, for join_all() at the end of the program. Never destroyed.
 struct Table {
   std::mutex mutex;
   std::vector<std::weak_ptr<void>> all;
@@ -46,7 +46,8 @@ std::string DeviceWorker::enqueue(Task task) {
   if (state_->ending)
     return "the program ends";
   if (!state_->has_thread) {
-    const devices::ScopedSignalMask held; // so do the drivers' threads, which the worker starts
+    const devices::ScopedSignalMask
+        mask; // inherited by the drivers' threads, which the worker starts
     try {
       std::thread([state = state_] { state->work(); }).detach();
     } catch (const std::system_error& error) {

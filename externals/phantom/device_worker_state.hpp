@@ -18,19 +18,19 @@ struct DeviceWorker::Task {
   double period_s = 0;
 };
 
-/// What a worker and its thread share; and, below, what the thread does.
+/// The state that a worker shares with its thread, and the thread's functions.
 struct DeviceWorker::State {
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::deque<Task> tasks;
   std::deque<Answer> answers;
-  std::uint64_t ticket = 0; ///< the newest that was asked for
+  std::uint64_t ticket = 0; ///< the newest requested
   bool ending = false;      ///< no new task
   bool has_thread = false, working = false;
-  // the call of a driver that is under way
-  std::string call;   ///< what it does; empty: none
-  Device called;      ///< by it, if it is an opening
-  double since_s = 0; ///< when it began, or when its opening became unwanted; 0: it is wanted
+  // the running call of a driver
+  std::string call;   ///< its description; empty: none
+  Device called;      ///< the device, if the call opens one
+  double since_s = 0; ///< when it began or, of an opening, was abandoned; 0: still requested
   std::unique_ptr<DriverUse> use;
 
   std::mutex ready_mutex; ///< held while `ready` is called, which takes no time

@@ -5,12 +5,12 @@
 #include <iterator>
 #include <thread>
 
-/// The thread's side of the worker, where a driver's call may take its time.
+/// DeviceWorker's functions in its thread, where a driver's call may take any time.
 namespace tactus::phantom {
 namespace {
 
 constexpr double kFirstPause_s = 0.25, kMaxPause_s = 4;
-constexpr double kFall_s = 0.2; // for the force to fall by its slew
+constexpr double kFall_s = 0.2; // for the force to fall at the slew limit
 constexpr double kOneHour_s = 3600;
 
 } // namespace
@@ -71,11 +71,11 @@ void DeviceWorker::State::work() {
     working = false;
     changed.wait(lock, [this] { return ending || !tasks.empty(); });
     if (tasks.empty()) {
-      // Devices that opened and that nobody came for.
-      const std::deque<Answer> left = std::move(answers);
+      // Devices that were opened and never taken.
+      const std::deque<Answer> untaken = std::move(answers);
       answers.clear();
       lock.unlock();
-      for (const Answer& one : left)
+      for (const Answer& one : untaken)
         if (one.kind == Answer::Kind::kOpened) {
           begin_call("closing the device", nullptr);
           one.device->close();
@@ -113,7 +113,7 @@ void DeviceWorker::State::execute(Task& task) {
   }
 }
 
-/// Empty when the device is open and its driver in use; else why not.
+/// Opens the device and marks its driver as in use. Empty, or the reason why not.
 std::string DeviceWorker::State::try_open(const Task& task) {
   std::string refusal;
   auto entered = DriverUse::enter(
@@ -126,7 +126,7 @@ std::string DeviceWorker::State::try_open(const Task& task) {
     use = std::move(entered);
   }
   begin_call(std::string(task.driver->name) + ": opening the device", task.device);
-  // What the driver says of its libraries may load them, which disturbs a device that runs.
+  // problem() may load the driver's libraries, which would disturb another open device of it.
   refusal = shared ? std::string() : task.driver->problem();
   if (refusal.empty())
     refusal = task.device->open();
@@ -139,7 +139,7 @@ std::string DeviceWorker::State::try_open(const Task& task) {
   return refusal;
 }
 
-/// An open device, unless nobody wants it any more.
+/// Reports the opened device, or closes it if the request was abandoned.
 void DeviceWorker::State::announce(const Task& task) {
   bool still_requested = false;
   {
@@ -181,8 +181,8 @@ void DeviceWorker::State::run(const Task& task) {
           session.rig->device, std::move(refusal)});
 }
 
-/// Whether the device took the zero force. As long as a call hangs nothing else is tried: the
-/// device is closed when it returns.
+/// Ends the session and closes the device. Whether the device took the zero force. Waits for a call
+/// that hangs, since the device must not be closed during it.
 bool DeviceWorker::State::end(Task& task) {
   const std::string name = task.driver ? std::string(task.driver->name) + ": " : std::string();
   begin_call(name + "closing the device", nullptr);

@@ -21,7 +21,7 @@ struct DriverUse::Table {
   std::map<const devices::Driver*, std::vector<devices::Found>> last_found;
 };
 
-/// Never destroyed: threads that hang in a driver come back to it, or do not.
+/// Never destroyed, since threads that hang in a driver may still use it.
 DriverUse::Table& DriverUse::table() {
   static auto* const made = new Table;
   return *made;
@@ -77,7 +77,7 @@ void DriverUse::leave() {
   phase_ = Phase::kLeaving;
 }
 
-/// With the table's lock held: the last list, with what is in use.
+/// The last list, with the devices in use marked. The caller holds the table's lock.
 DriverUse::Listed DriverUse::known(const devices::Driver& driver) {
   Listed listed{{}, table().last_found[&driver]};
   for (const DriverUse* use : table().uses) {

@@ -9,13 +9,13 @@
 
 namespace tactus::phantom {
 
-/// One device of a driver while it is opened, open or closed, whichever object of this process
-/// holds it. A driver that is in use is not asked for a list: some libraries count, load or close
-/// devices then, beside the one that runs.
+/// Registers that a device of a driver is being opened, open or being closed by any object of this
+/// process. While a driver is in use it is not asked for a list, since some libraries then disturb
+/// the running device.
 class DriverUse {
 public:
-  /// Waits until no list and no closing of that driver is under way, as long as `wanted`; null and
-  /// one sentence in `refusal` when they take too long.
+  /// Waits while that driver makes a list or closes a device, as long as keep_waiting() and for 3 s
+  /// at most; then null, with one sentence in `refusal`.
   [[nodiscard]] static std::unique_ptr<DriverUse> enter(const devices::Driver& driver,
                                                         const std::function<bool()>& keep_waiting,
                                                         std::string& refusal);
@@ -23,13 +23,15 @@ public:
   DriverUse(const DriverUse&) = delete;
   DriverUse& operator=(const DriverUse&) = delete;
 
-  /// Other objects have devices of this driver, too.
+  /// Whether other objects use devices of this driver, too.
   [[nodiscard]] bool shared() const;
+  /// The device is open now.
   void opened(haptic::Identity identity);
-  /// It is not wanted any more: who opens a device of this driver waits until this is destroyed.
+  /// The device is about to be closed: enter() of this driver waits until this object is destroyed.
   void leave();
 
-  /// What one driver finds: from the driver itself or, while it is in use, from what is known.
+  /// The devices of one driver: its own list or, while it is in use, the last list and the devices
+  /// in use.
   struct Listed {
     std::string problem; ///< why the driver cannot work
     std::vector<devices::Found> found;

@@ -5,9 +5,12 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/text.hpp"
 
+#include <algorithm>
+#include <array>
 #include <numbers>
+#include <optional>
 
-/// The message `effect` of [phantom].
+/// [phantom]'s message `effect`.
 namespace tactus::phantom {
 namespace {
 
@@ -15,8 +18,8 @@ using haptic::EffectSettings;
 using haptic::Vec3;
 using Words = std::span<const Atom>;
 
-constexpr std::string_view kNames = "constant, spring, viscous, inertia, friction, texture, relief "
-                                    "or off";
+constexpr std::array<std::string_view, 7> kNames{"constant", "spring",  "viscous", "inertia",
+                                                 "friction", "texture", "relief"};
 constexpr Range force(std::string_view name) { return {name, "N", -40, 40}; }
 constexpr Range part(std::string_view name) { return {name, "", -1e6, 1e6}; }
 
@@ -35,86 +38,107 @@ std::string read_grating(Words words, const Range& height, double* v, Vec3& dire
   return {};
 }
 
+std::string read(Words words, EffectSettings::Constant& effect) {
+  constexpr Range ranges[] = {force("fx"), force("fy"), force("fz")};
+  double v[3] = {};
+  std::string refusal = read_some(words, ranges, 3, v);
+  effect = {{v[0], v[1], v[2]}};
+  return refusal;
+}
+
+std::string read(Words words, EffectSettings::Spring& effect) {
+  constexpr Range ranges[] = {{"k", "N/m", 0, 5000},
+                              millimetres("x"),
+                              millimetres("y"),
+                              millimetres("z"),
+                              {"max", "N", 0, 40}};
+  double v[5] = {0, 0, 0, 0, effect.max_n};
+  std::string refusal = read_some(words, ranges, 4, v);
+  effect = {v[0], metres(v + 1), v[4]};
+  return refusal;
+}
+
+std::string read(Words words, EffectSettings::Viscous& effect) {
+  constexpr Range ranges[] = {{"b", "N s/m", 0, 50}};
+  return read_some(words, ranges, 1, &effect.damping);
+}
+
+std::string read(Words words, EffectSettings::Inertia& effect) {
+  constexpr Range ranges[] = {
+      {"mass", "kg", 1e-3, 20}, {"k", "N/m", 1, 5000}, {"b", "N s/m", 0, 20}};
+  double v[3] = {0, effect.stiffness, effect.damping};
+  std::string refusal = read_some(words, ranges, 1, v);
+  effect = {v[0], v[1], v[2]};
+  return refusal;
+}
+
+std::string read(Words words, EffectSettings::Friction& effect) {
+  constexpr Range ranges[] = {{"force", "N", 0, 40}, {"k", "N/m", 1, 5000}};
+  double v[2] = {0, effect.stiffness};
+  std::string refusal = read_some(words, ranges, 1, v);
+  effect = {v[0], v[1]};
+  return refusal;
+}
+
+std::string read(Words words, EffectSettings::Texture& effect) {
+  double v[5] = {0, 1, 1, 0, 0};
+  std::string refusal = read_grating(words, {"amplitude", "N", 0, 40}, v, effect.direction);
+  effect.amplitude_n = v[0];
+  effect.wavelength_m = v[1] * 1e-3;
+  return refusal;
+}
+
+std::string read(Words words, EffectSettings::Relief& effect) {
+  double v[5] = {0, 1, 1, 0, 0};
+  std::string refusal = read_grating(words, {"depth", "mm", 0, 10}, v, effect.direction);
+  if (refusal.empty() && v[0] > 0.25 * v[1])
+    refusal = "depth " + number_text(v[0]) + " mm: expected at most a quarter of the wavelength, " +
+              number_text(0.25 * v[1]) + " mm";
+  effect.depth_m = v[0] * 1e-3;
+  effect.wavelength_m = v[1] * 1e-3;
+  return refusal;
+}
+
+/// `off`, or the numbers of one effect. Optional numbers have the default of the effect.
+template <class Effect> std::string read_or_off(Words words, std::optional<Effect>& effect) {
+  if (words.size() == 1 && is(words[0], "off")) {
+    effect.reset();
+    return {};
+  }
+  effect = Effect{}; // not emplace(), which clang 14 rejects for a nested aggregate
+  return read(words, *effect);
+}
+
+std::string read_named(Words words, EffectSettings& settings) {
+  const Words rest = words.subspan(1);
+  if (is(words[0], "constant"))
+    return read_or_off(rest, settings.constant);
+  if (is(words[0], "spring"))
+    return read_or_off(rest, settings.spring);
+  if (is(words[0], "viscous"))
+    return read_or_off(rest, settings.viscous);
+  if (is(words[0], "inertia"))
+    return read_or_off(rest, settings.inertia);
+  if (is(words[0], "friction"))
+    return read_or_off(rest, settings.friction);
+  if (is(words[0], "texture"))
+    return read_or_off(rest, settings.texture);
+  return read_or_off(rest, settings.relief);
+}
+
 } // namespace
 
 std::string read_effect(Words words, EffectSettings& settings) {
-  EffectSettings changed = settings;
-  const std::string name = text_of(words[0]);
-  const Words rest = words.subspan(1);
-  const bool off = rest.size() == 1 && is(rest[0], "off");
-  std::string refusal;
-  if (is(words[0], "off") && rest.empty()) {
-    changed = {};
-  } else if (is(words[0], "constant")) {
-    constexpr Range ranges[] = {force("fx"), force("fy"), force("fz")};
-    double v[3] = {};
-    if (!off)
-      refusal = read_some(rest, ranges, 3, v);
-    changed.constant = {{v[0], v[1], v[2]}};
-    if (off)
-      changed.constant.reset();
-  } else if (is(words[0], "spring")) {
-    constexpr Range ranges[] = {{"k", "N/m", 0, 5000},
-                                millimetres("x"),
-                                millimetres("y"),
-                                millimetres("z"),
-                                {"max", "N", 0, 40}};
-    double v[5] = {0, 0, 0, 0, 40};
-    if (!off)
-      refusal = read_some(rest, ranges, 4, v);
-    changed.spring = {v[0], metres(v + 1), v[4]};
-    if (off)
-      changed.spring.reset();
-  } else if (is(words[0], "viscous")) {
-    constexpr Range ranges[] = {{"b", "N s/m", 0, 50}};
-    double v[1] = {};
-    if (!off)
-      refusal = read_some(rest, ranges, 1, v);
-    changed.viscous = {v[0]};
-    if (off)
-      changed.viscous.reset();
-  } else if (is(words[0], "inertia")) {
-    constexpr Range ranges[] = {
-        {"mass", "kg", 1e-3, 20}, {"k", "N/m", 1, 5000}, {"b", "N s/m", 0, 20}};
-    const EffectSettings::Inertia usual;
-    double v[3] = {0, usual.stiffness, usual.damping};
-    if (!off)
-      refusal = read_some(rest, ranges, 1, v);
-    changed.inertia = {v[0], v[1], v[2]};
-    if (off)
-      changed.inertia.reset();
-  } else if (is(words[0], "friction")) {
-    constexpr Range ranges[] = {{"force", "N", 0, 40}, {"k", "N/m", 1, 5000}};
-    double v[2] = {0, EffectSettings::Friction{}.stiffness};
-    if (!off)
-      refusal = read_some(rest, ranges, 1, v);
-    changed.friction = {v[0], v[1]};
-    if (off)
-      changed.friction.reset();
-  } else if (is(words[0], "texture") || is(words[0], "relief")) {
-    const bool carved = is(words[0], "relief");
-    const Range height = carved ? Range{"depth", "mm", 0, 10} : Range{"amplitude", "N", 0, 40};
-    double v[5] = {0, 1, 1, 0, 0};
-    Vec3 direction{1, 0, 0};
-    if (!off)
-      refusal = read_grating(rest, height, v, direction);
-    if (refusal.empty() && carved && v[0] > 0.25 * v[1])
-      refusal = "depth " + number_text(v[0]) +
-                " mm: expected at most a quarter of the wavelength, " + number_text(0.25 * v[1]) +
-                " mm";
-    if (carved)
-      changed.relief = {v[0] * 1e-3, v[1] * 1e-3, direction};
-    else
-      changed.texture = {v[0], v[1] * 1e-3, direction};
-    if (off && carved)
-      changed.relief.reset();
-    else if (off)
-      changed.texture.reset();
-  } else {
-    return expected("effect", words[0], kNames);
+  if (is(words[0], "off") && words.size() == 1) {
+    settings = {};
+    return {};
   }
-  if (!refusal.empty())
-    return "effect " + name + ": " + refusal;
+  if (std::none_of(kNames.begin(), kNames.end(), [&](auto name) { return is(words[0], name); }))
+    return expected("effect", words[0],
+                    "constant, spring, viscous, inertia, friction, texture, relief or off");
+  EffectSettings changed = settings;
+  if (const std::string refusal = read_named(words, changed); !refusal.empty())
+    return "effect " + text_of(words[0]) + ": " + refusal;
   settings = changed;
   return {};
 }

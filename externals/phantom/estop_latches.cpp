@@ -11,7 +11,7 @@ struct Latches {
   std::set<std::string> keys;
 };
 
-/// Never destroyed: objects may be deleted at the very end of the program.
+/// Never destroyed, since objects may be deleted at the very end of the program.
 Latches& latches() {
   static auto* const made = new Latches;
   return *made;

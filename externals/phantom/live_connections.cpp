@@ -19,7 +19,7 @@
 namespace tactus::phantom {
 namespace {
 
-// From the beginning of the program's end until it goes on without the devices that still hang.
+// How long the end of the program waits for devices that hang.
 constexpr double kExit_s = 0.8;
 
 struct Registry {
@@ -27,20 +27,20 @@ struct Registry {
   std::vector<LiveConnection*> all;
 };
 
-/// Never destroyed: it is needed while everything else is.
+/// Never destroyed: it is used while other static objects are destroyed.
 Registry& registry() {
   static auto* const made = new Registry;
   return *made;
 }
 
 void let_all_go() {
-  // Nobody else registers now: the thread that ends the process is the host's own.
+  // Only the host's thread, which ends the process, could register another.
   for (LiveConnection* one : registry().all)
     one->let_go();
   DeviceWorker::join_all(kExit_s);
 }
 
-// What the handler of a signal may look at: no lock, no memory that is ever freed.
+// What the signal handler reads: no lock, no memory that is ever freed.
 constexpr int kMaxMotors = 256;
 struct Slot {
   std::atomic<haptic::MotorControl*> motors{nullptr};
@@ -59,8 +59,8 @@ template <class Visit> bool all_driven(Visit visit) noexcept {
   return all;
 }
 
-/// Nobody waits for this process any more: the servos get 200 ms to write no force, and their
-/// drivers 50 ms to send it, then it ends as it would have. Only calls that are safe in a handler.
+/// The servos get 200 ms to write zero force, their drivers 50 ms to send it; then the process ends
+/// as it would have. Only calls that are safe in a signal handler.
 void on_termination(int number) {
   const timespec tick{0, 1'000'000}, sending{0, 50'000'000};
   handling = true; // from here on no motors' memory is freed
@@ -113,7 +113,7 @@ TerminationGuard::~TerminationGuard() {
   Slot& slot = slots[static_cast<std::size_t>(slot_)];
   slot.motors = nullptr;
   slot.driven = false;
-  // The handler has seen the null, or we see that it is at work: it ends the process.
+  // Either the handler reads the null, or we see that it runs; it then ends the process.
   while (handling)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   slot.taken = false;

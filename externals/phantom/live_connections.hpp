@@ -4,11 +4,11 @@
 
 namespace tactus::phantom {
 
-/// Whoever holds a real device. A host may end without deleting its objects; what is registered is
-/// let go then, before the process is gone.
+/// Base of objects that may hold a real device. Where the host's program ends without deleting its
+/// objects, let_go() is called for each of them before the process ends.
 class LiveConnection {
 public:
-  /// Begins the end: force to zero, device closed, by threads that go on. Does not wait.
+  /// Starts to bring the force to zero and to close the device, in other threads. Does not wait.
   virtual void let_go() noexcept = 0;
 
 protected:
@@ -18,8 +18,8 @@ protected:
   LiveConnection& operator=(const LiveConnection&) = delete;
 };
 
-/// Motors that the handler of SIGTERM stops. The process is then being terminated and no code but
-/// the handler runs any more in the host's thread, while the servos' threads still do.
+/// Motors that the handler of SIGTERM stops. In the host's thread only the handler still runs then;
+/// the servos' threads run on.
 class TerminationGuard {
 public:
   explicit TerminationGuard(haptic::MotorControl& motors) noexcept;
@@ -27,8 +27,8 @@ public:
   TerminationGuard(const TerminationGuard&) = delete;
   TerminationGuard& operator=(const TerminationGuard&) = delete;
 
-  /// From now on a SIGTERM that the host leaves alone stops the force first. `driven`: somebody
-  /// steps the servo of these motors, so that the handler waits for its zero force.
+  /// driven: a thread steps the servo of these motors, so that the handler waits for its zero
+  /// force. Installs the handler, unless the host has one of its own.
   void set_driven(bool driven) noexcept;
 
 private:

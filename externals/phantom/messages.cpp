@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-/// What each message of [phantom] does. A refused message changes nothing and costs one sentence.
+/// [phantom]'s messages for settings. A refused message changes nothing and reports one sentence.
 namespace tactus {
 
 using namespace phantom;
@@ -32,7 +32,7 @@ void Phantom::on_clock(Words words, Host& host) {
   else
     return host.error(expected("clock", words[0], "auto, logical or wall"));
   if (driver_)
-    return; // it runs on the wall's time in any case
+    return; // a real device always runs on the wall clock
   wall_ = clock_ == Clock::kWall;
   restart(host);
 }
@@ -60,10 +60,10 @@ void Phantom::on_workspace(Words words, Host& host) {
     const std::string refusal = read_numbers(words, ranges, mm);
     if (!refusal.empty())
       return host.error("workspace: " + refusal);
-    const haptic::Workspace wanted{metres(mm), metres(mm + 3)};
-    if (!wanted.valid())
+    const haptic::Workspace changed{metres(mm), metres(mm + 3)};
+    if (!changed.valid())
       return host.error("workspace: each minimum must not exceed its maximum");
-    workspace = wanted;
+    workspace = changed;
     learning_ = false;
     own_workspace_ = true;
   } else {
@@ -128,14 +128,15 @@ void Phantom::warn_of_scene(Host& host) {
   warn_of_damping("scene: " + damped.name, damped.damping_n_s_per_m, host);
 }
 
-/// A device without motors renders no spring that could hum; what a driver's device can do is
-/// known once it is open.
+/// Whether warnings of unstable stiffness apply. Not for a device without motors, and for a real
+/// device only once it is open, when its capabilities are known.
 bool Phantom::renders_force() const noexcept {
   return !driver_ || (open() && device_->caps().axes_out > 0);
 }
 
-/// Colgate's bound on a sampled spring: K < 2 (B + b)/T; or the device's own word.
-/// A model whose force comes later than at the tick has a share of that.
+/// Warns where a stiffness exceeds the limit of stable rendering: the one that the device states,
+/// or else Colgate's bound of a sampled spring, K < 2 (B + b)/T. share: factor on the limit for a
+/// model whose force comes late.
 void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host,
                                 double share) {
   if (!renders_force())

@@ -19,7 +19,7 @@ struct Store {
   std::map<std::string, Heat> devices;
 };
 
-/// Never destroyed: objects may be deleted at the very end of the program.
+/// Never destroyed, since objects may be deleted at the very end of the program.
 Store& store() {
   static auto* const made = new Store;
   return *made;

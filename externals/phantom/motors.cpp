@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-/// `motors` and `estop`. Both are states of the servo's MotorControl; a stop is remembered for the
-/// object's name and its device, too, so that it holds for the object that comes after it.
+/// `motors` and `estop`: requests to the servo's MotorControl. A stop is also latched for the
+/// object's name and its device, so that it holds for the object that replaces this one.
 namespace tactus {
 
 using namespace phantom;
@@ -26,7 +26,7 @@ void Phantom::on_estop(Host& host) {
   send_estop(host);
 }
 
-/// Remembers that the stop holds for this name and this device.
+/// Latches the stop for this name and this device.
 void Phantom::latch_stop() noexcept {
   const auto latch = [this](std::string key) {
     latch_estop(key);
@@ -39,7 +39,7 @@ void Phantom::latch_stop() noexcept {
     latch(device_key_);
 }
 
-/// The stop that an earlier object of this name or device was told.
+/// Takes over the stop of an earlier object with this name or device.
 void Phantom::inherit_stop(const std::string& key, Host& host) {
   if (!estop_latched(key))
     return;

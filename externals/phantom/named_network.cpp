@@ -7,8 +7,7 @@
 
 #include <algorithm>
 
-/// The network's contents; network_message.cpp and network_settings.cpp read the
-/// messages.
+/// NamedNetwork's masses and links; network_message.cpp and network_settings.cpp have the messages.
 namespace tactus::phantom {
 
 using haptic::Network;
@@ -49,7 +48,7 @@ void NamedNetwork::add(const haptic::NetworkPart& part, const std::string& group
   }
 }
 
-/// Takes out a mass, or those of a string or membrane.
+/// Removes a mass, or those of a string or membrane.
 bool NamedNetwork::remove_named(const std::string& name) {
   return remove_if(
       [&](const Name& n) { return n.name == name || (!n.group.empty() && n.group == name); });
@@ -59,7 +58,7 @@ bool NamedNetwork::remove_mass(const std::string& name) {
   return remove_if([&](const Name& n) { return n.name == name; });
 }
 
-/// With their links and pickups. False when there were none.
+/// Removes masses with their links and pickups. False when there were none.
 template <class Predicate> bool NamedNetwork::remove_if(const Predicate& predicate) {
   std::vector<std::size_t> index(names_.size(), kNone); // after the removal
   std::size_t kept = 0;

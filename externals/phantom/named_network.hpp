@@ -10,30 +10,29 @@
 
 namespace tactus::phantom {
 
-/// A mass-spring network by the names that a patch gives its masses; docs/network.md lists the
-/// messages.
+/// The mass-spring network of a patch, whose masses have names, and its messages: docs/network.md.
 class NamedNetwork {
 public:
   using Words = std::span<const Atom>;
 
   NamedNetwork() { network_.drag_per_s = kDrag_per_s; }
   /// One of the messages that change the network: mass, anchor, link, string, membrane, load, del,
-  /// touch, grab, listen, drag, gravity or rate. A sentence when it is refused, also because a
-  /// servo tick of that length could not step the network; nothing has changed then.
+  /// touch, grab, listen, drag, gravity or rate. Returns a sentence when it is refused, also
+  /// because the network could not be stepped in ticks of period_s; nothing has changed then.
   [[nodiscard]] std::string handle(Words words, const Host& host, double period_s);
-  /// What the servo is to step.
+  /// A copy for the servo.
   [[nodiscard]] std::unique_ptr<const haptic::Network> snapshot() const {
     return std::make_unique<const haptic::Network>(network_);
   }
   [[nodiscard]] const haptic::Network& network() const noexcept { return network_; }
-  /// Key of a mass that can move; 0 and a sentence when there is none of that name.
+  /// The key of a movable mass; 0 and a sentence when there is none of that name.
   struct Found {
     std::uint64_t key = 0;
     std::string refusal{};
   };
   [[nodiscard]] Found movable(const Atom& name) const;
-  /// Steps a second in ticks of that length, 0 when they are too many for a tick; and why they are
-  /// not as many as the set rate.
+  /// Steps per second in ticks of that length, 0 when a tick would have too many; and the reason
+  /// where this is not the set rate.
   struct Stepping {
     double rate_hz = 0;
     std::string reason{};

@@ -174,7 +174,7 @@ std::unique_ptr<const haptic::Scene> NamedScene::snapshot() const {
   std::vector<const Entry*> ordered;
   for (const Entry& entry : entries_)
     ordered.push_back(&entry);
-  const auto rank = [](const Entry* entry) { // words, and what is no number after all, come last
+  const auto rank = [](const Entry* entry) { // words come last
     const double number = entry->is_number ? number_of(entry->name) : kLast;
     return std::isfinite(number) ? number : kLast;
   };

@@ -10,20 +10,21 @@
 
 namespace tactus::phantom {
 
-/// The bodies of a scene by the names that a patch gives them.
+/// The scene of a patch, whose bodies have names, and its messages: docs/scene.md.
 class NamedScene {
 public:
   static constexpr std::size_t kMaxSolids = 64, kMaxMeshes = 8;
   using Words = std::span<const Atom>;
 
   static constexpr double kMinTool_mm = 0.01, kMaxTool_mm = 50;
-  /// One of the scene's messages: add, mat, move, del, tool, k or load. A sentence when it is
-  /// refused; nothing has changed then.
+  /// One of the scene's messages: add, mat, move, del, tool, k or load. Returns a sentence
+  /// when it is refused; nothing has changed then.
   [[nodiscard]] std::string handle(Words words, const Host& host);
-  /// What the servo is to feel. Bodies whose names are numbers come first, by their number, then
-  /// those with words in the order in which these were first added: so do the events of one tick.
+  /// A copy for the servo. Bodies whose names are numbers come first, in their order, then those
+  /// with words, in the order in which they were first added. The events of one tick have the same
+  /// order.
   [[nodiscard]] std::unique_ptr<const haptic::Scene> snapshot() const;
-  /// The name of a body, also of one that is gone since a short time.
+  /// The name of a body, also of one that was removed recently.
   [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept;
   /// The stiffest body and its name; none in an empty scene.
   struct NamedStiffness {

@@ -10,7 +10,7 @@ namespace tactus::phantom {
 #ifdef TACTUS_NET
 namespace {
 
-// Servers on a network are not looked for: which one is said by HOST PORT.
+// It lists no devices: the user gives HOST PORT.
 const devices::Driver kNetDriver{
     "net", "a device on another computer, through haptic_server", [] { return std::string(); },
     [] { return std::vector<devices::Found>(); },

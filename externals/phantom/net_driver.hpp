@@ -2,8 +2,8 @@
 
 namespace tactus::phantom {
 
-/// Joins the driver `net` to the others: a device behind a server of the haptic protocol. Nothing
-/// happens in a build without sockets.
+/// Registers the driver `net`, a device behind a server of the haptic protocol. Does nothing in a
+/// build without sockets.
 void add_net_driver() noexcept;
 
 } // namespace tactus::phantom

@@ -2,7 +2,7 @@
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 
-/// [phantom]'s mass-spring network.
+/// [phantom]'s message `network`.
 namespace tactus {
 
 using namespace phantom;
@@ -18,7 +18,7 @@ void Phantom::on_network(Words words, Host& host) {
     if (!stepping.reason.empty() && stepping.rate_hz != before_hz)
       host.log("network: stepped at " + number_text(stepping.rate_hz) + " Hz: " + stepping.reason);
     const haptic::Network& network = network_.network();
-    constexpr double kLate = 0.5; // the mean of a tick's steps is late by half a tick more
+    constexpr double kLate = 0.5; // the mean over a tick's steps adds half a tick of delay
     if (is(words[0], "touch")) {
       warn_of_stiffness("network touch", network.touch.stiffness_n_per_m, host, kLate);
       warn_of_damping("network touch", network.touch.damping_n_s_per_m, host);
@@ -53,16 +53,15 @@ void Phantom::on_network(Words words, Host& host) {
       action = {Action::Kind::kGrab, network_.movable(words[1]).key, {}, 0};
   }
   if (!rig_->network.queue_action(action))
-    host.error(
-        "network " + std::string(words[0].word) +
-        ": 64 orders wait for the servo already, which does not run; expected an open device");
+    host.error("network " + std::string(words[0].word) +
+               ": 64 actions are queued and the servo does not run; expected an open device");
 }
 
-/// Another length of the servo's ticks may ask for more steps than one can have.
+/// A new period of the ticks may need more steps than a tick can have.
 void Phantom::check_network(Host& host) {
   const auto stepping = network_.stepping(period_s());
   if (!(stepping.rate_hz > 0))
-    host.error("network: it rests, since at " + number_text(1 / period_s()) + " ticks a second " +
+    host.error("network: not stepped: at " + number_text(1 / period_s()) + " ticks a second " +
                stepping.reason);
 }
 

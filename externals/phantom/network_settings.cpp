@@ -2,7 +2,7 @@
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/text.hpp"
 
-/// The messages that say how a network moves, is touched and is heard.
+/// NamedNetwork's messages for motion, touch, grab and pickups.
 namespace tactus::phantom {
 namespace {
 constexpr Range kDamping{"b", "N s/m", 0, 100};

@@ -11,14 +11,15 @@ std::string read_numbers(std::span<const Atom> words, std::span<const Range> ran
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const Range& range = ranges[i];
     const std::string unit = range.unit.empty() ? "" : " " + std::string(range.unit);
-    const std::string wanted =
+    const std::string range_text =
         "expected " + number_text(range.lowest) + ".." + number_text(range.highest) + unit;
     if (i >= words.size())
-      return std::string(range.name) + " is missing: " + wanted;
+      return std::string(range.name) + " is missing: " + range_text;
     if (words[i].is_word)
-      return std::string(range.name) + " " + std::string(words[i].word) + ": " + wanted;
+      return std::string(range.name) + " " + std::string(words[i].word) + ": " + range_text;
     if (!(words[i].number >= range.lowest && words[i].number <= range.highest))
-      return std::string(range.name) + " " + number_text(words[i].number) + unit + ": " + wanted;
+      return std::string(range.name) + " " + number_text(words[i].number) + unit + ": " +
+             range_text;
     values[i] = words[i].number;
   }
   return {};

@@ -11,7 +11,7 @@ namespace tactus::phantom {
 
 constexpr double kMaxCoordinate_mm = 1e4;
 
-/// What a number in a message may be.
+/// The range of a number in a message, in its unit.
 struct Range {
   std::string_view name;
   std::string_view unit;
@@ -26,16 +26,17 @@ constexpr Range millimetres(std::string_view name) {
   return haptic::Vec3{mm[0], mm[1], mm[2]} * 1e-3;
 }
 
-/// Reads numbers from the words on, one a range; a sentence when one is missing or outside.
+/// Reads one number for each range from the words. Returns a sentence when one is missing or
+/// outside its range.
 [[nodiscard]] std::string read_numbers(std::span<const Atom> words, std::span<const Range> ranges,
                                        double* values);
 
-/// Reads as many numbers as there are words, but no fewer than that; the other values stay. A
-/// sentence when there are too many or too few, or one is outside.
+/// Reads as many numbers as there are words, at least min_count; the other values stay. Returns a
+/// sentence when there are too many or too few, or one is outside its range.
 [[nodiscard]] std::string read_some(std::span<const Atom> words, std::span<const Range> ranges,
                                     std::size_t min_count, double* values);
 
-/// "hand soft: expected free, rigid, spring or person"
+/// The sentence for a wrong word: "hand soft: expected free, rigid, spring or person".
 [[nodiscard]] std::string expected(std::string_view message, const Atom& given,
                                    std::string_view choices);
 

@@ -3,25 +3,26 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
 
-/// What leaves [phantom].
+/// [phantom]'s output: positions, events, statistics and trace.
 namespace tactus {
 
 using namespace phantom;
 
 namespace {
 
-constexpr double kMaxHostStall_s = 0.1; // between two looks at the servo, which are 5 ms apart
+constexpr double kMaxHostStall_s = 0.1; // without a call of collect(), which comes every 5 ms
 
 } // namespace
 
-/// Takes over what the servo has to tell.
+/// Reads the servo's reports and events, and sends the events.
 void Phantom::collect(Host& host) {
   const double now_s = devices::ServoThread::now_s();
-  const bool stalled = now_s - collected_s_ > kMaxHostStall_s; // then the servo may have, too
+  const bool stalled =
+      now_s - collected_s_ > kMaxHostStall_s; // then the servo may have stalled, too
   collected_s_ = now_s;
-  const bool fresh = exchange().reports.read();
-  has_report_ = has_report_ || fresh;
-  if (fresh || stalled)
+  const bool is_new = exchange().reports.read();
+  has_report_ = has_report_ || is_new;
+  if (is_new || stalled)
     report_s_ = now_s;
   drain_trace();
   if (learning_ && has_report_) {
@@ -62,7 +63,7 @@ void Phantom::drain_trace() {
     trace_.write(report);
 }
 
-/// A queue that is full loses what comes: said once a second.
+/// Reports entries that full queues have dropped, once a second.
 void Phantom::watch_queues(Host& host) {
   const std::uint64_t lost =
       exchange().events.dropped() + rig_->scene.events().dropped() + exchange().trace.dropped();
@@ -91,7 +92,7 @@ void Phantom::send_event(const haptic::Event& event, Host& host) {
 void Phantom::send_contact(const haptic::ContactEvent& event, Host& host) {
   using Kind = haptic::ContactEvent::Kind;
   const Atom body = scene_.name_of(event.key);
-  // In the patch's time, whatever clock the servo has.
+  // Converted to the patch's time.
   const double ms = wall_ ? host.now_ms() - (devices::ServoThread::now_s() - event.time_s) * 1e3
                           : event.time_s * 1e3;
   const haptic::Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;

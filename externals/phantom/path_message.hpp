@@ -8,7 +8,7 @@
 
 namespace tactus::phantom {
 
-/// What the message `path ...` asks for, or a sentence that says why not.
+/// The path of the message `path ...`, or the sentence that refuses it.
 struct PathChoice {
   haptic::Path path{};
   std::string refusal{};

@@ -11,15 +11,15 @@
 #include <thread>
 #include <utility>
 
-/// Time: what steps the servo, and when the outlets speak.
+/// Time: what steps the servo, and when the outlets send.
 namespace tactus {
 namespace {
 
-// Two grids that meet at one instant differ by the rounding of their times only.
+// Times of two grids that coincide differ by rounding only.
 constexpr double kTimeTolerance_ms = 1e-6;
-// A wall-clock servo is fed at least this often with signs of life.
+// Interval of the heartbeats to a servo on the wall clock.
 constexpr double kHeartbeat_ms = 5;
-// Time always goes on between two wake-ups, whatever happens in between.
+// Lower bound of the time between two wake-ups.
 constexpr double kShortestWake_ms = 1e-3;
 constexpr double kGraceful_s = 0.2;
 // Audio that has not run for this long, and two blocks, no longer steps the servo.
@@ -49,8 +49,8 @@ double Phantom::period_s() const noexcept {
   return 1.0 / values_[kRate];
 }
 
-/// Ends the simulated device's thread with the force down by its slew, or after 200 ms whatever it
-/// does. A real device's servo is ended by the worker.
+/// Lets the force fall at the slew limit, for 200 ms at most, and ends the simulated device's
+/// thread. The servo of a real device is ended by the worker.
 void Phantom::fade_out() noexcept {
   if (driver_ || !runner_->running())
     return;
@@ -78,7 +78,7 @@ void Phantom::set(std::size_t parameter, double value) noexcept {
     configure_signals();
 }
 
-/// Carries the chain's parameters to the servo.
+/// Sends the chain's parameters to the servo.
 void Phantom::apply_settings() noexcept {
   auto& chain = settings_.chain;
   chain.force_limit_n = values_[kForceMax];
@@ -97,7 +97,8 @@ void Phantom::apply_settings() noexcept {
   rig_->signals->set_workspace(chain.workspace);
 }
 
-/// Carries the simulated device's parameters to it, and a new rate to whoever steps it.
+/// Sets the simulated device's parameters; restarts the thread that steps it, with the present
+/// rate.
 void Phantom::apply_simulation_settings() noexcept {
   simulation_.mass_kg = values_[kMass];
   simulation_.viscous_n_s_per_m = values_[kViscous];
@@ -128,7 +129,7 @@ void Phantom::created(Host& host) {
     connect_simulation(host);
 }
 
-/// What the models in the servo must know of the device.
+/// Sends the device's limits to the models in the servo.
 void Phantom::update_limits() noexcept {
   rig_->scene.set_continuous_force(device().caps().continuous_force_n);
   rig_->effects.set_damping_limit(device().caps().damping_limit_n_s_per_m);
@@ -152,7 +153,7 @@ void Phantom::configure_signals() noexcept {
       {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
 }
 
-/// A fresh grid of servo ticks and one of outputs, both from now on.
+/// Starts the grids of servo ticks and of outputs at the present time.
 void Phantom::begin(Host& host) {
   origin_ms_ = output_origin_ms_ = host.now_ms();
   steps_ = outputs_ = 0;
@@ -173,7 +174,7 @@ void Phantom::begin(Host& host) {
   host.wake_in(kSchedule, 0);
 }
 
-/// The system gave no thread to step the servo: the object is closed, and may be opened again.
+/// The system provided no thread for the servo: reports that and closes the device.
 void Phantom::without_thread(std::string refusal, Host& host) {
   thread_refusal_.clear();
   host.error((wall_ && !driver_ ? "clock wall: " : "open: ") + refusal);
@@ -203,7 +204,7 @@ void Phantom::publish(double now_s) noexcept {
   exchange().commands.write(command_);
 }
 
-/// What came to the inlets at this instant is one force.
+/// The inlets' values of one logical instant make one force.
 void Phantom::force_changed(Host& host) {
   if (input_refused_) {
     ++command_.refused;
@@ -239,13 +240,13 @@ void Phantom::tick(std::size_t timer, Host& host) {
   }
   if (!open())
     return;
-  // Another may have had the name, and be gone.
+  // An object that had the name may have been deleted.
   if (!signals_offered_ && ++ticks_since_offer_ % kOfferInterval_ticks == 0)
     signals_offered_ = host.publish(signal_link_name(name_), rig_->signals);
   const double now = host.now_ms() + kTimeTolerance_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall_) {
-    // One tick at most: a host that jumps forward gets no burst.
+    // One tick at most, so that a jump of the host's time causes no burst.
     if (origin_ms_ + static_cast<double>(steps_) * period_ms <= now) {
       if (!audio_steps(host))
         step(host.now_ms() * 1e-3);
@@ -266,11 +267,11 @@ void Phantom::tick(std::size_t timer, Host& host) {
 
 void Phantom::schedule(Host& host) {
   if (!open())
-    return; // opening starts the grids anew
+    return; // opening restarts the grids
   const double now = host.now_ms(), rate = values_[kOutRate], period_ms = 1e3 * period_s();
   double next = now + kHeartbeat_ms;
   if (!wall_) {
-    // After a jump of the host, or another rate, the grid starts anew where it would be late.
+    // After a jump of the host's time, or a change of rate, a late grid restarts now.
     if (origin_ms_ + static_cast<double>(steps_) * period_ms < now - kTimeTolerance_ms) {
       origin_ms_ = now;
       steps_ = 1;
@@ -293,13 +294,13 @@ void Phantom::step(double now_s) noexcept {
   rig_->servo.step({index_++, now_s, period_s()});
 }
 
-/// Audio steps the servo where its ticks lie among the samples; the grid goes on from the last.
+/// Called by the audio at the sample of each tick; the time continues from the last tick.
 void Phantom::step_with_audio() noexcept {
   if (open() && !wall_)
     step(stepped_s_ + period_s());
 }
 
-/// Whether an object with signals steps the servo, so that the clock must not.
+/// Whether a [phantom~] steps the servo, so that the clock must not.
 bool Phantom::audio_steps(Host& host) noexcept {
   const std::uint64_t blocks = rig_->signals->blocks();
   if (blocks != audio_blocks_) {
@@ -309,6 +310,7 @@ bool Phantom::audio_steps(Host& host) noexcept {
   return host.now_ms() - audio_ms_ <= kAudioTimeout_ms + 2e3 * rig_->signals->max_block_s();
 }
 
+// One piece: a table of the messages.
 void Phantom::message(std::size_t index, Words arguments, Host& host) {
   switch (index) {
   case kBang:

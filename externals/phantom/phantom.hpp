@@ -20,8 +20,8 @@
 
 namespace tactus {
 
-/// [phantom]: a haptic device in a patch. Forces in, normalised positions out; between them the
-/// servo of core/haptic, stepped by the host's logical time, by a thread of its own or by the
+/// [phantom], the object for a haptic device: forces in, normalised positions out. The servo of
+/// core/haptic runs between them; it is stepped by the host's logical time, by a thread or by the
 /// device's driver.
 class Phantom final : private phantom::LiveConnection {
 public:
@@ -86,11 +86,11 @@ private:
       static_cast<void>(runner_->stop()); // waits: a simulated step cannot hang
     change();
     if (was_running)
-      thread_refusal_ = runner_->start(rig_->servo, period_s()); // said at the next tick
+      thread_refusal_ = runner_->start(rig_->servo, period_s()); // reported at the next tick
   }
   void without_thread(std::string refusal, Host& host);
 
-  // connection.cpp: which device, and its comings and goings
+  // connection.cpp: choosing, opening and closing the device
   [[nodiscard]] const haptic::Backend& device() const noexcept;
   [[nodiscard]] std::string_view driver_name() const noexcept;
   [[nodiscard]] phantom::DeviceWorker& worker(Host& host);
@@ -114,7 +114,7 @@ private:
   void on_devices(Host&);
   void on_name(Words, Host&);
 
-  // motors.cpp: on, off, and the emergency stop that outlives the object
+  // motors.cpp: motors on and off, emergency stop
   void set_motors() noexcept;
   void on_estop(Host& host);
   void latch_stop() noexcept;
@@ -129,7 +129,7 @@ private:
   void watch_trouble(Host& host);
   void watch_heat(Host& host);
 
-  // output.cpp: what leaves the object
+  // output.cpp: positions, events, statistics, trace
   void collect(Host& host);
   void send_position(Host& host, bool always);
   void send_values(Host& host, bool all);
@@ -174,7 +174,7 @@ private:
   void set_wrist(const haptic::WristCommand& command, std::string_view message, Host& host);
   void send_wrist(Host& host, bool all);
 
-  // simulation.cpp: the simulated device's own
+  // simulation.cpp: messages of the simulated device
   void on_hand(Words, Host&);
   void on_path(Words, Host&);
   void on_target(Words, Host&);
@@ -203,13 +203,13 @@ private:
   const devices::Driver* driver_ = nullptr; // null: the simulated device
   Device device_{};                         // the driver's
   Link link_ = Link::kClosed;
-  std::uint64_t ticket_ = 0; // of the latest wish to open
+  std::uint64_t ticket_ = 0; // of the newest request to open
   std::uint32_t flags_ = haptic::State::kHomed, faults_ = 0;
-  std::string trouble_{}, driver_trouble_{}; // as told to the patch; as the driver said last
-  double trouble_ms_ = 0;                    // when the driver began to say that
+  std::string trouble_{}, driver_trouble_{}; // as sent to the patch; as last read from the driver
+  double trouble_ms_ = 0;                    // when driver_trouble_ last changed
   double trouble_polled_ms_ = -1e9;
   std::string device_key_{};              // of the real device that was opened last
-  std::vector<std::string> estop_keys_{}; // what motors 1 releases
+  std::vector<std::string> estop_keys_{}; // the latches that motors 1 releases
   bool estop_reported_ = false, warm_reported_ = false;
   std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};
 
@@ -218,11 +218,11 @@ private:
   Clock clock_ = Clock::kAuto;
   bool wall_ = false; // stepped by a thread instead of the host's logical time
   bool created_ = false, learning_ = false, restart_grids_ = false, own_workspace_ = false;
-  bool signals_offered_ = false;                // the rig's signals, under name_
+  bool signals_offered_ = false;                // the rig's signals are published under name_
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
   std::uint64_t index_ = 0;                     // servo ticks in logical time
-  double stepped_s_ = 0;                        // when the last of them was
+  double stepped_s_ = 0;                        // time of the last of them
   std::uint64_t audio_blocks_ = 0, ticks_since_offer_ = 0;
   double audio_ms_ = -1e9; // when audio was last seen to step
 
@@ -233,7 +233,7 @@ private:
                                  true,  true,  true,  false, false, false};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
   double last_loss_ms_ = -1e9;
-  std::uint64_t lost_reported_ = 0; // entries of full queues
+  std::uint64_t lost_reported_ = 0; // entries dropped by full queues
   double warned_n_per_m_ = 0, warned_n_s_per_m_ = 0;
   bool scheduling_reported_ = false;
 };

@@ -7,7 +7,7 @@
 
 namespace tactus::phantom {
 
-/// A shape and its place from the words of `scene add NAME ...`.
+/// Shape and pose from the words of `scene add NAME ...`.
 struct ShapeChoice {
   haptic::Shape shape{haptic::Plane{}};
   haptic::Pose pose{};

@@ -12,17 +12,17 @@
 
 namespace tactus::phantom {
 
-/// Everything that a servo's steps touch, in one piece that lives as long as the thread which takes
-/// them: a thread that hangs in a call of a driver keeps its rig, and the object goes on with
-/// another. Models that the servo runs belong here, not into the object.
+/// A servo with all models that its steps use. It lives as long as the thread that runs the steps:
+/// a thread that hangs in a call of a driver keeps its rig, and the object continues with a new
+/// one. Models of the servo therefore belong here and not into the object.
 struct ServoRig {
   haptic::SceneModel scene{};
   haptic::EffectModel effects{};
   haptic::NetworkModel network{};
-  haptic::LocalModels<3> local_models{{&scene, &effects, &network}}; ///< passive by themselves
+  haptic::LocalModels<3> local_models{{&scene, &effects, &network}}; ///< passive models
   haptic::ActiveEffects active_effects{effects};
   std::shared_ptr<haptic::SignalLink> signals = std::make_shared<haptic::SignalLink>();
-  haptic::LocalModels<2> patch_models{{signals.get(), &active_effects}}; ///< the patch's wish
+  haptic::LocalModels<2> patch_models{{signals.get(), &active_effects}}; ///< forces of the patch
   std::shared_ptr<haptic::Backend> device{};                             ///< a real one
   haptic::Servo servo{};
   TerminationGuard guard{servo.exchange().motors};

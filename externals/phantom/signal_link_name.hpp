@@ -5,7 +5,8 @@
 
 namespace tactus::phantom {
 
-/// Under which a device offers its haptic::SignalLink. The number changes with the type's layout.
+/// The name under which [phantom] publishes its haptic::SignalLink. The number in it must change
+/// whenever the layout of that class does.
 [[nodiscard]] inline std::string signal_link_name(std::string_view device) {
   return "tactus haptic signals 2 " + std::string(device);
 }

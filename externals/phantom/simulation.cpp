@@ -2,7 +2,7 @@
 #include "externals/phantom/path_message.hpp"
 #include "externals/phantom/phantom.hpp"
 
-/// What only the simulated device understands.
+/// [phantom]'s messages for the simulated device.
 namespace tactus {
 
 using namespace phantom;

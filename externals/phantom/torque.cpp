@@ -2,8 +2,8 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
 
-/// Torque on the handle and force of the gripper, for devices that have motors for them. Off until
-/// `torques 1`.
+/// [phantom]'s torque on the handle and force of the gripper, for devices with motors for them. Off
+/// until `torques 1`.
 namespace tactus {
 
 using namespace phantom;

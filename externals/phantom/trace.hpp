@@ -8,8 +8,7 @@
 
 namespace tactus::phantom {
 
-/// A CSV file with one row a servo tick: where the handle was, how fast, and which force was
-/// written.
+/// A CSV file with one row per servo tick: position (mm), velocity (m/s) and written force (N).
 class Trace {
 public:
   /// Empty on success, else why the file cannot be written.

@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
-/// What is wrong with a real device: said to the patch by `trouble DRIVER SENTENCE`, and once in
-/// the host's window. Everything here runs in the host's thread, not in the servo's.
+/// Troubles of a real device: sent to the patch as `trouble DRIVER SENTENCE`, and once to the
+/// host's window. Everything here runs in the host's thread.
 namespace tactus {
 
 using namespace phantom;
@@ -12,13 +12,13 @@ using namespace phantom;
 namespace {
 
 constexpr double kPollInterval_ms = 50;
-constexpr double kDebounce_ms = 100; // before a trouble is told: a host may stall for some ms
-constexpr double kClear_ms = 500;    // without trouble, before that is told
-constexpr double kStall_s = 1;       // without a tick of the servo, before that is told
+constexpr double kDebounce_ms = 100; // a trouble is reported after this time
+constexpr double kClear_ms = 500;    // its end is reported after this time without trouble
+constexpr double kStall_s = 1;       // without a tick of the servo, before that is reported
 
 } // namespace
 
-/// What the device says of itself, when it changes.
+/// Reports changes of the device's state flags and faults.
 void Phantom::watch_device(Host& host) {
   if (!open())
     return;
@@ -42,7 +42,7 @@ void Phantom::watch_device(Host& host) {
   watch_trouble(host);
 }
 
-/// The device does not answer any more: it is closed and looked for until it returns.
+/// The device no longer answers: closes it and tries to open it again until it returns.
 void Phantom::handle_lost_device(Host& host) {
   const std::string problem = device_->trouble();
   rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
@@ -63,7 +63,7 @@ void Phantom::handle_lost_device(Host& host) {
     closed(refusal, host);
 }
 
-/// The device says that it has failed; it still answers.
+/// The device reports a failure but still answers.
 void Phantom::handle_device_fault(Host& host) {
   exchange().motors.emergency_stop();
   latch_stop();
@@ -77,7 +77,7 @@ void Phantom::handle_device_fault(Host& host) {
   send_estop(host);
 }
 
-/// An empty sentence: nothing is wrong any more.
+/// An empty sentence reports the end of a trouble.
 void Phantom::send_trouble(std::string_view sentence, Host& host) const {
   if (reported_[kError])
     host.info({"trouble", driver_name(), sentence.empty() ? "-" : sentence});
@@ -90,8 +90,8 @@ void Phantom::watch_trouble(Host& host) {
   trouble_polled_ms_ = now_ms;
   const bool still = running_ && devices::ServoThread::now_s() - report_s_ > kStall_s;
   std::string problem = still ? std::string(driver_name()) +
-                                    ": the servo stands still: a call of the driver does not "
-                                    "return, or the driver calls no more; close the device, "
+                                    ": the servo has stopped: a call of the driver does not "
+                                    "return, or the driver no longer calls back; close the device, "
                                     "switch it off and on, and open it again"
                               : device_->trouble();
   if (problem != driver_trouble_) {
@@ -108,7 +108,8 @@ void Phantom::watch_trouble(Host& host) {
     host.log(trouble_);
 }
 
-/// That the force limit falls with the motors' heat: a user who feels a force fade must know why.
+/// Reports when the force limit falls because the motors are warm, so that the user knows why the
+/// force fades.
 void Phantom::watch_heat(Host& host) {
   const haptic::Report& report = exchange().reports.latest();
   if (!open() || !has_report_ || report.derating == warm_reported_)

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-/// What [phantom~] says of itself.
+/// Tables of [phantom~]'s parameters, messages, inlets and outlets.
 namespace tactus::phantom_signal {
 
 inline constexpr std::array kParameters{

@@ -13,8 +13,8 @@
 
 namespace tactus {
 
-/// [phantom~]: forces into, and positions out of the servo of a [phantom], as signals. The two find
-/// each other by name, in either order of making and deleting.
+/// [phantom~]: signals as forces into the servo of a [phantom], its positions as signals out. The
+/// two find each other by name, in any order of creation and deletion.
 class PhantomSignal {
 public:
   static constexpr Declaration declaration{
@@ -49,7 +49,7 @@ public:
     if (created_)
       find_device(host);
   }
-  /// The patch is loaded before the first tick, in whatever order it holds its objects.
+  /// Searches at the first tick, when all objects of the patch exist.
   void created(Host& host) {
     created_ = true;
     host.wake_in(0, 0);
@@ -80,7 +80,7 @@ public:
 private:
   static constexpr double kSearchInterval_ms = 100;
 
-  /// Finds the device, notices when it is gone or another has its name.
+  /// Attaches to the [phantom] of that name, and detaches when it is deleted or renamed.
   void find_device(Host& host) {
     const auto found = std::static_pointer_cast<haptic::SignalLink>(
         host.find_published(phantom::signal_link_name(name_)));

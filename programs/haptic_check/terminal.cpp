@@ -43,10 +43,10 @@ void listen_for_interrupts() noexcept {
     sigaction(one, &action, nullptr);
 }
 
-std::string ask(const std::string& status_request, bool may_ask) {
+std::string ask(const std::string& question, bool may_ask) {
   if (!may_ask || interrupted())
     return {};
-  std::printf("%s ", status_request.c_str());
+  std::printf("%s ", question.c_str());
   std::fflush(stdout);
   std::string line;
   if (!std::getline(std::cin, line))

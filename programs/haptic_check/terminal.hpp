@@ -11,7 +11,7 @@ void listen_for_interrupts() noexcept;
 
 /// Prints the question and waits for a line; the answer without blanks around it. Empty at once
 /// when nothing may be asked.
-[[nodiscard]] std::string ask(const std::string& status_request, bool may_ask);
+[[nodiscard]] std::string ask(const std::string& question, bool may_ask);
 
 /// Shows a line over the one before on a terminal, and a line a second elsewhere.
 class LiveLine {

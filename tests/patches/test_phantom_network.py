@@ -190,7 +190,7 @@ def test_a_network_that_another_servo_rate_cannot_step_rests_and_says_so(tmp_pat
     patch.at(50, "rate 200")
     result = patch.run(tmp_path)
     assert len(result.errors) == 1, result.errors
-    assert "network: it rests, since at 200 ticks a second mass m" in result.errors[0]
+    assert "network: not stepped: at 200 ticks a second mass m" in result.errors[0]
 
 
 WORDS = ("s", "s-1", "s-2", "m-1-1", "all", "off", "nearest", "x", "z", "force", "pull", "bars.txt", "a", "ball")

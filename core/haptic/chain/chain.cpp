@@ -3,7 +3,7 @@
 namespace tactus::haptic {
 namespace {
 
-// Larger targets are shortened on arrival so that differences and products of them stay finite.
+// Larger inputs are shortened so that differences and products of them stay finite.
 constexpr double kMaxTarget_n = 1e6;
 constexpr double kMaxLocalForce_n = 1e6;
 constexpr double kMaxPosition_m = 1e3;
@@ -17,14 +17,14 @@ std::uint64_t ticks_of(double seconds, double period_s) noexcept {
 
 Vec3 interpolated(ChainState& state, const ChainSettings& settings) noexcept {
   const std::uint64_t elapsed = state.tick - state.command_tick + 1;
-  const double length = static_cast<double>(state.length);
+  const double length = static_cast<double>(state.interpolation_ticks);
   const Vec3 delta = state.target - state.start;
-  if (elapsed < state.length)
+  if (elapsed < state.interpolation_ticks)
     return state.start + delta * (static_cast<double>(elapsed) / length);
   if (!state.has_slope || settings.extrapolation_s <= 0.0)
     return state.target;
-  const std::uint64_t beyond =
-      std::min(elapsed - state.length, ticks_of(settings.extrapolation_s, settings.period_s));
+  const std::uint64_t beyond = std::min(elapsed - state.interpolation_ticks,
+                                        ticks_of(settings.extrapolation_s, settings.period_s));
   if (beyond == 0)
     return state.target;
   return limited(state.target + delta * (static_cast<double>(beyond) / length),
@@ -73,10 +73,11 @@ PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
           settings.device.latency_ticks};
 }
 
-/// A patch that guides the hand does work on purpose: what its own forces put in is forgiven up to
-/// allowance_w, so that guidance is not braked away while a contact's energy still is. What the
-/// hand gives back to them is taken from what was forgiven: a constant push on a handle that swings
-/// does no work in the mean and must earn no credit.
+/// Updates the passivity observer. A patch that guides the hand does work on purpose: the work of
+/// its forces is allowed up to the power allowance_w, so that the controller does not brake
+/// guidance but still brakes the energy that a contact creates. Work that the hand returns to these
+/// forces is subtracted from the allowance again: a constant force on an oscillating handle does no
+/// net work and must not add energy.
 void observe(ChainState& state, const ChainSettings& settings, const Vec3& position,
              double elapsed_s) noexcept {
   const Vec3 displacement = position - state.position;
@@ -95,8 +96,8 @@ void observe(ChainState& state, const ChainSettings& settings, const Vec3& posit
 /// The force limit of this tick, lowered while the motors are warm.
 double force_limit(ChainState& state, const ChainSettings& settings, double elapsed_s,
                    bool warm) noexcept {
-  // True time, since late ticks hold the force for longer; drivers end the force of a servo that
-  // stalls for more than this (core/haptic/device/force_timeout.hpp).
+  // The actual time: a late tick has held the force for longer. Drivers cut the force of a servo
+  // that stalls for more than this (core/haptic/device/force_timeout.hpp).
   constexpr double kMaxHold_s = 0.05;
   const ThermalSettings motors{std::min(elapsed_s, kMaxHold_s), settings.force_limit_n,
                                settings.device.continuous_force_n};
@@ -105,6 +106,31 @@ double force_limit(ChainState& state, const ChainSettings& settings, double elap
   state.derating = state.thermal.derating();
   state.derated_to_n = state.thermal.steady_limit_n(motors);
   return ceiling_n;
+}
+
+/// The input with bounded, finite vectors; a position that is not finite becomes the last one.
+ChainInput bounded(ChainInput input, const Vec3& last_position) noexcept {
+  input.position =
+      is_finite(input.position) ? limited(input.position, kMaxPosition_m) : last_position;
+  input.velocity = limited(input.velocity, kMaxSpeed_m_per_s);
+  return input;
+}
+
+void start(ChainState& state, const ChainSettings& settings, const ChainInput& input) noexcept {
+  state.started = true;
+  state.previous_s = input.time_s - settings.period_s;
+  state.position = input.position;
+  if (!state.has_commanded)
+    state.command_s = input.time_s;
+}
+
+Vec3 slew_limited(ChainState& state, const ChainSettings& settings, const Vec3& force) noexcept {
+  const Vec3 change = force - state.slewed;
+  const double max_change = settings.slew_n_per_s * settings.period_s;
+  if (!(norm(change) > max_change))
+    return force;
+  ++state.counters.slewed;
+  return state.slewed + limited(change, max_change);
 }
 
 } // namespace
@@ -121,19 +147,20 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
   switch (settings.interpolation) {
   case Interpolation::kAuto:
     if (first)
-      state.length = 1;
+      state.interpolation_ticks = 1;
     else if (since > 0)
-      state.length = std::min(since, kMaxAutoInterpolation_ticks); // else one more this tick
+      state.interpolation_ticks =
+          std::min(since, kMaxAutoInterpolation_ticks); // else a second command in this tick
     break;
   case Interpolation::kOff:
-    state.length = 1;
+    state.interpolation_ticks = 1;
     break;
   case Interpolation::kFixed:
-    state.length =
+    state.interpolation_ticks =
         std::max<std::uint64_t>(1, ticks_of(settings.interpolation_s, settings.period_s));
     break;
   }
-  // A first target, or one taken at once, has no slope that could be continued.
+  // A first target, or one reached at once, has no slope to extrapolate.
   state.has_slope = !first && settings.interpolation != Interpolation::kOff;
   state.start = state.commanded;
   state.target = limited(force_n, kMaxTarget_n);
@@ -165,17 +192,9 @@ void emergency_stop(ChainState& state) noexcept {
 }
 
 Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& raw_input) noexcept {
-  ChainInput input = raw_input;
-  input.position =
-      is_finite(input.position) ? limited(input.position, kMaxPosition_m) : state.position;
-  input.velocity = limited(input.velocity, kMaxSpeed_m_per_s);
-  if (!state.started) {
-    state.started = true;
-    state.previous_s = input.time_s - settings.period_s;
-    state.position = input.position;
-    if (!state.has_commanded)
-      state.command_s = input.time_s;
-  }
+  const ChainInput input = bounded(raw_input, state.position);
+  if (!state.started)
+    start(state, settings, input);
   const double elapsed_s = std::clamp(input.time_s - state.previous_s, 0.0, 10.0);
   state.previous_s = input.time_s;
 
@@ -211,13 +230,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& ra
     force = limited(force + (passive - force) * gain, limit_n);
   }
 
-  const Vec3 change = force - state.slewed;
-  const double largest_change = settings.slew_n_per_s * settings.period_s;
-  if (norm(change) > largest_change) {
-    ++state.counters.slewed;
-    force = state.slewed + limited(change, largest_change);
-  }
-  force = limited(force, settings.force_limit_n);
+  force = limited(slew_limited(state, settings, force), settings.force_limit_n);
   state.slewed = force;
   if (state.latched || !input.homed) {
     state.slewed = {};

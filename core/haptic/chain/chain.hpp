@@ -6,14 +6,15 @@
 
 #include <cstdint>
 
-/// The safety chain: nothing reaches a motor without it. One pure step over a state, shared by
-/// every device and by the haptic server; docs/phantom.md has the equations and the reasons.
+/// The safety chain: every force passes through it before it reaches a motor. One step function on
+/// a state, used for every device and by the haptic server. docs/phantom.md has the equations and
+/// the reasons.
 ///
-///   interpolate -> + patch's signal, local model, damping, walls -> clamp -> watchdog and enable
-///   gain -> passivity -> slew -> clamp
+///   interpolation of the commands -> + signals of the patch, local models, damping, soft walls
+///   -> clamp -> watchdog and enable gain -> passivity controller -> slew limit -> clamp
 ///
-/// A tick costs bounded time, allocates nothing and takes any input. The written force is finite
-/// and no longer than force_limit_n whatever comes in.
+/// A step takes bounded time, allocates nothing and accepts any input. The force that it returns is
+/// finite and no longer than force_limit_n.
 namespace tactus::haptic {
 
 struct ChainSettings {
@@ -24,53 +25,55 @@ struct ChainSettings {
   double slew_n_per_s = 2000;
   Interpolation interpolation = Interpolation::kAuto;
   double interpolation_s = 0.01; ///< of kFixed
-  double extrapolation_s = 0;    ///< goes on along the slope this long after a target is reached
-  double hold_s = 0.1;           ///< without a sign of life before the force falls
-  double ramp_s = 0.05;          ///< from full force to none, and back
-  bool strict = false;           ///< force messages too must keep coming
-  double enable_s = 0.5;         ///< from none to full force after motors(true)
+  double extrapolation_s = 0;    ///< how long the slope continues after a target is reached
+  double hold_s = 0.1;           ///< watchdog: time without a heartbeat before the force falls
+  double ramp_s = 0.05;          ///< watchdog: from full force to zero, and back
+  bool strict = false;           ///< the watchdog expects force messages too
+  double enable_s = 0.5;         ///< from zero to full force after motors(true)
   bool passivity = true;
-  double tank_j = 5e-3;   ///< largest energy that the observer remembers to the patch's credit
-  double allowance_w = 0; ///< power that targets, not local models, may put into the hand
+  double tank_j = 5e-3;   ///< largest positive energy that the observer stores
+  double allowance_w = 0; ///< power that commands, not local models, may put into the hand
   double damping_n_s_per_m = 0;
   double wall_n_per_m = 0; ///< stiffness of soft walls at the workspace's faces
   Workspace workspace{};
 
-  /// What the device is; the servo takes it from its Caps.
+  /// Properties of the device; the servo copies them from its Caps.
   struct Device {
-    double damping_limit_n_s_per_m = 5; ///< of what it renders quietly at 1 kHz
+    double damping_limit_n_s_per_m = 5; ///< largest damping it renders stably at 1 kHz
     double position_noise_m = 0;        ///< largest error of one reading
-    int latency_ticks = 0;              ///< between a position and the force that answers it
-    double continuous_force_n = 0;      ///< that its motors bear for ever; 0: not known
+    int latency_ticks = 0;              ///< as Caps::latency_ticks
+    double continuous_force_n = 0;      ///< continuous rating of its motors; 0: not known
   } device{};
 };
 
-/// What one tick brings.
+/// Input of one tick.
 struct ChainInput {
   double time_s = 0;      ///< any origin, never decreasing
-  double heartbeat_s = 0; ///< when the host last showed that it is alive, same origin
+  double heartbeat_s = 0; ///< time of the host's last heartbeat, same origin
   Vec3 position{};        ///< m
   Vec3 velocity{};        ///< m/s
-  Vec3 local_force{};     ///< N, of models that live inside the servo
-  Vec3 patch_force{};     ///< N, what the patch adds at this very tick
-  bool homed = true;      ///< else positions mean nothing yet, and there is no force
-  bool warm = false;      ///< the device says that its motors are warm
+  Vec3 local_force{};     ///< N, of models inside the servo
+  Vec3 patch_force{};     ///< N, of the patch in this tick; not interpolated
+  bool homed = true;      ///< false: the position is not valid yet, and the force is zero
+  bool warm = false;      ///< the device reports warm motors
 };
 
+/// Ticks since the statistics were reset, and how many of them each stage changed.
 struct ChainCounters {
   std::uint64_t ticks = 0, clamped = 0, slewed = 0, watchdog_trips = 0, refused = 0;
   std::uint64_t braked = 0;  ///< ticks in which the passivity controller acted
-  std::uint64_t derated = 0; ///< ticks in which the motors' heat lowered the limit
+  std::uint64_t derated = 0; ///< ticks in which the thermal limit shortened the force
 };
 
+/// What the chain stores from tick to tick.
 struct ChainState {
   // interpolation, in ticks
   Vec3 start{}, target{}, commanded{};
   std::uint64_t tick = 0, command_tick = 0;
-  std::uint64_t length = 1;
+  std::uint64_t interpolation_ticks = 1;
   bool has_commanded = false, has_slope = false;
 
-  // signs of life
+  // watchdog
   double command_s = 0, refused_since_s = 0, previous_s = 0;
   bool refusing = false, started = false, tripped = false;
   double alive_gain = 1;
@@ -79,31 +82,32 @@ struct ChainState {
   bool motors = true, latched = false;
   double enable_gain = 1;
 
-  Vec3 patch_force{}; // the patch's share of the last force, before clamp and slew
+  Vec3 patch_force{}; // the patch's part of the last force, before clamp and slew
   Vec3 slewed{};      // output of the slew stage
-  Vec3 written{};     // what the device holds now
+  Vec3 written{};     // the force that the device holds now
   Vec3 position{};
   PassivityController passivity{};
   double energy_j = 0, lowest_energy_j = 0; // the controller's
-  double allowance_j = 0;                   // of the patch's work, not given back yet
+  double allowance_j = 0;                   // of the patch's work, not returned yet
   ThermalLimit thermal{};
-  bool derating = false;   ///< the motors' heat lowers the force limit noticeably
-  double derated_to_n = 0; ///< what the limit then settles at
+  bool derating = false;   ///< as ThermalLimit::derating()
+  double derated_to_n = 0; ///< as ThermalLimit::steady_limit_n()
   ChainCounters counters{};
 };
 
-/// A new target; a component that is not finite makes the whole target refused (returns false).
-/// The last good target then stays, for no longer than the watchdog's hold time.
+/// Sets a new target force. A target with a component that is not finite is refused (false): the
+/// last good one stays, until the watchdog's hold time has passed.
 bool command(ChainState&, const ChainSettings&, const Vec3& force_n, double time_s) noexcept;
-/// Counts a target that was refused before it got here.
+/// Counts a target that the caller has refused.
 void refuse(ChainState&, double time_s) noexcept;
 
-/// On: the force returns over enable_s, a latched stop is released. Off: it falls by the slew.
+/// On: the force returns over enable_s, and an emergency stop ends. Off: it falls at the slew
+/// limit.
 void motors(ChainState&, bool on) noexcept;
-/// No force at once, and none until motors(true).
+/// Zero force at once, until motors(true).
 void emergency_stop(ChainState&) noexcept;
 
-/// One tick; returns the force to write.
+/// One tick; returns the force to write, N.
 Vec3 step(ChainState&, const ChainSettings&, const ChainInput&) noexcept;
 
 } // namespace tactus::haptic

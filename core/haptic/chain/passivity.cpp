@@ -6,10 +6,10 @@ namespace tactus::haptic {
 namespace {
 
 constexpr double kMaxEnergy_j = 1e6;
-// The handle rests while it stays within its reading's error and this distance.
+// The handle is at rest while it stays within the reading's error plus this distance.
 constexpr double kAtRestRadius_m = 2e-5;
-// c of the bound c K T: six times what a spring without latency leaks, so that a debt can be paid
-// back and a latency of two ticks that nobody has declared is still covered.
+// c of the bound c K T: six times what a spring without latency creates. The rest removes energy
+// that has already been created, and covers an undeclared latency of two ticks.
 constexpr double kDampingPerLeak = 3;
 constexpr double kStiffnessTimeConstant_s = 0.05;
 constexpr double kVelocityWindow_s = 2e-3;
@@ -19,6 +19,7 @@ constexpr double kMinBrakedSpeed_m_per_s = 1e-4;
 // is held there, and swings against the hand.
 constexpr double kMaxBounce_s = 0.1;
 
+/// The value with its magnitude reduced by that much, not below zero.
 double shortened(double value, double by) noexcept {
   return std::copysign(std::max(std::abs(value) - by, 0.0), value);
 }
@@ -53,7 +54,7 @@ void PassivityController::observe(const PassivitySettings& settings, const Vec3&
     energy_j_ = std::max(energy_j_, 0.0);
 }
 
-/// What the handle has moved over the last kVelocityWindow_s beyond its reading's error, m.
+/// Displacement of the handle over the last kVelocityWindow_s beyond the reading's error, m.
 Vec3 PassivityController::displacement(const PassivitySettings& settings) noexcept {
   const double ticks = std::clamp(std::floor(kVelocityWindow_s / settings.period_s + 0.5), 1.0,
                                   static_cast<double>(kHistory - 1));
@@ -63,8 +64,8 @@ Vec3 PassivityController::displacement(const PassivitySettings& settings) noexce
   return {shortened(moved.x, noise), shortened(moved.y, noise), shortened(moved.z, noise)};
 }
 
-/// Of the rendered world around the handle, N/m: changes of force over changes of position, root
-/// mean square over kStiffnessTimeConstant_s. Exact for a spring, whatever the encoder's step.
+/// Stiffness of the rendered world at the handle, N/m: sqrt(sum dF^2 / sum dx^2), both sums leaky
+/// with kStiffnessTimeConstant_s. Exact for a spring, whatever the encoder's step.
 double PassivityController::stiffness(const PassivitySettings& settings,
                                       const Vec3& desired_n) noexcept {
   const Vec3 change = desired_n - desired_;
@@ -72,14 +73,15 @@ double PassivityController::stiffness(const PassivitySettings& settings,
   force_changes_ += dot(change, change);
   const double result =
       position_changes_ > 0.0 ? std::sqrt(force_changes_ / position_changes_) : 0.0;
-  const double kept = std::exp(-settings.period_s / kStiffnessTimeConstant_s);
-  force_changes_ *= kept;
-  position_changes_ *= kept;
+  const double decay = std::exp(-settings.period_s / kStiffnessTimeConstant_s);
+  force_changes_ *= decay;
+  position_changes_ *= decay;
   return std::isfinite(result) ? result : 0.0;
 }
 
-/// What to take from the contact's force so that a handle thrown back gets no more energy than is
-/// left, N. The speeds are along that force: as agreed, and as read.
+/// How much to subtract from the contact's force, N, so that a handle thrown back gets no more
+/// energy than the observer holds. Speeds along that force: `outward` confirmed by the
+/// displacement, `reading` as read.
 double PassivityController::release_cut(const PassivitySettings& settings, double contact_n,
                                         double outward, double reading) noexcept {
   const double T = settings.period_s;
@@ -91,16 +93,16 @@ double PassivityController::release_cut(const PassivitySettings& settings, doubl
   if (!(contact_n > 0.0) || contact_s_ > kMaxBounce_s ||
       !(outward > kMinBrakedSpeed_m_per_s + error))
     return 0.0;
-  // The speed when this force acts, and what the forces under way will have released by then.
+  // The speed when this force acts, and the energy left after the forces still in transit.
   const double now = error > 0.0 ? outward + 2.0 * error : std::max(outward, reading);
   const double speed = now + accelerated * latency;
   double left_j = energy_j_;
   for (int k = latency - 1, ahead = 1; k >= 0; --k, ++ahead)
     left_j -= norm(at(forces_, tick_ + kHistory - static_cast<std::size_t>(k))) *
               (now + accelerated * ahead) * T;
-  // The force releases speed (F T + F^2 / (2 slew)) while it is held and then falls, the handle
-  // gaining speed all the while: by a quarter of what the acceleration of now would give it, in the
-  // mean of a force that falls to zero.
+  // A force F releases the energy speed (F T + F^2 / (2 slew)) while it is held for T and then
+  // falls at the slew limit. The handle accelerates meanwhile: in the mean over a force that falls
+  // to zero by a quarter of what the present acceleration would give.
   const double slew = std::max(settings.slew_n_per_s, 1e-6);
   const double mean_speed = speed + 0.25 * accelerated * contact_n / (slew * T);
   const double affordable_n =
@@ -112,9 +114,9 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& d
                                 const Vec3& contact_n, const Vec3& velocity) noexcept {
   const double T = settings.period_s;
   const double stiffness_n_per_m = stiffness(settings, desired_n);
-  // No faster than if all of the last displacement had happened in one tick. Its mean velocity as
-  // the bound would be too slow by half and more for an encoder's single steps and for a handle
-  // that a wall throws: bench_haptic_passivity then finds twice as many flights that gain energy.
+  // The bound is the last displacement over one tick. Its mean velocity as the bound would be too
+  // slow by half and more for single encoder steps and for a handle that a wall throws back:
+  // bench_haptic_passivity then finds twice as many flights that gain energy.
   const Vec3 fastest = displacement(settings) * (1.0 / T);
   Vec3 agreed;
   for (int axis = 0; axis < 3; ++axis)
@@ -131,14 +133,14 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& d
     force -= outwards * cut;
     acted_ = true;
   }
-  // The leak is along the force; across it a damper would only add force. When there is none, the
-  // debt is that of the last.
+  // The energy is created along the force; a damper across it would only add force. While the force
+  // is zero the direction of the last one is used.
   if (const double length = norm(desired_n); length > 0.0)
     direction_ = desired_n * (1.0 / length);
   const Vec3 along = direction_ * dot(agreed, direction_);
   const double speed = norm(along);
   const double limit = settings.damping_limit_n_s_per_m * std::min(1.0, 1e-3 / T);
-  // A step of the encoder is an energy that nobody has given.
+  // One encoder step shows as an energy of K q^2/2 that the world has not created.
   const double step = 2.0 * settings.position_noise_m;
   const double debt_j = -energy_j_ - 0.5 * std::min(stiffness_n_per_m, limit / T) * step * step;
   if (debt_j > 0.0 && speed > kMinBrakedSpeed_m_per_s) {

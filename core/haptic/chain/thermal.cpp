@@ -5,13 +5,13 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kFallsFrom = 0.5; // share of continuous^2 at which the ceiling begins to fall
-constexpr double kFallsTo = 0.9;   // share of continuous that it has fallen to at continuous^2
+constexpr double kFallsFrom = 0.5; // times continuous^2: h at which the limit begins to fall
+constexpr double kFallsTo = 0.9;   // times continuous: the limit at h = continuous^2
 constexpr double kWarmRatio = 0.5;
 constexpr double kDeratingThreshold = 0.95; // of the peak
-constexpr double kCool = 0.4;               // of continuous^2
+constexpr double kCool = 0.4;               // times continuous^2
 
-/// Whether there is a rating that the force can exceed.
+/// Whether the force can exceed the continuous rating.
 bool limits(const ThermalSettings& settings) noexcept {
   return settings.continuous_n > 0.0 && settings.continuous_n < settings.peak_n;
 }
@@ -24,8 +24,8 @@ double reported_ceiling_n(const ThermalSettings& settings) noexcept {
 
 void ThermalLimit::advance(const ThermalSettings& settings, double force_n,
                            bool reported_warm) noexcept {
-  const double kept = std::exp(-settings.period_s / kTimeConstant_s);
-  heat_n2_ = kept * heat_n2_ + (1.0 - kept) * force_n * force_n;
+  const double decay = std::exp(-settings.period_s / kTimeConstant_s);
+  heat_n2_ = decay * heat_n2_ + (1.0 - decay) * force_n * force_n;
   const double step = settings.period_s / (reported_warm ? kWarmRamp_s : -kCoolRamp_s);
   warm_ = std::clamp(warm_ + step, 0.0, 1.0);
   reported_ = reported_warm;

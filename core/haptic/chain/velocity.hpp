@@ -7,21 +7,22 @@
 
 namespace tactus::haptic {
 
-/// Velocity from positions that are known to a bound: first-order adaptive windowing, best fit
-/// (Janabi-Sharifi, Hayward & Chen, IEEE Transactions on Control Systems Technology 8, 2000).
-/// The window is the longest, up to 16 intervals, whose least-squares line passes every position
-/// within the bound; its slope is the velocity. So a slow motion is averaged over many encoder
-/// steps while a fast one is followed at once. Real times are used: late ticks do no harm.
-/// Each axis has its own window. A bound of 0 gives the difference of the last two positions,
-/// unless the line fits exactly.
+/// Estimates velocity from positions whose error is bounded: first-order adaptive windowing, best
+/// fit (Janabi-Sharifi, Hayward & Chen, IEEE Transactions on Control Systems Technology 8, 2000).
+/// The velocity is the slope of a least-squares line through the newest samples. The window is the
+/// longest, up to 16 intervals, for which the line passes every position within the bound: a slow
+/// motion is averaged over many encoder steps, a fast one is followed at once. The actual times are
+/// used, so that late ticks do not matter. Each axis has its own window. With a bound of 0 the
+/// result is the difference quotient of the last two positions, unless a longer line fits exactly.
 class VelocityEstimator {
 public:
   static constexpr std::size_t kMaxWindow = 16;
 
-  /// bound_m: largest error of one position reading, e.g. half an encoder step.
+  /// bound_m: the largest error of one position reading, e.g. half an encoder step.
   void set_bound(double bound_m) noexcept { bound_m_ = bound_m; }
   void reset() noexcept { count_ = 0; }
-  /// m, s -> m/s. A time that does not advance, or an input that is not finite, is left out.
+  /// Adds a sample (m, s) and returns the velocity, m/s. A sample whose time does not advance, or
+  /// that is not finite, is ignored.
   Vec3 update(const Vec3& position, double time_s) noexcept;
 
 private:

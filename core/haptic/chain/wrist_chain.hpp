@@ -5,24 +5,25 @@
 
 namespace tactus::haptic {
 
-/// What the host wants of wrist and gripper: newest wins. Project frame.
+/// The host's request for torque and gripper force, project frame. The newest one counts.
 struct WristRequest {
-  bool on = false; ///< else the device is not asked for torque or gripper force at all
+  bool on = false; ///< false: nothing is sent to the wrist's and gripper's motors
   WristCommand command{};
 };
 
-/// The safety chain of torque and gripper force, beside the force's (chain.hpp) and with its gains:
+/// The safety chain of torque and gripper force. It uses the gains of the force's chain
+/// (chain.hpp):
 ///
-///   clamp to the device's peak -> watchdog and enable gain -> slew -> none when stopped
+///   clamp to the device's peak -> watchdog and enable gain -> slew limit -> zero when stopped
 ///
-/// What is not finite is no torque, or no grip. The passivity controller does not see them: a patch
-/// that renders angular stiffness keeps it low and adds damping.
+/// A request that is not finite counts as zero. The passivity controller does not observe torque
+/// and grip: a patch that renders an angular spring must keep it soft and add damping.
 class WristChain {
 public:
-  static constexpr double kRise_s = 0.02; ///< from none to the peak, by the slew stage
+  static constexpr double kRise_s = 0.02; ///< slew limit: from zero to the peak in this time
 
   void reset() noexcept { sent_ = {}; }
-  /// One tick, after the force's; returns what to send. homed: else nothing is sent.
+  /// One tick, after the force's chain; returns what to send. Zero while not homed.
   [[nodiscard]] WristCommand step(const WristCommand& requested, const ChainState& chain,
                                   const Caps& caps, bool homed, double period_s) noexcept;
 

@@ -19,8 +19,9 @@ Matrix product(const Matrix& a, const Matrix& b) noexcept {
   return c;
 }
 
-/// exp(A) by halving A until its norm is below 1/4, a Taylor sum of 14 terms (remainder 1e-20) and
-/// squaring back. A closed form would lose digits where modes nearly coincide or K vanishes.
+/// exp(A) by scaling and squaring: A is halved until its norm is at most 1/4, a Taylor sum of 14
+/// terms follows (remainder 1e-20), then the squarings. The closed form would lose digits near
+/// critical damping and for K near 0.
 Matrix exponential(Matrix a) noexcept {
   double largest = 0;
   for (const auto& row : a)
@@ -51,7 +52,7 @@ Matrix exponential(Matrix a) noexcept {
 
 MassSpringDamperStep MassSpringDamperStep::of(double mass_kg, double stiffness_n_per_m,
                                               double damping_n_s_per_m, double period_s) noexcept {
-  // State (x, T v, u T^2/M): every entry is a pure number.
+  // State (x, T v, u T^2/M): all entries of the matrix are dimensionless.
   const double t = period_s;
   const double spring = stiffness_n_per_m * t * t / mass_kg;
   const double damper = damping_n_s_per_m * t / mass_kg;

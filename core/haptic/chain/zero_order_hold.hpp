@@ -2,7 +2,8 @@
 
 namespace tactus::haptic {
 
-/// Exact step of M x'' = u - K x - B v over a time T with u held: the matrix exponential.
+/// One step of a mass on a spring and a damper, M x'' = u - K x - B v, over a time T during which
+/// the force u is held. Exact, by the matrix exponential:
 ///   x <- xx x + xv v + xu u,   v <- vx x + vv v + vu u        SI
 struct MassSpringDamperStep {
   double xx = 1, xv = 0, xu = 0;

@@ -7,16 +7,15 @@
 
 namespace tactus::haptic {
 
-/// What every driver does that keeps a force by itself - in a thread of its own, or in a device
-/// that holds its last command: a servo that has not written for 50 ms gets no force, however the
-/// last command read. When it writes again the force returns over 0.1 s, since the force chain
-/// knows nothing of the pause and begins at full force.
+/// Timeout of the force in a driver that holds the last command, in its own thread or in the
+/// device: when the servo has not written for 50 ms the force is zero. After the servo writes again
+/// the force returns by a linear ramp of 0.1 s, since the force chain does not know of the pause.
 class ForceTimeout {
 public:
   static constexpr double kTimeout_s = 0.05, kReturn_s = 0.1;
 
-  /// Share of the newest command that may be sent now, 0 to 1. For the thread that sends; times by
-  /// one clock, non-decreasing. Before the first write there is none.
+  /// Factor on the newest command, 0 to 1. For the sending thread; times of one clock, s, not
+  /// decreasing. written_s far in the past, as before the first write, gives 0.
   [[nodiscard]] double gain(double written_s, double now_s) noexcept {
     if (!(now_s - written_s < kTimeout_s)) {
       expired_ = true;
@@ -27,10 +26,10 @@ public:
     expired_ = false;
     return std::clamp((now_s - resumed_s_) / kReturn_s, 0.0, 1.0);
   }
-  /// The last gain() found no servo.
+  /// Whether the last gain() was 0 because of the timeout.
   [[nodiscard]] bool expired() const noexcept { return expired_; }
 
-  /// The clock of all drivers' threads, s.
+  /// Time of the clock that all drivers' threads use, s.
   [[nodiscard]] static double now_s() noexcept {
     using Steady = std::chrono::steady_clock;
     return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
@@ -41,17 +40,17 @@ private:
   double resumed_s_ = 0;
 };
 
-/// The newest command of a servo for the thread that sends it, with the rule above.
+/// The newest command of the servo for the thread that sends it, with that timeout.
 template <class Command> class TimedMailbox {
 public:
   /// For the servo.
   void write(const Command& command) noexcept { box_.write({command, ForceTimeout::now_s()}); }
-  /// Forgets what was written; while nobody reads.
+  /// Back to no command. Not while another thread reads or writes.
   void reset() noexcept {
     box_.write({});
     timeout_ = {};
   }
-  /// For the thread that sends: takes the newest command; gain() is then its share.
+  /// For the sending thread: the newest command. gain() is then the factor to apply to it.
   const Command& read() noexcept {
     box_.read();
     gain_ = timeout_.gain(box_.latest().written_s, ForceTimeout::now_s());

@@ -7,20 +7,24 @@
 #include <array>
 #include <cstdint>
 
-/// The hand that holds the simulated device. docs/phantom.md, "The hand".
+/// A model of the hand that holds the simulated device: docs/phantom.md, "The hand".
 namespace tactus::haptic {
 
-/// A noise with a preferred frequency: x'' + 2 z w x' + w^2 x = white noise, scaled to a given RMS
-/// of x. Stepped exactly: with the stationary covariance P = diag(s^2, s^2 w^2), the noise of one
-/// step has covariance P - Phi P Phi^T, so RMS and spectrum do not depend on the tick.
+/// Band-limited Gaussian noise: an oscillator driven by white noise,
+///   x'' + 2 zeta w x' + w^2 x = white noise,   scaled so that the RMS of x is s.
+/// The step is exact: with the stationary covariance P = diag(s^2, s^2 w^2) and the transition
+/// matrix Phi, the noise of one step has the covariance P - Phi P Phi^T. RMS and spectrum therefore
+/// do not depend on the period of the ticks.
 class NoiseOscillator {
 public:
   /// Half-power width of the spectrum of x is about 2 damping_ratio frequency_hz.
   void set(double frequency_hz, double damping_ratio, double rms, double period_s) noexcept;
-  /// Draws a value of the stationary process.
+  /// Sets the state to a random one of the stationary process.
   void start(Random& random) noexcept;
   void advance(Random& random) noexcept;
+  /// x
   [[nodiscard]] double value() const noexcept { return x_; }
+  /// x'
   [[nodiscard]] double rate() const noexcept { return v_; }
 
 private:
@@ -32,25 +36,27 @@ private:
 
 struct HandSettings {
   enum class Hold {
-    kFree,   ///< nobody: the handle moves by itself
-    kRigid,  ///< the handle is where the path is, whatever the force
+    kFree,   ///< nobody holds the handle
+    kRigid,  ///< the handle follows the path exactly, whatever the force
     kSpring, ///< a spring and a damper between the handle and the path
-    kPerson, ///< the same with tremor and wander, and yielding to a lasting force
+    kPerson, ///< as kSpring, with tremor and wander, and yielding to a lasting force
   };
   Hold hold = Hold::kSpring;
   double stiffness_n_per_m = 200;
   double damping_n_s_per_m = 2;
 
   // kPerson
-  double tremor_m = 1e-4;      ///< RMS an axis
+  double tremor_m = 1e-4;      ///< RMS on each axis
   double tremor_hz = 10;       ///< middle of 8..12 Hz
-  double tremor_damping = 0.2; ///< ratio; half-power width 4 Hz
-  double wander_m = 1e-3;      ///< RMS an axis
+  double tremor_damping = 0.2; ///< zeta; the half-power width is then 4 Hz
+  double wander_m = 1e-3;      ///< RMS on each axis
   double wander_hz = 0.2;
-  double yield_s = 1; ///< a lasting force F moves the intention at F/(K yield_s)
+  double yield_s = 1; ///< a lasting force F moves the hand's target at the velocity F/(K yield_s)
   std::uint64_t seed = 1;
 };
 
+/// The point that the hand pulls the handle to, tick by tick: a path or a target, and for kPerson
+/// tremor, wander and yielding added to it.
 class Hand {
 public:
   void set(const HandSettings& settings, double period_s) noexcept;
@@ -58,13 +64,14 @@ public:
 
   /// Follows a path from its time 0 on.
   void set_path(Path path) noexcept;
-  /// Follows a point that a patch moves, through a critically damped follower of 20 ms.
+  /// Follows a moving target through a critically damped second-order low-pass of 20 ms.
   void set_target(const Vec3& target) noexcept;
+  /// Jumps to that time of the path.
   void seek(double time_s) noexcept;
 
-  /// Where the hand is now. Pure.
+  /// The hand's position and velocity now.
   [[nodiscard]] PathPoint point() const noexcept;
-  /// One tick further, the handle being at that position.
+  /// Advances by one tick; `handle` is the position of the device's handle, m.
   void advance(const Vec3& handle) noexcept;
 
 private:

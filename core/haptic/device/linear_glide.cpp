@@ -10,7 +10,7 @@ Vec3 LinearGlide::at(double time_s) const noexcept {
   if (!(passed_s < duration_s_))
     return target_;
   const double fraction = passed_s / duration_s_;
-  return start_ * (1 - fraction) + target_ * fraction; // no difference: it could overflow
+  return start_ * (1 - fraction) + target_ * fraction; // target_ - start_ could overflow
 }
 
 Vec3 LinearGlide::update(const Vec3& reported, double time_s) noexcept {

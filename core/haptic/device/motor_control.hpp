@@ -5,17 +5,18 @@
 
 namespace tactus::haptic {
 
-/// What the host wants of the motors, and whether the servo has done it: two states of one atomic
-/// word each, so that the newest request wins and nothing waits in a queue to act later. Any thread
-/// may request, and so may the handler of a signal.
+/// Motors on, off and emergency stop, from the host to the servo, and the servo's confirmation.
+/// Request and confirmation are one atomic word each, not a queue: the newest request wins, and a
+/// stop never waits behind other requests. Requests may come from any thread and from a signal
+/// handler.
 class MotorControl {
 public:
   struct Request {
-    bool on = true;                 ///< `motors 1`; else the force falls by the slew
-    bool stopped = false;           ///< `estop` was the last of estop and `motors 1`
-    bool paused = false;            ///< as off, but without a change of what the user asked for
-    std::uint32_t stop_count = 0;   ///< how often estop was requested
-    std::uint32_t enable_count = 0; ///< how often the motors were switched on
+    bool on = true;                 ///< `motors 1`; else the force falls at the slew limit
+    bool stopped = false;           ///< an `estop` that no `motors 1` has ended
+    bool paused = false;            ///< as off, set by the program and not by the user
+    std::uint32_t stop_count = 0;   ///< number of estops
+    std::uint32_t enable_count = 0; ///< number of enables
     bool operator==(const Request&) const = default;
   };
 
@@ -30,25 +31,25 @@ public:
   void emergency_stop() noexcept {
     change([](Request& r) { r.stopped = true, ++r.stop_count; });
   }
-  /// Lets the force fall by the slew, or rise again, whatever else was requested.
+  /// Lets the force fall at the slew limit, or rise again, independent of the other requests.
   void pause(bool paused) noexcept {
     change([paused](Request& r) { r.paused = paused; });
   }
   [[nodiscard]] Request request() const noexcept {
     return unpack(requested_.load(std::memory_order_acquire));
   }
-  /// As another servo's, which this one replaces, not paused.
+  /// Copies the request of the servo that this one replaces, without its pause.
   void take_over(const MotorControl& other) noexcept {
     Request request = other.request();
     request.paused = false;
     requested_.store(pack(request), std::memory_order_release);
   }
 
-  /// The servo's side: this request was in force when that force was written.
+  /// The servo's side: a force was written while this request was in effect.
   void confirm(const Request& request, bool zero_force) noexcept {
     confirmed_.store(pack(request) | (zero_force ? kZeroForce : 0), std::memory_order_release);
   }
-  /// The newest request is in force and the last force written was zero.
+  /// The newest request is in effect and the last force written was zero.
   [[nodiscard]] bool zero_force_confirmed() const noexcept {
     return confirmed_.load(std::memory_order_acquire) ==
            (requested_.load(std::memory_order_acquire) | kZeroForce);
@@ -56,7 +57,7 @@ public:
 
 private:
   using Word = std::uint64_t;
-  static_assert(std::atomic<Word>::is_always_lock_free); // for the handler of a signal
+  static_assert(std::atomic<Word>::is_always_lock_free); // for signal handlers
   static constexpr Word kOn = 1, kStopped = 2, kPaused = 4, kZeroForce = 8;
   static constexpr int kStopsShift = 4, kEnablesShift = 34;
   static constexpr Word kCount = (Word{1} << 30) - 1;

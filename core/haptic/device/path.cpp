@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-// The phase is reduced in turns first: hours into a path its sine is still exact.
+// Whole periods are removed before the product with 2 pi, so that the sine is exact after hours.
 double phase_of(double turns) noexcept { return kTwoPi * (turns - std::floor(turns)); }
 
 } // namespace

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-/// Where a simulated hand wants to be, as a function of time.
+/// Paths of the simulated hand: position, velocity and buttons as functions of time.
 namespace tactus::haptic {
 
 struct PathPoint {
@@ -22,8 +22,9 @@ struct PathRow {
   std::uint32_t buttons;
 };
 
-/// Rows joined by straight lines, the first and last held outside. Buttons hold from their row on.
-/// Two rows of one time are a jump.
+/// A path through given points, linearly interpolated. Before the first and after the last row the
+/// position is held. Buttons hold from their row to the next. Two rows of the same time make a
+/// jump.
 class RowPath {
 public:
   /// Rows in order of time, as files/path_file.hpp reads them.
@@ -38,14 +39,15 @@ private:
   std::vector<PathRow> rows_;
 };
 
-/// There and back between two points: position a + (b - a)(1 - cos(2 pi t / period)) / 2.
+/// To and fro between two points: from + (to - from)(1 - cos(2 pi t / period)) / 2.
 struct LinePath {
   Vec3 from{}, to{};
   double period_s = 1;
   [[nodiscard]] PathPoint at(double time_s) const noexcept;
 };
 
-/// Round a centre in the plane of axes first and second (0, 1, 2 = x, y, z), starting on first.
+/// A circle in the plane of the axes first and second (0, 1, 2 = x, y, z), from first to second:
+/// centre + radius (cos(2 pi t / period) e_first + sin(2 pi t / period) e_second).
 struct CirclePath {
   Vec3 centre{};
   double radius_m = 0.02, period_s = 1;

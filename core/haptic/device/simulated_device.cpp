@@ -6,10 +6,10 @@ namespace tactus::haptic {
 namespace {
 constexpr double kStop_n_per_m = 2e4;
 constexpr double kPeak_n = 40;
-// A damper b on a mass M, sampled every T, takes the share b T/M of its velocity each tick: a fifth
-// at 1 kHz stays calm also for a velocity that is estimated a few ticks late.
+// A damper b on a mass M, sampled every T, removes the fraction b T/M of its velocity in each tick.
+// One fifth at 1 kHz is stable also with a velocity that is estimated a few ticks late.
 constexpr double kDampingPerMass_hz = 200;
-// A servo that slept longer than this finds the handle where it was that long after falling asleep.
+// After a longer gap between two reads only this many ticks are simulated.
 constexpr std::uint64_t kMaxCatchUp_ticks = 1000;
 using Hold = HandSettings::Hold;
 } // namespace
@@ -52,8 +52,8 @@ Caps SimulatedDevice::caps() const noexcept {
 bool SimulatedDevice::read(const Tick& tick, State& state) noexcept {
   if (tick.period_s != period_s_)
     prepare(tick.period_s);
-  const std::uint64_t passed = started_ && tick.index > index_ ? tick.index - index_ : 0;
-  for (auto left = std::min(passed, kMaxCatchUp_ticks); left > 0; --left)
+  const std::uint64_t elapsed_ticks = started_ && tick.index > index_ ? tick.index - index_ : 0;
+  for (auto remaining = std::min(elapsed_ticks, kMaxCatchUp_ticks); remaining > 0; --remaining)
     advance();
   started_ = true;
   index_ = tick.index;

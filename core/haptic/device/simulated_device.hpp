@@ -11,11 +11,13 @@
 
 namespace tactus::haptic {
 
-/// A handle with mass and viscous friction, held by a simulated hand:
+/// A haptic device in software: a handle with mass M and viscous friction B, held by a simulated
+/// hand (stiffness K_h, damping B_h, position x_h, velocity v_h):
 ///   M x'' = F + K_h (x_h - x) + B_h (v_h - v) - B v     on each axis
-/// Stepped exactly for F, x_h and v_h held over a tick. It advances when it is read, by as many
-/// ticks as have gone by, so the same ticks and forces give the same bits. Beyond stop_m outside
-/// the workspace a hard stop (20 kN/m, critically damped) pushes back and never pulls.
+/// The step is exact for F, x_h and v_h held over a tick (zero_order_hold.hpp). The device advances
+/// in read(), by the number of ticks since the last read, so that the same ticks and forces give
+/// the same bits. stop_m outside the workspace a hard stop (20 kN/m, critically damped) pushes back
+/// and never pulls.
 class SimulatedDevice final : public Backend {
 public:
   static constexpr int kMaxLatency_ticks = 8;
@@ -27,13 +29,13 @@ public:
     bool stops = true;
     double stop_m = 5e-3;    ///< from the workspace's face
     double resolution_m = 0; ///< of the position reading; 0 is exact
-    double noise_m = 0;      ///< evenly spread within plus or minus this
+    double noise_m = 0;      ///< uniform within plus or minus this
     std::uint64_t seed = 1;  ///< of the reading's noise
     int latency_ticks = 0;   ///< of the readings, 0..kMaxLatency_ticks
     HandSettings hand{};
   };
 
-  /// Mass above zero, the rest not negative; keeps position and velocity.
+  /// The mass must be positive, the other numbers not negative. Position and velocity stay.
   void set(const Settings& settings) noexcept;
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
 
@@ -47,10 +49,10 @@ public:
   void set_target(const Vec3& target) noexcept { hand_.set_target(target); }
   void seek(double time_s) noexcept { hand_.seek(time_s); }
   void set_button(int button, bool down) noexcept;
-  /// Puts the handle there, at that velocity.
+  /// Sets position (m) and velocity (m/s) of the handle.
   void set_state(const Vec3& position, const Vec3& velocity) noexcept;
 
-  /// True state, without the reading's error.
+  /// The exact state, without resolution, noise and latency of the reading.
   [[nodiscard]] const Vec3& position() const noexcept { return position_; }
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] PathPoint hand_point() const noexcept { return hand_.point(); }
@@ -67,7 +69,7 @@ private:
   double stop_damping_ = 0;
   Vec3 position_{}, velocity_{}, force_{};
   std::uint32_t buttons_ = 0;
-  std::array<State, kMaxLatency_ticks + 1> readings_{}; ///< the newest, by the count of reads
+  std::array<State, kMaxLatency_ticks + 1> readings_{}; ///< ring of the newest readings
   std::size_t reads_ = 0;
   std::uint64_t index_ = 0;
   bool started_ = false;

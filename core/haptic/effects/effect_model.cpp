@@ -6,7 +6,7 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kMinDepth_m = 1e-9; // below, a contact's depth has no usable sign
+constexpr double kMinDepth_m = 1e-9; // a smaller depth of contact is rounding
 constexpr double kTwoPi = 2 * std::numbers::pi;
 } // namespace
 
@@ -49,11 +49,13 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
   return sum;
 }
 
-/// m u' = k (x - p) + b (v - u), p' = u by the backward Euler rule, with v the difference quotient
-/// of the positions: the discrete mass and its coupling are passive for any numbers (every step
-/// lowers m u^2/2 + k (x - p)^2/2 by at least what it gives), so only the hold of the coupling's
-/// force leaks, as for a spring k and a damper b. Below sqrt(k/m) the hand feels the mass m, above
-/// it k and b: the virtual coupling of Colgate, Stanley & Brown (IROS 1995).
+/// A mass m with position p and velocity u, coupled to the handle (x, v) by k and b:
+///   m u' = k (x - p) + b (v - u),   p' = u
+/// by the backward Euler rule, with v the difference quotient of the positions. This discrete
+/// system is passive for any parameters: every step lowers m u^2/2 + k (x - p)^2/2 by at least the
+/// energy that it gives out. Only the zero-order hold of the force creates energy, as for a spring
+/// k and a damper b. Below the frequency sqrt(k/m) the hand feels the mass m, above it k and b: the
+/// virtual coupling of Colgate, Stanley & Brown (IROS 1995).
 Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, double max_damping,
                           const Tick& tick, const Vec3& position) noexcept {
   const double m = inertia.mass_kg, k = inertia.stiffness;
@@ -77,8 +79,9 @@ Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, double max_dam
   return limited(force, kMaxEffect_n);
 }
 
-/// A spring to a point that is dragged along once it is stretched to F/k: Coulomb's friction with
-/// presliding, an associated plastic law and so passive.
+/// Coulomb friction with presliding: a spring to an anchor, which follows the handle at the
+/// distance F/k once the spring is stretched to it. An associated plastic law, and therefore
+/// passive.
 Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
                            const Vec3& position) noexcept {
   if (!has_friction_anchor_ || !is_finite(friction_anchor_))
@@ -88,9 +91,10 @@ Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
   return limited((friction_anchor_ - position) * friction.stiffness, kMaxEffect_n);
 }
 
-/// A surface whose height is h <= 0 instead of 0 pushes with k (d + h) instead of k d, along its
-/// tilted normal n - h' t: the gradient of k (d + h)^2/2, so that a closed path costs no work. The
-/// lateral part is Robles-De-La-Torre & Hayward's force (Nature 412, 2001), by which shape is felt.
+/// A groove of height h <= 0 changes the contact force k d to k (d + h) along the tilted normal
+/// n - h' t (d the depth, t the direction of the grooves): the gradient of k (d + h)^2/2, so that a
+/// closed path does no work. The lateral part is the force by which a shape is perceived
+/// (Robles-De-La-Torre & Hayward, Nature 412, 2001).
 Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
                          const Vec3& position) const noexcept {
   if (!scene_ || !scene_force_ || scene_->touches().empty())

@@ -11,12 +11,12 @@
 /// Force effects that a host switches on and off by name. docs/effects.md has the equations.
 namespace tactus::haptic {
 
-/// What is felt now; an effect without a value is off. Stiffnesses N/m, damping N s/m.
+/// Settings of the effects; an effect without a value is off. Stiffness N/m, damping N s/m.
 struct EffectSettings {
   struct Constant {
     Vec3 force_n{};
   };
-  /// F = k (c - x), no longer than max_n.
+  /// F = k (c - x), its magnitude limited to max_n.
   struct Spring {
     double stiffness = 0;
     Vec3 centre{}; ///< m
@@ -26,22 +26,22 @@ struct EffectSettings {
   struct Viscous {
     double damping = 0;
   };
-  /// A mass that hangs on the handle by a spring and a damper.
+  /// A mass coupled to the handle by a spring and a damper.
   struct Inertia {
     double mass_kg = 0;
     double stiffness = 300, damping = 1;
   };
-  /// Coulomb's friction F, which a spring of that stiffness builds up before it slips.
+  /// Coulomb friction with presliding: a spring of that stiffness up to the force F, then slip.
   struct Friction {
     double force_n = 0;
     double stiffness = 500;
   };
-  /// F = A sin(2 pi s/lambda) e, s the position along e: a grating in free space.
+  /// F = A sin(2 pi s/lambda) e, s = x . e: a grating in free space.
   struct Texture {
     double amplitude_n = 0, wavelength_m = 1e-3;
     Vec3 direction{1, 0, 0}; ///< e, of unit length
   };
-  /// Grooves h(s) = H (cos(2 pi s/lambda) - 1)/2 in every surface of the scene that is touched.
+  /// Grooves of depth H in every touched surface: height h(s) = H (cos(2 pi s/lambda) - 1)/2.
   struct Relief {
     double depth_m = 0, wavelength_m = 1e-3;
     Vec3 direction{1, 0, 0};
@@ -56,31 +56,33 @@ struct EffectSettings {
   std::optional<Relief> relief{};
 };
 
-/// The effects inside the servo. force() is the sum of those that are passive by themselves:
-/// viscous, inertia, friction, texture and relief. driven() is that of constant and spring, which
-/// put energy into the hand when they are switched on, and so count as the patch's own wish.
+/// Computes the effects inside the servo. force() returns the sum of the passive ones: viscous,
+/// inertia, friction, texture and relief. active_force() returns the sum of constant and spring,
+/// which put energy into the hand when they are switched on and therefore count as forces of the
+/// patch (Servo::attach).
 ///
-/// Bounded work, no allocation; each effect is at most kMaxEffect_n long. A damper that is sampled
-/// is passive only up to what the device can damp: viscous and inertia use no more than that.
+/// Bounded work, no allocation; the force of each effect is at most kMaxEffect_n. A sampled damper
+/// is passive only up to the device's damping limit; viscous and inertia use no more than that.
 class EffectModel final : public LocalModel {
 public:
   static constexpr double kMaxEffect_n = 40;
-  static constexpr double kDamping_n_s_per_m = 5; ///< of a device that does not say its limit
+  static constexpr double kDamping_n_s_per_m = 5; ///< limit of a device that does not state one
 
   // the host's side
   void set(const EffectSettings& settings) noexcept { settings_.write(settings); }
-  /// The scene that relief is carved into, and where its force of this tick is found. Both must be
-  /// asked for their force before this is.
+  /// The scene in whose surfaces `relief` cuts its grooves, and the variable that holds the scene's
+  /// force of this tick, N. The scene's force() must be called before this one's.
   void set_scene(const SceneModel& scene, const Vec3& scene_force_n) noexcept {
     scene_ = &scene;
     scene_force_ = &scene_force_n;
   }
 
-  /// What the device damps quietly at 1 kHz, N s/m; 0 when it does not say. At any time.
+  /// Largest damping that the device renders stably at 1 kHz, N s/m; 0: not known. At any time.
   void set_damping_limit(double n_s_per_m) noexcept {
     damping_limit_.store(n_s_per_m, std::memory_order_relaxed);
   }
-  /// The same in ticks of that length: slower ones hold less.
+  /// The largest passive damping for that period, N s/m: the limit at 1 kHz, less for longer
+  /// periods.
   [[nodiscard]] static double max_passive_damping(double limit_n_s_per_m,
                                                   double period_s) noexcept {
     return (limit_n_s_per_m > 0 ? limit_n_s_per_m : kDamping_n_s_per_m) *
@@ -112,7 +114,7 @@ private:
   bool has_friction_anchor_ = false;
 };
 
-/// driven() of an EffectModel that has been asked in the same tick.
+/// active_force() of an EffectModel whose force() was called in the same tick, as a local model.
 class ActiveEffects final : public LocalModel {
 public:
   explicit ActiveEffects(const EffectModel& effects) noexcept : effects_(effects) {}

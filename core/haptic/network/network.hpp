@@ -8,55 +8,56 @@
 #include <limits>
 #include <vector>
 
-/// What a mass-spring network is made of; network_model.hpp steps it. docs/network.md has the
-/// equations.
+/// The description of a mass-spring network: masses, links, pickups. network_model.hpp simulates
+/// it; docs/network.md has the equations.
 namespace tactus::haptic {
 
+/// One point mass.
 struct NetworkMass {
-  std::uint64_t key =
-      0; ///< never used twice, growing along the list; a mass keeps its motion by it
+  /// Unique, ascending along the list. A mass that keeps its key keeps its motion.
+  std::uint64_t key = 0;
   double mass_kg = 1e-3;
   Vec3 position{};    ///< m, at rest and after a reset
-  bool fixed = false; ///< an anchor: it holds and does not move
+  bool fixed = false; ///< an anchor, which does not move
 };
 
-/// Spring and damper between two masses, d the vector from a to b, L its length, n = d/L,
-/// w the relative velocity of b:
-///   force on a = (k (L - l0) + (b_n - b_t) (w . n)) n + b_t w,   on b the opposite.
+/// A spring and damper between two masses a and b. d: vector from a to b, L: its length, n = d/L,
+/// w: velocity of b relative to a.
+///   force on a = (k (L - l0) + (b_n - b_t) (w . n)) n + b_t w,   force on b = -force on a.
 struct NetworkLink {
   enum class Kind : std::uint16_t {
-    kSpring, ///< both ways
-    kPull,   ///< a cable: nothing while L < l0
-    kPush,   ///< a buffer: nothing while L > l0
+    kSpring, ///< pulls and pushes
+    kPull,   ///< a cable: no force while L < l0
+    kPush,   ///< a buffer: no force while L > l0
   };
   std::uint16_t a = 0, b = 0; ///< indices into Network::masses
   Kind kind = Kind::kSpring;
   double stiffness_n_per_m = 0;            ///< k
   double rest_length_m = 0;                ///< l0
   double damping_n_s_per_m = 0;            ///< b_n, along the link
-  double transverse_damping_n_s_per_m = 0; ///< b_t, across it: the inner loss of a string
+  double transverse_damping_n_s_per_m = 0; ///< b_t, across it, as the internal loss of a string
 };
 
-/// How the handle meets the masses: a sphere about it pushes them away, a spring-damper of that
-/// stiffness and damping, never pulling.
+/// Contact of the handle with the masses: a sphere around the handle pushes them away by a spring
+/// and a damper and never pulls.
 struct NetworkTouch {
   double radius_m = 0.01;
   double stiffness_n_per_m = 400;
   double damping_n_s_per_m = 0.1;
 };
 
-/// The spring-damper between the handle and a mass that it grabs.
+/// The spring and damper between the handle and a grabbed mass.
 struct NetworkGrab {
   double stiffness_n_per_m = 400;
   double damping_n_s_per_m = 0.1;
 };
 
-/// One signal outlet: what is read from which mass.
+/// The signal of one outlet: a quantity of one mass.
 struct NetworkPickup {
   enum class Quantity {
     kVelocity,     ///< m/s
     kDisplacement, ///< m, from the position at rest
-    kForce,        ///< N, that links put on the mass: an anchor's is what a bridge feels
+    kForce,        ///< N, of the links on the mass; of an anchor the force on a bridge
   };
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::size_t mass = kNone;
@@ -64,7 +65,7 @@ struct NetworkPickup {
   Quantity quantity = Quantity::kVelocity;
 };
 
-/// A network as the host wants it. Made by the host, read by the servo, never changed.
+/// A whole network. The host makes it, the servo reads it; it is never changed.
 struct Network {
   static constexpr std::size_t kMaxMasses = 200, kMaxAnchors = 100;
   static constexpr std::size_t kMaxPoints = kMaxMasses + kMaxAnchors;
@@ -78,7 +79,7 @@ struct Network {
   NetworkTouch touch{};
   NetworkGrab grab{};
   std::array<NetworkPickup, kPickups> pickups{};
-  double rate_hz = 48000; ///< steps a second, at least
+  double rate_hz = 48000; ///< requested steps per second; see steps_per_tick()
 };
 
 } // namespace tactus::haptic

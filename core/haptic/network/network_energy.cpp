@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-/// What keeps a network passive.
+/// NetworkModel's energy and its limit.
 namespace tactus::haptic {
 namespace {
-// Energy that goes and comes back within this time is the scheme's; what is gone longer is lost.
+// Energy lost for longer than this does not return; shorter dips are an error of the scheme.
 constexpr double kBudgetTimeConstant_s = 0.05;
 constexpr double kRounding = 1e-9; // of the elastic and kinetic energy
 } // namespace
 
-/// With x_n = x_(n+1) - h v, for a link of vectors d and lengths L at both instants
+/// v^T M v/2, for each link with the vector d and length L at the steps n and n + 1
 ///   k/2 (d_n . d_(n+1) - l0 (L_n + L_(n+1)) + l0^2),
-/// which the scheme conserves, together with v^T M v/2, for links that stay straight or have no
-/// rest length. Gravity: -m g . (x_n + x_(n+1))/2.
+/// and for gravity -m g . (x_n + x_(n+1))/2, where x_n = x_(n+1) - h v. The scheme conserves the
+/// sum for links that keep their direction or have no rest length.
 double NetworkModel::energy_j() const noexcept {
   if (!network_)
     return 0;
@@ -45,7 +45,8 @@ double NetworkModel::energy_j() const noexcept {
   return energy;
 }
 
-/// A spring of the handle's: k/2 e_n . e_(n+1), and F |e| - F^2/(2k) beyond its largest force F.
+/// Energy of a spring of the handle: k/2 e_n . e_(n+1), and F |e| - F^2/(2k) where its force is
+/// limited to F. product: e_n . e_(n+1); extent: |e|.
 double NetworkModel::saturated_spring_energy_j(double stiffness, double product,
                                                double extent) noexcept {
   return stiffness * extent <= kMaxHandle_n
@@ -76,7 +77,7 @@ double NetworkModel::handle_energy_j() const noexcept {
   return energy;
 }
 
-/// The energy changes by F . (v- + v+)/2 h.
+/// F . (v- + v+)/2 h for each pluck.
 double NetworkModel::work_of_plucks() const noexcept {
   double work = 0;
   for (const Pluck& pluck : plucks_)
@@ -85,10 +86,9 @@ double NetworkModel::work_of_plucks() const noexcept {
   return 0.5 * step_s_ * work;
 }
 
-/// budget + work >= energy at every tick, so that the sum of all energy that comes out is never
-/// more than what came in. Energy that is lost stays in the budget for kBudgetTimeConstant_s: the
-/// scheme's own error goes up and down within a swing, and must not be taken for gain each time
-/// that it goes up.
+/// Enforces energy <= budget + work in every tick, so that the network never gives out more energy
+/// than it got. Lost energy leaves the budget with the time constant kBudgetTimeConstant_s: the
+/// error of the scheme oscillates within a period, and its rise must not count as a gain.
 void NetworkModel::limit_energy(double work_j, double period_s) noexcept {
   const double energy = energy_j(), available = budget_j_ + work_j;
   double kinetic = 0;

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-/// Networks and orders from the host; network_step.cpp has the stepping.
+/// NetworkModel's networks and actions from the host; network_step.cpp has the steps.
 namespace tactus::haptic {
 namespace {
-constexpr int kMaxActions = 16; // a tick; the rest wait for the next
+constexpr int kMaxActions = 16; // per tick; the rest stay in the queue
 }
 
 NetworkModel::~NetworkModel() {
@@ -38,7 +38,8 @@ void NetworkModel::begin() noexcept {
   touch_gain_.fill(-1);
 }
 
-/// A sphere that has grown pushes a mass that it touched on with the force of before.
+/// The gain for which a sphere that has grown pushes a mass with the same force as before; -1 for a
+/// mass that it did not touch.
 double NetworkModel::gain_after_growth(double before_m, std::size_t mass) const noexcept {
   const double distance = norm(position(mass) - handle_);
   return touch_gain_[mass] >= 0 && distance < before_m
@@ -46,9 +47,9 @@ double NetworkModel::gain_after_growth(double before_m, std::size_t mass) const 
              : -1;
 }
 
-/// Keys grow along both lists, so that one walk finds the masses that stay.
+/// Keys ascend along both lists, so that one pass finds the masses that stay.
 void NetworkModel::take_network() noexcept {
-  // read before the old network is handed back: the host may free it at once
+  // Read before the old network is returned, since the host may free it at once.
   const double radius_m = network_ ? network_->touch.radius_m : 0.0;
   if (!pending_.load(std::memory_order_relaxed) || (published_ && !retired_.push(published_)))
     return;
@@ -116,7 +117,7 @@ void NetworkModel::apply_action(const Action& action, const Vec3& handle) noexce
     const std::size_t mass = find(action.key);
     if (!movable(mass))
       return;
-    // The force is scaled to whole steps, so that the impulse is what was asked for.
+    // The duration is rounded to whole steps; the force is scaled to keep the impulse.
     const double duration_s = action.duration_s > 0 ? std::min(action.duration_s, 100.0) : 0.0;
     const double steps = std::max(1.0, std::floor(duration_s / step_s_ + 0.5));
     Pluck* free = std::find_if(plucks_.begin(), plucks_.end(),
@@ -168,7 +169,7 @@ void NetworkModel::reset() noexcept {
   has_budget_ = false;
 }
 
-/// Also without denormals, which would make later ticks slow.
+/// Bounds the state and removes denormal numbers, which would slow down later ticks.
 void NetworkModel::clamp_state() noexcept {
   constexpr double kTiny = 1e-30;
   const auto bound = [](double& value, double largest) {

@@ -11,34 +11,35 @@
 
 namespace tactus::haptic {
 
-/// One value of each pickup, the mean of one or more steps.
+/// One value of each pickup: the mean over one or more steps.
 using NetworkSample = std::array<float, Network::kPickups>;
 
-/// A mass-spring network that lives inside the servo, felt and heard. docs/network.md.
-///   M x'' = -links(x, x') - alpha M x' + M g + handle
-/// stepped by the symplectic Euler rule, v += h F(x, v)/m, x += h v, a whole number of steps in a
-/// servo tick (stability.hpp says how many). A tick covers the time since the last one: the handle
-/// goes straight from its last position to the present, and the hand gets the opposite of the mean
-/// force that the masses got from it, so that momentum is conserved over every tick.
+/// Simulates a mass-spring network inside the servo, both felt and heard. docs/network.md has the
+/// model.
+///   M x'' = f_links(x, x') - alpha M x' + M g + f_handle + f_pluck
+/// by the symplectic Euler rule, v += h F(x, v)/m, x += h v, with a whole number of steps in a
+/// servo tick (stability.hpp). A tick simulates the time since the last one: the handle moves
+/// linearly from its last position to the present one. The hand gets the negative mean of the
+/// handle's force on the masses, so that momentum is conserved over every tick.
 ///
-/// Passive for any numbers: the energy of masses, links and the handle's springs grows by no more
-/// than what the handle's motion, plucks and edits put in. Linear links keep it to rounding; where
-/// the scheme makes energy, such as at a spring pressed to no length, the velocities are scaled
-/// down (network_energy.cpp).
+/// Passive for any parameters: the energy of masses, links and the handle's springs grows by no
+/// more than the work of the handle, of plucks and of edits. For linear links the scheme conserves
+/// it up to rounding. Where the scheme creates energy, for example when a spring is compressed to
+/// zero length, the velocities are scaled down (network_energy.cpp).
 ///
-/// The host publishes whole networks as it does scenes; masses that keep their key keep their
-/// motion. Bounded work, no allocation; a state that is not finite is put back to rest.
+/// The host publishes whole networks; a mass that keeps its key keeps its motion. Bounded work, no
+/// allocation; a state that is not finite is reset.
 class NetworkModel final : public LocalModel {
 public:
   static constexpr double kMaxPosition_m = 2, kMaxSpeed_m_per_s = 1000;
-  static constexpr double kMaxHandle_n = 40;  ///< the handle's spring to a mass yields beyond
-  static constexpr double kMaxPluck_n = 1000; ///< longer forces are shortened
+  static constexpr double kMaxHandle_n = 40;  ///< limit of the force between handle and one mass
+  static constexpr double kMaxPluck_n = 1000; ///< limit of a pluck's force
 
-  /// A mass that appears within the sphere about the handle, or is there when a device is opened or
-  /// the sphere grows, is pushed by a force that grows for this long; so does that of a spring that
-  /// grabs a mass.
-  static constexpr double kEmerging_s = 0.1;
+  /// Ramp of the handle's force on a mass that is inside the sphere when it appears, when a device
+  /// is opened or when the sphere grows; also of the spring to a grabbed mass.
+  static constexpr double kContactRamp_s = 0.1;
 
+  /// An action of the hand on one mass, or a reset.
   struct Action {
     enum class Kind { kPluck, kGrab, kGrabNearest, kRelease, kReset };
     Kind kind = Kind::kReset;
@@ -53,30 +54,31 @@ public:
   NetworkModel& operator=(const NetworkModel&) = delete;
 
   // the host's side
-  /// The servo's next tick takes it; one that it has not taken yet is dropped. The network must
-  /// respect its maxima and max_stable_step must be above 0.
+  /// Replaces the network at the servo's next tick; one that the servo has not taken yet is
+  /// dropped. The network must respect the maxima of Network, and max_stable_step() must be
+  /// positive.
   void publish(std::unique_ptr<const Network> network);
-  /// Frees the networks that the servo has done with.
+  /// Frees the networks that the servo has returned.
   void collect() noexcept;
-  /// False when too many wait already.
+  /// False when the queue is full.
   bool queue_action(const Action& action) noexcept { return actions_.push(action); }
 
   // the servo's side
   void begin() noexcept override;
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
-  /// What the pickups found in the last tick, in order.
+  /// The pickups of the last tick, in order of time.
   [[nodiscard]] std::span<const NetworkSample> samples() const noexcept {
     return {samples_.data(), sample_count_};
   }
 
   // while no step runs
   [[nodiscard]] Vec3 position(std::size_t mass) const noexcept;
-  /// Half a step before the position.
+  /// m/s, half a step before the time of position().
   [[nodiscard]] Vec3 velocity(std::size_t mass) const noexcept;
-  /// Force of links and handle in the last step.
+  /// Force of links, handle and plucks in the last step, N.
   [[nodiscard]] Vec3 force_on(std::size_t mass) const noexcept;
-  /// Kinetic, elastic and gravity's energy half a step before the positions, as the scheme keeps
-  /// it, that of the handle's springs included.
+  /// Kinetic, elastic and potential energy half a step before the positions, as the scheme
+  /// conserves it, including the handle's springs.
   [[nodiscard]] double energy_j() const noexcept;
   /// Ticks in which velocities were scaled down.
   [[nodiscard]] std::uint64_t energy_limited_ticks() const noexcept {
@@ -133,19 +135,19 @@ private:
   std::array<std::uint64_t, kPoints> keys_{};
   Row x_{}, y_{}, z_{}, vx_{}, vy_{}, vz_{}, fx_{}, fy_{}, fz_{};
   Row mass_{}, inverse_mass_{}; // inverse 0: an anchor
-  Row touch_gain_{};            // 0..1 while a mass emerges; below 0: it has just appeared
+  Row touch_gain_{};            // 0..1 over kContactRamp_s; below 0: the mass is new
   double step_s_ = 0;
 
   Vec3 handle_{}, handle_velocity_{}; // at the end of the last tick, and during it
   bool started_ = false;
   std::uint64_t grabbed_ = kNoKey;
   std::size_t grabbed_mass_ = 0;
-  double grab_gain_ = 0; // 0..1 while the spring takes hold
+  double grab_gain_ = 0; // 0..1 over kContactRamp_s
   std::array<std::uint16_t, kPoints> candidates_{};
   std::size_t candidate_count_ = 0;
   std::array<Pluck, kMaxPlucks> plucks_{};
 
-  double budget_j_ = 0; // energy and what it has lately lost
+  double budget_j_ = 0; // energy, and losses of the last kBudgetTimeConstant_s
   bool has_budget_ = false;
   std::uint64_t energy_limited_ticks_ = 0;
 

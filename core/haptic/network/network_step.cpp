@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-/// How a network moves within a servo tick.
+/// NetworkModel's steps within a servo tick.
 namespace tactus::haptic {
 namespace {
-constexpr double kMinLength2_m2 = 1e-24; // a link without length has no direction, and no force
+constexpr double kMinLength2_m2 = 1e-24; // a link of zero length has no direction and gets no force
 constexpr double kTouchMargin_m = 1e-3;
 constexpr double kMaxHandlePosition_m = 10;
 constexpr double kMaxForce_n = 1e3;
 } // namespace
 
-static_assert(kMaxStepsPerTick <= 1024, "NetworkModel's samples hold a tick");
+static_assert(kMaxStepsPerTick <= 1024, "NetworkModel::samples_ must hold one tick");
 
 Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
   take_network();
@@ -35,22 +35,22 @@ Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
   take_actions(start);
   const double before_j = handle_energy_j();
   raise_gains(tick.period_s);
-  budget_j_ += handle_energy_j() - before_j; // springs that grow put energy in
+  budget_j_ += handle_energy_j() - before_j; // growing gains put energy in
   if (!has_budget_)
     budget_j_ = energy_j();
   has_budget_ = true;
 
-  Vec3 given{};
+  Vec3 force_sum{};
   double work_j = 0;
   for (int step = 0; step < steps; ++step) {
     apply_links();
-    const NetworkSample heard = read_pickups();
+    const NetworkSample pickups = read_pickups();
     NetworkSample& mean = samples_[static_cast<std::size_t>(step / stride)];
-    for (std::size_t p = 0; p < heard.size(); ++p)
-      mean[p] = (step % stride == 0 ? 0.0f : mean[p]) + heard[p] / static_cast<float>(stride);
+    for (std::size_t p = 0; p < pickups.size(); ++p)
+      mean[p] = (step % stride == 0 ? 0.0f : mean[p]) + pickups[p] / static_cast<float>(stride);
     const Vec3 handle = start + (goal - start) * (static_cast<double>(step) / steps);
     const Vec3 force = apply_handle(handle, velocity);
-    given += force;
+    force_sum += force;
     // The energy with the handle's springs changes by F . (x_h+ - x_h-)/2.
     work_j += dot(force, step == 0 ? (velocity + handle_velocity_) * 0.5 : velocity) * step_s_;
     apply_plucks();
@@ -63,10 +63,10 @@ Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
   handle_velocity_ = velocity;
   clamp_state();
   limit_energy(work_j, tick.period_s);
-  return limited(given * (-1.0 / steps), kMaxForce_n);
+  return limited(force_sum * (-1.0 / steps), kMaxForce_n);
 }
 
-/// The masses that the sphere about the handle can meet in this tick.
+/// Collects the masses that the sphere around the handle can reach in this tick.
 void NetworkModel::find_candidates(const Vec3& from, const Vec3& to, double period_s) noexcept {
   candidate_count_ = 0;
   const NetworkTouch& touch = network_->touch;
@@ -82,10 +82,10 @@ void NetworkModel::find_candidates(const Vec3& from, const Vec3& to, double peri
   }
 }
 
-/// The handle's springs take hold within kEmerging_s, but for masses that come into the sphere by
-/// themselves.
+/// Ramps the gains of the handle's springs. A mass that enters the sphere by its own motion has the
+/// full gain.
 void NetworkModel::raise_gains(double period_s) noexcept {
-  const double rise = period_s / kEmerging_s;
+  const double rise = period_s / kContactRamp_s;
   if (network_->touch.stiffness_n_per_m > 0 && network_->touch.radius_m > 0)
     for (std::size_t i = 0; i < count_; ++i) {
       double& gain = touch_gain_[i];
@@ -129,7 +129,7 @@ void NetworkModel::add_force(std::size_t mass, const Vec3& force) noexcept {
   fx_[mass] += force.x, fy_[mass] += force.y, fz_[mass] += force.z;
 }
 
-/// Sphere and grabbing spring; returns the force on all masses together.
+/// Adds the forces of the sphere and of the grabbing spring; returns their sum.
 Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity) noexcept {
   Vec3 sum{};
   const NetworkTouch& touch = network_->touch;
@@ -195,7 +195,8 @@ void NetworkModel::integrate() noexcept {
   }
 }
 
-/// At the beginning of a step: the links' forces there, and the velocity half a step before.
+/// Reads the pickups at the start of a step: forces of the links then, velocities half a step
+/// before.
 NetworkSample NetworkModel::read_pickups() const noexcept {
   NetworkSample sample{};
   for (std::size_t p = 0; p < sample.size(); ++p) {

@@ -7,12 +7,12 @@
 
 namespace tactus::haptic {
 
-/// A box along the axes that encloses something. m
+/// An axis-aligned bounding box, m.
 struct Bounds {
   Vec3 low{}, high{};
 };
 
-/// A straight motion, prepared for tests against many boxes.
+/// A straight motion between two points, with what its test against many boxes needs.
 class Segment {
 public:
   Segment(const Vec3& from, const Vec3& to) noexcept : from_(from) {
@@ -24,8 +24,8 @@ public:
 
   static constexpr double kNever = std::numeric_limits<double>::infinity();
   /// The fraction of the motion at which it may first touch the box grown by a margin on all sides;
-  /// kNever when that is beyond `limit`. Slabs (Kay & Kajiya, SIGGRAPH 1986), a few ulp wider than
-  /// computed: a box must not hide what lies on its face.
+  /// kNever when that is beyond `limit`. Slab method (Kay & Kajiya, SIGGRAPH 1986), with the slabs
+  /// a few ulp wider, so that a triangle in the face of its box is found in spite of rounding.
   [[nodiscard]] double entry(const Bounds& bounds, double margin, double limit) const noexcept {
     double begin = 0.0, end = limit;
     for (int axis = 0; axis < 3; ++axis) {

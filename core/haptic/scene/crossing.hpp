@@ -5,14 +5,14 @@
 
 namespace tactus::haptic {
 
-/// Where a straight motion meets a surface: the fraction of the motion, and the surface's unit
-/// normal, which points back to where the motion began.
+/// The first contact of a straight motion with a surface: the fraction of the motion, 0..1, and the
+/// surface's unit normal on the side from which the motion comes.
 struct Crossing {
   double fraction;
   Vec3 normal;
 };
 
-/// What one iteration of a rounded shape's crossing costs.
+/// Cost of one iteration of convex_crossing, in units of WorkLimit.
 inline constexpr int kIterationWork = 5;
 
 } // namespace tactus::haptic

@@ -6,10 +6,10 @@ namespace tactus::haptic {
 namespace {
 
 constexpr double kTolerance_m = 1e-13;
-constexpr double kParallel = 1e-9; // sine of the angle below which two faces are one
+constexpr double kParallel = 1e-9; // sine of the angle below which two faces count as parallel
 
-/// Pushes that put goal + sum push_i normal_i onto all the faces; false when they are (nearly)
-/// dependent. The Gram matrix of one to three normals, by Cramer.
+/// Multipliers for which goal + sum multiplier_i normal_i lies on all of one to three faces; false
+/// when their normals are (nearly) dependent. Cramer's rule on the Gram matrix of the normals.
 bool solve_multipliers(std::span<const HalfSpace* const> active, const Vec3& goal,
                        std::array<double, 3>& multiplier) noexcept {
   std::array<double, 3> depth{};
@@ -29,8 +29,8 @@ bool solve_multipliers(std::span<const HalfSpace* const> active, const Vec3& goa
     multiplier[1] = (depth[1] - cosine * depth[0]) / area;
     return true;
   }
-  // Three faces meet in one point: x - goal = (d0 b x c + d1 c x a + d2 a x b) / (a . b x c), and
-  // its pushes follow with the same cross products.
+  // Three faces meet in one point, x - goal = (d0 b x c + d1 c x a + d2 a x b) / (a . b x c); the
+  // multipliers are its products with the same cross products, over the same volume.
   const Vec3 c = active[2]->normal;
   const Vec3 bc = cross(b, c), ca = cross(c, a);
   const double volume = dot(c, line);

@@ -9,7 +9,7 @@
 
 namespace tactus::haptic {
 
-/// All x with normal . x >= offset; the normal is of unit length.
+/// The points x with normal . x >= offset; the normal is of unit length.
 struct HalfSpace {
   Vec3 normal;
   double offset;
@@ -17,15 +17,17 @@ struct HalfSpace {
 
 inline constexpr std::size_t kMaxHalfSpaces = 4;
 
+/// Result of nearest_point().
 struct NearestPoint {
   Vec3 point;
-  /// How far each half space pushes: point = goal + sum push_i normal_i, none negative.
+  /// Lagrange multipliers, m: point = goal + sum multiplier_i normal_i, all >= 0.
   std::array<double, kMaxHalfSpaces> multiplier{};
 };
 
-/// The point common to at most four half spaces that is nearest to the goal: the optimum of
-/// min |x - goal|^2, found by trying every set of up to three active faces for the conditions of
-/// Karush, Kuhn and Tucker. Nothing when rounding hides it, as when faces are nearly parallel.
+/// The point of the intersection of at most four half spaces that is nearest to the goal:
+///   min |x - goal|^2   subject to   normal_i . x >= offset_i,
+/// solved by testing the Karush-Kuhn-Tucker conditions for every set of up to three active faces.
+/// Nothing where rounding hides the solution, for example between nearly parallel faces.
 [[nodiscard]] std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
                                                         const Vec3& goal) noexcept;
 

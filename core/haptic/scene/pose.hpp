@@ -8,7 +8,7 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// What is left of a vector when its component along another is taken off.
+/// a - (a . u) u with u = along/|along|: the part of a perpendicular to `along`.
 inline Vec3 without_component(const Vec3& a, const Vec3& along) noexcept {
   const double length = norm(along);
   if (!(length > 0.0))
@@ -17,24 +17,24 @@ inline Vec3 without_component(const Vec3& a, const Vec3& along) noexcept {
   return a - unit * dot(a, unit);
 }
 
-/// A turn in space: a unit quaternion.
+/// A rotation in space as a unit quaternion w + x i + y j + z k.
 struct Rotation {
   double w = 1, x = 0, y = 0, z = 0;
 
-  /// v + 2 w (q x v) + 2 q x (q x v)
+  /// v + 2 w (q x v) + 2 q x (q x v), q = (x, y, z).
   [[nodiscard]] Vec3 rotated(const Vec3& v) const noexcept {
     const Vec3 q{x, y, z}, first = 2.0 * cross(q, v);
     return v + w * first + cross(q, first);
   }
   [[nodiscard]] Rotation inverse() const noexcept { return {w, -x, -y, -z}; }
-  /// The unit quaternion of that direction; no turn when it has none.
+  /// The quaternion (w, x, y, z) scaled to unit length; the identity where that is not possible.
   [[nodiscard]] static Rotation of(double w, double x, double y, double z) noexcept;
-  /// The smallest turn that takes the z axis to that direction.
+  /// The smallest rotation that takes the z axis to that direction; the identity without one.
   [[nodiscard]] static Rotation from_z_to(const Vec3& direction) noexcept;
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-/// Where a body's own frame lies in the project frame.
+/// Position and orientation of a body's frame in the project frame.
 struct Pose {
   Vec3 position{}; ///< m
   Rotation rotation{};

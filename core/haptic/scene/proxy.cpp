@@ -3,19 +3,20 @@
 namespace tactus::haptic {
 namespace {
 
-constexpr int kMaxPasses = 12; // a curved or finely meshed surface is followed tangent by tangent
-constexpr int kMaxFaces = 6;   // faces met in one pass
+constexpr int kMaxPasses =
+    12;                      // each follows a curved or finely meshed surface by one tangent plane
+constexpr int kMaxFaces = 6; // faces found in one pass
 constexpr double kConverged_m = 1e-13;
-constexpr double kBoundsMargin_m = 1e-9; // far above the rounding of a turned box
+constexpr double kBoundsMargin_m = 1e-9; // far above the rounding of a rotated box
 
-// What things cost, in units of WorkLimit.
+// Costs in units of WorkLimit.
 constexpr int kBoundsWork = 1, kCrossingWork = 10, kNearestWork = 6;
 
 HalfSpace half_space(const Touch& touch) noexcept {
   return {touch.normal, dot(touch.normal, touch.point) + Proxy::kSkin_m};
 }
 
-/// Faces collected in one pass, with room for one candidate more than can hold.
+/// Faces collected in one pass, with room for one candidate more than can be active.
 struct Faces {
   std::array<Touch, kMaxHalfSpaces> touch{};
   std::array<HalfSpace, kMaxHalfSpaces> half{};
@@ -26,14 +27,14 @@ struct Faces {
     half[count++] = half_space(hit);
   }
   void keep_active(const NearestPoint& nearest) noexcept {
-    std::size_t kept = 0;
+    std::size_t active = 0;
     for (std::size_t i = 0; i < count; ++i)
       if (nearest.multiplier[i] > 0.0) {
-        touch[kept] = touch[i];
-        touch[kept].penetration_m = nearest.multiplier[i];
-        half[kept++] = half[i];
+        touch[active] = touch[i];
+        touch[active].penetration_m = nearest.multiplier[i];
+        half[active++] = half[i];
       }
-    count = kept;
+    count = active;
   }
 };
 
@@ -44,9 +45,9 @@ const Obstacle* find(std::span<const Obstacle> obstacles, std::size_t slot) noex
   return nullptr;
 }
 
-/// A lone curved face is exact in one move: along the surface to the point nearest to the goal.
-/// The motion along it is a chord through its own body, which is left out of the sweep. Nothing
-/// changes where that is not possible.
+/// On a single curved face the nearest point to the goal has a closed form: moves the proxy there.
+/// The motion is a chord through the body itself, which is therefore left out of the sweep. Where
+/// that is not possible nothing changes.
 void follow_curve(Vec3& proxy, const Vec3& goal, Faces& faces,
                   const Surroundings& surroundings) noexcept {
   Touch& touch = faces.touch[0];
@@ -61,15 +62,15 @@ void follow_curve(Vec3& proxy, const Vec3& goal, Faces& faces,
   const Vec3 normal = obstacle->pose.rotation.rotated(nearest->normal);
   const Vec3 point = obstacle->pose.to_world(nearest->point);
   const Vec3 end = point + normal * Proxy::kSkin_m;
-  const double multiplier = norm(end - goal);
-  if (multiplier > norm(proxy - goal) + kConverged_m)
+  const double distance = norm(end - goal);
+  if (distance > norm(proxy - goal) + kConverged_m)
     return;
   const Proxy::Stop stop = Proxy::sweep(proxy, end, surroundings, touch.slot);
   if (stop.hit || !stop.complete)
     return;
   touch.normal = normal;
   touch.point = point;
-  touch.penetration_m = multiplier;
+  touch.penetration_m = distance;
   proxy = end;
 }
 
@@ -104,8 +105,8 @@ Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, const Surroundings& s
                  obstacle.pose.to_local(to), surroundings.work);
     if (surroundings.work.exhausted())
       break;
-    // Of two that are met at once it is the one with the lower slot, in whatever order they are
-    // tested.
+    // Of two met at the same fraction the one with the lower slot counts, whatever the order of the
+    // tests.
     if (!found ||
         (stop.hit && (found->fraction > stop.fraction ||
                       (found->fraction == stop.fraction && obstacle.slot > stop.touch.slot))))
@@ -149,7 +150,7 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal,
         result.hit = true;
         result.first = stop.touch;
       }
-      // Back along the motion until it is a skin's thickness above the face.
+      // Back along the motion to the distance kSkin_m above the face.
       const Vec3 motion = target - proxy;
       const double approach = -dot(motion, stop.touch.normal);
       const double back = approach > 0.0 ? kSkin_m / approach : 0.0;
@@ -166,7 +167,7 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal,
       break;
   }
   if (faces.count == 0 && !result.complete)
-    faces = before_faces; // of the pass before: they still lie between the proxy and the goal
+    faces = before_faces; // of the last pass: they still lie between proxy and goal
   result.end = proxy;
   for (std::size_t i = 0; i < faces.count && result.touches.count < 3; ++i)
     if (faces.touch[i].penetration_m > kSkin_m)

@@ -9,58 +9,60 @@
 
 namespace tactus::haptic {
 
-/// One body as the proxy meets it in this tick.
+/// One body near the tool, with its pose in this tick.
 struct Obstacle {
   const Body* body = nullptr;
   Pose pose{};
-  std::size_t slot = 0; ///< the caller's number
-  Bounds bounds{};      ///< world, of the bare body
+  std::size_t slot = 0; ///< index that the caller gives the body
+  Bounds bounds{};      ///< in world coordinates, without the tool's radius
 };
 
-/// A face that holds the proxy back.
+/// A face on which the proxy rests.
 struct Touch {
   std::size_t slot = 0;
-  Vec3 point{};  ///< m, world: a position of the tool's centre in which it touches the face
+  Vec3 point{};  ///< m, world: a position of the tool's centre at which it touches the face
   Vec3 normal{}; ///< outwards, world
-  double penetration_m = 0; ///< the normal's share of the distance from the goal to the proxy
+  double penetration_m = 0; ///< the part of (proxy - goal) along this normal
 };
 
+/// The faces that hold the proxy, at most three.
 struct Touches {
   std::array<Touch, 3> touch{};
   std::size_t count = 0;
   [[nodiscard]] std::span<const Touch> all() const noexcept { return {touch.data(), count}; }
-  /// What they push together: the normal part of the distance from the goal to the proxy.
+  /// The part of (proxy - goal) along the normals, m.
   [[nodiscard]] Vec3 normal_part() const noexcept {
     Vec3 sum;
     for (const Touch& one : all())
       sum += one.normal * one.penetration_m;
     return sum;
   }
-  /// The pushes that put the goal in front of all these faces; false, with all as it was, when
-  /// rounding hides them.
+  /// Sets the penetrations of these faces for that goal. False, with nothing changed, where
+  /// nearest_point() finds no solution.
   bool solve_penetration(const Vec3& goal) noexcept;
 };
 
-/// What surrounds the tool in this tick, and what may be spent on it.
+/// Obstacles, tool and work limit of one search.
 struct Surroundings {
   std::span<const Obstacle> obstacles;
   double tool_radius_m;
   WorkLimit& work;
 };
 
-/// The ideal tool that stays outside while the handle goes in: the god object of Zilles & Salisbury
-/// (IEEE/RSJ Intelligent Robots and Systems 1995), here the centre of a sphere. Each step goes
-/// straight to the point nearest to the goal that the faces met so far allow, stops where it enters
-/// another, and adds that face; at most three hold it. Every step shortens the distance to the goal
-/// and none passes through a surface, so the spring between goal and proxy never gains energy and a
-/// thin body is never left on its far side.
+/// The proxy of a haptic tool: the position on the surface of the bodies that is nearest to the
+/// handle (the goal) while the handle is inside. The god-object method of Zilles & Salisbury
+/// (IEEE/RSJ Intelligent Robots and Systems 1995) for the centre of a sphere. Each step moves
+/// straight to the nearest point to the goal that the faces found so far allow, stops where it
+/// enters another face, and adds that face; at most three faces are active. Every step shortens the
+/// distance to the goal and none passes through a surface. Therefore the spring between goal and
+/// proxy never gains energy, and the proxy never passes through a thin body.
 ///
-/// Only motions whose test against every obstacle is complete are made. When the work is exhausted
-/// the proxy stays where the last of them ended: outside of everything, on its way.
+/// A motion is made only when its test against every obstacle is complete. When the work is
+/// exhausted the proxy stays at the end of the last such motion, outside of every body.
 class Proxy {
 public:
-  /// The proxy keeps this far from every surface, so that rounding cannot put it inside: far above
-  /// the rounding of positions (1e-16 m), far below anything that is felt.
+  /// Distance that the proxy keeps from every surface, so that rounding does not put it inside: far
+  /// above the rounding of positions (1e-16 m), far below what can be felt.
   static constexpr double kSkin_m = 1e-12;
 
   struct Result {
@@ -68,20 +70,22 @@ public:
     Touches touches{};
     Touch first{}; ///< the first face that was entered
     bool hit = false;
-    bool complete = true; ///< else the work was exhausted before the nearest point was found
+    bool complete = true; ///< false: the work was exhausted before the nearest point was found
   };
-  /// From a position outside towards the goal, as far as the obstacles let it. Bounded time.
+  /// Moves from a position outside of the obstacles towards the goal as far as they allow. Bounded
+  /// time.
   [[nodiscard]] static Result settle(const Vec3& start, const Vec3& goal,
                                      const Surroundings& surroundings) noexcept;
 
-  /// The fraction of a straight motion that is free of all obstacles but one, and what ends it.
+  /// The first contact of a straight motion.
   struct Stop {
-    double fraction = 1;
-    Touch touch{};
+    double fraction = 1; ///< of the motion that is free
+    Touch touch{};       ///< valid if `hit`
     bool hit = false;
-    bool complete = true; ///< else nothing is known
+    bool complete = true; ///< false: the work was exhausted and the result is not valid
   };
   static constexpr std::size_t kNoSlot = ~std::size_t{0};
+  /// Tests a straight motion against all obstacles but `except`.
   [[nodiscard]] static Stop sweep(const Vec3& from, const Vec3& to,
                                   const Surroundings& surroundings,
                                   std::size_t except = kNoSlot) noexcept;

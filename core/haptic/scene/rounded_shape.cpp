@@ -3,12 +3,13 @@
 namespace tactus::haptic {
 namespace {
 
-/// -1, 0 or 1; a component that a rotation's rounding has left over is 0.
+/// -1, 0 or 1; a component no larger than the rounding of a rotation counts as 0.
 int sign(double component) noexcept {
   constexpr double kRounding = 1e-9;
   return component > kRounding ? 1 : component < -kRounding ? -1 : 0;
 }
 
+/// The point at distance `radius` from `core` in the direction of `gap`, if gap is shorter.
 std::optional<SurfacePoint> at_radius(const Vec3& core, const Vec3& gap, double radius) noexcept {
   const double distance = norm(gap);
   if (!(distance > 0.0 && distance < radius))

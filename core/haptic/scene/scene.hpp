@@ -8,30 +8,32 @@
 
 namespace tactus::haptic {
 
+/// How the surface of a body is rendered.
 struct Material {
   double stiffness_n_per_m = 500;
-  double damping_n_s_per_m = 0; ///< of the approach alone, so that nothing sticks
-  double friction = 0;          ///< Coulomb's: the largest tangential over normal force
+  double damping_n_s_per_m = 0; ///< acts on the approach only, so that the surface never pulls
+  double friction = 0;          ///< coefficient of Coulomb friction, mu
 };
 
+/// One body of a scene.
 struct Body {
-  std::uint64_t key = 0; ///< a body keeps it while it is edited; never used twice
+  std::uint64_t key = 0; ///< unique; stays the same while the body is edited
   Shape shape{Plane{}};
   Pose pose{};
   Material material{};
-  double glide_s = 0; ///< a pose that differs from the servo's is reached after this time
+  double glide_s = 0; ///< time in which the servo moves the body to a changed pose
 };
 
-/// What can be touched, as the host wants it. Made by the host, read by the servo, never changed.
+/// The bodies that can be touched. The host makes a scene, the servo reads it; it is never changed.
 struct Scene {
   static constexpr std::size_t kMaxBodies = 72;
-  /// What lies beyond kMaxBodies is not felt. The events of one tick come in this order.
+  /// Bodies beyond kMaxBodies are ignored. The events of one tick come in this order.
   std::vector<Body> bodies;
-  /// Of the sphere that touches, its centre at the handle; 0: a point. m
+  /// Radius of the spherical tool around the handle, m; 0: a point.
   double tool_radius_m = 0;
 };
 
-/// What happened between the handle and a body, at the time of a tick.
+/// A hit, a continuing contact or a release between the tool and a body.
 struct ContactEvent {
   enum class Kind { kHit, kContact, kRelease };
   Kind kind = Kind::kHit;

@@ -1,6 +1,6 @@
 #include "core/haptic/scene/scene_model.hpp"
 
-/// Where the proxy goes; scene_force.cpp has the force, scene_events.cpp what is told of it.
+/// SceneModel's proxy; scene_force.cpp has the force, scene_events.cpp the events.
 namespace tactus::haptic {
 namespace {
 
@@ -24,8 +24,8 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
     touches_.count = 0;
     started_ = true;
   }
-  // Half of the work is kept for the contact, so that it goes on while everything moves, and half
-  // of the rest for motions, so that bodies move while others appear.
+  // Half of the work is reserved for the contact and a quarter for motions: bodies that appear do
+  // not stop the motion of others, and neither stops the contact.
   WorkLimit appearing(work_per_tick_ / 4);
   resolve_overlaps(tick, appearing);
   find_near_bodies(goal);
@@ -46,13 +46,13 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
   return force;
 }
 
-/// The bodies that the proxy can meet in this tick, those that it touches first: their faces cut a
-/// motion short, and what lies behind is then not looked at. The proxy stays within |proxy - goal|
-/// of its goals, and friction moves these by no more than that again.
+/// Collects the bodies that the proxy can reach in this tick. Those that it touches come first:
+/// their faces shorten a motion, so that bodies behind them need no exact test. The proxy stays
+/// within |proxy - goal| of its goals, and friction moves these by no more than that again.
 void SceneModel::find_near_bodies(const Vec3& goal) noexcept {
   double reach = 3.0 * norm(proxy_ - goal) + 1e-6;
   for (const Slot& slot : slots())
-    if (slot.moved()) // what it carries goes along
+    if (slot.moved()) // it may move the proxy along
       reach += 3.0 * norm(slot.pose.to_world(slot.before.to_local(proxy_)) - proxy_);
   near_body_count_ = 0;
   std::fill_n(near_body_index_.begin(), count_, Proxy::kNoSlot);
@@ -83,7 +83,7 @@ double SceneModel::friction_of(const Touches& touches) const noexcept {
   return weight > 0.0 ? sum / weight : 0.0;
 }
 
-/// The faces that held the proxy in the last tick, where their bodies have taken them.
+/// The faces that held the proxy in the last tick, moved with their bodies.
 Touches SceneModel::moved_touches() const noexcept {
   Touches result = touches_;
   for (std::size_t i = 0; i < result.count; ++i) {
@@ -98,8 +98,8 @@ Touches SceneModel::moved_touches() const noexcept {
   return result;
 }
 
-/// Whether the handle lies within the friction cone below a proxy that faces already hold: then
-/// the proxy does not move.
+/// Whether the handle is within the friction cone of the faces that hold the proxy. The proxy then
+/// does not move.
 bool SceneModel::sticks(const Vec3& goal) noexcept {
   if (touches_.count == 0 || !complete_)
     return false;
@@ -119,8 +119,8 @@ bool SceneModel::sticks(const Vec3& goal) noexcept {
   return true;
 }
 
-/// The proxy goes where the faces and friction let it: as far as the nearest point to the handle,
-/// less what friction holds back.
+/// Moves the proxy to the nearest point to the handle that the faces allow, less the distance that
+/// friction holds it back.
 void SceneModel::slide(const Vec3& goal, WorkLimit& work) noexcept {
   const Surroundings surroundings{{near_bodies_.data(), near_body_count_}, tool_radius_m_, work};
   const double distance = norm(goal - proxy_);
@@ -136,9 +136,9 @@ void SceneModel::slide(const Vec3& goal, WorkLimit& work) noexcept {
   touches_ = found.touches;
 }
 
-/// The work did not suffice: the proxy is on its way. Its faces are pressed by the whole distance
-/// to the handle. Where it did not get on, the next tick tries a shorter motion, which costs less;
-/// then longer ones again.
+/// Uses a result for which the work did not suffice: the proxy has moved a part of the way. Its
+/// faces carry the whole distance to the handle. After little progress the next tick tries a
+/// shorter motion, which costs less, and then longer ones again.
 void SceneModel::keep_incomplete(const Proxy::Result& result, const Vec3& goal,
                                  double attempted_m) noexcept {
   constexpr double kMinMotion_m = 1e-7;
@@ -146,17 +146,17 @@ void SceneModel::keep_incomplete(const Proxy::Result& result, const Vec3& goal,
     max_motion_m_ *= 4.0;
   else if (norm(result.end - proxy_) < attempted_m / 8)
     max_motion_m_ = std::max(attempted_m / 4, kMinMotion_m);
-  // Without any motion there may be no new face either: then the old ones still hold.
+  // Without a new face the old ones still hold the proxy.
   Touches faces = result.complete || result.hit ? result.touches : moved_touches();
   if (faces.solve_penetration(goal))
     touches_ = faces;
   proxy_ = result.end;
 }
 
-/// The same with friction: the handle is replaced by a point beside it, so far towards where the
-/// proxy came from that the drag is mu times the normal force. On flat faces one round is exact; on
-/// curved ones the normal turns along the path, and the length is found again. When the work is
-/// exhausted the last round that is complete counts.
+/// The same with friction: the goal is shifted towards the proxy's last position until the
+/// tangential force is mu times the normal force. On flat faces one round is exact. On curved faces
+/// the normal turns along the path, and the length of the shift is found by iteration. When the
+/// work is exhausted the last complete round counts.
 Proxy::Result SceneModel::apply_friction(const Proxy::Result& smooth, const Vec3& goal,
                                          const Surroundings& surroundings) const noexcept {
   Proxy::Result found = smooth;
@@ -172,16 +172,16 @@ Proxy::Result SceneModel::apply_friction(const Proxy::Result& smooth, const Vec3
     const Vec3 friction_offset = back * (length / max_length);
     const Proxy::Result slid = Proxy::settle(proxy_, goal + friction_offset, surroundings);
     if (!slid.complete || slid.touches.count == 0)
-      break; // the latter: over an edge, with nothing to rub on
+      break; // without touches the proxy has left over an edge
     found = slid;
-    // The drag that this gives against the one that the cone allows, at the slid proxy's normal.
+    // The resulting tangential force against the one that the cone allows, at the new normal.
     const Vec3 spring = slid.end - goal, along = slid.touches.normal_part();
     const double drag = norm(without_component(spring, along));
-    const double solve_penetration = dot(spring, along) / norm(along);
-    if (!(drag > 0.0) || !(solve_penetration > 0.0))
+    const double normal_force = dot(spring, along) / norm(along); // both over k
+    if (!(drag > 0.0) || !(normal_force > 0.0))
       break;
     const double next =
-        std::min(max_length, length * friction_of(slid.touches) * solve_penetration / drag);
+        std::min(max_length, length * friction_of(slid.touches) * normal_force / drag);
     if (std::abs(next - length) <= 1e-9 * length)
       break;
     length = next;

@@ -1,6 +1,6 @@
 #include "core/haptic/scene/scene_model.hpp"
 
-/// Hits, contacts and releases.
+/// SceneModel's events: hits, contacts and releases.
 namespace tactus::haptic {
 
 void SceneModel::push_events(const Tick& tick) noexcept {
@@ -57,9 +57,9 @@ void SceneModel::push_events(const Tick& tick) noexcept {
   }
 }
 
-/// The next contact is a hit only after a real departure: the tool has been kRearm_m away from the
-/// body since it was released, and that is kRearm_s ago. Either alone would count the chatter of a
-/// handle that trembles at the surface.
+/// Arms the next hit once the tool has been kRearm_m away from the body since the last release and
+/// that release is kRearm_s ago. One condition alone would count the chatter of a trembling handle
+/// at the surface as hits.
 void SceneModel::rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept {
   if (slot.touching || slot.armed)
     return;

@@ -1,10 +1,10 @@
 #include "core/haptic/scene/scene_model.hpp"
 
-/// The force of the contact.
+/// SceneModel's force.
 namespace tactus::haptic {
 
-/// The spring between handle and proxy, split into the faces' normal parts, each with its body's
-/// stiffness, and what friction holds, with their mean; and the dampers of the approach.
+/// The equation of scene_model.hpp: the normal part of the spring between handle and proxy with
+/// each body's stiffness, the tangential part with their mean, and the damping of the approach.
 Vec3 SceneModel::render(const Tick& tick, const Vec3& goal, const Vec3& velocity) noexcept {
   std::fill_n(body_force_.begin(), count_, Vec3{});
   double total_penetration = 0, total_spring_force = 0;
@@ -16,7 +16,7 @@ Vec3 SceneModel::render(const Tick& tick, const Vec3& goal, const Vec3& velocity
     return {};
   Vec3 friction_force =
       (proxy_ - goal - touches_.normal_part()) * (total_spring_force / total_penetration);
-  // A proxy that is still on its way is not held back by friction alone.
+  // The distance to a proxy that has not arrived yet is not all due to friction.
   if (!complete_)
     friction_force = limited(friction_force, friction_of(touches_) * total_spring_force);
   Vec3 sum;
@@ -42,8 +42,8 @@ Vec3 SceneModel::render(const Tick& tick, const Vec3& goal, const Vec3& velocity
   return overlapping ? sum + limit_overlap_force(tick) : sum;
 }
 
-/// What the bodies that appeared around the handle give together. Each counts as such until its
-/// force needs no limit.
+/// The limited force of the bodies that appeared around the handle. A body leaves this state once
+/// its force is below the limit.
 Vec3 SceneModel::limit_overlap_force(const Tick& tick) noexcept {
   const double continuous = continuous_force_n_.load(std::memory_order_relaxed);
   const double limit =

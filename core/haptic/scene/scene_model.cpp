@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-/// The scene and its bodies' motion; scene_contact.cpp has the proxy's.
+/// SceneModel's exchange of scenes and motion of bodies; scene_contact.cpp has the proxy.
 namespace tactus::haptic {
 
 SceneModel::~SceneModel() {
@@ -38,15 +38,15 @@ void SceneModel::begin() noexcept {
 }
 
 void SceneModel::take_scene(const Tick& tick) noexcept {
-  // Only this side takes away, so what is there now is still there for the exchange. While the
-  // host leaves the shelf full, the new scene waits.
+  // Only the servo takes a pending scene, so that it is still there for the exchange. While the
+  // ring of returned scenes is full the new one has to wait.
   if (!pending_.load(std::memory_order_relaxed) || (scene_ && !retired_.push(scene_)))
     return;
   scene_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
 
   // A tool that grows may overlap what it did not reach before.
   const bool grows = scene_->tool_radius_m > tool_radius_m_;
-  // One that shrinks has left the faces on which the proxy rested: friction holds nothing there.
+  // One that shrinks no longer touches the faces that held the proxy.
   const bool shrinks = scene_->tool_radius_m < tool_radius_m_;
   tool_radius_m_ = scene_->tool_radius_m;
   std::array<Slot, Scene::kMaxBodies> next{};
@@ -112,9 +112,9 @@ void SceneModel::glide(Slot& slot) noexcept {
                    a.y + signed_share * b.y - share * a.y, a.z + signed_share * b.z - share * a.z);
 }
 
-/// Bodies that have appeared around the proxy let it out by their nearest face; where that lies in
-/// another body, that one lets it out in turn. Between bodies that leave no room for the tool it
-/// stays, and does not feel those that it overlaps from inside.
+/// Moves the proxy out of bodies that have appeared around it, by their nearest face; where that
+/// lies in another body, out of that one in turn. Where bodies leave no room for the tool the proxy
+/// stays and does not touch those that it overlaps.
 void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   constexpr int kRounds = 8, kExitWork = 10;
   const std::size_t first = std::exchange(first_overlapping_, 0);
@@ -129,7 +129,7 @@ void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
       work.spend(kExitWork);
       const auto exit_point =
           nearest_exit(slot.body->shape, tool_radius_m_, slot.pose.to_local(proxy_), work);
-      if (work.exhausted()) { // one that exceeds the work by itself does not keep others waiting
+      if (work.exhausted()) { // a body that exceeds the work alone must not block the others
         first_overlapping_ = tested ? i : i + 1;
         return;
       }
@@ -145,9 +145,10 @@ void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   }
 }
 
-/// A moving body takes the proxy that it holds with it, and pushes one that stands in its way. One
-/// body moves at a time, so that between any two of these motions the proxy is outside of all. A
-/// body for which the work does not suffice stays where it is until the next tick.
+/// Moves the bodies by one tick. The body that holds the proxy takes it along; another body pushes
+/// a proxy in its way. Bodies move one after another, so that the proxy is outside of all of them
+/// after each motion. A body for which the work does not suffice keeps its pose until the next
+/// tick.
 void SceneModel::move_bodies(WorkLimit& work) noexcept {
   for (Obstacle& obstacle : std::span(near_bodies_.data(), near_body_count_)) {
     const Slot& slot = slots_[obstacle.slot];
@@ -168,7 +169,7 @@ void SceneModel::move_bodies(WorkLimit& work) noexcept {
       any_moved = true;
       continue;
     }
-    if (!postponed) // one that exceeds the work by itself does not keep the others waiting
+    if (!postponed) // a body that exceeds the work alone must not block the others
       first_moving_ = any_moved ? i : i + 1;
     postponed = true;
     slot.pose = slot.before;
@@ -176,7 +177,7 @@ void SceneModel::move_bodies(WorkLimit& work) noexcept {
   }
 }
 
-/// False when the work did not suffice; nothing has moved then.
+/// False when the work did not suffice; the proxy and the obstacle are then unchanged.
 bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexcept {
   constexpr int kCrossingWork = 10;
   const Slot& slot = slots_[index];
@@ -196,7 +197,7 @@ bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexc
     }
   }
   if (pushed) {
-    // Another body may stand behind: the proxy stays before it, and the moving one passes over it.
+    // Where another body is in the way the proxy stops there and the moving body passes over it.
     const Proxy::Stop stop = Proxy::sweep(
         proxy_, target, {{near_bodies_.data(), near_body_count_}, tool_radius_m_, work}, index);
     if (stop.complete)

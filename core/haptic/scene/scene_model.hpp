@@ -12,27 +12,29 @@
 
 namespace tactus::haptic {
 
-/// Contact of a spherical tool with a scene, felt inside the servo. docs/scene.md has the model.
+/// Renders the contact of a spherical tool with a scene inside the servo. docs/scene.md has the
+/// model.
 ///   F = sum_i (k_i d_i + b_i max(0, -v . n_i)) n_i + k t
-/// over the faces that hold the proxy: d_i the normals' shares of the distance from handle to
-/// proxy, v the handle's velocity against the body, t the rest of it, which friction holds: no
-/// longer than mu times the normal part. k is the mean of the k_i, weighted by d_i; where all are
-/// equal the spring is k times the whole distance.
+/// over the faces i that hold the proxy. n_i, k_i, b_i: normal, stiffness and damping of a face;
+/// the vector from handle to proxy is sum_i d_i n_i + t, where d_i >= 0 is the depth along n_i and
+/// t the tangential rest, held by friction and no longer than mu times the normal part; v: velocity
+/// of the handle relative to the body; k: mean of the k_i weighted by d_i.
 ///
-/// The host publishes whole scenes; the servo takes the newest at the beginning of a tick and hands
-/// the old one back, so that it neither allocates nor frees. Bodies that keep their key keep their
-/// contact. Bodies that appear around the handle let it out by the nearest face, with a force that
-/// rises at kOverlapForceRise_n_per_s to at most kMaxOverlapForce_n or the device's continuous
+/// The host publishes whole scenes. The servo takes the newest at the start of a tick and returns
+/// the old one, so that it neither allocates nor frees memory. A body that keeps its key keeps its
+/// contact. A body that appears around the handle pushes it out by the nearest face, with a force
+/// that rises at kOverlapForceRise_n_per_s to at most kMaxOverlapForce_n or the device's continuous
 /// force.
 ///
-/// A tick computes no more than its work limit. What is left is done in the next ones: the proxy
-/// waits where its last complete motion ended, outside of every body, held by the faces known so
-/// far, and a body whose motion past the proxy is not worked out waits a tick.
+/// A tick computes no more than its work limit; the rest is done in the next ticks. Until then the
+/// proxy stays at the end of its last complete motion, outside of every body and held by the faces
+/// found so far, and a body whose motion against the proxy is not yet computed stays in its pose.
 class SceneModel final : public LocalModel {
 public:
   static constexpr double kOverlapForceRise_n_per_s = 100, kMaxOverlapForce_n = 1;
   static constexpr double kMinHit_m_per_s = 5e-3;
-  static constexpr double kRearm_m = 2e-4, kRearm_s = 0.01; ///< both make the next hit possible
+  static constexpr double kRearm_m = 2e-4,
+                          kRearm_s = 0.01; ///< distance and time before the next hit
   static constexpr double kContactEvery_s = 4e-3;
   static constexpr std::int64_t kWorkPerTick = 24000; ///< 0.1 to 0.2 ms; see docs/scene.md
 
@@ -43,12 +45,13 @@ public:
   SceneModel& operator=(const SceneModel&) = delete;
 
   // the host's side
-  /// The servo's next tick takes it; one that it has not taken yet is dropped.
+  /// Replaces the scene at the servo's next tick; a scene that the servo has not taken yet is
+  /// dropped.
   void publish(std::unique_ptr<const Scene> scene);
-  /// Frees the scenes that the servo has done with.
+  /// Frees the scenes that the servo has returned.
   void collect() noexcept;
   [[nodiscard]] Ring<ContactEvent, 1024>& events() noexcept { return events_; }
-  /// What the device can hold for ever, N; 0 when it does not say. At any time.
+  /// Continuous force of the device, N; 0: not known. At any time.
   void set_continuous_force(double newton) noexcept {
     continuous_force_n_.store(newton, std::memory_order_relaxed);
   }
@@ -58,7 +61,7 @@ public:
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
   [[nodiscard]] const Vec3& proxy() const noexcept { return proxy_; }
   [[nodiscard]] std::span<const Touch> touches() const noexcept { return touches_.all(); }
-  /// Whether the last tick did all its work within its work limit.
+  /// Whether the proxy of the last tick is final: its work limit sufficed.
   [[nodiscard]] bool complete() const noexcept { return complete_; }
 
 private:
@@ -75,8 +78,8 @@ private:
     bool separated = true; ///< has been kRearm_m away since the last contact
     double released_s = -1e9, reported_s = -1e9;
     double overlap_start_s = -1;      ///< when it appeared around the handle; negative: it did not
-    double overlap_start_force_n = 0; ///< what it gave before: a tool that grows keeps its force
-    double force_n = 0;               ///< what it gave in the last tick
+    double overlap_start_force_n = 0; ///< its force just before, where the tool has grown
+    double force_n = 0;               ///< its force in the last tick
     Vec3 point{}, normal{};           ///< of the last contact, in the body's frame
 
     [[nodiscard]] bool moved() const noexcept { return !(pose == before); }
@@ -116,10 +119,10 @@ private:
   std::size_t count_ = 0;
   std::array<Obstacle, Scene::kMaxBodies> near_bodies_{};
   std::array<std::size_t, Scene::kMaxBodies>
-      near_body_index_{}; ///< of a slot; kNobody: it is not near
+      near_body_index_{}; ///< of each slot; kNoSlot: not near
   std::size_t near_body_count_ = 0;
-  std::size_t first_moving_ = 0;                     ///< whose motion had to wait comes first
-  std::size_t first_overlapping_ = 0;                ///< whose exit had to wait comes first
+  std::size_t first_moving_ = 0;                     ///< body whose motion was postponed
+  std::size_t first_overlapping_ = 0;                ///< body whose exit was postponed
   std::array<Vec3, Scene::kMaxBodies> body_force_{}; ///< each body's part of the force, N
 
   Vec3 proxy_{}, previous_velocity_{};

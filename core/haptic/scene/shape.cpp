@@ -8,7 +8,7 @@ namespace {
 
 using Found = std::optional<Crossing>;
 
-// Where a rim meets a face, rounding must not leave a slit between them.
+// Tolerance where a rim meets a face, so that rounding leaves no gap between them.
 constexpr double kSeam_m = 1e-13;
 
 Found enters(const Plane&, const Vec3& from, const Vec3& to) noexcept {
@@ -17,9 +17,9 @@ Found enters(const Plane&, const Vec3& from, const Vec3& to) noexcept {
   return Crossing{from.z / (from.z - to.z), {0, 0, 1}};
 }
 
-/// Fraction s at which |from + s motion| first falls to the radius, over the chosen axes; nothing
-/// when the motion begins inside or never gets there. a s^2 + 2 b s + c = 0, in the form that keeps
-/// its digits when the motion begins at the surface.
+/// The smaller root of a s^2 + 2 b s + c = 0: the fraction s at which |from + s motion| falls to a
+/// radius. Nothing when the motion begins inside or does not reach it. In the form without
+/// cancellation for a motion that begins at the surface.
 std::optional<double> enters_circle(double a, double b, double c) noexcept {
   const double discriminant = b * b - a * c;
   if (!(c >= 0.0 && b < 0.0 && discriminant >= 0.0))
@@ -84,19 +84,19 @@ Found enters(const Disk& disk, const Vec3& from, const Vec3& to) noexcept {
   return Crossing{*fraction, {x / r, y / r, 0}};
 }
 
-using OutputFilter = std::optional<SurfacePoint>;
+using Exit = std::optional<SurfacePoint>;
 
-OutputFilter exit_from(const Plane&, const Vec3& p) noexcept {
-  return p.z < 0.0 ? OutputFilter({{p.x, p.y, 0}, {0, 0, 1}}) : std::nullopt;
+Exit exit_from(const Plane&, const Vec3& p) noexcept {
+  return p.z < 0.0 ? Exit({{p.x, p.y, 0}, {0, 0, 1}}) : std::nullopt;
 }
-OutputFilter exit_from(const Sphere& sphere, const Vec3& p) noexcept {
+Exit exit_from(const Sphere& sphere, const Vec3& p) noexcept {
   const double distance = norm(p);
   if (!(distance < sphere.radius))
     return {};
   const Vec3 normal = distance > 0.0 ? p * (1.0 / distance) : Vec3{0, 1, 0};
   return SurfacePoint{normal * sphere.radius, normal};
 }
-OutputFilter exit_from(const Box& box, const Vec3& p) noexcept {
+Exit exit_from(const Box& box, const Vec3& p) noexcept {
   int nearest = 0;
   double depth = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -112,7 +112,7 @@ OutputFilter exit_from(const Box& box, const Vec3& p) noexcept {
   out.normal[nearest] = sign;
   return out;
 }
-OutputFilter exit_from(const Disk& disk, const Vec3& p) noexcept {
+Exit exit_from(const Disk& disk, const Vec3& p) noexcept {
   const double r = std::hypot(p.x, p.y), to_rim = disk.radius - r,
                to_face = disk.half_thickness - std::abs(p.z);
   if (!(to_rim > 0.0 && to_face > 0.0))
@@ -124,7 +124,7 @@ OutputFilter exit_from(const Disk& disk, const Vec3& p) noexcept {
   return SurfacePoint{{normal.x * disk.radius, normal.y * disk.radius, p.z}, normal};
 }
 
-/// What a tool of that radius enters; a point where it is 0.
+/// crossing() for each shape.
 struct Entry {
   double radius;
   Vec3 from, to;
@@ -148,22 +148,22 @@ struct Entry {
   }
 };
 
-/// Where a tool that overlaps a shape leaves it.
-struct FadingBody {
+/// nearest_exit() for each shape.
+struct ExitSearch {
   double radius;
   Vec3 inside;
   WorkLimit& work;
 
-  OutputFilter operator()(const Plane& plane) const noexcept {
-    OutputFilter out = exit_from(plane, inside - Vec3{0, 0, radius});
+  Exit operator()(const Plane& plane) const noexcept {
+    Exit out = exit_from(plane, inside - Vec3{0, 0, radius});
     if (out)
       out->point.z += radius;
     return out;
   }
-  OutputFilter operator()(const Sphere& sphere) const noexcept {
+  Exit operator()(const Sphere& sphere) const noexcept {
     return exit_from(Sphere{sphere.radius + radius}, inside);
   }
-  template <class Solid> OutputFilter operator()(const Solid& solid) const noexcept {
+  template <class Solid> Exit operator()(const Solid& solid) const noexcept {
     if (radius == 0.0)
       return exit_from(solid, inside);
     const Vec3 core = nearest_point(solid, inside), gap = inside - core;
@@ -172,13 +172,12 @@ struct FadingBody {
       return {};
     if (distance > 0.0)
       return SurfacePoint{core + gap * (radius / distance), gap * (1.0 / distance)};
-    OutputFilter out =
-        exit_from(solid, inside * (1.0 - 1e-12)); // one that lies on the surface, too
+    Exit out = exit_from(solid, inside * (1.0 - 1e-12)); // also for a point on the surface
     if (out)
       out->point += out->normal * radius;
     return out;
   }
-  OutputFilter operator()(const MeshSurface& surface) const noexcept {
+  Exit operator()(const MeshSurface& surface) const noexcept {
     if (radius == 0.0)
       return {};
     const auto nearest = surface.mesh->nearest(inside, radius, work);
@@ -200,7 +199,7 @@ std::optional<Crossing> crossing(const Shape& shape, double tool_radius, const V
 
 std::optional<SurfacePoint> nearest_exit(const Shape& shape, double tool_radius, const Vec3& inside,
                                          WorkLimit& work) noexcept {
-  return std::visit(FadingBody{tool_radius, inside, work}, shape);
+  return std::visit(ExitSearch{tool_radius, inside, work}, shape);
 }
 
 std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, double tool_radius,

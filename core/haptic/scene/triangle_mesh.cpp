@@ -32,7 +32,7 @@ Vec3 greater(const Vec3& a, const Vec3& b) {
 
 constexpr float kHuge = std::numeric_limits<float>::max();
 
-/// In single precision, and no nearer to the middle than it is.
+/// In single precision, rounded in that direction.
 float rounded(double value, float outwards) {
   return std::nextafter(static_cast<float>(value), outwards);
 }
@@ -60,8 +60,8 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> corners, std::span<const Triang
   sort(order);
 }
 
-/// Triangles in that order, corners by their first use: neighbours in space are neighbours in
-/// memory.
+/// Sorts the triangles in that order and the corners by their first use, so that neighbours in
+/// space are neighbours in memory.
 void TriangleMesh::sort(std::span<const std::uint32_t> order) {
   constexpr std::uint32_t kUnused = ~0u;
   std::vector<Triangle> triangles(order.size());
@@ -106,21 +106,21 @@ void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle>
 void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
                          std::span<const Vec3> centroids, std::uint32_t first, int depth) {
   Vec3 low = corners_[triangles_[order[0]][0]], high = low;
-  Vec3 middle_low = centroids[order[0]], middle_high = middle_low;
+  Vec3 centroid_low = centroids[order[0]], centroid_high = centroid_low;
   for (const std::uint32_t t : order) {
     for (const std::uint32_t corner : triangles_[t]) {
       low = lesser(low, corners_[corner]);
       high = greater(high, corners_[corner]);
     }
-    middle_low = lesser(middle_low, centroids[t]);
-    middle_high = greater(middle_high, centroids[t]);
+    centroid_low = lesser(centroid_low, centroids[t]);
+    centroid_high = greater(centroid_high, centroids[t]);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
     nodes_[node].low[i] = rounded(low[axis], -kHuge);
     nodes_[node].high[i] = rounded(high[axis], kHuge);
   }
-  const Vec3 extent = middle_high - middle_low;
+  const Vec3 extent = centroid_high - centroid_low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   if (order.size() <= kLeaf || depth >= kMaxDepth) {
     nodes_[node].first = first;

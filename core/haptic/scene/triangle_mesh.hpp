@@ -14,24 +14,23 @@ namespace tactus::haptic {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Triangles in a bounding volume hierarchy of axis-aligned boxes. Construction allocates;
-/// afterwards it is read only, by any thread. Every query counts its work, m throughout.
-/// triangle_mesh_queries.cpp has the queries.
+/// A triangle mesh with a bounding volume hierarchy of axis-aligned boxes, for collision tests in
+/// the servo. The constructor allocates; afterwards the mesh is constant and any thread may read
+/// it. Every query counts its work (WorkLimit). Units m. triangle_mesh_queries.cpp has the queries.
 class TriangleMesh {
 public:
-  /// Corners nearer than this are one corner; a triangle that loses one is left out.
+  /// Grid on which corners are merged; a triangle that then has no area is left out.
   static constexpr double kWeld_m = 1e-6;
 
   TriangleMesh(std::span<const Vec3> corners_m, std::span<const Triangle> triangles);
 
   /// The first triangle that a point meets between two positions. Watertight: an edge shared by two
-  /// triangles is tested alike for both, so that no motion slips through between them. Of triangles
-  /// met at the same fraction it is the last one in the mesh's own order.
+  /// triangles is tested with the same rounding for both, so that no motion passes between them. Of
+  /// triangles met at the same fraction the last one in the mesh's own order counts.
   [[nodiscard]] std::optional<Crossing> crossing(const Vec3& from, const Vec3& to,
                                                  WorkLimit& work) const noexcept;
-  /// The first triangle that a sphere of that radius (> 0) meets; each triangle is the convex set
-  /// of all positions of the sphere's centre that touch or overlap it. The crossing is the
-  /// centre's.
+  /// The first triangle that a sphere of that radius (> 0) meets, by convex_crossing.hpp; `from`,
+  /// `to` and the crossing are of the sphere's centre.
   [[nodiscard]] std::optional<Crossing> crossing(double radius, const Vec3& from, const Vec3& to,
                                                  WorkLimit& work) const noexcept;
   struct Nearest {
@@ -47,8 +46,8 @@ public:
   [[nodiscard]] const Bounds& bounds() const noexcept { return bounds_; }
 
 private:
-  /// 32 bytes, in single precision rounded outwards, siblings side by side: what the nearest-first
-  /// traversal asks for lies in one cache line.
+  /// 32 bytes: bounds in single precision, rounded outwards. Siblings are adjacent, so that the
+  /// nearest-first traversal reads both from one cache line.
   struct Node {
     std::array<float, 3> low, high;
     std::uint32_t first = 0; ///< leaf: its first triangle; else its first child, the other follows

@@ -1,12 +1,12 @@
 #include "core/haptic/scene/convex_crossing.hpp"
 #include "core/haptic/scene/triangle_mesh.hpp"
 
-/// What a point and a sphere meet in a mesh.
+/// TriangleMesh's queries: crossing of a point and of a sphere, nearest point.
 namespace tactus::haptic {
 namespace {
 
-/// The signed volume that a motion from the origin sees in an edge. The same edge the
-/// other way round gives exactly the negative, whatever the rounding.
+/// motion . (a x b), six times the signed volume of the tetrahedron of the origin, a motion from
+/// there and the edge a b. Exchanging a and b gives exactly the negative, whatever the rounding.
 double signed_volume(const Vec3& motion, const Vec3& a, const Vec3& b) noexcept {
   return motion.x * (a.y * b.z - a.z * b.y) + motion.y * (a.z * b.x - a.x * b.z) +
          motion.z * (a.x * b.y - a.y * b.x);
@@ -42,9 +42,9 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 
 } // namespace
 
-/// Leaves that a sphere (radius 0: a point) may reach on its straight motion before `limit`, a
-/// fraction that the visitor lowers as it finds triangles: the nearer child first, so that most of
-/// the tree is never seen.
+/// Visits the triangles of all leaves that a sphere (radius 0: a point) may reach on a straight
+/// motion before the fraction `limit`, which the visitor lowers as it finds contacts. The nearer
+/// child comes first, so that most of the tree is skipped.
 template <class Visit>
 void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, const double& limit,
                             WorkLimit& work, const Visit& visit) const noexcept {

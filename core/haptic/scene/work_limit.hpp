@@ -5,10 +5,10 @@
 
 namespace tactus::haptic {
 
-/// How much a tick may still compute. It counts operations, never time, so that a run repeats bit
-/// for bit on any machine. One unit is about 4 ns of a 2020s desktop processor
-/// (bench_haptic_speed). Whoever finds it exhausted leaves its result unused: the search it was
-/// part of is incomplete.
+/// The work that a tick may still do, in operations, not in time, so that a run repeats bit for bit
+/// on any machine. One unit takes about 4 ns on a desktop processor of the 2020s
+/// (bench_haptic_speed). When it is exhausted a search is incomplete and its result must not be
+/// used.
 class WorkLimit {
 public:
   static constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();

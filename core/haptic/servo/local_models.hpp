@@ -7,7 +7,8 @@
 
 namespace tactus::haptic {
 
-/// The sum of several models' forces, asked in the given order at every tick.
+/// A local model that sums the forces of several others, evaluated in the given order in every
+/// tick.
 template <std::size_t Count> class LocalModels final : public LocalModel {
 public:
   explicit LocalModels(const std::array<LocalModel*, Count>& models) noexcept : models_(models) {}
@@ -22,7 +23,7 @@ public:
       sum += forces_[i] = models_[i]->force(tick, state);
     return sum;
   }
-  /// What that model gave last; for models asked after it in the same tick.
+  /// The last force of that model, N; for models that are evaluated after it in the same tick.
   [[nodiscard]] const Vec3& force_of(std::size_t model) const noexcept { return forces_[model]; }
 
 private:

@@ -6,8 +6,8 @@
 
 namespace tactus::haptic {
 
-/// The latest value from one writing thread to one reading thread: a triple buffer. Both sides are
-/// wait-free, a value is never torn, and older values are lost on purpose.
+/// Passes the newest value from one writing thread to one reading thread: a triple buffer. Both
+/// sides are wait-free, a value is never torn, and older values are dropped on purpose.
 template <class T> class Mailbox {
 public:
   void write(const T& value) noexcept {
@@ -22,7 +22,7 @@ public:
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return true;
   }
-  /// What the last read found. For the reading thread.
+  /// The value of the last read. For the reading thread.
   [[nodiscard]] const T& latest() const noexcept { return slots_[front_]; }
 
 private:

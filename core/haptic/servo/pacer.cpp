@@ -11,7 +11,7 @@ void Pacer::start(double start_s, double period_s) noexcept {
 Pacer::Wake Pacer::wake(double now_s) noexcept {
   Wake wake;
   wake.lateness_s = std::max(0.0, now_s - deadline_s());
-  // A point reached to within a millionth of a period counts as reached: k * period is rounded.
+  // Within a millionth of a period a grid point counts as reached, since k * period is rounded.
   const double whole = std::floor(std::min(wake.lateness_s / period_s_ + 1e-6, 1e15));
   wake.skipped = static_cast<std::uint64_t>(whole);
   wake.tick = {next_ + wake.skipped, now_s, period_s_};

@@ -4,8 +4,8 @@
 
 namespace tactus::haptic {
 
-/// A fixed grid of servo times start + k period. A wake-up that comes late runs its tick once and
-/// skips the grid points that have passed meanwhile: the phase is kept and there is never a burst.
+/// The time grid of the servo, start + k period. A late wake-up runs one tick and skips the grid
+/// points that have passed, so that the phase is kept and ticks never come in bursts.
 class Pacer {
 public:
   struct Wake {
@@ -16,7 +16,7 @@ public:
 
   void start(double start_s, double period_s) noexcept;
   [[nodiscard]] double deadline_s() const noexcept { return time_of(next_); }
-  /// The tick to run at now_s, which should not lie before the deadline.
+  /// The tick to run at now_s. Call it at or after the deadline.
   Wake wake(double now_s) noexcept;
 
 private:

@@ -7,12 +7,13 @@
 
 namespace tactus::haptic {
 
-/// A queue from one writing thread to one reading thread. Both sides are wait-free; what does not
-/// fit is counted and dropped. Capacity is a power of two.
+/// A ring buffer from one writing thread to one reading thread. Both sides are wait-free. A value
+/// that does not fit is dropped and counted. Capacity is a power of two.
 template <class T, std::size_t Capacity> class Ring {
   static_assert(Capacity > 0 && (Capacity & (Capacity - 1)) == 0);
 
 public:
+  /// False when the ring is full.
   bool push(const T& value) noexcept {
     const std::size_t end = end_.load(std::memory_order_relaxed);
     if (end - begin_.load(std::memory_order_acquire) == Capacity) {
@@ -24,6 +25,7 @@ public:
     return true;
   }
 
+  /// False when the ring is empty; `value` then stays as it is.
   bool pop(T& value) noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire))
@@ -33,7 +35,7 @@ public:
     return true;
   }
 
-  /// What waits to be read. For the reading thread.
+  /// Number of values to read. For the reading thread.
   [[nodiscard]] std::size_t size() const noexcept {
     return end_.load(std::memory_order_acquire) - begin_.load(std::memory_order_relaxed);
   }

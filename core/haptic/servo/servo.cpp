@@ -2,7 +2,7 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kSilenceTimeout_s = 0.02; // a device silent for this long has failed
+constexpr double kSilenceTimeout_s = 0.02; // without an answer of the device before it has failed
 
 ChainSettings::Device device_of(const Caps& caps) noexcept {
   ChainSettings::Device device;
@@ -25,13 +25,13 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
       one->begin();
   driver_ticks_ = 0;
   refresh_caps();
-  const ThermalLimit motors_heat = chain_.thermal; // which no connection cools
+  const ThermalLimit motors_heat = chain_.thermal; // the motors stay as warm as they were
   chain_ = {};
   chain_.thermal = motors_heat;
   wrist_.reset();
   statistics_ = {};
   state_ = {};
-  state_.flags = 0; // nothing is known, so there is no force before the first reading
+  state_.flags = 0; // not homed: no force before the first reading
   failed_reads_ = failed_writes_ = 0;
   tripped_ = has_heartbeat_ = false;
   faults_ = 0;
@@ -79,7 +79,7 @@ void Servo::apply_requests(const Tick& tick) noexcept {
   has_heartbeat_ = true;
 }
 
-/// What was requested since the last tick: a stop and a later enable both count, in that order.
+/// Applies the requests since the last tick. A stop and a later enable both count, in that order.
 void Servo::control_motors() noexcept {
   const MotorControl::Request request = exchange_.motors.request();
   if (request == request_)
@@ -148,7 +148,7 @@ void Servo::push_events(const Tick& tick, const State& state) noexcept {
   tripped_ = chain_.tripped;
 }
 
-/// After the force's chain, whose gains it shares, and before write.
+/// Runs after the force's chain, whose gains it uses, and before the write.
 WristCommand Servo::drive_wrist(const Tick& tick, bool homed) noexcept {
   exchange_.wrist.read();
   const WristRequest& request = exchange_.wrist.latest();
@@ -159,6 +159,36 @@ WristCommand Servo::drive_wrist(const Tick& tick, bool homed) noexcept {
   const WristCommand command = wrist_.step(request.command, chain_, caps_, homed, tick.period_s);
   device_->set_wrist({settings_.map.torque_to_device(command.torque_n_m), command.grip_n});
   return command;
+}
+
+void Servo::write_force(const Vec3& force) noexcept {
+  if (device_->write(settings_.map.to_device(force))) {
+    failed_writes_ = 0;
+    return;
+  }
+  ++statistics_.device_errors;
+  if (++failed_writes_ * settings_.chain.period_s >= kSilenceTimeout_s)
+    fail(Fault::kSilent);
+}
+
+Report Servo::report(const Tick& tick, const State& state, const Vec3& force,
+                     const WristCommand& wrist) const noexcept {
+  Report report;
+  report.tick = tick;
+  report.state = state;
+  report.force_n = force;
+  report.wrist = wrist;
+  report.counters = chain_.counters;
+  report.energy_j = chain_.energy_j;
+  report.lowest_energy_j = chain_.lowest_energy_j;
+  report.motors = chain_.motors;
+  report.latched = chain_.latched;
+  report.derating = chain_.derating;
+  report.derated_to_n = chain_.derated_to_n;
+  report.heat_n2 = chain_.thermal.heat_n2();
+  report.fault = fault_;
+  report.faults = faults_;
+  return report;
 }
 
 void Servo::step(const Tick& tick) noexcept {
@@ -180,44 +210,23 @@ void Servo::step(const Tick& tick) noexcept {
     input.patch_force = patch_->force(tick, state);
   const Vec3 force = haptic::step(chain_, settings_.chain, input);
   const WristCommand wrist = drive_wrist(tick, input.homed);
-  if (device_->write(settings_.map.to_device(force))) {
-    failed_writes_ = 0;
-  } else {
-    ++statistics_.device_errors;
-    if (++failed_writes_ * tick.period_s >= kSilenceTimeout_s)
-      fail(Fault::kSilent);
-  }
-
+  write_force(force);
   exchange_.motors.confirm(request_,
                            failed_writes_ == 0 && force == Vec3{} && wrist == WristCommand{});
 
   push_events(tick, state);
   state_ = state;
   ++statistics_.ticks;
-  Report report;
-  report.tick = tick;
-  report.state = state;
-  report.force_n = force;
-  report.wrist = wrist;
-  report.counters = chain_.counters;
-  report.energy_j = chain_.energy_j;
-  report.lowest_energy_j = chain_.lowest_energy_j;
-  report.motors = chain_.motors;
-  report.latched = chain_.latched;
-  report.derating = chain_.derating;
-  report.derated_to_n = chain_.derated_to_n;
-  report.heat_n2 = chain_.thermal.heat_n2();
-  report.fault = fault_;
-  report.faults = faults_;
-  exchange_.reports.write(report);
+  const Report newest = report(tick, state, force, wrist);
+  exchange_.reports.write(newest);
   if (exchange_.tracing.load(std::memory_order_relaxed))
-    exchange_.trace.push(report);
+    exchange_.trace.push(newest);
   if (statistics_.ticks % kStatisticsTicks == 0)
     exchange_.statistics.write(statistics_);
 }
 
 bool Servo::release() noexcept {
-  if (device_ && !device_->write({})) // no wrist goes with it
+  if (device_ && !device_->write({})) // without set_wrist: no torque and no grip either
     return false;
   exchange_.motors.confirm(exchange_.motors.request(), true);
   return true;

@@ -15,30 +15,31 @@
 
 namespace tactus::haptic {
 
-/// A source of time that only goes forward; tests inject their own.
+/// A clock that never goes back. Tests inject their own.
 class Clock {
 public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual double now_s() noexcept = 0;
 };
 
-/// A force that is computed inside the servo from the newest state, such as contact with a scene.
+/// A model that computes a force inside the servo from the newest state, such as contact with a
+/// scene.
 class LocalModel {
 public:
   virtual ~LocalModel() = default;
-  /// A device has been attached: what was remembered of the last one's motion no longer holds.
+  /// A device has been attached: the motion of the last one is no longer valid.
   virtual void begin() noexcept {}
   /// N, project frame. Bounded time, no allocation.
   [[nodiscard]] virtual Vec3 force(const Tick& tick, const State& state) noexcept = 0;
 };
 
-/// What the host wants: newest wins.
+/// The host's force command. The newest one counts.
 struct Command {
   Vec3 force_n{};
   std::uint64_t number = 0;  ///< counts accepted forces
   std::uint64_t refused = 0; ///< counts forces that were not finite
   bool last_refused = false;
-  double heartbeat_s = 0; ///< when the host wrote this, in the servo's time
+  double heartbeat_s = 0; ///< time of this command on the servo's clock
 };
 
 struct ServoSettings {
@@ -46,11 +47,10 @@ struct ServoSettings {
   AxisMap map{};
 };
 
-/// A device's failure: it says so itself, or it does not answer any more.
+/// Failure of a device: it reports one, or it no longer answers.
 enum class Fault { kNone, kReported, kSilent };
 
-/// What the servo saw and did in its newest tick; position, velocity and force in the project
-/// frame.
+/// Input and output of the newest tick; position, velocity and force in the project frame.
 struct Report {
   Tick tick{};
   State state{};
@@ -59,13 +59,14 @@ struct Report {
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
   bool motors = true, latched = false;
-  bool derating = false;      ///< the motors' heat lowers the force limit
-  double derated_to_n = 0;    ///< what the limit then settles at
-  double heat_n2 = 0;         ///< of the motors, as ThermalLimit counts it
+  bool derating = false;      ///< as ThermalLimit::derating()
+  double derated_to_n = 0;    ///< as ThermalLimit::steady_limit_n()
+  double heat_n2 = 0;         ///< as ThermalLimit::heat_n2()
   Fault fault = Fault::kNone; ///< of the device, until the motors are enabled
-  std::uint32_t faults = 0;   ///< how many there were since the device was attached
+  std::uint32_t faults = 0;   ///< number of faults since the device was attached
 };
 
+/// A change of a button or of the watchdog.
 struct Event {
   enum class Kind { kButton, kWatchdog };
   Kind kind = Kind::kButton;
@@ -74,57 +75,60 @@ struct Event {
   double time_s = 0;
 };
 
+/// Counters and timing since the last reset.
 struct ServoStatistics {
   std::uint64_t ticks = 0, overruns = 0, skipped = 0, device_errors = 0;
   DurationHistogram lateness{}, work{};
 };
 
-/// Both directions between the host's thread and the servo's; every member has one writing and one
+/// Everything that the host's thread and the servo's exchange. Every member has one writing and one
 /// reading side. Under a logical clock both sides are the same thread.
 struct Exchange {
   Mailbox<Command> commands;
   Mailbox<ServoSettings> settings;
   Mailbox<WristRequest> wrist;
   MotorControl motors;
-  std::atomic<std::uint32_t> statistics_resets{0}; ///< counted up: begin the statistics anew
+  std::atomic<std::uint32_t> statistics_resets{0}; ///< a change resets the statistics
   Mailbox<Report> reports;
   Mailbox<ServoStatistics> statistics; ///< every kStatisticsTicks ticks
   Ring<Event, 1024> events;
-  std::atomic<bool> tracing{false}; ///< every tick's report goes into trace
+  std::atomic<bool> tracing{false}; ///< true: every tick pushes its report to trace
   Ring<Report, 1024> trace;
 };
 
-/// The servo: one step reads the device, runs the chain and writes the force. It has no thread of
-/// its own; whoever has the time calls step() on a logical clock or wake() on a real one.
+/// The servo loop of a haptic device: one step reads the device, evaluates the local models, runs
+/// the safety chain (chain.hpp) and writes the force. It has no thread of its own. The owner calls
+/// step() on a logical clock, wake() from a thread with a real clock, or step_from_driver() where
+/// the device's driver calls back.
 class Servo {
 public:
   static constexpr std::uint64_t kStatisticsTicks = 128;
 
-  /// While no step runs. Starts with no force, fresh chain and statistics; an emergency stop and a
-  /// failure of the last device go on until the motors are enabled. The second model's force
-  /// is the patch's own, that comes tick by tick: it is not interpolated, and what it does to the
-  /// hand is within the passivity controller's allowance, as for commands.
+  /// Starts with zero force, a new chain and new statistics; an emergency stop and a failure of the
+  /// last device hold until the motors are enabled. `model` must be passive. The force of `patch`
+  /// is treated like the host's commands, but not interpolated: the passivity controller allows its
+  /// work up to allowance_w. Not while a step runs.
   void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
-  /// While no step runs: the heat of the motors that are attached next, N^2 (thermal.hpp). Else
-  /// attach keeps that of the last ones.
+  /// Sets the heat of the motors, N^2 (thermal.hpp), before attach(), which else keeps that of the
+  /// last device. Not while a step runs.
   void set_motor_heat(double heat_n2) noexcept { chain_.thermal = ThermalLimit(heat_n2); }
-  /// While no step runs: the device's abilities have changed.
+  /// Reads the device's Caps again after they have changed. Not while a step runs.
   void refresh_caps() noexcept;
   [[nodiscard]] bool attached() const noexcept { return device_ != nullptr; }
 
   Exchange& exchange() noexcept { return exchange_; }
 
   void step(const Tick& tick) noexcept;
-  /// After the last step, in the same thread: zero force. False when the device did not take it.
+  /// Writes zero force after the last step, in the same thread. False when the device refused it.
   bool release() noexcept;
 
   void start(Clock& clock, double period_s) noexcept { pacer_.start(clock.now_s(), period_s); }
   [[nodiscard]] double deadline_s() const noexcept { return pacer_.deadline_s(); }
-  /// Runs the tick that is due and counts how late it is and how long it took.
+  /// Runs the tick that is due; its lateness and duration go into the statistics.
   void wake(Clock& clock) noexcept;
-  /// Runs one tick now, for a driver that keeps the time itself: what comes later after the last
-  /// tick than the period is its lateness.
+  /// Runs one tick now, for a driver that keeps the time itself. The lateness is the time since the
+  /// last tick beyond the period.
   void step_from_driver(Clock& clock, double period_s) noexcept;
 
   [[nodiscard]] const ChainState& chain() const noexcept { return chain_; }
@@ -135,6 +139,9 @@ private:
   void control_motors() noexcept;
   void reset_statistics() noexcept;
   State read_state(const Tick& tick) noexcept;
+  void write_force(const Vec3& force) noexcept;
+  [[nodiscard]] Report report(const Tick& tick, const State& state, const Vec3& force,
+                              const WristCommand& wrist) const noexcept;
   WristCommand drive_wrist(const Tick& tick, bool homed) noexcept;
   void push_events(const Tick& tick, const State& state) noexcept;
   void fail(Fault fault) noexcept;

@@ -13,8 +13,9 @@ void DurationHistogram::add(double seconds) noexcept {
   if (std::isnan(seconds))
     return;
   seconds = std::clamp(seconds, 0.0, 1e9);
-  const double place = seconds > kShortest_s ? std::log(seconds / kShortest_s) / kLogRatio : 0.0;
-  const auto bin = std::min(static_cast<std::size_t>(place), kBins - 1);
+  const double bin_position =
+      seconds > kShortest_s ? std::log(seconds / kShortest_s) / kLogRatio : 0.0;
+  const auto bin = std::min(static_cast<std::size_t>(bin_position), kBins - 1);
   ++bins_[bin];
   ++count_;
   sum_s_ += seconds;

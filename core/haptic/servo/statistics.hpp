@@ -6,8 +6,8 @@
 
 namespace tactus::haptic {
 
-/// Histogram of durations from 0.1 us to 10 s in bins of 5 %: a quantile is right to 2.5 %, a
-/// value below the range falls into the first bin, one above into the last.
+/// Histogram of durations from 0.1 us to 10 s in bins of 5 %, so that a quantile is exact to 2.5 %.
+/// A value below the range counts in the first bin, one above in the last.
 class DurationHistogram {
 public:
   void add(double seconds) noexcept;
@@ -15,8 +15,8 @@ public:
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] double mean_s() const noexcept;
   [[nodiscard]] double max_s() const noexcept { return max_s_; }
-  /// Geometric middle of the bin that holds the share-th part of the values, never above the
-  /// longest; 0 when empty.
+  /// The quantile for a probability of 0..1: the geometric centre of its bin, never above max_s();
+  /// 0 when empty.
   [[nodiscard]] double quantile_s(double probability) const noexcept;
 
 private:

@@ -5,8 +5,8 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kMaxInput_n = 1e9;           // N; beyond it is nonsense
-constexpr double kDenormalThreshold = 1e-200; // no denormal numbers in a fading state
+constexpr double kMaxInput_n = 1e9;
+constexpr double kDenormalThreshold = 1e-200; // a decaying state is set to 0 below it
 } // namespace
 
 void Decimator::set(double sample_rate_hz, double servo_rate_hz) noexcept {
@@ -31,7 +31,7 @@ void Decimator::reset() noexcept {
 }
 
 double Decimator::process(double input) noexcept {
-  double x = std::abs(input) < kMaxInput_n ? input : 0.0; // false for what is no number
+  double x = std::abs(input) < kMaxInput_n ? input : 0.0; // false for NaN
   if (bypass_)
     return x;
   for (Section& s : sections_) {

@@ -4,17 +4,18 @@
 
 namespace tactus::haptic {
 
-/// Keeps of an audio signal what a servo's rate can carry: a Butterworth low-pass of the eighth
-/// order, four second-order sections by the bilinear transform. At the cut-off -3 dB, at twice the
-/// cut-off -48 dB; the delay of low frequencies is 5.13/(2 pi cut-off).
+/// Anti-aliasing low-pass before an audio signal is sampled at the servo's rate: Butterworth of
+/// eighth order, four second-order sections by the bilinear transform. -3 dB at the cut-off, -48 dB
+/// at twice the cut-off; the group delay at low frequencies is 5.13/(2 pi cut-off).
 class Decimator {
 public:
-  static constexpr double kCutoffRatio = 0.4; ///< cut-off over the servo's rate; its Nyquist is 0.5
+  static constexpr double kCutoffRatio = 0.4; ///< cut-off over the servo's rate; Nyquist is 0.5
 
-  /// Positive and finite rates; a cut-off above 0.45 of the sample rate passes everything.
+  /// Rates in Hz, positive and finite. With a cut-off of 0.45 of the sample rate or more the filter
+  /// is bypassed.
   void set(double sample_rate_hz, double servo_rate_hz) noexcept;
   void reset() noexcept;
-  /// What is not finite counts as 0.
+  /// One sample. An input that is not finite, or beyond 1e9, counts as 0.
   [[nodiscard]] double process(double input) noexcept;
 
 private:

@@ -16,7 +16,7 @@ void SignalLink::count_block(double duration_s) noexcept {
     max_block_s_.store(duration_s, std::memory_order_relaxed);
 }
 
-/// Along the normal of the face that the handle touches, or along z when nothing is touched.
+/// The vibration acts along the normal of the touched face, or along z without a contact.
 Vec3 SignalLink::vibration(double newton, bool gated) const noexcept {
   const auto touches = scene_ ? scene_->touches() : std::span<const Touch>{};
   if (!std::isfinite(newton) || (touches.empty() && gated))
@@ -24,21 +24,22 @@ Vec3 SignalLink::vibration(double newton, bool gated) const noexcept {
   return (touches.empty() ? Vec3{0, 0, 1} : touches[0].normal) * newton;
 }
 
-/// One value a tick from what the audio computes in bursts: it begins when a few wait, begins
-/// again after it ran dry, and throws away what waits too long.
+/// One value for each tick from a queue that the audio fills in bursts. Reading starts when
+/// kVibrationDelay values are queued, also after the queue ran empty; a queue that has grown too
+/// long is shortened.
 double SignalLink::next_vibration() noexcept {
-  const std::size_t waiting = vibrations_.size();
-  if (!playing_ && waiting < kVibrationDelay)
+  const std::size_t queued = vibrations_.size();
+  if (!playing_ && queued < kVibrationDelay)
     return last_vibration_ *= 0.5; // no step to zero
   playing_ = true;
-  if (waiting > kMaxQueuedVibration)
-    for (std::size_t i = kVibrationDelay; i < waiting; ++i)
+  if (queued > kMaxQueuedVibration)
+    for (std::size_t i = kVibrationDelay; i < queued; ++i)
       vibrations_.pop(last_vibration_);
   playing_ = vibrations_.pop(last_vibration_);
   return last_vibration_;
 }
 
-/// What does not fit is not counted, so that both sides' counts stay equal.
+/// Dropped samples are not counted, so that the counts of both sides agree.
 void SignalLink::send_network() noexcept {
   if (network_)
     for (const NetworkSample& sample : network_->samples())

@@ -8,30 +8,31 @@
 
 #include <atomic>
 
-/// Audio meets the servo: forces from signals in, positions as signals out. docs/phantom.md, "At
-/// audio rate".
+/// Connects audio and the servo: signals become forces, positions become signals. docs/phantom.md,
+/// "At audio rate".
 namespace tactus::haptic {
 
-/// What a device's servo shares with an object that processes audio. One side each: the host (who
-/// owns the servo), the servo (as a LocalModel) and the audio.
+/// The data that a device's servo shares with an object that processes audio. Three sides use it:
+/// the host, which owns the servo; the servo, as a LocalModel; and the audio object.
 ///
-/// Logical time: the audio steps the servo, at the very sample where a tick lies, all in one
-/// thread. Wall time: the servo's thread and the audio's meet in mailboxes and rings.
+/// Logical time: the audio steps the servo at the sample where a tick is due, all in one thread.
+/// Wall time: the servo's thread and the audio thread exchange values through mailboxes and rings.
 class SignalLink final : public LocalModel {
 public:
-  /// What the signals ask for at one instant.
+  /// The force that the signals request at one instant.
   struct Force {
     Vec3 force_n{};
-    double time_s = 0; ///< wall time only: when it was heard
+    double time_s = 0; ///< wall time only: when the audio wrote it
   };
+  /// What the servo reports to the audio in one tick.
   struct Sample {
     double time_s = 0;
     Vec3 position{}; ///< m
     Vec3 velocity{}; ///< m/s
     bool touching = false;
-    std::uint64_t network_samples = 0; ///< of the network, that were sent up to this tick
+    std::uint64_t network_samples = 0; ///< number of network samples sent up to this tick
   };
-  /// Whoever owns the servo, for audio that steps it.
+  /// Callback to the owner of the servo, for audio that steps it.
   struct Stepper {
     void (*step)(void* context) = nullptr;
     void* context = nullptr;
@@ -45,11 +46,11 @@ public:
     time_.store(time, std::memory_order_release);
   }
   void set_workspace(const Workspace& workspace) noexcept { workspaces_.write(workspace); }
-  /// The scene whose contact gates and directs the vibration.
+  /// The scene whose contact gates the vibration and gives its direction.
   void set_scene(const SceneModel& scene) noexcept { scene_ = &scene; }
-  /// The network whose pickups are played. It must be asked for its force before this is.
+  /// The network whose pickups are played. Its force() must be called before this one's.
   void set_network(const NetworkModel& network) noexcept { network_ = &network; }
-  /// Counts blocks, to see whether audio runs; and how long the longest lasted.
+  /// Number of audio blocks, to see whether audio runs, and duration of the longest.
   [[nodiscard]] std::uint64_t blocks() const noexcept {
     return blocks_.load(std::memory_order_relaxed);
   }
@@ -68,19 +69,19 @@ public:
     workspaces_.read();
     return workspaces_.latest();
   }
-  /// One listener at a time.
+  /// For one audio object at a time; false when another has it.
   [[nodiscard]] bool acquire() noexcept { return !taken_.exchange(true); }
   void release() noexcept { taken_.store(false); }
   void count_block(double duration_s) noexcept;
-  /// Logical time: these signals count for the tick that runs now; what it found.
+  /// Logical time: runs a tick with these signals and returns its result.
   Sample step(const Vec3& force_n, double vibration_n, bool gated) noexcept;
-  /// Wall time: newest wins.
+  /// Wall time: the newest force counts.
   void write_force(const Force& force) noexcept { forces_.write(force); }
-  /// Wall time: one value a tick, in order; false when the servo does not take them.
+  /// Wall time: one value for each tick, in order; false when the servo does not read them.
   bool push_vibration(double newton) noexcept { return vibrations_.push(newton); }
   void set_gate(bool gated) noexcept { gated_.store(gated, std::memory_order_relaxed); }
   [[nodiscard]] bool next(Sample& sample) noexcept { return samples_.pop(sample); }
-  /// The network's pickups in order, and how many have been taken since the link was made.
+  /// The network's pickups in order; taken_samples() counts them since the link was made.
   [[nodiscard]] bool next(NetworkSample& sample) noexcept {
     const bool found = network_samples_.pop(sample);
     taken_samples_ += found;
@@ -89,7 +90,7 @@ public:
   [[nodiscard]] std::uint64_t taken_samples() const noexcept { return taken_samples_; }
 
 private:
-  static constexpr double kStale_s = 0.1; ///< a signal that has stopped is no force
+  static constexpr double kStale_s = 0.1; ///< a force older than this counts as zero
   static constexpr std::size_t kVibrationDelay = 4, kMaxQueuedVibration = 64; // ticks
 
   [[nodiscard]] Vec3 vibration(double newton, bool gated) const noexcept;
@@ -110,7 +111,7 @@ private:
   Ring<NetworkSample, 32768> network_samples_;
   std::uint64_t sent_samples_ = 0, taken_samples_ = 0; // the servo's and the audio's count
 
-  // logical time: for the tick under way
+  // logical time: for the current tick
   Vec3 force_now_{};
   double vibration_now_ = 0;
   bool gated_now_ = true, stepping_ = false;

@@ -2,20 +2,21 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kMaxPlayoutError_s = 0.1; // farther from its place, the playing begins anew
-constexpr double kRateGain_per_s = 2.0;    // of the playing speed, per second beside its place
-constexpr double kMaxRateCorrection =
-    0.02;                                  // so that a moving position is not heard to change pitch
+constexpr double kMaxPlayoutError_s =
+    0.1;                                // a larger error than this and the delay restarts playout
+constexpr double kRateGain_per_s = 2.0; // rate correction per second of playout error
+// Small enough for the pitch change of a sound controlled by the position to be inaudible.
+constexpr double kMaxRateCorrection = 0.02;
 constexpr double kJitterMargin_s = 1.5e-3; // a servo period and its jitter
 constexpr double kMaxBurst_s = 0.05;
-constexpr double kTickTolerance = 1e-9; // samples; rounding of the tick's place
+constexpr double kTickTolerance = 1e-9; // samples; rounding of a tick's sample
 } // namespace
 
 void SignalPlayer::prepare(double sample_rate_hz) noexcept {
   const double before_hz = sample_rate_hz_;
   sample_rate_hz_ = sample_rate_hz > 0 && sample_rate_hz < 1e9 ? sample_rate_hz : 48000;
   if (sample_rate_hz_ != before_hz)
-    rate_hz_ = 0; // restarts at the next block; else the grid of ticks goes on
+    rate_hz_ = 0; // restarts at the next block; else the grid of ticks continues
 }
 
 void SignalPlayer::attach(SignalLink* link) noexcept {
@@ -71,7 +72,7 @@ void SignalPlayer::take_network(std::uint64_t until) noexcept {
     network_[link_->taken_samples() % kNetworkHistory] = sample;
 }
 
-/// Samples are numbered from 1; before the first and after the last the nearest counts.
+/// Samples are numbered from 1; outside of the stored range the nearest one is returned.
 NetworkSample SignalPlayer::network_sample(double number) const noexcept {
   const auto last = static_cast<double>(link_->taken_samples());
   if (last < 1)
@@ -79,7 +80,7 @@ NetworkSample SignalPlayer::network_sample(double number) const noexcept {
   return network_[static_cast<std::uint64_t>(std::clamp(number, 1.0, last)) % kNetworkHistory];
 }
 
-/// Lagrange's cubic through the four samples around that number.
+/// Cubic Lagrange interpolation of the four samples around that number.
 std::array<double, Network::kPickups> SignalPlayer::network_at(double number) const noexcept {
   const double before = std::floor(number), t = number - before;
   const double weights[] = {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
@@ -100,7 +101,7 @@ void SignalPlayer::step_due(const Inputs& inputs, double vibration_n) noexcept {
   };
   const auto current_sample = static_cast<double>(sample_);
   for (int steps = 0; sample_of_tick(tick_) <= current_sample + kTickTolerance; ++steps) {
-    if (steps == kMaxTicksPerSample) { // an absurd sample rate: this many ticks must do
+    if (steps == kMaxTicksPerSample) { // the sample rate is far too low: no more ticks for it
       sample_ = tick_ = 0;
       break;
     }
@@ -131,8 +132,8 @@ void SignalPlayer::collect() noexcept {
   playing_ = true;
 }
 
-/// Where the playing should be: the set delay behind the newest, or more while the audio is
-/// computed in bursts, over which it runs ahead by half their length.
+/// The time to play now: the set delay behind the newest sample, or more while audio is computed in
+/// bursts, during which playout runs ahead by half their length in the mean.
 double SignalPlayer::target_time_s() const noexcept {
   const double min_delay_s = std::min(0.5 * max_since_newest_s_ + kJitterMargin_s, kMaxBurst_s);
   return newest(0).time_s - std::max(delay_s_, min_delay_s);
@@ -153,7 +154,7 @@ void SignalPlayer::play(double vibration_n) noexcept {
   const double rate_correction =
       std::clamp(kRateGain_per_s * error_s, -kMaxRateCorrection, kMaxRateCorrection);
   played_s_ += (1.0 + rate_correction) / sample_rate_hz_;
-  // The pair of ticks around this time; before the oldest or after the newest it stands still.
+  // The pair of ticks around this time; outside of the stored range the position is held.
   const std::size_t stored = written_ < kHistory ? written_ : kHistory;
   std::size_t age = 0;
   while (age + 2 < stored && newest(age + 1).time_s > played_s_)

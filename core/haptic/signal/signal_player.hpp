@@ -9,19 +9,19 @@
 
 namespace tactus::haptic {
 
-/// The audio's side of a SignalLink: samples in become forces of the servo, its positions become
-/// samples out.
+/// The audio side of a SignalLink: input samples become forces of the servo, the servo's positions
+/// become output samples.
 ///
-/// Logical time: tick k lies at sample k fs/rate, counted from the first; it reads the sample at
-/// which it falls due, and between ticks the output goes straight from the last position to the
-/// present one, so it is one servo period late. Nothing depends on how the stream is cut.
+/// Logical time: tick k runs at the first sample at or after k fs/rate and reads that sample.
+/// Between ticks the output is interpolated linearly from the last position to the present one; it
+/// is one servo period late. The result does not depend on the block size.
 ///
-/// Wall time: the last sample of a block is the force. Positions are played from a buffer,
-/// `delay_s` behind the newest, at a speed that follows the two clocks' difference. Where the host
-/// computes longer bursts of blocks than that delay covers, it grows by what they need.
+/// Wall time: the last sample of a block is the force. Positions are read from a buffer, delay_s
+/// behind the newest, at a rate that follows the drift between the two clocks. Where the host
+/// computes blocks in bursts longer than the delay covers, the delay grows as needed.
 ///
-/// The network's pickups are played beside the positions, one of their own samples later, by cubic
-/// interpolation between the steps at which they were read.
+/// The network's pickups are interpolated between their steps by a cubic and played with the
+/// positions, one of their own sample periods later.
 class SignalPlayer {
 public:
   struct Inputs {
@@ -36,12 +36,12 @@ public:
 
   void prepare(double sample_rate_hz) noexcept;
   void set_delay(double delay_s) noexcept { delay_s_ = delay_s; }
-  /// The vibration acts only while the handle touches a body of the scene.
+  /// true: the vibration acts only while the handle touches a body of the scene.
   void set_gate(bool gated) noexcept { gated_ = gated; }
-  /// In the thread of process(), or while it does not run. Null: the outputs stay.
+  /// In the thread of process(), or while it does not run. Null: the outputs hold their value.
   void attach(SignalLink* link) noexcept;
 
-  /// Before a block, and after it; wall_s is the wall's time now.
+  /// Before and after a block; wall_s is the present wall-clock time.
   void begin_block(std::size_t frames) noexcept;
   void end_block(double wall_s) noexcept;
   [[nodiscard]] Outputs process(const Inputs& inputs) noexcept;
@@ -83,8 +83,8 @@ private:
   std::uint64_t written_ = 0;
   std::array<NetworkSample, kNetworkHistory> network_{}; // number n at n % kNetworkHistory
   double played_s_ = 0;
-  double newest_s_ = 0, since_newest_s_ = 0,
-         max_since_newest_s_ = 0; // newest time; played since it came
+  double newest_s_ = 0;                                // time of the newest sample
+  double since_newest_s_ = 0, max_since_newest_s_ = 0; // time played since it arrived
   bool playing_ = false;
 };
 

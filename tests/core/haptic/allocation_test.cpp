@@ -4,7 +4,7 @@
 #include "core/haptic/servo/local_models.hpp"
 #include "core/haptic/servo/servo.hpp"
 #include "core/haptic/signal/signal_player.hpp"
-#include "tests/core/haptic/meshes.hpp"
+#include "tests/core/haptic/scene/meshes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -34,7 +34,7 @@ void operator delete(void* memory, std::size_t) noexcept {
 
 using namespace tactus::haptic;
 
-TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders") {
+TEST_CASE("ten thousand servo ticks allocate nothing, for any hand and requests") {
   const long none = allocations;
   CHECK(std::make_unique<int>(1) != nullptr);
   CHECK(allocations == none + 1); // the counter counts

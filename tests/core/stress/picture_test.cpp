@@ -37,15 +37,15 @@ StressTable plate() {
   return table;
 }
 
-std::shared_ptr<const Picture> lognormal_factor(const std::shared_ptr<const StressTable>& table,
-                                                std::vector<double> displacement_m) {
+std::shared_ptr<const Picture> drawn(const std::shared_ptr<const StressTable>& table,
+                                     std::vector<double> displacement_m) {
   return StressPicture(*table).draw(StressModel(table), displacement_m);
 }
 
 } // namespace
 
 TEST_CASE("faces that look at the viewer are drawn from the farthest to the nearest") {
-  const auto picture = lognormal_factor(shared(plate()), {0, 0});
+  const auto picture = drawn(shared(plate()), {0, 0});
   REQUIRE(picture->faces.size() == 2);
   CHECK(picture->faces[0].stress_pa == doctest::Approx(60));
   CHECK(picture->faces[1].stress_pa == doctest::Approx(30)); // (10 + 20 + 60)/3
@@ -55,7 +55,7 @@ TEST_CASE("faces that look at the viewer are drawn from the farthest to the near
 }
 
 TEST_CASE("corners follow the control points by their weights, stresses by their series") {
-  const auto picture = lognormal_factor(shared(plate()), {0.01, 0.02});
+  const auto picture = drawn(shared(plate()), {0.01, 0.02});
   // Element stresses: 10 + 1e3 0.01, 20 + 2e3 0.02, 60 + 3e3 0.02.
   CHECK(picture->faces[0].stress_pa == doctest::Approx(120));
   CHECK(picture->faces[1].stress_pa == doctest::Approx((20.0 + 60.0 + 120.0) / 3));
@@ -69,15 +69,15 @@ TEST_CASE("a table without weights keeps its shape, and displacements that are n
   StressTable rigid = plate();
   rigid.surface_weight.clear();
   const std::array<double, 6> first{0, 0, 1, 0, 0, 1};
-  CHECK(lognormal_factor(shared(rigid), {0.01, 0.02})->faces[1].corner_m == first);
+  CHECK(drawn(shared(rigid), {0.01, 0.02})->faces[1].corner_m == first);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto picture = lognormal_factor(shared(plate()), {nan, nan});
+  const auto picture = drawn(shared(plate()), {nan, nan});
   CHECK(picture->faces[1].corner_m == first);
   CHECK(picture->faces[1].stress_pa == doctest::Approx(30));
 }
 
 TEST_CASE("a table without a surface gives an empty picture") {
-  CHECK(lognormal_factor(shared(four_elements()), {0, 0, 0})->faces.empty());
+  CHECK(drawn(shared(four_elements()), {0, 0, 0})->faces.empty());
 }
 
 TEST_CASE(

@@ -4,7 +4,7 @@
 #include <string.h>
 #include <time.h>
 
-static int still_requested(const char* word) {
+static int asked_for(const char* word) {
   const char* path = getenv("HANG");
   char words[256] = "";
   FILE* file = path ? fopen(path, "r") : NULL;
@@ -17,6 +17,6 @@ static int still_requested(const char* word) {
 
 static void may_hang(const char* call) {
   const struct timespec pause = {0, 2000000};
-  while (still_requested(call))
+  while (asked_for(call))
     nanosleep(&pause, NULL);
 }

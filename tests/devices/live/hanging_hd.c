@@ -23,10 +23,10 @@ void hdStopScheduler(void) { may_hang("hdStopScheduler"), plain_hdStopScheduler(
 void hdEndFrame(unsigned device) {
   static int fast;
   may_hang("hdEndFrame");
-  if (still_requested("warm"))
+  if (asked_for("warm"))
     fake_hd_fail(0x0200); /* in each frame, as the device does */
-  if (still_requested("fast") && !fast)
+  if (asked_for("fast") && !fast)
     fake_hd_fail(0x0203);
-  fast = still_requested("fast");
+  fast = asked_for("fast");
   plain_hdEndFrame(device);
 }

@@ -78,19 +78,18 @@ TEST_CASE("each model has CHAI3D's limits and the continuous force of its data s
 }
 
 TEST_CASE("a figure of the device counts, in its unit, within what such devices can be") {
-  struct ReferenceValue {
+  struct Figure {
     Code value;
     double haptic::Caps::*cap;
     double scale, least, most, otherwise; // of the library's unit; of ours
   };
   const haptic::Caps omni = table_caps("omni");
-  for (const ReferenceValue& f :
-       {ReferenceValue{kNominalMaxForce, &haptic::Caps::peak_force_n, 1, 0.1, 40,
-                       omni.peak_force_n},
-        ReferenceValue{kNominalMaxStiffness, &haptic::Caps::stiffness_limit_n_per_m, 1e3, 50, 1e4,
-                       omni.stiffness_limit_n_per_m},
-        ReferenceValue{kNominalMaxDamping, &haptic::Caps::damping_limit_n_s_per_m, 1e3, 0.1, 100,
-                       omni.damping_limit_n_s_per_m}}) {
+  for (const Figure& f :
+       {Figure{kNominalMaxForce, &haptic::Caps::peak_force_n, 1, 0.1, 40, omni.peak_force_n},
+        Figure{kNominalMaxStiffness, &haptic::Caps::stiffness_limit_n_per_m, 1e3, 50, 1e4,
+               omni.stiffness_limit_n_per_m},
+        Figure{kNominalMaxDamping, &haptic::Caps::damping_limit_n_s_per_m, 1e3, 0.1, 100,
+               omni.damping_limit_n_s_per_m}}) {
     CAPTURE(f.value);
     const Library asked;
     CHECK(device_caps(asked, "omni").*f.cap == f.otherwise); // refused
