@@ -4,8 +4,9 @@
 #include <span>
 #include <string_view>
 
-/// What an object says of itself, once. Both host shells (pd/, max/), the help patches, the docs
-/// pages, the package's object list and the fuzz ranges are made from this one table.
+/// Declaration: the name, inlets, outlets, parameters and messages of an object, as constant data.
+/// The host shell (pd/), the reference pages, the package's object list and the fuzz ranges are
+/// made from this one table.
 namespace tactus {
 
 /// A number the user can set: creation flag `-name value`, message `name value`, `get name`.
@@ -14,11 +15,11 @@ struct Parameter {
   std::string_view unit; ///< SI; empty for pure numbers
   double initial;
   double lowest, highest; ///< inclusive; a value outside is refused and the old one kept
-  std::string_view text;  ///< one line for people
-  /// When not empty the parameter is one of these words, its value the word's index.
+  std::string_view text;  ///< one line of documentation
+  /// If not empty: the parameter takes one of these words, and its value is the word's index.
   std::span<const std::string_view> choices{};
-  /// When not empty the parameter is one of these numbers, in ascending order from lowest to
-  /// highest; another one between them is refused.
+  /// If not empty: the parameter takes one of these numbers, in ascending order from lowest to
+  /// highest; other numbers are refused.
   std::span<const double> values{};
 };
 
@@ -32,10 +33,10 @@ struct Port {
   std::string_view text;
 };
 
-/// A message that is not the setting of one number, e.g. `reset`, `range 0 8000 80 900`.
+/// A message that does more than set one number, e.g. `reset`, `range 0 8000 80 900`.
 struct Message {
   std::string_view name;
-  std::string_view arguments;               ///< as the help shows them: "p_lo p_hi f_lo f_hi"
+  std::string_view arguments;               ///< as shown in the help: "p_lo p_hi f_lo f_hi"
   std::size_t min_arguments, max_arguments; ///< number of arguments accepted
   std::string_view text;
 };
@@ -45,7 +46,7 @@ struct CreationArgument {
   std::string_view parameter;
 };
 
-/// Where answers come out. An object has it at the right, or declares it among its outlets.
+/// Name of the outlet for answers. The shell adds it at the right unless the object declares it.
 inline constexpr std::string_view kInfoOutlet = "info";
 
 struct Declaration {
@@ -54,7 +55,7 @@ struct Declaration {
   std::string_view description; ///< one paragraph
   std::string_view keywords;
   std::span<const Port> inlets;
-  std::span<const Port> outlets; ///< the shell adds the info outlet at the right, if none is here
+  std::span<const Port> outlets; ///< the shell adds the info outlet at the right if it is not here
   std::span<const Parameter> parameters;
   std::span<const Message> messages{};
   std::span<const CreationArgument> arguments{};

@@ -11,8 +11,9 @@
 #include <string_view>
 #include <vector>
 
-/// The seam between an object and the program that hosts it. An object is a plain struct with a
-/// `static constexpr Declaration declaration` and those of the following members that it needs:
+/// The interface between an object (an external) and the program that hosts it, Pd. An object is a
+/// plain struct with a `static constexpr Declaration declaration` and those of the following
+/// members that it needs:
 ///
 ///   void prepare(double sample_rate, std::size_t max_block);   may allocate; keeps physical state
 ///   void set(std::size_t parameter, double value) noexcept;    value is finite and within range
@@ -30,7 +31,7 @@
 ///   static constexpr bool multichannel = true;                 one copy of the object a channel
 namespace tactus {
 
-/// A number or a word of a message. Words live as long as the call.
+/// A number or a word of a message. A word is valid only during the call.
 struct Atom {
   double number = 0;
   std::string_view word{};
@@ -41,42 +42,43 @@ struct Atom {
   Atom(const char* text) : word(text), is_word(true) {}
 };
 
-/// What an object may ask of the program it lives in. Never called from process().
+/// The functions of the host that an object may call; never from process().
 class Host {
 public:
   virtual ~Host() = default;
-  /// One number makes a float, several a list, a leading word a message.
+  /// Sends to an outlet: one number as a float, several as a list, with a leading word as a
+  /// message.
   virtual void send(std::size_t outlet, std::span<const Atom> atoms) = 0;
-  /// The info outlet, which every object has, at the right unless it is declared elsewhere.
+  /// Sends to the info outlet (kInfoOutlet).
   virtual void info(std::span<const Atom> atoms) = 0;
-  /// One sentence; the host adds the object's name in front.
+  /// Prints an error of one sentence; the host puts the object's name in front.
   virtual void error(std::string_view sentence) = 0;
   virtual void log(std::string_view sentence) = 0;
-  /// Calls tick(timer) after that much logical time, replacing an earlier request of this timer;
-  /// a negative time cancels it.
+  /// Calls tick(timer) after this logical time, in place of an earlier request of this timer; a
+  /// negative time cancels it.
   virtual void wake_in(std::size_t timer, double milliseconds) = 0;
-  /// Logical time since the object was made.
+  /// Logical time since the object was made, ms.
   [[nodiscard]] virtual double now_ms() const = 0;
-  /// Full path of an existing file, looked for beside the patch and in the search path; empty
-  /// when there is none.
+  /// Full path of an existing file, searched beside the patch and in the search path; empty if
+  /// there is none.
   [[nodiscard]] virtual std::string find_file(std::string_view name) const = 0;
-  /// Full path for a file to be written, relative names beside the patch.
+  /// Full path for a file to be written; relative names are beside the patch.
   [[nodiscard]] virtual std::string new_file(std::string_view name) const = 0;
-  /// Contents of the host's named array; false when there is none.
+  /// Copies the host's named array; false if there is none.
   virtual bool read_array(std::string_view name, std::vector<double>& values) const = 0;
-  /// Whether the host's time is the wall's; false in a render that runs as fast as it can.
+  /// False if the host renders as fast as it can, so that its time is not real time.
   [[nodiscard]] virtual bool real_time() const { return true; }
-  /// Gives other objects something under a name, whatever module they come from; null takes it
-  /// back, and so does the object's end. False while another object holds the name. The name says
-  /// what it is, version included: nothing else tells its type.
+  /// Publishes a pointer under a name to the objects of all modules. Null withdraws it, as does the
+  /// end of the object. Returns false while another object holds the name. The name must state the
+  /// type and its version, because the pointer has none.
   virtual bool publish(std::string_view name, const std::shared_ptr<void>& what) {
     return static_cast<void>(name), static_cast<void>(what), false;
   }
-  /// What an object of this host offers under that name now; null when none does.
+  /// The pointer published under this name now; null if there is none.
   [[nodiscard]] virtual std::shared_ptr<void> find_published(std::string_view name) const {
     return static_cast<void>(name), nullptr;
   }
-  /// The one member that any thread may call: posted() follows soon in host time.
+  /// Requests a call of posted() in host time. The only function that any thread may call.
   virtual void wake_from_thread() noexcept = 0;
 
   void send(std::size_t outlet, std::initializer_list<Atom> atoms) {
@@ -87,21 +89,20 @@ public:
   }
 };
 
-/// One block of audio: frames samples of every signal inlet and outlet, in declared order,
-/// control ports left out.
+/// One block of audio: `frames` samples of every signal inlet and outlet, in declared order,
+/// without the control ports.
 template <class S> struct Block {
   std::span<const S* const> inputs;
   std::span<S* const> outputs;
   std::size_t frames;
-  /// Logical time of the first sample, on Host::now_ms()'s clock: a message of that time belongs
-  /// there. Not a number where the host does not know it.
+  /// Logical time of the first sample, on the clock of Host::now_ms(); NaN if unknown.
   double start_ms = std::numeric_limits<double>::quiet_NaN();
 
   [[nodiscard]] std::span<const S> in(std::size_t i) const { return {inputs[i], frames}; }
   [[nodiscard]] std::span<S> out(std::size_t i) const { return {outputs[i], frames}; }
 };
 
-/// Any object, seen by a shell. S is the host's sample type.
+/// An object of any type, as the shell calls it. S is the host's sample type.
 template <class S> class AnyObject {
 public:
   virtual ~AnyObject() = default;
@@ -121,7 +122,7 @@ public:
   [[nodiscard]] virtual AnyObject* clone() const = 0;
 };
 
-/// What a shell must know of an object's type before it makes one.
+/// Properties of an object's type that the shell needs before it makes one.
 struct Traits {
   const Declaration* declaration;
   bool processes, reports, posts, multichannel;
@@ -140,7 +141,7 @@ template <class T> constexpr Traits traits_of() {
   return traits;
 }
 
-/// Gives a plain object the face of AnyObject; members the object lacks do nothing.
+/// Adapts a plain object to AnyObject; members that the object lacks do nothing.
 template <class T, class S> class Adapter final : public AnyObject<S> {
 public:
   void prepare(double sample_rate, std::size_t max_block) override {

@@ -20,7 +20,7 @@ using footstep::recipe_keys;
 using footstep::RecipeKey;
 
 constexpr std::string_view kBlanks = " \t\r";
-constexpr double kDefaultRoomLevel = -10; // dB, where a section [room] names none
+constexpr double kDefaultRoomLevel = -10; // dB, of a section [room] without a level
 constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
                                                     "bubbles", "rustle",   "room"};
 

@@ -3,7 +3,7 @@
 
 namespace tactus::contact {
 
-// In a source file of their own, compiled for its instructions; null where they are unknown.
+// Defined in body_lanes_avx2.cpp, which is compiled for AVX2; null if the compiler cannot.
 const BodyKernel* avx2_body_kernel() noexcept;
 const DenseKernel* avx2_dense_kernel() noexcept;
 

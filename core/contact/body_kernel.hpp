@@ -6,10 +6,11 @@
 #include <cstddef>
 #include <span>
 
-/// The loops over modes that every step needs, one copy for each instruction set.
+/// The loops over modes that every time step needs, implemented once per instruction set.
 namespace tactus::contact {
 
-/// A body's state and its coefficients for the steps at hand; arrays of whole vectors.
+/// State of a range of modes and their coefficients for one step length (ModalBody::Level). Every
+/// array has `padded` numbers, a multiple of kModeLanes.
 struct ModesView {
   double* real;
   double* imaginary;
@@ -21,79 +22,81 @@ struct ModesView {
   std::size_t padded;
 };
 
-/// A force at a place with this shape, over sqrt(m).
+/// A force, N, at a contact point with this shape over sqrt(m).
 struct PointForce {
   const double* shape;
   double force;
 };
 
-/// One step length. 2^level of them make a sample.
+/// Length of the steps, s; 2^level of them make a sample.
 struct Steps {
   double length_s;
   std::size_t level;
 };
 
-/// One place on the body, for steps of one length: z <- P z + F g B. The place's free mean velocity
-/// in the step after the next is linear in the state after the next and in the next force: ahead .
-/// z + answer F. So the sums over modes of a step need not wait for its force, nor its force for
-/// them.
+/// One contact point for steps of one length, z <- P z + F g B. The free mean velocity (without
+/// force) at the point in the next step but one is linear in the state z after this step and in the
+/// force F of the next one:
+///     next_mean_real . Re z + next_mean_imaginary . Im z + next_mobility F.
+/// The sum over modes can so be computed a step ahead, and a force need not wait for it.
 struct PointView {
   const double* shape;                                                ///< g, over sqrt(m)
   const double *response_at_point_real, *response_at_point_imaginary; ///< g B
-  const double *next_mean_real,
-      *next_mean_imaginary; ///< free mean velocity of the step after this one
-  double next_mobility;     ///< of the next step's mean velocity to this one's force
+  const double *next_mean_real, *next_mean_imaginary;
+  double next_mobility; ///< m/(N s)
 };
 
-/// Sums over modes that a step leaves to the next ones.
+/// Sums over modes that are computed ahead.
 struct Prediction {
-  double free = 0; ///< the place's free mean velocity in the next step
-  double base = 0; ///< and in the one after it, without the force of the next
+  double free = 0; ///< free mean velocity of the point in the next step, m/s
+  double base = 0; ///< the same in the step after that, without the force of the next step, m/s
 };
 
-/// Samples of one exciter in a row, as long as nothing but the steps themselves has to be done:
-/// inputs, outputs, and what ends it early.
+/// Inputs and outputs of several samples in a row in which only one exciter acts on the body.
 struct SampleBatch {
   const double* drive;  ///< force on the mass, N, or velocity of the rubbing surface, m/s
-  const double* normal; ///< of friction, N
-  double* output;       ///< velocity at the ear; null: not wanted
-  double* force;        ///< mean of each sample; null: not wanted
-  const double *pickup_real, *pickup_imaginary;
-  std::size_t count;
+  const double* normal; ///< normal force, N; friction only
+  double* output;       ///< velocity at the pickup, m/s; null: not computed
+  double* force;        ///< mean contact force of each sample, N; null: not computed
+  const double *pickup_real, *pickup_imaginary; ///< velocity at the pickup per state
+  std::size_t count;                            ///< samples
 };
 
-/// Every instruction set gives the same bits: the same operations in the same order.
+/// Interface of the loops. Every instruction set does the same operations in the same order, so all
+/// give the same bits.
 class BodyKernel {
 public:
   virtual ~BodyKernel() = default;
-  /// A step of a body that nothing touches.
+  /// A step without forces.
   virtual void ring(const ModesView&) const noexcept = 0;
-  /// The same, and dots() of the ear's arrays and the state after it.
+  /// The same; returns dots() of the pickup's arrays and the state after it.
   virtual double ring_with_output(const ModesView&, const double* pickup_real,
                                   const double* pickup_imaginary) const noexcept = 0;
-  /// Foresight from the state alone.
+  /// The sums that advance_contact() starts with, from the state.
   [[nodiscard]] virtual Prediction predict(const ModesView&, const PointView&) const noexcept = 0;
-  /// Samples with one exciter on the body that is near; no outer forces. Returns how many: it ends
-  /// early after one that leaves the exciter in need of a look (ExcitedBody::look_around).
+  /// Advances a body with one near exciter and no external forces by up to batch.count samples.
+  /// Returns the number of samples done. It stops early after a sample that requires a new
+  /// ExcitedBody::update_proximity().
   virtual std::size_t advance_contact(const ModesView&, const PointView&, Prediction&, Exciter&,
                                       Steps, const SampleBatch&) const noexcept = 0;
-  /// mean[i] = the modes' mean velocity in a step with these forces. Null `outer`: none.
+  /// mean[i] = mean velocity of mode i in a step under these forces. `external`: modal forces over
+  /// sqrt(m); null: none.
   virtual void mean(const ModesView&, const double* external, std::span<const PointForce>,
                     double* mean) const noexcept = 0;
   /// The same without forces.
   virtual void free_mean(const ModesView&, double* mean) const noexcept = 0;
-  /// A step on under these forces.
+  /// Advances the state by a step under these forces.
   virtual void advance(const ModesView&, const double* external,
                        std::span<const PointForce>) const noexcept = 0;
-  /// Marks the contacts of the blocks that are about to end or whose energy is no longer what their
-  /// steps were chosen for. `look`: their depths anew from where all is.
+  /// Marks the contacts that are about to end, or whose energy no longer fits their step length h.
+  /// `measure`: recompute their depths from the positions of mass and surface first.
   virtual void check_pressed(std::span<PressedBlock>, const double* real, const double* imaginary,
                              bool measure, double h) const noexcept = 0;
-  /// Their step of a sample, from one state of the modes into another, which may be the same.
-  /// Marks those that have ended, which are still to be released and booked, or that are not sane.
+  /// Advances the contacts by a step of one sample, from one state of the modes to another; both
+  /// may be the same memory. Marks the contacts that have ended, or whose state is out of range.
   virtual void press(std::span<PressedBlock>, const double* from_real, const double* from_imaginary,
                      double* real, double* imaginary, double sample_rate) const noexcept = 0;
-  /// to += factor from
+  /// to += factor from.
   virtual void add(double* to, const double* from, double factor,
                    std::size_t padded) const noexcept = 0;
   /// Sum of a b.
@@ -105,15 +108,15 @@ public:
   /// Sum of a b + c d.
   [[nodiscard]] virtual double dots(const double* a, const double* b, const double* c,
                                     const double* d, std::size_t padded) const noexcept = 0;
-  /// Velocity at a place with this shape: sum of shape (real - slowing imaginary).
+  /// Velocity at a point with this shape, m/s: sum of shape (real - decay_over_omega imaginary).
   [[nodiscard]] virtual double velocity(const double* shape, const double* real,
                                         const double* imaginary, const double* decay_over_omega,
                                         std::size_t padded) const noexcept = 0;
 };
 
-/// The widest that this processor runs.
+/// The widest implementation that this processor runs.
 [[nodiscard]] const BodyKernel& body_kernel() noexcept;
-/// The one that every processor runs, for comparison.
+/// The implementation that every processor runs, for comparison.
 [[nodiscard]] const BodyKernel& baseline_body_kernel() noexcept;
 
 } // namespace tactus::contact

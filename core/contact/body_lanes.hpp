@@ -6,9 +6,10 @@
 
 #include <cmath>
 
-/// The kernel, written once for any instruction set; a template on the set, so that the linker
-/// never takes a newer processor's code for an older one's. Without fused operations, and sums run
-/// over eight lanes and then over these in one order: every set gives the same bits.
+/// BodyKernel, written once for any instruction set. The set is a template parameter, so the linker
+/// cannot use code for a newer processor in place of code for an older one. No operations are
+/// fused, and sums run over eight lanes and then across these in one order. So every set gives the
+/// same bits.
 namespace tactus::contact {
 
 /// Vectors of a set, and a group of kModeLanes numbers in them.
@@ -19,7 +20,8 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
   using V = typename L::V;
   using L::across, L::all, L::kRegisters, L::kWidth, L::load, L::store;
 
-  /// Calls work(i, r) for all registers of the modes, r counting those of a group of lanes.
+  /// Calls work(i, r) for every register of the modes: i is its first mode, r its index within a
+  /// group of kModeLanes.
   template <class Work>
   [[gnu::always_inline]] static void for_each_register(std::size_t padded,
                                                        const Work& work) noexcept {
@@ -43,24 +45,24 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     store(m.real + i, z.real);
     store(m.imaginary + i, z.imaginary);
   }
-  /// Forces over sqrt(m) on the modes, together.
+  /// Sum of the modal forces over sqrt(m).
   [[gnu::always_inline]] static V
   force_of(const double* external, std::span<const PointForce> forces, std::size_t i) noexcept {
     V sum = external ? load(external + i) : V{};
-    for (const PointForce& push : forces)
-      sum += all(push.force) * load(push.shape + i);
+    for (const PointForce& point : forces)
+      sum += all(point.force) * load(point.shape + i);
     return sum;
   }
-  /// A step on under a force at the place, and what it foresees.
+  /// Advances the state by a step under a force at the point, and updates the prediction.
   [[gnu::always_inline]] static void advance_state(const ModesView& m, const PointView& point,
                                                    double force, Prediction& next) noexcept {
     const double free = next.base + point.next_mobility * force;
-    const V push = all(force);
+    const V point_force = all(force);
     V sums[kRegisters] = {};
     for_each_register(m.padded, [&](std::size_t i, std::size_t r) {
       State z = advanced(m, i);
-      z.real += push * load(point.response_at_point_real + i);
-      z.imaginary += push * load(point.response_at_point_imaginary + i);
+      z.real += point_force * load(point.response_at_point_real + i);
+      z.imaginary += point_force * load(point.response_at_point_imaginary + i);
       store(m, i, z);
       sums[r] += load(point.next_mean_real + i) * z.real +
                  load(point.next_mean_imaginary + i) * z.imaginary;
@@ -80,7 +82,8 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     return across(sums);
   }
 
-  /// What an impulse does instead of steps that would be too long.
+  /// Impulse of a contact that is too short even for the finest steps, N s, with the restitution of
+  /// its law; 0 if the mass does not approach the surface.
   [[gnu::noinline, gnu::cold]] static double impulse_step(const ModesView& m,
                                                           const PointView& contact_point,
                                                           Prediction& next, Exciter& e,
@@ -99,6 +102,18 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     return impulse;
   }
 
+  /// Writes the outputs of one sample of a batch.
+  [[gnu::always_inline]] static void write_outputs(const ModesView& m, const SampleBatch& batch,
+                                                   std::size_t sample, double force) noexcept {
+    if (batch.force)
+      batch.force[sample] = force;
+    if (batch.output)
+      batch.output[sample] =
+          sums(batch.pickup_real, m.real, batch.pickup_imaginary, m.imaginary, m.padded);
+  }
+
+  /// Samples of an impact.
+  // One piece: the state of mass and contact stays in registers over all steps of the batch.
   template <bool compliant>
   [[gnu::always_inline]] static std::size_t
   strike(const ModesView& m, const PointView& contact_point, Prediction& prediction, Exciter& e,
@@ -106,7 +121,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     const double h = steps.length_s;
     const double own_mobility = 0.5 * h * e.inverse_mass, mobility = e.mobility[steps.level];
     const double sample_rate_hz = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
-    double x = e.depth_m, rate = e.approach_m_per_s, point = e.position_m,
+    double x = e.depth_m, rate = e.approach_m_per_s, position = e.position_m,
            velocity = e.velocity_m_per_s, impulse = 0, mean = e.mean_velocity_m_per_s;
     Impact impact = e.impact;
     Prediction next = prediction;
@@ -119,9 +134,9 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
         double own_free_velocity = velocity + external, free = own_free_velocity - next.free;
         bool in_contact = Impact::in_contact(x, rate, h);
         if (in_contact && e.impulsive && !impact.touching() && rate > 0) {
-          const double knock_impulse = impulse_step(m, contact_point, next, e, velocity, h);
-          velocity -= knock_impulse * e.inverse_mass;
-          impulse += knock_impulse;
+          const double step_impulse = impulse_step(m, contact_point, next, e, velocity, h);
+          velocity -= step_impulse * e.inverse_mass;
+          impulse += step_impulse;
           own_free_velocity = velocity + external;
           mean = rate = free = own_free_velocity - next.free;
           in_contact = Impact::in_contact(x, rate, h);
@@ -146,24 +161,20 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
         impact.template leave_step<compliant>(x);
         advance_state(m, contact_point, force, next);
         const double own_mean_velocity = own_free_velocity - own_mobility * force;
-        point += h * own_mean_velocity;
+        position += h * own_mean_velocity;
         velocity = 2 * own_mean_velocity - velocity;
         e.record_step(from, x, force, h);
         impulse += h * force;
       }
       const double force = impulse * sample_rate_hz;
-      if (batch.force)
-        batch.force[done] = force;
-      if (batch.output)
-        batch.output[done] =
-            sums(batch.pickup_real, m.real, batch.pickup_imaginary, m.imaginary, m.padded);
+      write_outputs(m, batch, done, force);
       continuing = impact.touching() &&
                    e.level_valid(0.5 * e.effective_mass_kg * rate * rate + impact.stored_j()) &&
                    std::abs(velocity) < kMaxSpeed && std::abs(force) < kMaxState &&
                    std::abs(mean) < kMaxState;
     }
     e.impact = impact;
-    e.position_m = point;
+    e.position_m = position;
     e.velocity_m_per_s = velocity;
     e.depth_m = x;
     e.approach_m_per_s = rate;
@@ -173,6 +184,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     return done;
   }
 
+  /// Samples of friction; `rough`: with its random part.
   template <bool rough>
   [[gnu::always_inline]] static std::size_t rub(const ModesView& m, const PointView& contact_point,
                                                 Prediction& prediction, Exciter& e, Steps steps,
@@ -186,16 +198,16 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     Prediction next = prediction;
     std::size_t done = 0;
     for (bool continuing = true; continuing && done < batch.count; ++done) {
-      const double speed = bounded(batch.drive[done], kMaxSpeed);
+      const double surface = bounded(batch.drive[done], kMaxSpeed);
       normal = bounded(batch.normal[done], kMaxForce);
-      mean += speed - rubbing;
-      rubbing = speed;
-      if (!(normal > 0)) // it has let go
+      mean += surface - rubbing;
+      rubbing = surface;
+      if (!(normal > 0)) // the surfaces have separated
         break;
       impulse = dissipated = 0;
       for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
         const double free = rubbing - next.free;
-        const double rate = expected(free - mobility * last_force, mean);
+        const double rate = initial_velocity(free - mobility * last_force, mean);
         friction.enter_step(normal, rate, rough ? e.noise.normal() : 0.0, h);
         friction.refine(friction.mean(free, mobility));
         mean = friction.mean(free, mobility);
@@ -208,11 +220,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
         impulse += h * force;
       }
       const double force = impulse * sample_rate_hz;
-      if (batch.force)
-        batch.force[done] = force;
-      if (batch.output)
-        batch.output[done] =
-            sums(batch.pickup_real, m.real, batch.pickup_imaginary, m.imaginary, m.padded);
+      write_outputs(m, batch, done, force);
       continuing = std::abs(force) < kMaxState && std::abs(mean) < kMaxState;
     }
     e.friction = friction;

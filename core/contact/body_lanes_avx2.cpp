@@ -1,4 +1,5 @@
-// Compiled for AVX2 (core/CMakeLists.txt); does nothing on other processors.
+// The kernels for AVX2. CMake compiles this file with AVX2 enabled; on other architectures the
+// functions return null.
 #include "core/contact/body_lanes.hpp"
 #include "core/contact/dense_lanes.hpp"
 

@@ -30,10 +30,10 @@ std::uint32_t PointModes::root(std::uint32_t contact) noexcept {
   return contact;
 }
 
-/// Union-find over the modes (Tarjan 1975); the root is always the first contact.
+/// Union-find over the modes (Tarjan 1975). The root is always the first contact of an island.
 void PointModes::divide(std::span<const std::size_t> points, Islands& into) noexcept {
   const auto count = static_cast<std::uint32_t>(points.size());
-  std::size_t end = 0; // of the modes that any moves
+  std::size_t end = 0; // one past the last mode that any contact moves
   for (std::uint32_t c = 0; c < count; ++c) {
     parent_[c] = c;
     for (const std::uint32_t mode : modes_[points[c]]) {

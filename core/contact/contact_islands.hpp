@@ -7,11 +7,12 @@
 
 namespace tactus::contact {
 
-/// Contacts divided into islands: within one, any two share a mode of the body, directly or by way
-/// of others; no force of one island moves a mode of another.
+/// Contacts divided into islands, the connected components of the graph in which two contacts are
+/// neighbours if they share a mode. No force of one island moves a mode of another, so each island
+/// can be solved by itself.
 class Islands {
 public:
-  /// Contacts and modes of one, as parts of the lists.
+  /// Ranges of one island's contacts and modes in the lists of all.
   struct Island {
     std::size_t first_slot = 0, slots = 0, first_mode = 0, modes = 0;
   };
@@ -26,7 +27,7 @@ public:
   [[nodiscard]] std::span<const std::size_t> slots(std::size_t island) const noexcept {
     return std::span(slots_).subspan(islands_[island].first_slot, islands_[island].slots);
   }
-  /// Modes that its contacts move, ascending.
+  /// Indices of the modes that an island's contacts move, ascending.
   [[nodiscard]] std::span<const std::uint32_t> modes(std::size_t island) const noexcept {
     return std::span(modes_).subspan(islands_[island].first_mode, islands_[island].modes);
   }
@@ -38,19 +39,19 @@ private:
   std::vector<std::uint32_t> modes_;
 };
 
-/// The modes that a contact at each place moves: those whose shape there is not zero.
+/// The modes that a force at each contact point moves: those whose shape there is not zero.
 class PointModes {
 public:
   PointModes(std::size_t max_modes, std::size_t points);
 
-  /// From the place's shape.
+  /// Sets the modes of a point from its shape, one number per mode.
   void set(std::size_t point, std::span<const double> shape) noexcept;
-  /// Ascending.
+  /// Indices of the point's modes, ascending.
   [[nodiscard]] std::span<const std::uint32_t> operator[](std::size_t point) const noexcept {
     return modes_[point];
   }
-  /// Divides the contacts at these places into islands. Time: of the contacts' modes and those up
-  /// to the last.
+  /// Divides the contacts at these points into islands. The time grows with the sum of the
+  /// contacts' mode counts and with the highest index of a mode.
   void divide(std::span<const std::size_t> points, Islands& into) noexcept;
 
 private:
@@ -59,7 +60,7 @@ private:
   static constexpr std::uint32_t kNone = ~0U;
   std::vector<std::vector<std::uint32_t>> modes_;
   std::vector<std::uint32_t> owner_;  ///< by mode: a contact that moves it
-  std::vector<std::uint32_t> parent_; ///< by contact: another of its island, nearer to the root
+  std::vector<std::uint32_t> parent_; ///< by contact: its parent in the union-find forest
   std::vector<std::uint32_t> island_; ///< by contact
 };
 

@@ -6,7 +6,8 @@
 namespace tactus::contact {
 namespace {
 
-/// In theory 1: mobilities summed in single precision may not be quite positive.
+/// All pivots are at least 1 in exact arithmetic. A mobility matrix summed in single precision may
+/// be slightly indefinite.
 constexpr double kMinPivot = 0.5;
 
 } // namespace
@@ -40,7 +41,7 @@ void ContactSystem::solve_one() noexcept {
   t.solve(coupling(acting_[0], acting_[0]) + t.own_mobility);
 }
 
-/// Two by elimination; the pivots are those of solve_acting(), 1 and above.
+/// Two contacts by elimination; the pivots are those of solve_acting().
 void ContactSystem::solve_two() noexcept {
   ContactTerm &a = (*this)[acting_[0]], &b = (*this)[acting_[1]];
   const double y = coupling(acting_[1], acting_[0]);
@@ -58,8 +59,9 @@ void ContactSystem::solve_two() noexcept {
   a.force = (pa - y * sa * b.force) * first;
 }
 
-/// With S = sqrt(slopes): (1 + S Y S) S v = S (free - Y offset) and the same matrix for the forces
-/// over S, so that neither is a small difference of large numbers. Its eigenvalues are 1 and above.
+/// With S = diag(sqrt(slope)) the velocities solve (1 + S Y S) S v = S (free - Y offset), and the
+/// forces solve (1 + S Y S) F/S = offset/S + S free. Both are solved for, so that neither is a
+/// small difference of large numbers. The eigenvalues of the matrix are at least 1.
 void ContactSystem::solve_acting(std::size_t contacts) noexcept {
   if (acting_.size() == 1)
     return solve_one();
@@ -75,13 +77,13 @@ void ContactSystem::solve_acting(std::size_t contacts) noexcept {
   for (std::size_t j = 0; j < count; ++j) {
     const ContactTerm& t = (*this)[acting_[j]];
     const double* column = coupling_.data() + block_.at + acting_[j] * block_.stride;
-    if (count < contacts) { // those that act, without the others
+    if (count < contacts) { // only the rows of the acting contacts
       for (std::size_t i = 0; i < count; ++i)
         column_[i] = column[acting_[i]];
       column = column_.data();
     }
-    dense_->take_column(matrix.at + j * stride, solution, column, root, root[j], t.law.offset_n,
-                        stride);
+    dense_->add_column(matrix.at + j * stride, solution, column, {root, root[j], t.law.offset_n},
+                       stride);
     matrix(j, j) += 1 + t.law.slope_ns_per_m * t.own_mobility;
     solution[j] += t.own_mobility * t.law.offset_n;
   }

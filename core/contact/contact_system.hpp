@@ -10,48 +10,50 @@
 
 namespace tactus::contact {
 
-/// All contacts of one step, solved together.
+/// Solves for the forces of all contacts of one step at once.
 ///
-/// Each contact's force is a linear function of its own mean relative velocity, F = offset + slope
-/// v with a slope >= 0, and these velocities follow linearly from all forces, v = v_free - Y F, Y
-/// symmetric and positive. So the forces are the solution of one positive definite linear system:
-/// no contact goes before another, and the energy balance of each holds exactly. Impacts that would
-/// pull are taken out together and the rest solved again.
+/// Each contact's force is linear in its own mean relative velocity, F = offset + slope v, slope >=
+/// 0. The velocities are linear in all forces, v = v_free - Y F, with the symmetric positive
+/// semidefinite mobility matrix Y. So the forces solve one positive definite linear system, and no
+/// contact takes precedence. Impacts whose force would be negative are removed together, and the
+/// system of the others is solved again.
 class ContactSystem {
 public:
   explicit ContactSystem(std::size_t max_contacts);
 
-  /// One of several independent systems in the same memory: its first contact among all of them,
-  /// and where its coupling begins, columns of `stride` numbers.
+  /// One of several independent systems in the same memory: index of its first contact, offset of
+  /// its coupling matrix, and the length of that matrix's columns.
   struct Block {
     std::size_t first = 0, at = 0, stride = 0;
   };
-  /// From now on the system is this one.
+  /// Selects the system that all other functions refer to.
   void select(const Block& block) noexcept { block_ = block; }
-  /// The only one, of up to max_contacts.
+  /// Selects one system of up to max_contacts.
   void select_all() noexcept { block_ = {0, 0, stride_}; }
 
-  /// One contact's part in the step, by its position among those that take part.
+  /// Term of a contact of the selected system.
   [[nodiscard]] ContactTerm& operator[](std::size_t contact) noexcept {
     return terms_[block_.first + contact];
   }
   [[nodiscard]] const ContactTerm& operator[](std::size_t contact) const noexcept {
     return terms_[block_.first + contact];
   }
-  /// Y without the exciters' own masses, m/(N s): mean velocity of one place for a force at
-  /// another. Columns of whole lanes, symmetric; all of a column is read.
+  /// Element of Y without the exciters' own mobility, m/(N s): mean velocity at one contact point
+  /// per force at another. Set both triangles; columns are padded to `stride`, and the padding is
+  /// read too.
   [[nodiscard]] double& coupling(std::size_t row, std::size_t column) noexcept {
     return coupling_[block_.at + column * block_.stride + row];
   }
+  /// Sets the first columns to 0.
   void clear_coupling(std::size_t contacts) noexcept;
 
-  /// Finds all forces and mean velocities of the first so many. `alternative_solver(acting)` may
-  /// find those of the contacts that act in another way and return true.
+  /// Solves for the forces and mean velocities of the first `contacts` terms.
+  /// `alternative_solver(acting)` may set those of the acting contacts itself and return true.
   template <class AlternativeSolver>
   void solve(std::size_t contacts, const AlternativeSolver& alternative_solver) noexcept {
     for (std::size_t c = 0; c < contacts; ++c)
       (*this)[c].acts = (*this)[c].law.slope_ns_per_m > kMinSlope;
-    // Every round takes out at least one: it ends.
+    // Every round but the last removes at least one contact, so the loop ends.
     for (bool has_tension = true; has_tension;) {
       acting_.clear();
       for (std::size_t c = 0; c < contacts; ++c)
@@ -72,15 +74,16 @@ public:
   void solve(std::size_t contacts) noexcept {
     solve(contacts, [](std::span<const std::size_t>) { return false; });
   }
-  /// The mean velocities of those that have no force, under the others' forces.
+  /// Mean velocities of the contacts without a force, under the forces of the others.
   void find_inactive_velocities(std::size_t contacts) noexcept;
   /// The contacts with a force in the last solution.
   [[nodiscard]] std::span<const std::size_t> acting() const noexcept { return acting_; }
 
+  /// Uses the instructions that every processor has (for comparison in tests).
   void use_baseline() noexcept { dense_ = &baseline_dense_kernel(); }
   [[nodiscard]] const DenseKernel& dense() const noexcept { return *dense_; }
 
-  static constexpr double kMinSlope = 1e-250; ///< N s/m; a softer contact has no force
+  static constexpr double kMinSlope = 1e-250; ///< N s/m; a contact below it has no force
 
 private:
   void solve_acting(std::size_t contacts) noexcept;

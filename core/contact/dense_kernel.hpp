@@ -4,9 +4,9 @@
 
 namespace tactus::contact {
 
-/// A symmetric positive definite matrix, column by column, `stride` numbers each: a whole multiple
-/// of kModeLanes, aligned for vectors. Only the part from the diagonal down counts; what lies above
-/// and beyond `count` must be finite.
+/// A symmetric positive definite matrix, stored by columns of `stride` numbers. stride is a
+/// multiple of kModeLanes, and `at` is aligned for vectors. Only the lower triangle is used; the
+/// elements above the diagonal and beyond `count` must be finite.
 struct DenseView {
   double* at;
   std::size_t count, stride;
@@ -15,25 +15,34 @@ struct DenseView {
   }
 };
 
-/// Solving the small systems of contacts that answer each other, one copy for each instruction set;
-/// every set gives the same bits.
+/// Weights of DenseKernel::add_column().
+struct ColumnWeights {
+  const double* row; ///< one a row
+  double column;
+  double sum;
+};
+
+/// Cholesky solver for the small dense systems of coupled contacts. Each instruction set has its
+/// own implementation; all give the same bits.
 class DenseKernel {
 public:
   virtual ~DenseKernel() = default;
-  /// Cholesky's factorisation, in place; pivots that rounding has made smaller count as `least`.
+  /// Cholesky factorisation in place. Pivots below `min_pivot` count as `min_pivot`.
   virtual void factorise(const DenseView& matrix, double min_pivot) const noexcept = 0;
-  /// Solves with the factorised matrix for two right sides of `stride` numbers, in place.
+  /// Solves with the factorised matrix for two right-hand sides of `stride` numbers, in place.
   virtual void substitute(const DenseView& factor, double* first,
                           double* second) const noexcept = 0;
-  /// matrix += factor x x', from the diagonal down; x of `stride` numbers.
+  /// matrix += factor x x^T, lower triangle; x has `stride` numbers.
   virtual void add_square(const DenseView& matrix, const double* x,
                           double factor) const noexcept = 0;
-  /// One column: to[i] = factor scale[i] y[i], sum[i] += weight y[i].
-  virtual void take_column(double* to, double* sum, const double* y, const double* scale,
-                           double factor, double weight, std::size_t padded) const noexcept = 0;
+  /// One column: to[i] = weights.column weights.row[i] y[i], sum[i] += weights.sum y[i].
+  virtual void add_column(double* to, double* sum, const double* y, const ColumnWeights& weights,
+                          std::size_t padded) const noexcept = 0;
 };
 
+/// The widest implementation that this processor runs.
 [[nodiscard]] const DenseKernel& dense_kernel() noexcept;
+/// The implementation that every processor runs, for comparison.
 [[nodiscard]] const DenseKernel& baseline_dense_kernel() noexcept;
 
 } // namespace tactus::contact

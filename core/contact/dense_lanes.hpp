@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-/// The kernel, written once for any instruction set. Sums run over columns in one order for each
-/// element, or over eight lanes and then over these: every set gives the same bits.
+/// DenseKernel, written once for any instruction set. Every element is summed over columns in the
+/// same order, or over eight lanes and then across these. So every set gives the same bits.
 namespace tactus::contact {
 
 template <class Set> class DenseLanes final : public DenseKernel, Lanes<Set> {
@@ -20,7 +20,7 @@ template <class Set> class DenseLanes final : public DenseKernel, Lanes<Set> {
     return row / kModeLanes * kModeLanes;
   }
 
-  /// Rows of one column, `Groups` times eight: minus what the columns before took of them.
+  /// Subtracts the contributions of the columns before from 8 `Groups` rows of one column.
   template <std::size_t Groups>
   [[gnu::always_inline]] static void reduce(const DenseView& m, std::size_t row,
                                             std::size_t column) noexcept {
@@ -75,7 +75,7 @@ public:
     for (std::size_t k = m.count; k-- > 0;) {
       const double* const column = m.at + k * m.stride;
       const double x = first[k], y = second[k], over = 1 / column[k];
-      first[k] = second[k] = 0; // out of its own sum
+      first[k] = second[k] = 0; // excludes the unknown itself from the sums below
       V one[kRegisters] = {}, two[kRegisters] = {};
       for (std::size_t i = lanes_from(k); i < m.stride; i += kModeLanes)
 #pragma GCC unroll 4
@@ -98,12 +98,13 @@ public:
     }
   }
 
-  void take_column(double* to, double* sum, const double* y, const double* scale, double factor,
-                   double weight, std::size_t padded) const noexcept override {
-    const V times = all(factor), part = all(weight);
+  void add_column(double* to, double* sum, const double* y, const ColumnWeights& weights,
+                  std::size_t padded) const noexcept override {
+    const double* const row = weights.row;
+    const V times = all(weights.column), part = all(weights.sum);
     for (std::size_t i = 0; i < padded; i += kWidth) {
       const V value = load(y + i);
-      store(to + i, times * load(scale + i) * value);
+      store(to + i, times * load(row + i) * value);
       store(sum + i, load(sum + i) + part * value);
     }
   }

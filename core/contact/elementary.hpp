@@ -5,25 +5,27 @@
 #include <cstdint>
 #include <numbers>
 
-/// Powers and exponentials of + - * / and square roots alone: the same bits on every platform,
-/// whatever its mathematical library, and quick enough for every step of a contact. Always inline,
-/// since files compiled for newer processors use them too.
+/// Powers, exponentials and logarithms from + - * / and square roots only. The results are
+/// bit-identical on every platform, because no call goes to the platform's mathematical library.
+/// Everything is always inline: source files compiled for newer instruction sets use it too, and
+/// must not emit a shared copy.
 namespace tactus::contact {
 
-/// x held within +-size, 0 for what is no number.
-[[nodiscard, gnu::always_inline]] inline double bounded(double x, double size) noexcept {
-  return x > size ? size : (x < -size ? -size : (x == x ? x : 0));
+/// x clamped to [-limit, limit]; 0 for NaN.
+[[nodiscard, gnu::always_inline]] inline double bounded(double x, double limit) noexcept {
+  return x > limit ? limit : (x < -limit ? -limit : (x == x ? x : 0));
 }
-/// x held within low and high, `otherwise` for what is not finite.
+/// x clamped to [low, high]; `fallback` for NaN and infinities.
 [[nodiscard, gnu::always_inline]] inline double within(double x, double low, double high,
                                                        double fallback) noexcept {
   return std::isfinite(x) ? (x < low ? low : (x > high ? high : x)) : fallback;
 }
 
-/// 2^y for |y| <= 1000, relative error below 1e-12; beyond, the value there.
+/// 2^y with a relative error below 1e-12. y is clamped to [-1000, 1000].
 [[nodiscard, gnu::always_inline]] inline double exp2_of(double y) noexcept {
   y = y < -1000 ? -1000 : (y > 1000 ? 1000 : y);
-  // y + kRound has y's nearest integer in its last bits, from where it goes to the exponent's.
+  // Adding kRound leaves the integer nearest to y in the last bits of the mantissa; the shift
+  // below moves it to the exponent.
   constexpr double kRound = 0x1.8p52;
   const double shifted = y + kRound, t = y - (shifted - kRound); // |t| <= 1/2
   const double scale = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) << 52) +
@@ -60,7 +62,7 @@ public:
     if (quarters <= 5 && quarters == std::floor(quarters))
       quarters_ = static_cast<int>(quarters);
   }
-  /// Of x > 0. The quarter powers, which Hertz' and other common contacts have, by roots.
+  /// x^e for x > 0. Hertz' and other common contacts have quarter powers: these take roots.
   [[nodiscard, gnu::always_inline]] double operator()(double x) const noexcept {
     switch (quarters_) {
     case 0:
@@ -88,8 +90,9 @@ private:
   int quarters_ = -1;
 };
 
-/// x^e for x that moves little at a time: by its binomial series from where the power was last
-/// taken, as long as x stays within 1/16 of there. Relative error below 1e-9 for 0 <= e <= 5/2.
+/// x^e for an x that changes little from call to call. While x stays within 1/16 of the anchor
+/// (the x of the last full evaluation) the binomial series about the anchor is used, six terms.
+/// Relative error below 1e-9 for 0 <= e <= 5/2.
 class TaylorPower {
 public:
   explicit TaylorPower(double exponent = 0) noexcept : power_(exponent) {
@@ -97,7 +100,7 @@ public:
     for (int k = 0; k < kTerms; ++k)
       term_[k] = factor *= (exponent - k) / (k + 1);
   }
-  /// Of x > 0.
+  /// x^e for x > 0.
   [[nodiscard, gnu::always_inline]] double operator()(double x) noexcept {
     if (power_.exponent() == 0)
       return 1;
@@ -113,8 +116,8 @@ public:
   }
 
   static constexpr int kTerms = 6;
-  static constexpr double kReach = 0.0625; ///< |d| below which the series is taken
-  /// Where it was last taken: x^e and 1/x.
+  static constexpr double kReach = 0.0625; ///< the series is used for |x/anchor - 1| below this
+  /// x^e and 1/x at the last full evaluation.
   struct Anchor {
     double value = 0, inverse = 0;
   };

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMaxShape = 1e3;
 
-/// Each island's modes are rounded to whole lanes at both ends.
+/// Largest length of the packed arrays: the modes of each island are padded at both ends.
 std::size_t packed_modes(std::size_t modes, std::size_t exciters) noexcept {
   return modes + 2 * kModeLanes * std::min(exciters, modes);
 }
@@ -40,7 +40,7 @@ ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_
   compute_step_lengths();
   near_slots_.reserve(exciters);
   forces_.reserve(exciters);
-  const std::size_t unknowns = std::min(exciters, max_modes); // with more contacts than modes
+  const std::size_t unknowns = std::min(exciters, max_modes); // of solve_by_mode()
   matrix_ = ModeArray(unknowns * whole_lanes(unknowns));
   right_ = other_ = ModeArray(unknowns);
   for (std::size_t i = 0; i < exciters; ++i)
@@ -95,20 +95,20 @@ void ExcitedBody::compute_pickup(std::size_t pickup) noexcept {
   }
 }
 
-/// Before the place changes: where the mass is above its surface.
+/// Before the contact point changes: keeps the penetration of the mass.
 void ExcitedBody::store_depth(std::size_t slot) noexcept {
   if (exciters_[slot].kind == Exciter::Kind::kImpact)
     exciters_[slot].depth_m = exciters_[slot].position_m - surface(slot);
 }
 
-/// Before the body changes: where every mass is above its surface.
+/// Before the body changes: keeps the penetration of every mass.
 void ExcitedBody::store_depths() noexcept {
   wake_all();
   for (std::size_t i = 0; i < exciters_.size(); ++i)
     store_depth(i);
 }
 
-/// After the body has changed: the masses are where they were above it.
+/// After the body has changed: places every mass at its penetration before.
 void ExcitedBody::restore_depths() noexcept {
   for (std::size_t i = 0; i < exciters_.size(); ++i)
     compute_point(i);
@@ -166,7 +166,7 @@ void ExcitedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass
   wake(slot);
   Exciter& e = exciters_[slot];
   const double mass = std::isfinite(mass_kg) ? std::clamp(mass_kg, 1e-6, 1e6) : 0.01;
-  if (e.kind == Exciter::Kind::kImpact && !e.held && mass > e.mass_kg) // no energy from nowhere
+  if (e.kind == Exciter::Kind::kImpact && !e.held && mass > e.mass_kg) // keeps the kinetic energy
     e.velocity_m_per_s *= std::sqrt(e.mass_kg / mass);
   e.mass_kg = mass;
   make_impact(slot, law, false);
@@ -261,7 +261,7 @@ void ExcitedBody::set_mass_force(std::size_t slot, double force_n) noexcept {
 void ExcitedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
   if (slot >= exciters_.size())
     return;
-  if (normal_force_n > 0) // otherwise it stays away
+  if (normal_force_n > 0) // without a normal force there is no contact
     wake(slot);
   exciters_[slot].rub(normal_force_n, velocity);
   drives_changed_ = true;
@@ -317,8 +317,8 @@ void ExcitedBody::set_min_steps(unsigned steps) noexcept {
     ++min_level_;
 }
 
-/// Sums over a place's one or two modes run over these alone: the bits are those of the sum over
-/// all.
+/// For one or two modes the sum runs over these alone. It has the bits of the sum over all modes,
+/// whose other terms are 0.
 double ExcitedBody::surface(std::size_t slot) const noexcept {
   if (!ringing_)
     return 0;

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-/// Several contacts in one step: docs at ExcitedBody.
+/// The steps of several contacts that are solved together.
 namespace tactus::contact {
 namespace {
 
-constexpr int kImpulseRounds = 8;
+constexpr int kImpulseIterations = 8;
 
 } // namespace
 
-/// Y of a group's contacts.
+/// Mobility matrix Y of a group's contacts.
 void ExcitedBody::couple(const Group& group) noexcept {
   const std::size_t count = group.slots.size();
   system_.clear_coupling(count);
@@ -49,7 +49,7 @@ void ExcitedBody::step_coupled(const Group& group) noexcept {
     forces_.clear();
     for (const std::size_t c : system_.acting())
       forces_.push_back({shapes_[c], system_[c].force});
-    if (forces_.size() < count) // the others' velocities follow from the modes'
+    if (forces_.size() < count) // velocities of the contacts without force
       kernel_->mean(modes, group.external, forces_, mean_.data());
     kernel_->advance(modes, group.external, forces_);
     for (std::size_t c = 0; c < count; ++c) {
@@ -74,9 +74,11 @@ void ExcitedBody::solve(const Group& group) noexcept {
   });
 }
 
-/// With more contacts than modes. Each contact is eliminated, F = (offset + slope (free - g.d)) /
-/// (1 + slope own), d the change of the modes' mean velocities, which remain:
-/// d/y + sum g kappa (g.d) = sum g (offset + slope free)/(1 + slope own), y a mode's mobility.
+/// Solution for more contacts than modes. The unknowns are the changes d of the modes' mean
+/// velocities. Each contact's force is eliminated: with its shape g and the exciter's mobility y_e,
+///     F = (offset + slope (free - g.d))/(1 + slope y_e).
+/// With the modes' mobilities y there remains
+///     d/y + sum g (g.d) slope/(1 + slope y_e) = sum g (offset + slope free)/(1 + slope y_e).
 void ExcitedBody::solve_by_mode(const Group& group, std::span<const std::size_t> acting) noexcept {
   const std::size_t count = group.mode_count, stride = group.modes.padded;
   const double* const mobility = group.modes.mobility;
@@ -105,10 +107,10 @@ void ExcitedBody::solve_by_mode(const Group& group, std::span<const std::size_t>
   }
 }
 
-/// Contacts too short for steps, all of one moment together. Each alone would get the impulse
-/// J = (1 + e) rate/mobility; all at once get theta J, theta <= 1 the largest for which
-/// dE = -theta J.v + theta^2 J.A J/2 is no gain, with the least restitution among them kept.
-/// Rounds go on while some still approach.
+/// Simultaneous contacts that are too short for steps. Alone, each would have the impulse
+/// J = (1 + e) v/A, v its rate of approach, A its mobility for impulses. Together they have theta J
+/// with theta = min(1, (1 + e_min) J.v/(J.A J)): the energy then changes by
+/// dE = -theta J.v + theta^2 J.A J/2 <= 0. Repeated while contacts still approach.
 void ExcitedBody::solve_impulses(const Group& group) noexcept {
   const double h = step_s_[group.level];
   const ModesView& m = group.modes;
@@ -116,13 +118,13 @@ void ExcitedBody::solve_impulses(const Group& group) noexcept {
   const auto velocity_at = [&](std::size_t c) {
     return kernel_->velocity(shapes_[c], m.real, m.imaginary, m.decay_over_omega, padded);
   };
-  for (std::size_t c = 0; c < count; ++c) { // these need the velocity at this moment
+  for (std::size_t c = 0; c < count; ++c) { // velocity of approach now
     Exciter& e = exciters_[group.slots[c]];
     if (e.kind == Exciter::Kind::kImpact && e.impulsive && !e.impact.touching())
       e.approach_m_per_s = e.velocity_m_per_s - velocity_at(c);
   }
-  for (int round = 0; round < kImpulseRounds; ++round) {
-    double work = 0, own_mobility = 0, minimum = 1;
+  for (int iteration = 0; iteration < kImpulseIterations; ++iteration) {
+    double work = 0, mass_term = 0, min_restitution = 1; // J.v; sum of J^2/mass
     std::fill_n(mean_.data(), padded, 0.0);
     bool any = false;
     for (std::size_t c = 0; c < count; ++c) {
@@ -136,15 +138,15 @@ void ExcitedBody::solve_impulses(const Group& group) noexcept {
           restitution(e.impact.law().dissipation_s_per_m * e.approach_m_per_s);
       t.force = (1 + restitution_coefficient) * e.approach_m_per_s / e.impulse_mobility;
       work += t.force * e.approach_m_per_s;
-      own_mobility += t.force * t.force * e.inverse_mass;
-      minimum = std::min(minimum, restitution_coefficient);
+      mass_term += t.force * t.force * e.inverse_mass;
+      min_restitution = std::min(min_restitution, restitution_coefficient);
       kernel_->add(mean_.data(), shapes_[c], t.force, padded);
       any = true;
     }
     if (!any)
       return;
-    const double quadratic = own_mobility + kernel_->dot(mean_.data(), mean_.data(), padded);
-    const double theta = std::min(1.0, (1 + minimum) * work / quadratic);
+    const double quadratic = mass_term + kernel_->dot(mean_.data(), mean_.data(), padded); // J.A J
+    const double theta = std::min(1.0, (1 + min_restitution) * work / quadratic);
     kernel_->add(m.real, mean_.data(), theta, padded);
     for (std::size_t c = 0; c < count; ++c) {
       Exciter& e = exciters_[group.slots[c]];

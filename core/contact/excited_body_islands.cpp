@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-/// Contacts that share no mode: each island of them in steps of its own. All modes ring once a
-/// sample; an island goes on from the state before the sample and writes the modes that it moves.
+/// Samples with several islands of contacts, each in steps of its own. First all modes advance
+/// freely by a sample. Then each island starts from the state before the sample and overwrites the
+/// modes that it moves.
 namespace tactus::contact {
 namespace {
 
-constexpr std::size_t kContactWork = 64; // products that take as long as one contact's law
+constexpr std::size_t kContactWork = 64; // multiplications that take as long as a contact's law
 
 bool contiguous(std::span<const std::uint32_t> modes) noexcept {
   return !modes.empty() && modes.back() - modes.front() + 1 == modes.size();
@@ -21,7 +22,7 @@ void scatter(std::span<const std::uint32_t> modes, const double* from, ModeArray
 
 } // namespace
 
-/// Who may ever touch a mode that another touches.
+/// Divides all exciters in use into islands, and lists the single contacts.
 void ExcitedBody::find_islands_in_use() noexcept {
   sorted_.clear();
   for (std::size_t i = 0; i < exciters_.size(); ++i)
@@ -42,7 +43,8 @@ void ExcitedBody::find_islands_in_use() noexcept {
   }
 }
 
-/// Are those near one island, on modes that lie close together? It is then solved in place.
+/// Checks whether the near contacts are one island whose modes lie close together. If so, it is
+/// solved in the body's own arrays.
 void ExcitedBody::find_range() noexcept {
   const std::size_t padded = body_.padded();
   one_range_ = range_known_ = true;
@@ -78,11 +80,11 @@ void ExcitedBody::divide() noexcept {
   packed_.clear();
 }
 
-bool ExcitedBody::few(std::size_t island) const noexcept {
+bool ExcitedBody::is_single(std::size_t island) const noexcept {
   return islands_[island].slots == 1 && islands_[island].modes <= kFewModes;
 }
 
-/// Where in the packed arrays each island has its part.
+/// Assigns each island its part of the packed arrays.
 void ExcitedBody::assign_packed_ranges() noexcept {
   std::size_t at = 0, shapes_at = 0, block_at = 0;
   packed_.clear();
@@ -90,7 +92,7 @@ void ExcitedBody::assign_packed_ranges() noexcept {
     const std::span<const std::uint32_t> modes = islands_.modes(k);
     const std::size_t count = islands_[k].slots,
                       skip = contiguous(modes) ? modes.front() % kModeLanes : 0,
-                      lanes = few(k) ? 0 : whole_lanes(skip + modes.size()),
+                      lanes = is_single(k) ? 0 : whole_lanes(skip + modes.size()),
                       stride = whole_lanes(count);
     Packed island;
     island.at = at;
@@ -105,23 +107,24 @@ void ExcitedBody::assign_packed_ranges() noexcept {
   }
 }
 
-/// An island in arrays of its own: its modes in a row, as if no others were there. Modes that lie
-/// in a row in the body, too, stay there: where lanes are shared with others, these have a turn of
-/// 1 and no force, so that nothing moves them. `in_body`: the body's states are those before the
-/// sample.
+/// Prepares an island as if no other modes existed: gathers its modes contiguously. If they are
+/// contiguous in the body and `in_body` is true (the body's arrays hold the state before the
+/// sample), the state stays in the body's arrays. Modes of others in the same group of lanes then
+/// have the pole 1 and no force, so that nothing changes them.
 ExcitedBody::Group ExcitedBody::pack(std::size_t island, std::size_t level_index,
                                      bool in_body) noexcept {
   Packed& p = packed_[island];
   const std::span<const std::size_t> slots = islands_.slots(island);
   const std::span<const std::uint32_t> modes = islands_.modes(island);
   const auto gather = [&](double* part, const double* from, double elsewhere) {
-    double* const own = part + p.skip;
-    std::fill(part, own, elsewhere);
+    double* const destination = part + p.skip;
+    std::fill(part, destination, elsewhere);
     if (contiguous(modes))
-      std::copy_n(from + modes.front(), modes.size(), own);
+      std::copy_n(from + modes.front(), modes.size(), destination);
     else
-      std::transform(modes.begin(), modes.end(), own, [&](std::uint32_t k) { return from[k]; });
-    std::fill(own + modes.size(), part + p.lanes, elsewhere);
+      std::transform(modes.begin(), modes.end(), destination,
+                     [&](std::uint32_t k) { return from[k]; });
+    std::fill(destination + modes.size(), part + p.lanes, elsewhere);
   };
   shapes_.clear();
   for (std::size_t c = 0; c < slots.size(); ++c)
@@ -182,22 +185,22 @@ std::size_t ExcitedBody::island_work(std::size_t island) const noexcept {
   return k.slots == 1 ? kContactWork + 2 * k.modes : work(k.slots, k.modes);
 }
 
-/// The finest steps that an island gets whose step takes this work.
+/// The finest level, up to `level`, whose steps fit into share_ if one takes this work.
 std::size_t ExcitedBody::affordable_level(std::size_t work, std::size_t level) const noexcept {
   while (level > 0 && (work << level) > share_)
     --level;
   return level;
 }
 
-/// Bounds the work of a sample: all fine steps together take kMaxWork, and as long as they want
-/// more, the dearest islands get coarser ones. None depends on their order.
+/// Limits the work of a sample to kMaxWork for all fine steps together. While it is exceeded, the
+/// islands that cost most get coarser steps. The result does not depend on the islands' order.
 void ExcitedBody::distribute_work() noexcept {
   share_ = kMaxWork;
   if (std::all_of(near_slots_.begin(), near_slots_.end(),
                   [&](std::size_t i) { return std::max(min_level_, exciters_[i].level) == 0; }) &&
       std::all_of(single_at_level_.begin() + 1, single_at_level_.end(),
                   [](std::size_t n) { return n == 0; }))
-    return; // nobody wants any
+    return; // no contact needs fine steps
   share_ = 2 * kMaxWork;
   std::size_t sum = 0;
   do {
@@ -238,7 +241,7 @@ void ExcitedBody::step_islands() noexcept {
   islands_predicted_ = islands_predicted_ && !has_external_force_ && clock_ % kFlushPeriod != 1;
   level_ = coarse_count_ = 0;
   const std::span<const std::size_t> near = single_near_;
-  step_pressed(); // those that end now are added behind
+  step_pressed(); // appends contacts that end to single_near_, after the range `near`
   for (const std::size_t i : near) {
     const std::size_t level =
         affordable_level(kContactWork, std::max(min_level_, exciters_[i].level));
@@ -249,7 +252,7 @@ void ExcitedBody::step_islands() noexcept {
   for (std::size_t k = 0; k < islands_.size(); ++k) {
     const std::size_t level = affordable_level(island_work(k), island_level(k));
     level_ = std::max(level_, level);
-    if (few(k)) {
+    if (is_single(k)) {
       step_single(islands_.slots(k)[0], level);
       continue;
     }

@@ -3,11 +3,18 @@
 #include <cmath>
 #include <vector>
 
-/// Contacts that are alone on a few modes: without vectors, all in registers.
+/// Single contacts: alone in their island, on at most kFewModes modes. Scalar code, all in
+/// registers.
 namespace tactus::contact {
 
-/// The step of an impact under way on one mode, where a sample is one step and the law does not
-/// yield: step_single() in fewer instructions, to the same bits.
+/// State of one mode of a single contact, its shape at the contact point, and the external force.
+struct ExcitedBody::SingleMode {
+  double shape, real, imaginary, external;
+};
+
+/// A sample of an impact in contact on one mode, in one step and without compliance. It has the
+/// bits of step_single(), in fewer instructions. Returns false, and does nothing, for other
+/// contacts.
 bool ExcitedBody::step_single_impact(std::size_t slot) noexcept {
   Exciter& e = exciters_[slot];
   const FewModes& few = few_[slot];
@@ -53,16 +60,34 @@ bool ExcitedBody::step_single_impact(std::size_t slot) noexcept {
   return true;
 }
 
-/// A sample of one contact alone on a few modes.
+/// A contact too short for steps: an impulse with the restitution of its law (see
+/// solve_impulses()).
+void ExcitedBody::solve_single_impulse(Exciter& e, std::span<const std::uint32_t> modes,
+                                       SingleMode* state, double h) const noexcept {
+  double rate = e.velocity_m_per_s;
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    rate -=
+        state[k].shape * (state[k].real - body_.decay_over_omega[modes[k]] * state[k].imaginary);
+  e.approach_m_per_s = rate;
+  if (!(rate > 0) || !Impact::in_contact(e.depth_m, rate, h))
+    return;
+  const double restitution_coefficient = restitution(e.impact.law().dissipation_s_per_m * rate);
+  const double impulse = (1 + restitution_coefficient) * rate * e.effective_mass_kg;
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    state[k].real += impulse * state[k].shape;
+  e.velocity_m_per_s -= impulse * e.inverse_mass;
+  e.impulse_ns += impulse;
+  e.record_impulse(impulse, h);
+  e.approach_m_per_s = e.mean_velocity_m_per_s = -restitution_coefficient * rate;
+}
+
+/// A sample of a single contact.
 void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcept {
   Exciter& e = exciters_[slot];
   const ModalBody::Level& level = body_.level(level_index);
   const double h = step_s_[level_index];
   const FewModes& few = few_[slot];
   const std::span<const std::uint32_t> modes{few.mode.data(), few.count};
-  struct SingleMode {
-    double shape, real, imaginary, external;
-  };
   std::array<SingleMode, kFewModes> state;
   double external_mean = 0;
   for (std::size_t k = 0; k < modes.size(); ++k) {
@@ -76,24 +101,8 @@ void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcep
   const double own_mobility = strikes ? 0.5 * h * e.inverse_mass : 0;
   const double mobility = e.mobility[level_index];
   for (std::size_t n = std::size_t{1} << level_index; n-- > 0;) {
-    if (strikes && e.impulsive && !e.impact.touching()) { // as in solve_impulses()
-      double rate = e.velocity_m_per_s;
-      for (std::size_t k = 0; k < modes.size(); ++k)
-        rate -= state[k].shape *
-                (state[k].real - body_.decay_over_omega[modes[k]] * state[k].imaginary);
-      e.approach_m_per_s = rate;
-      if (rate > 0 && Impact::in_contact(e.depth_m, rate, h)) {
-        const double restitution_coefficient =
-            restitution(e.impact.law().dissipation_s_per_m * rate);
-        const double impulse = (1 + restitution_coefficient) * rate * e.effective_mass_kg;
-        for (std::size_t k = 0; k < modes.size(); ++k)
-          state[k].real += impulse * state[k].shape;
-        e.velocity_m_per_s -= impulse * e.inverse_mass;
-        e.impulse_ns += impulse;
-        e.record_impulse(impulse, h);
-        e.approach_m_per_s = e.mean_velocity_m_per_s = -restitution_coefficient * rate;
-      }
-    }
+    if (strikes && e.impulsive && !e.impact.touching())
+      solve_single_impulse(e, modes, state.data(), h);
     double body_free = external_mean;
     for (std::size_t k = 0; k < modes.size(); ++k)
       body_free += state[k].shape * (level.mean_real[modes[k]] * state[k].real +
@@ -135,7 +144,7 @@ void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcep
   }
 }
 
-/// A contact in pressed_ goes on the general way.
+/// Returns a contact in pressed_ to the single contacts that step_single() advances.
 void ExcitedBody::release_pressed(std::size_t slot) noexcept {
   pressed_.remove(slot, exciters_[slot], step_s_[0]);
   single_awake_.push_back(slot);
@@ -147,7 +156,7 @@ void ExcitedBody::update_pressed(bool measure) noexcept {
   pressed_.for_each_marked([this](std::size_t slot) { release_pressed(slot); });
 }
 
-/// A sample of the contacts in pressed_.
+/// A sample of the contacts in pressed_. Those that end in it are recorded.
 void ExcitedBody::step_pressed() noexcept {
   if (pressed_.empty())
     return;
@@ -165,7 +174,7 @@ void ExcitedBody::step_pressed() noexcept {
   });
 }
 
-/// Lone contacts under way that go on quietly are gathered into pressed_.
+/// Moves sustained single contacts on one mode into pressed_.
 void ExcitedBody::gather_pressed() noexcept {
   if (has_external_force_ || min_level_ > 0 || single_near_.empty())
     return;

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-/// Exciters that cannot touch for a while are not looked at: those that no exciter which may share
-/// a mode with them can reach either, so that nothing but their own decay happens to their modes.
+/// Exciters that cannot reach the surface for a while sleep: step() does not check them. An island
+/// sleeps as a whole, so that its modes only decay meanwhile.
 namespace tactus::contact {
 namespace {
 
-constexpr double kMargin = 3; // samples: those ahead in which a mass counts as near, and one more
+constexpr double kMargin = 3; // samples: kLookAhead and one more
 
 } // namespace
 
-/// True if the exciter cannot touch within so many samples while nothing else moves its modes. A
-/// mode's |z| does not grow then; so its displacement changes by at most |z| times the lesser of
-/// 2/omega and the time times sqrt(1 + (d/omega)^2).
+/// True if the exciter cannot touch within this many samples while nothing else moves its modes.
+/// |z| of a mode does not grow then. So its displacement changes by at most |z| times the smaller
+/// of 2/omega and time sqrt(1 + (d/omega)^2).
 bool ExcitedBody::cannot_reach(std::size_t slot, double samples) const noexcept {
   const Exciter& e = exciters_[slot];
   if (e.kind == Exciter::Kind::kFriction)
@@ -29,23 +29,23 @@ bool ExcitedBody::cannot_reach(std::size_t slot, double samples) const noexcept 
   double travel = 0, speed = std::max(e.velocity_m_per_s + time * std::max(acceleration, 0.0), 0.0);
   travel = time * speed;
   for (const std::uint32_t i : point_modes_[slot]) {
-    const double size =
+    const double amplitude =
         std::abs(point_shape_[slot][i]) * (std::abs(body_.real[i]) + std::abs(body_.imaginary[i]));
     const double rate = std::sqrt(1 + body_.decay_over_omega[i] * body_.decay_over_omega[i]);
-    travel += size * std::min(2 * body_.displacement[i], time * rate);
-    speed += size * rate;
+    travel += amplitude * std::min(2 * body_.displacement[i], time * rate);
+    speed += amplitude * rate;
   }
   return e.position_m - surface(slot) + travel + kMargin * step_s_[0] * speed < 0;
 }
 
-/// Where a mass that sleeps is now: it flies with a constant acceleration.
+/// Moves a sleeping mass to the present, with constant acceleration.
 void ExcitedBody::catch_up(std::size_t slot) const noexcept {
   Exciter& e = exciters_[slot];
   const Sleep& from = sleep_[slot];
   const double time = static_cast<double>(clock_ - from.since) * step_s_[0];
-  const double gain = time * e.external_force_n * e.inverse_mass;
-  e.velocity_m_per_s = from.velocity_m_per_s + gain;
-  e.position_m = from.position_m + time * (from.velocity_m_per_s + 0.5 * gain);
+  const double velocity_change = time * e.external_force_n * e.inverse_mass;
+  e.velocity_m_per_s = from.velocity_m_per_s + velocity_change;
+  e.position_m = from.position_m + time * (from.velocity_m_per_s + 0.5 * velocity_change);
 }
 
 void ExcitedBody::update_sleep() noexcept {
@@ -79,7 +79,7 @@ void ExcitedBody::update_sleep() noexcept {
   }
 }
 
-/// The exciter is no longer what it was, and nor is what its neighbours may feel.
+/// Wakes an exciter and all that may share a mode with it.
 void ExcitedBody::wake_island(std::size_t slot) noexcept {
   const std::size_t k = island_of_[slot];
   sleep_until_[k] = 0;
@@ -90,7 +90,7 @@ void ExcitedBody::wake_island(std::size_t slot) noexcept {
   }
 }
 
-/// All that may feel what happens at this place.
+/// Wakes all exciters that a force at this contact point may affect.
 void ExcitedBody::wake_around(std::size_t slot) noexcept {
   if (exciters_[slot].kind != Exciter::Kind::kNone && !order_stale_)
     wake(slot);

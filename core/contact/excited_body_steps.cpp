@@ -5,15 +5,16 @@
 #include <cmath>
 #include <iterator>
 
-/// How a touched body goes on in time: who is near, how fine the steps are, and the steps of one.
+/// One sample of a body: which exciters are near, how fine the steps are, and the steps of one
+/// island.
 namespace tactus::contact {
 namespace {
 
-constexpr double kMaxStepAngle = 0.15; // most angle, rad, that a contact may turn in a step
-constexpr double kImpulseAngle = 0.5;  // the same in the finest steps: an impulse instead
-constexpr double kLookAhead = 2;       // samples ahead in which a mass may arrive
-constexpr std::uint64_t kProximityPeriod = 16;
-constexpr std::size_t kCoarseningDelay = 8; // samples before coarser steps
+constexpr double kMaxStepAngle = 0.15; // rad: phase advance of a contact's oscillation in a step
+constexpr double kImpulseAngle = 0.5;  // rad in the finest step: above it an impulse is used
+constexpr double kLookAhead = 2;       // samples: a mass that may arrive within is near
+constexpr std::uint64_t kProximityPeriod = 16; // samples between measurements of the depths
+constexpr std::size_t kCoarseningDelay = 8;    // samples before steps become coarser
 
 } // namespace
 
@@ -62,7 +63,7 @@ void ExcitedBody::sort() noexcept {
   order_stale_ = coupled_ = islands_valid_ = range_known_ = drives_changed_ = false;
 }
 
-/// Those that update_proximity() looks at, in the order of sort().
+/// Lists the exciters that update_proximity() checks, in the order of sort().
 void ExcitedBody::list_awake() noexcept {
   const auto awake = [this](std::size_t slot) {
     return !sleep_[slot].sleeps && !pressed_.holds(slot);
@@ -79,7 +80,7 @@ void ExcitedBody::list_awake() noexcept {
       same_as_previous_[i] = has_identical_ = true;
 }
 
-/// Exciters that were alike until now get an order when they are driven differently.
+/// Exciters that were identical must be sorted again once they are driven differently.
 void ExcitedBody::check_symmetry() noexcept {
   for (std::size_t i = 1; i < order_.size() && !order_stale_; ++i) {
     const Exciter &a = exciters_[order_[i - 1]], &b = exciters_[order_[i]];
@@ -91,8 +92,8 @@ void ExcitedBody::check_symmetry() noexcept {
   drives_changed_ = false;
 }
 
-/// How fine the steps of a contact must be, from the energy that is in it. Only a new energy makes
-/// a new answer.
+/// Chooses the level of a contact from its energy: kinetic energy of the approach and stored
+/// energy.
 void ExcitedBody::find_level(Exciter& e) const noexcept {
   const double mass = e.effective_mass_kg;
   const double energy = 0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
@@ -107,7 +108,7 @@ void ExcitedBody::find_level(Exciter& e) const noexcept {
     ++e.level;
 }
 
-/// A mass that is far from the body.
+/// A sample of a mass that is far from the body.
 void ExcitedBody::advance_free_mass(Exciter& e) const noexcept {
   const double sample = step_s_[0], before = e.velocity_m_per_s;
   e.velocity_m_per_s =
@@ -119,7 +120,8 @@ void ExcitedBody::advance_free_mass(Exciter& e) const noexcept {
   }
 }
 
-/// True if the exciter may touch within this sample. `look`: from where all is.
+/// True if the exciter may touch within this sample. `measure`: computes the depth from the
+/// positions of mass and surface, which removes the rounding errors of the steps.
 bool ExcitedBody::update_proximity_of(std::size_t i, bool measure) noexcept {
   Exciter& e = exciters_[i];
   if (e.kind == Exciter::Kind::kFriction) {
@@ -151,7 +153,7 @@ bool ExcitedBody::update_proximity_of(std::size_t i, bool measure) noexcept {
   return e.near;
 }
 
-/// Which exciters may touch within this sample, and how fine its steps must be.
+/// Finds the exciters that may touch within this sample, and the level of its steps.
 void ExcitedBody::update_proximity() noexcept {
   if (used_ > 1 && clock_ % kFlushPeriod == 0)
     update_sleep();
@@ -197,7 +199,7 @@ void ExcitedBody::update_single_contacts(bool measure) noexcept {
     }
 }
 
-/// How fine the steps must be of the one island, or of nothing.
+/// Chooses the level of the only island. Finer steps start at once, coarser ones after a delay.
 void ExcitedBody::choose_level() noexcept {
   std::size_t required_level = min_level_;
   for (const std::size_t i : near_slots_)
@@ -220,7 +222,7 @@ void ExcitedBody::change_level(std::size_t level) noexcept {
   coupled_ = false;
 }
 
-/// What the kernel needs of one place that is touched, for steps of these modes' length.
+/// Coefficients of one contact point for the steps of these modes.
 PointView ExcitedBody::make_point_view(const ModesView& m, const double* shape,
                                        const PointArrays& into) noexcept {
   double next_mobility = 0;
@@ -231,7 +233,7 @@ PointView ExcitedBody::make_point_view(const ModesView& m, const double* shape,
     const double real = shape[i] * m.mean_real[i], imaginary = shape[i] * m.mean_imaginary[i];
     next_mobility +=
         real * into.response_at_point_real[i] + imaginary * into.response_at_point_imaginary[i];
-    // That of the step after the next: the same of P z.
+    // For the step after that, z becomes P z.
     into.next_mean_real[i] = real * m.pole_real[i] + imaginary * m.pole_imaginary[i];
     into.next_mean_imaginary[i] = imaginary * m.pole_real[i] - real * m.pole_imaginary[i];
   }
@@ -250,7 +252,7 @@ void ExcitedBody::prepare_single_contact(std::size_t slot) noexcept {
   predicted_ = false;
 }
 
-/// A sample of a contact that is the only one on these modes.
+/// A sample of the only contact on these modes.
 void ExcitedBody::step_only_contact(std::size_t slot, const ModesView& modes,
                                     const PointView& point, Prediction& prediction, bool& predicted,
                                     std::size_t level) noexcept {
@@ -264,7 +266,7 @@ void ExcitedBody::step_only_contact(std::size_t slot, const ModesView& modes,
                            {&drive, &normal, nullptr, nullptr, nullptr, nullptr, 1});
 }
 
-/// A sample of modes that nothing touches.
+/// A sample of modes first ... end - 1 without contacts.
 void ExcitedBody::ring(std::size_t first, std::size_t end) noexcept {
   if (first == end)
     return;
@@ -274,7 +276,7 @@ void ExcitedBody::ring(std::size_t first, std::size_t end) noexcept {
     kernel_->ring(view(0, first, end));
 }
 
-/// A sample of a body that nothing touches, and what is heard of it.
+/// A sample of a body without contacts, and its output at the first pickup.
 void ExcitedBody::step_free() noexcept {
   invalidate_prediction();
   if (has_external_force_ || pickup_real_.empty())
@@ -284,10 +286,10 @@ void ExcitedBody::step_free() noexcept {
   output_known_ = true;
 }
 
-/// The contacts of the one island, on its range of modes.
+/// A sample of the only island, on its range of modes.
 void ExcitedBody::step_in_place() noexcept {
   ringing_ = true;
-  if (near_ == 1 && !has_external_force_) { // the general way knows of outer forces
+  if (near_ == 1 && !has_external_force_) { // step_only_contact() takes no external forces
     if (!coupled_)
       prepare_single_contact(near_slots_[0]);
     step_only_contact(near_slots_[0], view(), point_view_, prediction_, predicted_, level_);
@@ -302,16 +304,16 @@ void ExcitedBody::step_in_place() noexcept {
     invalidate_prediction();
     if (!coupled_ || near_ == 1) {
       couple(group);
-      packed_.clear(); // their coupling was in the same memory
+      packed_.clear(); // their coupling matrices were in the same memory
     }
-    coupled_ = near_ > 1; // one alone has point_view_
+    coupled_ = near_ > 1; // for one contact it refers to point_view_
     step_coupled(group);
   }
   ring(0, range_first_);
   ring(range_end_, body_.padded());
 }
 
-/// True while a sample needs nothing but its steps (update_proximity() would change nothing).
+/// True if update_proximity() would change nothing, so that the kernel can run several samples.
 bool ExcitedBody::can_batch(std::size_t slot) const noexcept {
   const Exciter& e = exciters_[slot];
   if (order_stale_ || used_ != 1 || near_ != 1 || near_slots_[0] != slot || !e.depth_valid ||
@@ -325,7 +327,8 @@ bool ExcitedBody::can_batch(std::size_t slot) const noexcept {
                        e.impact.stored_j());
 }
 
-/// How many samples from the first nothing stirs: the body is still and the exciter stays away.
+/// Skips the first samples in which the body is at rest and the exciter does not approach. Returns
+/// their number.
 std::size_t ExcitedBody::skip_idle(std::size_t slot, const SampleBatch& batch) noexcept {
   Exciter& e = exciters_[slot];
   if (ringing_ || near_ > 0 || order_stale_ || has_external_force_ || used_ != 1 ||
@@ -425,7 +428,7 @@ void ExcitedBody::step() noexcept {
   check_state();
 }
 
-/// After a sample: is everything still of this world?
+/// After a sample: resets the body if a state is out of range, and ends inaudible vibration.
 void ExcitedBody::check_state() noexcept {
   bool valid = true;
   const auto check = [&](std::size_t i) {

@@ -9,8 +9,8 @@
 namespace tactus::contact {
 namespace {
 
-constexpr int kMaxRounds = 60;
-constexpr double kExact = 1e-13; // of the penetration
+constexpr int kMaxIterations = 60;
+constexpr double kTolerance = 1e-13; // relative to the penetration
 
 } // namespace
 
@@ -26,13 +26,13 @@ double ImpactLaw::indentation(double x) const noexcept {
   if (!(compliance_m_per_n > 0) || !(x > 0))
     return std::max(x, 0.0);
   // x = d + C k d^a: the right side grows with d and bends upwards, so Newton's method from above
-  // always arrives.
+  // always converges.
   double d = x;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double give = compliance_m_per_n * stiffness * std::pow(d, exponent);
     const double step = (d + give - x) / (1 + exponent * give / d);
     d -= step;
-    if (!(step > kExact * x) || !(d > 0))
+    if (!(step > kTolerance * x) || !(d > 0))
       break;
   }
   return std::max(d, 0.0);
@@ -58,11 +58,11 @@ double ImpactLaw::deepest(double work_j) const noexcept {
   const double alone = std::pow((exponent + 1) * work_j / stiffness, 1 / (exponent + 1));
   if (!(compliance_m_per_n > 0))
     return alone;
-  // What is stored is convex, its slope the force: Newton's method from above.
+  // The stored work is convex in x and its slope is the force: Newton's method from above.
   double x = alone + std::sqrt(2 * work_j * compliance_m_per_n);
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double step = (work(x) - work_j) / force(x, 0);
-    if (!(step > kExact * x))
+    if (!(step > kTolerance * x))
       break;
     x -= step;
   }
@@ -85,13 +85,13 @@ double hertz_stiffness(double radius_m, double modulus_pa, double poisson, doubl
 }
 
 double restitution(double y) noexcept {
-  if (!(y > 1e-4)) // the series of what follows; its next term is below 1e-12
+  if (!(y > 1e-4)) // series; the next term is below 1e-12
     return y > 0 ? 1 - y * (2.0 / 3 - y * (4.0 / 9)) : 1.0;
   // With t = -ln(1 - e y) the equation is t - 1 + exp(-t) = y - ln(1 + y). Its left side grows and
   // bends upwards, so Newton's method from above comes down to the root without passing it.
   const double kept = y - std::log1p(y);
   double t = kept + std::sqrt(2 * kept);
-  for (int round = 0; round < 60; ++round) {
+  for (int iteration = 0; iteration < 60; ++iteration) {
     const double slope = -std::expm1(-t); // 1 - exp(-t)
     const double step = (t - slope - kept) / slope;
     t -= step;
@@ -108,7 +108,7 @@ double dissipation_for(double restitution, double speed_m_per_s) noexcept {
   // (1 + y)/(1 - e y) = exp(y (1 + e)) with y = mu v between 0 and 1/e; the difference of both
   // sides changes sign once in between.
   double low = 1e-9, high = (1 - 1e-12) / e;
-  for (int round = 0; round < 100; ++round) {
+  for (int iteration = 0; iteration < 100; ++iteration) {
     const double y = 0.5 * (low + high);
     (std::log((1 + y) / (1 - e * y)) < y * (1 + e) ? low : high) = y;
   }
@@ -127,11 +127,11 @@ void Impact::set(const ImpactLaw& law) noexcept {
 }
 
 Impact::ElasticState Impact::relax(double x) noexcept {
-  // x = d + C k d^a by Newton's method, from above after one round (ImpactLaw::indentation()),
-  // begun where it was last.
+  // Solves x = d + C k d^a by Newton's method, started at the last solution. After one iteration it
+  // converges from above, as in ImpactLaw::indentation().
   const double a = law_.exponent, c = law_.compliance_m_per_n, k = law_.stiffness;
   double d = indentation_ > 0 && indentation_ < x ? indentation_ : x, force = 0;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double power = power_(d);
     force = k * d * power * power;
     const double step = (d + c * force - x) / (1 + a * c * k * power * power);

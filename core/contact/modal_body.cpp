@@ -11,19 +11,19 @@ namespace tactus::contact {
 namespace {
 
 constexpr double kMaxRateFraction = 0.49; // of the sample rate
-constexpr double kMinAmplitude = 1e-20;   // sqrt(J); a mode below it comes to rest
-constexpr double kAbsurd = 1e60;          // sqrt(J)
-/// 1/s of a rigid motion: after a second its speed has changed by less than 1e-16 of itself.
-constexpr double kRigid = 1e-8;
+constexpr double kMinAmplitude = 1e-20;   // sqrt(J); a mode below it is set to 0
+constexpr double kMaxAmplitude = 1e60;    // sqrt(J)
+/// omega of a rigid motion, rad/s: within a second it changes the speed by a share below 1e-16.
+constexpr double kRigidOmega = 1e-8;
 constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
 
-/// B = (e^(s h) - 1)/s, and P - 1.
+/// P - 1 = e^(s h) - 1 and B = (P - 1)/s.
 struct Step {
   std::complex<double> change, response;
 };
 Step step_of(std::complex<double> rate, double h) noexcept {
   const std::complex<double> x = rate * h;
-  if (std::abs(x) < 0.1) { // the difference from its series: sum of x^n/(n + 1)!
+  if (std::abs(x) < 0.1) { // (e^x - 1)/x = sum of x^n/(n + 1)!, without cancellation
     std::complex<double> sum = 0;
     for (int n = 10; n >= 0; --n)
       sum = 1.0 + x / static_cast<double>(n + 2) * sum;
@@ -66,8 +66,8 @@ void ModalBody::compute() noexcept {
   for (std::size_t i = 0; i < real.padded(); ++i) {
     const bool sounds = i < count_ && requested_[i].frequency_hz < kMaxRateFraction * sample_rate_;
     const double velocity = real[i] - decay_over_omega[i] * imaginary[i];
-    const double batch =
-        std::sqrt(1 + decay_over_omega[i] * decay_over_omega[i]); // of omega^2 + d^2 over omega^2
+    const double old_ratio = // sqrt(omega^2 + d^2)/omega, by which q scales in the energy
+        std::sqrt(1 + decay_over_omega[i] * decay_over_omega[i]);
     if (!sounds) {
       real[i] = imaginary[i] = displacement[i] = decay_over_omega[i] = 0;
       if (i < max_modes_)
@@ -81,10 +81,10 @@ void ModalBody::compute() noexcept {
     inverse_sqrt_mass_[i] = 1 / std::sqrt(requested_[i].mass_kg);
     const bool rigid = requested_[i].frequency_hz == 0;
     const double decay = rigid ? 0 : kSixtyDecibels / requested_[i].t60_s;
-    const double omega = rigid ? kRigid : 2 * std::numbers::pi * requested_[i].frequency_hz;
+    const double omega = rigid ? kRigidOmega : 2 * std::numbers::pi * requested_[i].frequency_hz;
     displacement[i] = 1 / omega;
     decay_over_omega[i] = decay / omega;
-    imaginary[i] *= batch / std::sqrt(1 + decay_over_omega[i] * decay_over_omega[i]);
+    imaginary[i] *= old_ratio / std::sqrt(1 + decay_over_omega[i] * decay_over_omega[i]);
     real[i] = velocity + decay_over_omega[i] * imaginary[i];
     for (std::size_t l = 0; l < kLevels; ++l) {
       const double h = 1 / (sample_rate_ * static_cast<double>(std::size_t{1} << l));
@@ -112,14 +112,14 @@ double ModalBody::energy() const noexcept {
 }
 
 bool ModalBody::flush_denormals() noexcept {
-  bool finite = true; // and of this world
+  bool bounded = true;
   for (std::size_t i = 0; i < count_; ++i) {
-    const double size = std::abs(real[i]) + std::abs(imaginary[i]);
-    if (size < kMinAmplitude)
+    const double amplitude = std::abs(real[i]) + std::abs(imaginary[i]);
+    if (amplitude < kMinAmplitude)
       real[i] = imaginary[i] = 0;
-    finite = finite && size < kAbsurd;
+    bounded = bounded && amplitude < kMaxAmplitude;
   }
-  return finite;
+  return bounded;
 }
 
 void ModalBody::silence() noexcept {

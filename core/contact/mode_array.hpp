@@ -5,13 +5,15 @@
 
 namespace tactus::contact {
 
-inline constexpr std::size_t kModeLanes = 8; ///< arrays are whole multiples of it
+inline constexpr std::size_t kModeLanes = 8; ///< array lengths are multiples of this
 
+/// `count` rounded up to a multiple of kModeLanes.
 [[nodiscard]] constexpr std::size_t whole_lanes(std::size_t count) noexcept {
   return (count + kModeLanes - 1) / kModeLanes * kModeLanes;
 }
 
-/// One number a mode, zeros up to a whole multiple of kModeLanes, aligned for vectors.
+/// An array of one double per mode, aligned to 64 bytes for vector loads and padded with zeros to a
+/// multiple of kModeLanes.
 class ModeArray {
 public:
   explicit ModeArray(std::size_t count = 0) : blocks_((count + kModeLanes - 1) / kModeLanes) {}
@@ -21,6 +23,7 @@ public:
   }
   [[nodiscard]] double& operator[](std::size_t mode) noexcept { return data()[mode]; }
   [[nodiscard]] double operator[](std::size_t mode) const noexcept { return data()[mode]; }
+  /// Length with the padding.
   [[nodiscard]] std::size_t padded() const noexcept { return blocks_.size() * kModeLanes; }
   void clear() noexcept {
     for (Block& block : blocks_)

@@ -3,7 +3,7 @@
 namespace tactus::contact {
 namespace {
 
-/// Calls work(row, row) for all rows of two blocks.
+/// Calls work(row of a, row of b) for all rows of two blocks.
 template <class Block, class Other, class Work>
 void for_each_row(Block& a, Other& b, const Work& work) noexcept {
   using Member = PressedBlock::Row PressedBlock::*;
@@ -32,7 +32,7 @@ PressedContacts::PressedContacts(std::size_t exciters)
       clear(block, lane);
 }
 
-/// A lane that is not used: at rest in a contact without force.
+/// Sets a lane to a contact at rest without force.
 void PressedContacts::clear(PressedBlock& block, std::size_t lane) noexcept {
   static const PressedBlock none;
   for_each_row(block, none, [lane](PressedBlock::Row& to, const PressedBlock::Row& from) {
@@ -43,7 +43,7 @@ void PressedContacts::clear(PressedBlock& block, std::size_t lane) noexcept {
   block.level_energy[lane] = 0;
 }
 
-void PressedContacts::add(std::size_t slot, const Exciter& e, const ModeStep& position,
+void PressedContacts::add(std::size_t slot, const Exciter& e, const ModeStep& mode,
                           double sample_s) noexcept {
   const std::size_t at = count_++, l = at % PressedBlock::kLanes;
   PressedBlock& b = blocks_[at / PressedBlock::kLanes];
@@ -66,16 +66,16 @@ void PressedContacts::add(std::size_t slot, const Exciter& e, const ModeStep& po
   b.mobility[l] = e.mobility[0];
   b.mass[l] = e.effective_mass_kg;
   e.impact.store_to_lane(b, l);
-  b.mode[l] = position.mode;
-  b.shape[l] = position.shape;
-  b.pole_real[l] = position.pole_real;
-  b.pole_imaginary[l] = position.pole_imaginary;
-  b.response_real[l] = position.response_real;
-  b.response_imaginary[l] = position.response_imaginary;
-  b.mean_real[l] = position.mean_real;
-  b.mean_imaginary[l] = position.mean_imaginary;
-  b.displacement[l] = position.displacement;
-  b.decay_over_omega[l] = position.decay_over_omega;
+  b.mode[l] = mode.mode;
+  b.shape[l] = mode.shape;
+  b.pole_real[l] = mode.pole_real;
+  b.pole_imaginary[l] = mode.pole_imaginary;
+  b.response_real[l] = mode.response_real;
+  b.response_imaginary[l] = mode.response_imaginary;
+  b.mean_real[l] = mode.mean_real;
+  b.mean_imaginary[l] = mode.mean_imaginary;
+  b.displacement[l] = mode.displacement;
+  b.decay_over_omega[l] = mode.decay_over_omega;
 }
 
 void PressedContacts::read(std::size_t slot, Exciter& e, double sample_s) const noexcept {

@@ -12,9 +12,9 @@ namespace tactus::contact {
 
 class BodyKernel;
 
-/// Four impacts under way, each alone on one mode of the body, in steps of one sample: what
-/// Exciter and Impact hold of them, side by side for vectors. Lanes that are not used have numbers
-/// that stay as they are.
+/// State of four impacts in contact, stored by lane for vector instructions. Each acts alone on one
+/// mode of the body, in steps of one sample. The members are those of Exciter and Impact. An unused
+/// lane holds a contact without force that never changes.
 struct PressedBlock {
   static constexpr std::size_t kLanes = 4;
   using Row = std::array<double, kLanes>;
@@ -22,26 +22,26 @@ struct PressedBlock {
   // Exciter.
   alignas(64) Row depth{}, approach{}, mean_velocity{}, position{}, velocity{}, external_force{};
   Row force{}, level_energy{}, duration{}, impulse{}, peak{};
-  Row own_mobility{}; ///< the mass's mobility, m/(N s)
-  Row mobility{};     ///< and with the body's
-  Row mass{};         ///< effective
+  Row own_mobility{}; ///< of the mass, m/(N s)
+  Row mobility{};     ///< of mass and body, m/(N s)
+  Row mass{};         ///< effective mass, kg
   // Impact.
   Row psi{}, energy_account{}, gamma_scale{}, psi_scale{}, loss_scale{};
   Row power_value{}, power_inverse{}, power_limit{}, exponent{}; ///< of TaylorPower
   std::array<Row, 6> power_term{};
-  // The place, and its mode's step.
+  // The contact point, and the step of its mode.
   Row shape{}, pole_real{}, pole_imaginary{}, response_real{}, response_imaginary{}, mean_real{},
       mean_imaginary{}, displacement{}, decay_over_omega{};
   Row before{}, step_force{}; ///< depth before the last step, and its force
 
   std::array<std::uint32_t, kLanes> mode{};
   std::array<std::size_t, kLanes> slot{};
-  std::uint32_t used = 0;            ///< lanes, from the first on
-  std::uint32_t needs_attention = 0; ///< bits of lanes that a kernel leaves to the general way
+  std::uint32_t used = 0;            ///< number of lanes in use, from the first
+  std::uint32_t needs_attention = 0; ///< bit l: lane l must return to ExcitedBody::step_single()
 };
 
-/// The impacts of a ExcitedBody that are in PressedBlocks: their Exciters are brought up to date
-/// when they leave or are looked at.
+/// The sustained impacts of an ExcitedBody that are kept in PressedBlocks, four to a vector. Their
+/// Exciters are updated when they are read or removed.
 class PressedContacts {
 public:
   explicit PressedContacts(std::size_t exciters);
@@ -66,26 +66,27 @@ public:
     return std::span(blocks_).first((count_ + PressedBlock::kLanes - 1) / PressedBlock::kLanes);
   }
 
-  /// A contact's mode, and what a step of a sample does to it.
+  /// The mode of a contact, its shape over sqrt(m), and the coefficients of a step of one sample
+  /// (ModalBody).
   struct ModeStep {
     std::uint32_t mode = 0;
     double shape = 0, pole_real = 1, pole_imaginary = 0, response_real = 0, response_imaginary = 0,
            mean_real = 0, mean_imaginary = 0, displacement = 0, decay_over_omega = 0;
   };
-  /// Takes in an impact under way whose law does not yield; `sample_s`: the length of its steps.
-  void add(std::size_t slot, const Exciter& exciter, const ModeStep& position,
+  /// Adds an impact that is in contact and has no compliance; `sample_s`: its step length, s.
+  void add(std::size_t slot, const Exciter& exciter, const ModeStep& mode,
            double sample_s) noexcept;
-  /// What the exciter would be had it not been here.
+  /// Copies the state back to its exciter.
   void read(std::size_t slot, Exciter& exciter, double sample_s) const noexcept;
-  /// Reads it and lets it go.
+  /// The same, and frees the lane.
   void remove(std::size_t slot, Exciter& exciter, double sample_s) noexcept;
-  /// Calls leave(slot) for each that a kernel has marked; it must remove() it. All marks are gone
-  /// then.
+  /// Calls leave(slot) for each contact that a kernel has marked; leave must remove() it. Clears
+  /// all marks.
   template <class Leave> void for_each_marked(const Leave& leave) noexcept {
     for (std::size_t b = blocks().size(); b-- > 0;) {
       const std::uint32_t marked = blocks_[b].needs_attention;
       blocks_[b].needs_attention = 0;
-      // From behind: the last of all takes the place of one that goes.
+      // Backwards, because remove() moves the last contact into the freed lane.
       for (std::size_t lane = PressedBlock::kLanes; marked != 0 && lane-- > 0;)
         if ((marked >> lane & 1U) != 0 && lane < blocks_[b].used)
           leave(blocks_[b].slot[lane]);
@@ -107,7 +108,7 @@ private:
   static void clear(PressedBlock& block, std::size_t lane) noexcept;
 
   std::vector<PressedBlock> blocks_;
-  std::vector<std::uint32_t> at_; ///< by slot: lane among all blocks'
+  std::vector<std::uint32_t> at_; ///< by slot: index of its lane over all blocks, or kNone
   std::size_t count_ = 0;
 };
 

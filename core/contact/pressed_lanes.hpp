@@ -4,8 +4,8 @@
 #include "core/contact/pressed_contacts.hpp"
 #include "core/dsp/simd.hpp"
 
-/// The steps of PressedBlocks, written once for any instruction set: the operations of Exciter and
-/// Impact in the same order, so that a contact has the same bits here and there.
+/// Steps of PressedBlocks, written once for any instruction set. They do the operations of Exciter
+/// and Impact in the same order, so that a contact has the same bits in a block and outside.
 namespace tactus::contact {
 
 template <class Set> class PressedLanes {
@@ -29,7 +29,7 @@ template <class Set> class PressedLanes {
     return simd::select(x < V(Impact::kMinDepth), V(Impact::kMinDepth),
                         simd::select(x > V(Impact::kMaxDepth), V(Impact::kMaxDepth), x));
   }
-  /// TaylorPower of the lanes that are asked for; of others any number.
+  /// TaylorPower of the active lanes; the values of the others are not used.
   [[gnu::always_inline]] static V power(PressedBlock& b, const V& x,
                                         const typename V::MaskType& active_lanes) noexcept {
     V d = x * load(b.power_inverse) - V(1), value = load(b.power_value);
@@ -38,10 +38,10 @@ template <class Set> class PressedLanes {
       for (int l = 0; l < kLanes; ++l)
         if (simd::lane(far, l)) {
           const auto i = static_cast<std::size_t>(l);
-          const double at = simd::lane(x, l), taken = Power(b.exponent[i])(at);
-          b.power_value[i] = taken;
-          b.power_inverse[i] = 1 / at;
-          simd::set_lane(value, l, taken);
+          const double anchor = simd::lane(x, l), power = Power(b.exponent[i])(anchor);
+          b.power_value[i] = power;
+          b.power_inverse[i] = 1 / anchor;
+          simd::set_lane(value, l, power);
           simd::set_lane(d, l, 0.0);
         }
     }
@@ -86,6 +86,7 @@ public:
   }
 
   /// BodyKernel::press().
+  // One piece: four contacts in registers, without a branch.
   [[gnu::always_inline]] static void press(PressedBlock& b, const double* from_real,
                                            const double* from_imaginary, double* real,
                                            double* imaginary, double rate_hz) noexcept {
@@ -122,7 +123,7 @@ public:
     store(b.step_force, force);
     store(b.force, step * force * V(rate_hz));
 
-    // What the contact stores is put back to what the depth asks for.
+    // Impact::leave_step(): psi is set to psi* as far as the energy account allows.
     const auto still_touching = after > V(0);
     const V depth = within_reach(after), energy_account = load(b.energy_account);
     const V target_psi = load(b.psi_scale) * depth * power(b, depth, still_touching);

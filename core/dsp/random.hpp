@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstdint>
 
-/// Seeded pseudo-random numbers whose integer stream is the same on every platform.
 namespace tactus {
 
-/// xoshiro256++ (Blackman & Vigna 2021), its 256-bit state filled from the seed by splitmix64, so
-/// that neighbouring seeds give unrelated streams. Period 2^256 - 1.
+/// Pseudo-random number generator whose integers are the same on every platform: xoshiro256++
+/// (Blackman & Vigna 2021), period 2^256 - 1. splitmix64 fills its state from the seed, so that
+/// neighbouring seeds give unrelated streams.
 class Random {
 public:
   explicit Random(std::uint64_t seed_value = 1) noexcept { seed(seed_value); }
@@ -39,9 +39,9 @@ public:
   /// Uniform in [0, 1), 53 random bits.
   double uniform() noexcept { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
 
-  /// Mean 0, variance 1 (Marsaglia & Bray's polar method; its second value waits for the next
-  /// call). The loop ends after 1.27 rounds on average; after 64 rounds, chance 1e-43, it gives 0.
-  /// Always inline: files compiled for newer processors use it and must not define it for all.
+  /// Normal, mean 0, variance 1 (Marsaglia & Bray's polar method, which makes two values at a
+  /// time). 1.27 iterations on average; after 64 (probability 1e-43) it returns 0. Always inline,
+  /// because files compiled for newer processors use it and must not emit a shared copy.
   [[gnu::always_inline]] double normal() noexcept {
     if (has_spare_) {
       has_spare_ = false;

@@ -13,23 +13,22 @@
 #include <emmintrin.h>
 #endif
 
-/// Several copies of one computation side by side in vector registers. A core written as a template
-/// over its number type runs with double as ever, and with Lanes<double, N, Set> as N independent
-/// instances whose results are the same bits: every operation is the elementwise IEEE one.
+/// Lanes<T, N, Set>: N numbers in vector registers, with the operators of one number. A class that
+/// is a template over its number type then computes N independent instances at once. Their results
+/// have the bits of scalar code, because every operation is the elementwise IEEE operation.
 ///
-/// The functions below stand in for branches: a template core says select(mask, a, b) where scalar
-/// code would say if.
+/// In place of a branch, such code uses select(mask, a, b).
 namespace tactus::simd {
 
-/// Instruction sets. They are part of the type, so that code compiled for one of them is never
-/// taken by the linker for another's; each has its own source file with its own flags.
+/// Instruction sets. The set is part of every type, so the linker cannot use code compiled for one
+/// set in place of another's. Each set has source files of its own, with its own compiler flags.
 struct Baseline {
   static constexpr int register_bytes = 16;
 };
 struct Avx2 {
   static constexpr int register_bytes = 32;
 };
-/// The masks and the many registers of AVX-512 on vectors of 256 bits.
+/// AVX-512's masks and 32 registers, with vectors of 256 bits.
 struct Avx512 {
   static constexpr int register_bytes = 32;
 };
@@ -136,7 +135,7 @@ template <std::floating_point T, int N, class Set = Baseline> struct Lanes {
   }
 };
 
-/// Number of lanes and their types; a plain number is one lane.
+/// Number of lanes and their types; a scalar is one lane.
 template <class V> struct LaneTraits {
   static constexpr int count = 1;
   using Scalar = V;
@@ -262,7 +261,7 @@ template <class T, int N, class Set>
   return found != 0;
 }
 
-/// Bit i tells whether the comparison holds in lane i; for at most 32 lanes.
+/// Bit i is 1 if the comparison holds in lane i; for at most 32 lanes.
 [[nodiscard, gnu::always_inline]] inline std::uint32_t bits(bool mask) noexcept { return mask; }
 template <class T, int N, class Set>
 [[nodiscard, gnu::always_inline]] inline std::uint32_t bits(const Mask<T, N, Set>& mask) noexcept {

@@ -6,13 +6,13 @@
 
 namespace tactus::simd {
 
-/// Bytes of the widest vectors of a set.
+/// Size of the widest vectors of a set, bytes.
 template <class Set> inline constexpr std::size_t kVectorBytes = Set::register_bytes;
 template <> inline constexpr std::size_t kVectorBytes<Avx512> = 64;
 
-/// Loops over aligned arrays in vectors of a set, in groups of `group` numbers: what the kernels of
-/// contacts are written with. Members are templates of the set by the class, so that the linker
-/// never takes a newer processor's code for an older one's.
+/// Vector operations on aligned arrays, in groups of `group` numbers, with which the kernels of
+/// contact, modal and stress are written. The set is a template parameter, so the linker cannot use
+/// code for a newer processor in place of code for an older one.
 template <class Set, class T, std::size_t group> struct Vectors {
   using V [[gnu::vector_size(kVectorBytes<Set>), gnu::may_alias]] = T;
   static constexpr std::size_t kWidth = sizeof(V) / sizeof(T);
@@ -25,7 +25,7 @@ template <class Set, class T, std::size_t group> struct Vectors {
     *reinterpret_cast<V*>(to) = value;
   }
   [[gnu::always_inline]] static V all(double value) noexcept { return static_cast<T>(value) - V{}; }
-  /// a b + c, in one rounding where the file is compiled for it.
+  /// a b + c; with a single rounding if the file is compiled for fused operations.
   [[gnu::always_inline]] static V multiply_add(V a, V b, V c) noexcept {
 #if defined(__AVX512F__)
     if constexpr (sizeof(V) == 64) {
@@ -45,8 +45,8 @@ template <class Set, class T, std::size_t group> struct Vectors {
 #endif
     return a * b + c;
   }
-  /// Sum of a group's registers and of their lanes, the upper half onto the lower until one is
-  /// left: the same order for every width.
+  /// Sum over a group's registers and lanes. The upper half is added to the lower until one number
+  /// is left, so the order is the same for every width.
   [[gnu::always_inline]] static T across(const V* sums) noexcept {
     V partial[kRegisters];
 #pragma GCC unroll 8

@@ -12,8 +12,8 @@ namespace {
 constexpr double kReferenceRate = 10; // reference weights a second
 constexpr double kWobbleTime = 0.02;  // s
 constexpr double kSilenceTime = 0.06; // s without sound after which the boards rest
-constexpr double kInaudible = 1e-6;   // of the loudest
-constexpr double kMinLoad = 0.01;     // reference weights; less presses nothing together
+constexpr double kInaudible = 1e-6;   // of the peak
+constexpr double kMinLoad = 0.01;     // reference weights; below it the joint is open
 
 } // namespace
 

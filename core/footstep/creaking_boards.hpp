@@ -9,28 +9,30 @@
 
 namespace tactus::footstep {
 
-/// Boards that rub in a joint while a load comes to them and moves over them: stick and slip whose
-/// normal force is the foot's and whose drive is the bending of the floor.
+/// Floor boards that creak: stick-slip friction in a joint between two boards. The load of the foot
+/// presses the joint together, and the bending of the floor drives it.
 ///
-/// A joint of stiffness K = m (2 pi f)^2 pressed by N slips each time that the bending at a speed v
-/// has stretched it by 2 (mu_s - mu_d) N / K: 1/v times that is the time between two bursts.
-/// What stretches it when the foot leaves stays until the next step.
+/// A joint of stiffness K = m (2 pi f)^2 (N/m) under the normal force N slips each time the bending
+/// has stretched it by 2 (mu_s - mu_d) N / K. At a bending speed v the time between two slips is
+/// that stretch over v. The stretch that remains when the foot leaves stays until the next step.
 class CreakingBoards {
 public:
   CreakingBoards();
   void prepare(double sample_rate) noexcept;
   void seed(std::uint64_t value) noexcept;
   void reset() noexcept;
-  /// What sounds goes on.
+  /// Sets the friction law and the joint. Vibration continues.
   void set(const FrictionRecipe& friction) noexcept;
-  /// Modes of the recipe, scaled in frequency and decay time; where they rub stays.
+  /// Sets the modes of the recipe, with factors on frequencies and decay times. The contact point
+  /// stays.
   void scale_modes(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
                    double decay) noexcept;
-  /// Draws how the modes take part in the joint, and how fast it bends.
+  /// Draws a new contact point of the joint, and a factor on its bending speed.
   void draw_contact_position(const FrictionRecipe& friction) noexcept;
 
-  /// Velocity that is heard, m/s, one sample on. load: on the floor, in reference weights; bending:
-  /// rate of the load that bends it, reference weights a second, negative while it springs back.
+  /// Advances by a sample. Returns the velocity at the pickup, m/s. `load`: on the floor, reference
+  /// weights. `bending`: rate of the load that bends the floor, reference weights a second;
+  /// negative while it springs back.
   double next(const FrictionRecipe& friction, double load, double bending) noexcept;
   [[nodiscard]] bool active() const noexcept { return active_; }
 
@@ -42,8 +44,8 @@ private:
   double wobble_ = 0, wobble_pole_ = 0.999;
   double speed_factor_ = 1;
   double sample_rate_ = 48000;
-  double silent_samples_ = 0; ///< samples without sound since the load has left
-  double peak_ = 0;           ///< since the boards were last at rest
+  double silent_samples_ = 0; ///< samples without sound since the load left
+  double peak_ = 0;           ///< largest output since the boards were at rest
   bool active_ = false;
 };
 

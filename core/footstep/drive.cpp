@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLowEdgeHz = 50, kHighEdgeHz = 500;
-constexpr double kRingOutTime = 2; // s, of band and equaliser: 60 dB take a tenth of that
-constexpr double kDcCutoffHz = 2;  // the elliptic band alone keeps a hundredth of a constant
+constexpr double kRingOutTime = 2; // s; band and equaliser decay by 60 dB in a tenth of it
+constexpr double kDcCutoffHz = 2;  // the elliptic band alone passes a hundredth of a constant
 constexpr double kSilenceThreshold = 1e-30;
 
 /// A pair of poles and of zeros of the analogue low-pass with its -3 dB point at 1.
@@ -45,7 +45,7 @@ void HapticBand::prepare(double sample_rate) noexcept {
   };
   dc_coefficient_ = 1 - std::exp(-2 * kPi * kDcCutoffHz / sample_rate);
   std::size_t i = 0;
-  for (const Pair& p : kFourth) // 1/s in place of s
+  for (const Pair& p : kFourth) // low-pass to high-pass: s becomes 1/s
     section_[i++] = bilinear(kLowEdgeHz, p.pole_squared, p.pole_squared / (p.zero * p.zero),
                              p.pole_squared, p.pole_over_q, 1);
   for (const Pair& p : kSixth)
@@ -105,7 +105,7 @@ void DriveEqualiser::compute_coefficients() noexcept {
   };
   for (std::size_t i = 0; i < count_; ++i)
     peaking(i);
-  // Neighbours add up: correct each by what the whole misses at its frequency.
+  // Neighbouring filters overlap: corrects each by the error of the whole at its frequency.
   for (int round = 0; round < kRounds; ++round) {
     std::array<double, kMaxFilters> missing{};
     for (std::size_t i = 0; i < count_; ++i) {
@@ -180,7 +180,7 @@ void Drive::set(const Settings& settings) noexcept {
   limit_ = settings_.limit_g / settings_.sensitivity_g;
   const auto delay = static_cast<std::size_t>(
       std::lround(std::clamp(settings.delay_s, 0.0, kMaxDelay) * sample_rate_));
-  if (delay_ == 0 && delay > 0) // without a delay nothing is written into the lines
+  if (delay_ == 0 && delay > 0) // the delay lines are not written while the delay is 0
     for (Channel& channel : channel_)
       std::fill(channel.line.begin(), channel.line.end(), 0.0);
   delay_ = delay;

@@ -7,13 +7,14 @@
 
 namespace tactus::footstep {
 
-/// Signals under heel [0] and ball [1]: one operation works on both.
+/// Signals under heel [0] and ball [1] in one vector.
 using HeelBall [[gnu::vector_size(2 * sizeof(double))]] = double;
 
-/// Band of the recoil actuators under a sandal, 50 to 500 Hz (-3 dB): elliptic, fourth order below
-/// (0.1 dB ripple, 40 dB) and sixth above (0.1 dB, 60 dB), bilinear with both edges in place. White
-/// noise leaves it with less than -37 dB of its power outside 40 to 600 Hz; its delay at 200 Hz is
-/// below 2 ms. Butterworth filters of fourth order leave -14 dB outside.
+/// Band-pass for the recoil actuators of a sandal, 50 to 500 Hz (-3 dB). Elliptic filters: a
+/// high-pass of fourth order (0.1 dB ripple, 40 dB stop band) and a low-pass of sixth order (0.1
+/// dB, 60 dB), by the bilinear transform with prewarped edges. Less than -37 dB of the power of
+/// filtered white noise lies outside 40 to 600 Hz; Butterworth filters of fourth order leave -14
+/// dB. The delay at 200 Hz is below 2 ms.
 class HapticBand {
 public:
   void prepare(double sample_rate) noexcept;
@@ -33,17 +34,18 @@ private:
   };
   std::array<Section, kSections> section_{};
   std::array<State, kSections> state_{};
-  HeelBall dc_{}; ///< taken away before
+  HeelBall dc_{}; ///< mean of the input, subtracted first
   double dc_coefficient_ = 0;
 };
 
-/// Undoes an actuator's response: peaking filters an octave or so wide, at most 16.
+/// Equalises an actuator's frequency response by up to 16 peaking filters about an octave wide.
 class DriveEqualiser {
 public:
   static constexpr std::size_t kMaxFilters = 16;
   void prepare(double sample_rate) noexcept;
-  /// Frequencies in Hz (20..2000, rising) and gains in dB (-24..24) in turn; the curve passes
-  /// through them. False, and nothing changes, when they are none of that. An empty list: flat.
+  /// Alternating frequencies in Hz (20..2000, increasing) and gains in dB (-24..24); the response
+  /// passes through them. An empty list is flat. Returns false, and changes nothing, for any other
+  /// list.
   bool set(std::span<const double> frequencies_and_gains) noexcept;
   void reset() noexcept { state_ = {}; }
   double next(double x) noexcept;
@@ -63,7 +65,7 @@ private:
   std::array<State, kMaxFilters> state_{};
 };
 
-/// Keeps an acceleration within a limit: gain falls at once, recovers within 50 ms. Never exceeded.
+/// Peak limiter: the gain falls at once and recovers within 50 ms, so the limit is never exceeded.
 class PeakLimit {
 public:
   void prepare(double sample_rate) noexcept;
@@ -74,34 +76,35 @@ private:
   double gain_ = 1, recover_ = 0.001;
 };
 
-/// The motion of the ground under heel and ball to the two actuators of one sandal: band, equaliser
-/// and delay, each within the limit. Each actuator plays what is under it; of a `common` share both
-/// play the whole foot's motion, by their parts of the force (Nordahl et al. 2010 drive both with
-/// one signal).
+/// Signals for the two actuators of one sandal from the vibration under heel and ball: band-pass,
+/// equaliser, delay and limiter. Each actuator plays the vibration under it. The share `common` is
+/// the vibration of the whole foot, divided between both by their forces (Nordahl et al. 2010 drive
+/// both with one signal).
 class Drive {
 public:
   static constexpr double kMaxDelay = 0.2; ///< s
   struct Settings {
-    double gain = 1;          ///< of the drive for the ground's motion
-    double sensitivity_g = 3; ///< acceleration (in g) at a drive of 1
-    double limit_g = 3;       ///< largest acceleration
-    double delay_s = 0;
-    double common = 0; ///< 0..1
+    double gain = 1;          ///< drive per vibration
+    double sensitivity_g = 3; ///< acceleration at a drive of 1, g
+    double limit_g = 3;       ///< largest acceleration, g
+    double delay_s = 0;       ///< 0..kMaxDelay
+    double common = 0;        ///< 0..1
   };
   void prepare(double sample_rate); ///< may allocate
   void set(const Settings& settings) noexcept;
+  /// DriveEqualiser::set() of both actuators.
   bool equalise(std::span<const double> table) noexcept;
   void reset() noexcept;
 
   struct Pair {
     double heel = 0, ball = 0;
   };
-  /// Motions under heel and ball. Forces decide the shares of what is common; without any the last
-  /// shares stay.
+  /// One sample. The forces, N, determine the shares of the common signal; without force the last
+  /// shares are kept.
   Pair next(double heel_vibration, double ball_vibration, double heel_n, double ball_n) noexcept;
 
 private:
-  /// To one actuator.
+  /// Signal path of one actuator.
   struct Channel {
     DriveEqualiser equaliser;
     PeakLimit limit;
@@ -111,12 +114,12 @@ private:
   };
   Settings settings_;
   double sample_rate_ = 48000, limit_ = 1;
-  double last_heel_n_ = 1, last_total_n_ = 1; ///< when the foot last bore a load
+  double last_heel_n_ = 1, last_total_n_ = 1; ///< the last forces of a loaded foot
   HapticBand band_;
   std::array<Channel, 2> channel_; ///< heel, ball
   std::size_t write_index_ = 0, delay_ = 0;
-  std::size_t silent_samples_ = 0,
-              ring_out_samples_ = 48000; ///< samples without motion; after so many nothing is left
+  std::size_t silent_samples_ = 0;       ///< samples without vibration so far
+  std::size_t ring_out_samples_ = 48000; ///< number after which the filters have decayed
   bool at_rest_ = false;
 };
 

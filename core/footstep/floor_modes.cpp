@@ -6,7 +6,7 @@ void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
                     std::span<const double> detune, double frequency, double decay,
                     std::span<const contact::Mode> before) noexcept {
   std::array<contact::Mode, kMaxModes> tuned{};
-  std::array<double, kMaxModes> ear{};
+  std::array<double, kMaxModes> pickup{};
   const std::size_t first = std::min(before.size(), kMaxModes);
   std::copy_n(before.begin(), first, tuned.begin());
   const auto count =
@@ -16,11 +16,11 @@ void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
     const double relative = step * std::exp(modes.detune * detune[i]);
     tuned[first + i] = {modes.frequency_hz * frequency * relative,
                         modes.t60_s * decay * std::pow(relative, -modes.t60_tilt), modes.mass_kg};
-    ear[first + i] = std::pow(relative, -modes.tilt) * std::pow(10.0, modes.gains_db[i] / 20);
+    pickup[first + i] = std::pow(relative, -modes.tilt) * std::pow(10.0, modes.gains_db[i] / 20);
     step *= modes.ratio;
   }
   body.set_modes(std::span(tuned.data(), first + count));
-  body.set_pickup(0, std::span(ear.data(), first + count));
+  body.set_pickup(0, std::span(pickup.data(), first + count));
 }
 
 std::array<double, kMaxModes> draw_mode_shape(const ModesRecipe& modes, Random& random) noexcept {

@@ -11,18 +11,19 @@
 
 namespace tactus::footstep {
 
-/// exp(deviation * x), x normal within +-2.5: a factor that differs from step to step.
+/// A random factor exp(deviation * x), x normal and clamped to +-2.5: variation from step to step.
 [[nodiscard]] inline double lognormal_factor(double deviation, Random& random) noexcept {
   return std::exp(deviation * std::clamp(random.normal(), -2.5, 2.5));
 }
 
-/// Gives a body the modes of a recipe, from slot `first` on in its list; `before` are those that
-/// come first and are not heard. One number of `detune` a mode, standard normal.
+/// Sets the modes of a body to `before`, then the modes of a recipe, and its pickup 0 to the
+/// recipe's gains; `before` has gain 0. `detune`: one standard normal number per mode. `frequency`,
+/// `decay`: factors on frequencies and decay times.
 void set_body_modes(contact::ExcitedBody& body, const ModesRecipe& modes,
                     std::span<const double> detune, double frequency, double decay,
                     std::span<const contact::Mode> before = {}) noexcept;
 
-/// Shares of the modes in a contact at a place drawn at random, log-normal by `modes.place`.
+/// Mode shape of a random contact point: log-normal numbers of deviation `mode_share_scatter`.
 [[nodiscard]] std::array<double, kMaxModes> draw_mode_shape(const ModesRecipe& modes,
                                                             Random& random) noexcept;
 

@@ -8,8 +8,8 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kMixTime = 0.02;  // s, of a change of the mixture
-constexpr double kLeaveTime = 0.3; // s, of a ground that is left
+constexpr double kMixTime = 0.02;  // s, time constant of a change of the mixture
+constexpr double kLeaveTime = 0.3; // s, time constant of the fade of a ground that is left
 constexpr double kGainThreshold = 1e-5;
 
 } // namespace
@@ -58,8 +58,8 @@ void Foot::reset() noexcept {
 
 Foot::GroundSlot* Foot::acquire_slot(std::uint64_t id, const Recipe& recipe,
                                      const GroundSlot* keep) noexcept {
-  // One that has it, else a free one, else the one that was left first; there are more than the two
-  // in use and the one to keep.
+  // The slot with this id, else a free one, else the one left longest ago. kGrounds exceeds the two
+  // in use and the one to keep, so one is always found.
   std::size_t best = 0;
   std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t i = 0; i < kGrounds; ++i) {
@@ -115,18 +115,17 @@ void Foot::set_mix(double mix) noexcept {
     a_->target = 1;
     return update_room();
   }
-  // Two grounds are independent sounds: their powers add up to one.
+  // The sounds of two grounds are uncorrelated: the squares of their gains sum to 1.
   a_->target = mix_ >= 1 ? 0 : std::cos(0.5 * std::numbers::pi * mix_);
   b_->target = mix_ <= 0 ? 0 : std::sin(0.5 * std::numbers::pi * mix_);
   update_room();
 }
 
-/// The room between two grounds' rooms; how much of each ground's sound it gets is the ground's
-/// own.
+/// Interpolates between the rooms of two grounds. The reverb send stays that of each ground.
 void Foot::update_room() noexcept {
   const Room::Settings &a = a_->recipe.room, &b = b_->recipe.room;
   const auto between = [this](double x, double y) { return x * std::pow(y / x, mix_); };
-  // Of two grounds without a room and with one, the one with it decides what it is like.
+  // If only one ground has a room, its settings are used.
   if (a_->reverb_send == 0 || b_->reverb_send == 0) {
     const Room::Settings& active_settings = a_->reverb_send > 0 ? a : b;
     return room_.set({0, active_settings.t60_s, active_settings.bright_hz});
@@ -151,7 +150,7 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
       }
       continue;
     }
-    // Nothing steps on a ground that is left: it only rings out.
+    // A ground that is left has no load: it only decays.
     const Ground::Sound sound = slot.ground.next(current ? sole : SoleState{});
     heel_vibration += slot.gain * sound.heel_vibration;
     ball_vibration += slot.gain * sound.ball_vibration;

@@ -12,22 +12,22 @@
 
 namespace tactus::footstep {
 
-/// One foot: what its sole does in, sound and the two drives out. It stands on up to two grounds at
-/// once, mixed; a ground that it leaves goes on sounding and fades. Where two grounds meet, rooms
-/// meet, too.
+/// One foot: SoleState in, sound pressure and the two drive signals out. The foot stands on a
+/// mixture of up to two grounds. A ground that it leaves decays and fades out. The rooms of two
+/// grounds are mixed in the same way.
 class Foot {
 public:
   Foot();
-  Foot(const Foot&) = delete; // it points at its own grounds
+  Foot(const Foot&) = delete; // a_, b_ and active_ point into slots_
   Foot& operator=(const Foot&) = delete;
   void prepare(double sample_rate); ///< may allocate
   void seed(std::uint64_t value) noexcept;
   void set_shoe(double shoe) noexcept;
-  /// Times the amplitude of the room that the recipes ask for; 0: none.
+  /// Factor on the amplitude of the recipes' rooms; 0: no room.
   void set_room(double factor) noexcept { room_factor_ = factor > 0 ? factor : 0; }
-  /// Of the body, N.
+  /// Weight of the body, N.
   void set_weight(double weight_n) noexcept;
-  /// Grounds by identity: the same number again keeps what sounds. mix 0: all a, 1: all b.
+  /// Sets the two grounds. A ground whose id is in use keeps its sound. mix 0: only a, 1: only b.
   void set_grounds(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
                    double mix) noexcept;
   void set_mix(double mix) noexcept;
@@ -44,16 +44,16 @@ private:
   struct GroundSlot {
     Ground ground;
     Recipe recipe;
-    double reverb_send = 0;      ///< amplitude of what the room sends back
-    std::uint64_t id = 0;        ///< 0: none
-    double gain = 0, target = 0; ///< of the sound, now and soon
-    std::uint64_t since = 0;
+    double reverb_send = 0;      ///< amplitude of the room
+    std::uint64_t id = 0;        ///< 0: unused
+    double gain = 0, target = 0; ///< of the sound: smoothed value and its target
+    std::uint64_t since = 0;     ///< clock_ at the last use
   };
   void update_room() noexcept;
   GroundSlot* acquire_slot(std::uint64_t id, const Recipe& recipe, const GroundSlot* keep) noexcept;
 
   std::array<GroundSlot, kGrounds> slots_;
-  std::array<GroundSlot*, kGrounds> active_{}; ///< those with an id
+  std::array<GroundSlot*, kGrounds> active_{}; ///< slots with an id
   std::size_t active_count_ = 0;
   GroundSlot *a_ = nullptr, *b_ = nullptr;
   double mix_ = 0, weight_n_ = 700, shoe_ = 0.4, glide_coefficient_ = 0.001,

@@ -37,7 +37,7 @@ double Footfall::Impact::force(double since_s) const noexcept {
   return force;
 }
 
-/// Tells of the parts of the sole that land in this sample.
+/// Reports the parts of the sole that land in this sample.
 void Footfall::land(SoleState& sole) noexcept {
   for (std::size_t i = 0; i < impacts.size(); ++i) {
     const Impact& impact = impacts[i];

@@ -9,13 +9,13 @@
 namespace tactus::footstep {
 namespace {
 
-/// Landing speeds of the first steps, against those of a walker who keeps on.
+/// Landing speeds of the first steps, relative to steady walking.
 constexpr double kSetOff[] = {0.75, 0.9};
 constexpr double kMaxLog = 1.3863;    // ln 4
 constexpr double kScuffLength = 0.15; // m
-constexpr double kScuffSpeed = 1.4;   // of the walking speed: a swinging foot that is held up
-constexpr double kScuffAt = 0.35;     // of the swing
-constexpr double kDragAt = 0.02, kClearance_s = 0.05; // s after and before a foot stands
+constexpr double kScuffSpeed = 1.4;   // of a swinging foot that is slowed down, per walking speed
+constexpr double kScuffAt = 0.35;     // share of the swing
+constexpr double kDragAt = 0.02, kClearance_s = 0.05; // s after take-off, s before landing
 
 } // namespace
 
@@ -44,7 +44,7 @@ void Gait::reset() noexcept {
 }
 
 double Gait::varied(double times) noexcept {
-  // Within a factor of four, however unsteady.
+  // Limited to a factor of four.
   return std::exp(std::clamp(times * variation_ * random_.normal(), -kMaxLog, kMaxLog));
 }
 
@@ -68,7 +68,7 @@ bool Gait::both_standing() const noexcept {
   });
 }
 
-/// Feet that stand leave the ground.
+/// Lifts standing feet from the ground.
 void Gait::lift_feet() noexcept {
   for (auto& foot : footfalls_)
     for (Footfall& one : foot)
@@ -77,7 +77,7 @@ void Gait::lift_feet() noexcept {
   state_ = State::kAir;
 }
 
-/// A free place, else the oldest's.
+/// Starts a footfall in a free slot, or in place of the oldest.
 Footfall& Gait::play(std::size_t foot, const Footfall& footfall) noexcept {
   auto& all = footfalls_[foot];
   Footfall& slot =
@@ -90,7 +90,7 @@ Footfall& Gait::play(std::size_t foot, const Footfall& footfall) noexcept {
   return slot;
 }
 
-/// What stands becomes something else that begins with the same load.
+/// Replaces a standing footfall by one that begins with the same load.
 void Gait::replace(std::size_t foot, const Footfall& footfall) noexcept {
   for (Footfall& one : footfalls_[foot])
     if (one.active() && one.ends_standing) {
@@ -162,7 +162,7 @@ void Gait::begin_jump() noexcept {
   state_ = State::kBusy;
 }
 
-/// What feet in the air begin with.
+/// First movement of feet in the air.
 void Gait::start_from_air() noexcept {
   if (jump_m_ > 0) {
     for (std::size_t foot = 0; foot < kFeet; ++foot)
@@ -175,7 +175,7 @@ void Gait::start_from_air() noexcept {
   }
 }
 
-/// Scuffs and drags of feet that swing or have nothing to do.
+/// Starts requested scuffs and drags of feet that swing or are free.
 void Gait::begin_swing_actions() noexcept {
   for (std::size_t foot = 0; foot < kFeet; ++foot) {
     SwingAction& swing = swing_actions_[foot];
@@ -198,7 +198,7 @@ void Gait::begin_swing_actions() noexcept {
       play(foot, scuffs ? footstep::scuff(swing.length_m, swing.speed_m_per_s, weight_n)
                         : footstep::drag(swing.length_m, swing.speed_m_per_s, weight_n));
     } else {
-      // Of a walker: a while after the foot has left the ground, if there is time left.
+      // While walking: some time after take-off, if enough of the swing remains.
       if (swing.wait_s < 0)
         swing.wait_s = scuffs ? kScuffAt * swing_s() : kDragAt;
       swing.wait_s -= step_s_;
@@ -258,7 +258,7 @@ void Gait::update_state() noexcept {
     }
     break;
   case State::kStanding:
-    if (!both_standing()) { // steps on command have taken the place of one
+    if (!both_standing()) { // step() has replaced a standing footfall
       lift_feet();
       break;
     }
@@ -301,7 +301,7 @@ void Gait::next(std::array<SoleState, kFeet>& feet) noexcept {
     unload(i, unloaded_n[i], feet[i]);
 }
 
-/// What a foot of a walker bears while it scuffs or drags, the other one does not.
+/// Takes the load of a scuffing or dragging foot from the other one.
 void Gait::unload(std::size_t foot, double force_n, SoleState& sole) noexcept {
   const double total_n = sole.heel_n + sole.ball_n;
   const double part = force_n > 0 && total_n > 0 ? std::min(force_n / total_n, 1.0) : 0;

@@ -12,40 +12,41 @@
 
 namespace tactus::footstep {
 
-/// A person on two feet: walks in a Style, sets off, halts, turns, jumps, scuffs and drags a foot.
-/// Gives forces under heel and ball of both feet, landing speeds, sliding, and the phases of each
-/// step. No two steps are alike: times and forces vary by `variation` (coefficient of variation, 3
-/// to 5 % in people), landing speeds by four times that.
+/// Gait of a person on two feet: walks in a Style, sets off, halts, turns, jumps, scuffs and drags
+/// a foot. Returns the SoleState of both feet for every sample.
 ///
-/// At first the feet are in the air and the first step is a landing. Who halts stands, each foot
-/// with half of the weight, and sets off from there.
+/// Times and forces vary from step to step by `variation` (coefficient of variation, 3 to 5 % in
+/// people), landing speeds by four times that.
+///
+/// Initially both feet are in the air, and the first step is a landing. After a halt each foot
+/// carries half of the weight, and walking sets off from there.
 class Gait {
 public:
   static constexpr std::size_t kFeet = 2, kOverlap = 4;
 
   void prepare(double sample_rate) noexcept;
-  /// Holds from the next step on.
+  /// Takes effect with the next step.
   void set(const Walker& walker, double variation) noexcept;
   void seed(std::uint64_t value) noexcept { random_.seed(value); }
-  /// Both feet in the air; a walker begins anew with a contact of the first foot.
+  /// Lifts both feet; walking starts again with a landing of the first foot.
   void reset() noexcept;
-  /// Walks on, or halts: one more step, softer, and the other foot beside it.
+  /// Starts walking, or halts: one more, softer step, then the other foot is put beside it.
   void walk(bool on) noexcept { walk_requested_ = on; }
   [[nodiscard]] bool walking() const noexcept { return walk_requested_; }
-  /// One step of that foot now, whatever else goes on. A foot that is on the ground lands once more
-  /// beside it: up to kOverlap landings of one foot are under way at once, and one more ends the
-  /// oldest.
+  /// Starts one step of a foot at once. If the foot is on the ground, the new landing overlaps: up
+  /// to kOverlap footfalls of one foot are active, and a further one ends the oldest.
   void step(std::size_t foot) noexcept;
-  /// The next step pivots by that angle (radians, up to pi); who does not walk makes a step of that
-  /// foot for it.
+  /// Makes the next step a pivot by this angle, radians, up to pi. Without walking, `foot` makes a
+  /// step for it.
   void turn(double angle_rad, std::size_t foot) noexcept;
-  /// A jump on both feet, height in m (kMinJump..kMaxJump). A walker halts before it and sets
-  /// off again after; feet in the air are put down first.
+  /// A jump on both feet, height in m, clamped to kMinJump..kMaxJump. A walker halts before it and
+  /// sets off again afterwards; feet in the air are put down first.
   void jump(double height_m) noexcept;
-  /// The ball of that foot strikes and slides: in its next swing, or at once if it does not walk.
+  /// The ball of a foot strikes the ground and slides: in its next swing, or at once without
+  /// walking.
   void scuff(std::size_t foot) noexcept;
-  /// That foot slides by a length (m) at a speed (m/s) under part of the weight: a walker's in its
-  /// next swing and no longer than it, else at once.
+  /// A foot slides by a length, m, at a speed, m/s, under part of the weight: in its next swing and
+  /// at most for its duration, or at once without walking.
   void drag(std::size_t foot, double length_m, double speed_m_per_s) noexcept;
 
   /// One sample of both feet.
@@ -53,7 +54,7 @@ public:
 
 private:
   enum class State { kAir, kWalking, kHalting, kStanding, kBusy };
-  /// Something that a foot does once it is free.
+  /// A scuff or drag to be done when the foot is in the air.
   struct SwingAction {
     enum class Kind { kNone, kScuff, kDrag } kind = Kind::kNone;
     double length_m = 0, speed_m_per_s = 0;
@@ -76,21 +77,21 @@ private:
   [[nodiscard]] double swing_s() const noexcept;
 
   Walker walker_;
-  GroundReaction reaction_; ///< of that walker
+  GroundReaction reaction_; ///< of walker_
   double variation_ = 0.04, step_s_ = 1.0 / 48000;
   bool walk_requested_ = false;
   State state_ = State::kAir;
-  double time_left_s_ = 0; ///< until the next contact, or the end of what is under way
+  double time_left_s_ = 0; ///< until the next contact, or the end of the current movement
   std::size_t next_foot_ = 0;
-  int steps_ = 0;                      ///< since setting off, as far as they differ
-  double turn_rad_ = 0, jump_m_ = 0;   ///< what is still to be done
-  Footfall second_footfall_, landing_; ///< what comes at the end of time_left_s_
+  int steps_ = 0;                      ///< since setting off, saturates
+  double turn_rad_ = 0, jump_m_ = 0;   ///< requested and not yet done
+  Footfall second_footfall_, landing_; ///< start when time_left_s_ has passed
   bool landing_pending_ = false;
   std::array<SwingAction, kFeet> swing_actions_{};
-  std::array<double, kFeet> unloaded_{}; ///< part of its load that a foot does not bear just now
+  std::array<double, kFeet> unloaded_{}; ///< share of its load that the other foot carries now
   Random random_;
   std::array<std::array<Footfall, kOverlap>, kFeet> footfalls_{};
-  std::array<std::size_t, kFeet> in_use_{}; ///< by foot: no footfall from there on is under way
+  std::array<std::size_t, kFeet> in_use_{}; ///< by foot: all footfalls from this index are inactive
 };
 
 } // namespace tactus::footstep

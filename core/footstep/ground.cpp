@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::size_t kHeel = 0, kBall = 1;
 constexpr double kReferenceLandingSpeed = 0.5; // m/s
-// What no walker does is no step: landings and slopes beyond these count as these.
+// Landings and slopes are clamped to the range of human walkers.
 constexpr double kMaxLandingSpeed = 4, kMaxLoadRate = 200; // m/s, reference weights a second
-// Of the load's own rise and fall, what bends the boards before the joint is free.
+// Share of the rise and of the fall of the load that bends the boards before the joint is free.
 constexpr double kBending = 0.8, kSpringBack = 0.2;
 constexpr double kMinWeight = 1e-3, kMaxWeight = 20; // reference weights
 
-/// What a landing puts into particles, times `heel` or `ball`. A cloud of energy E has events at a
-/// rate ~ E and of energies ~ E: its sound has the power E^2. What sounds is to be a fixed part of
-/// the landing's energy ~ m v^2, so E ~ sqrt(m) v.
-double landing(double weight, double speed) noexcept {
+/// Energy that a landing gives to the particles, before the recipe's factor `heel` or `ball`. The
+/// sound of a cloud of energy E has the power ~ E^2 (event rate ~ E, event energies ~ E). It shall
+/// be a fixed share of the landing's energy ~ m v^2, so E ~ sqrt(m) v.
+double landing_energy(double weight, double speed) noexcept {
   return std::sqrt(weight) * std::min(speed, kMaxLandingSpeed) / kReferenceLandingSpeed;
 }
 
@@ -77,8 +77,8 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
       floor.set(recipe.solid, shoe_);
       floor.scale_modes(recipe.solid, detune_, 1, 1);
     }
-    // What lies between sole and floor is pressed by the force of the landing. For one energy that
-    // goes with k^(1/(a + 1)).
+    // Particles between sole and floor are crushed by the force of the landing, which for one
+    // energy is ~ k^(1/(a + 1)).
     const contact::ImpactLaw& floor = recipe.solid.law;
     const auto stiffness = [&](double hardness) {
       return in_series(floor, sole_law(hardness, floor.exponent)).stiffness;
@@ -101,7 +101,7 @@ void Ground::set_weight(double weight_n) noexcept {
   root_weight_ = std::sqrt(std::max(weight_, kMinWeight));
 }
 
-/// Where floors and boards are touched, for a step whose landing was on another ground.
+/// Draws the contact points of floors and boards only, for a step that landed on another ground.
 void Ground::draw_contact_positions() noexcept {
   has_contact_position_ = true;
   if (recipe_.solid.present)
@@ -152,76 +152,27 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
     heel_down_ = false;
     return {};
   }
-  // The first landing of a step; a heel that lands twice without leaving begins another.
+  // The first landing of a step, or a second landing of the heel without the foot leaving.
   if (((heel_lands || ball_lands) && load_ <= 0) || (heel_lands && heel_down_))
     begin_step_variation();
-  else if (!has_contact_position_) // a ground that comes under a foot which is already down
+  else if (!has_contact_position_) // the ground changed under a foot that is already down
     draw_contact_positions();
   heel_down_ = heel_lands || (heel_down_ && load > 0);
   load_ = load;
   const auto slope = [](double newton_per_s) {
     return std::clamp(newton_per_s / kReferenceWeight, -kMaxLoadRate, kMaxLoadRate);
   };
-  const double heel_slope = slope(sole.heel_slope), ball_slope = slope(sole.ball_slope);
-  std::array<double, kRegions> felt{};
+  const Load loads{heel_load, ball_load, slope(sole.heel_slope), slope(sole.ball_slope)};
+  Vibration vibration{};
   bool silent = load <= 0;
-  if (const SolidRecipe& solid = recipe_.solid; solid.present) {
-    if (heel_lands && weight_ > 0)
-      floor_[kHeel].land(solid, solid.heel_kg * weight_, sole.heel_landing * speed_factor_);
-    if (ball_lands && weight_ > 0 && solid.ball > 0)
-      floor_[kBall].land(solid, solid.ball_kg * weight_,
-                         sole.ball_landing * speed_factor_ * solid.ball);
-    floor_[kHeel].slide(sole.heel_n, sole.heel_slip);
-    floor_[kBall].slide(sole.ball_n, sole.ball_slip);
-    for (std::size_t r = 0; r < kRegions; ++r)
-      if (floor_[r].active()) {
-        felt[r] += solid.level * floor_[r].next();
-        silent = false;
-      }
-  }
-  if (recipe_.friction.present) {
-    const double share = load > 0 ? std::clamp(heel_load / load, 0.0, 1.0) : 0;
-    // The floor bends as load comes to it and as the load moves over it, from heel to ball: load
-    // times the rate of the ball's share. Under a load that leaves it springs back, most of the way
-    // only after the joint is free.
-    const double change = heel_slope + ball_slope;
-    const double bending = share * ball_slope - (1 - share) * heel_slope +
-                           (change > 0 ? kBending : kSpringBack) * change;
-    const double creak = recipe_.friction.level * boards_.next(recipe_.friction, load, bending);
-    felt[kHeel] += share * creak;
-    felt[kBall] += (1 - share) * creak;
-    silent = silent && !boards_.active();
-  }
-  for (std::size_t i = 0; i < recipe_.clouds; ++i) {
-    const CloudRecipe& cloud_recipe = recipe_.cloud[i];
-    Particles& p = particles_[i];
-    const auto power = [&](double slope_now, double slip_load) {
-      return ((slope_now > 0 ? cloud_recipe.load * slope_now : -cloud_recipe.release * slope_now) +
-              cloud_recipe.slide * slip_load) /
-             root_weight_; // as landings: ~ sqrt(m)
-    };
-    const double heel_power = power(heel_slope, heel_load * std::abs(sole.heel_slip));
-    const double ball_power = power(ball_slope, ball_load * std::abs(sole.ball_slip));
-    if (heel_lands) {
-      const double energy = cloud_recipe.heel * landing(weight_, sole.heel_landing);
-      p.cloud.add_energy(energy);
-      p.heel.add_energy(energy);
-    }
-    if (ball_lands)
-      p.cloud.add_energy(cloud_recipe.ball * landing(weight_, sole.ball_landing));
-    if (p.cloud.silent() && heel_power + ball_power <= 0)
-      continue;
-    const double heel_energy = p.heel.advance(heel_power);
-    const double sound = sole_factor_ * p.cloud.next(heel_power + ball_power);
-    const double energy = p.cloud.energy();
-    const double share = energy > 0 ? std::min(heel_energy / energy, 1.0) : 0;
-    felt[kHeel] += share * sound;
-    felt[kBall] += (1 - share) * sound;
-    silent = silent && p.cloud.silent();
-  }
-  for (double& f : felt)
-    f *= recipe_.level;
-  const double sum = felt[kHeel] + felt[kBall];
+  if (recipe_.solid.present)
+    silent = !add_floor(sole, vibration) && silent;
+  if (recipe_.friction.present)
+    silent = !add_boards(loads, vibration) && silent;
+  silent = !add_particles(sole, loads, vibration) && silent;
+  for (double& v : vibration)
+    v *= recipe_.level;
+  const double sum = vibration[kHeel] + vibration[kBall];
   // First-order high-pass by the trapezoidal rule.
   const double change = radiation_gain_ * (sum - radiation_);
   const double low = radiation_ + change;
@@ -229,7 +180,72 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   silent_ = silent;
   if (silent_)
     radiation_ = 0;
-  return {recipe_.felt * felt[kHeel], recipe_.felt * recipe_.felt_ball * felt[kBall], sum - low};
+  return {recipe_.felt * vibration[kHeel], recipe_.felt * recipe_.felt_ball * vibration[kBall],
+          sum - low};
+}
+
+bool Ground::add_floor(const SoleState& sole, Vibration& vibration) noexcept {
+  const SolidRecipe& solid = recipe_.solid;
+  if (sole.heel_landing > 0 && weight_ > 0)
+    floor_[kHeel].land(solid, solid.heel_kg * weight_, sole.heel_landing * speed_factor_);
+  if (sole.ball_landing > 0 && weight_ > 0 && solid.ball > 0)
+    floor_[kBall].land(solid, solid.ball_kg * weight_,
+                       sole.ball_landing * speed_factor_ * solid.ball);
+  floor_[kHeel].slide(sole.heel_n, sole.heel_slip);
+  floor_[kBall].slide(sole.ball_n, sole.ball_slip);
+  bool sounds = false;
+  for (std::size_t r = 0; r < kRegions; ++r)
+    if (floor_[r].active()) {
+      vibration[r] += solid.level * floor_[r].next();
+      sounds = true;
+    }
+  return sounds;
+}
+
+bool Ground::add_boards(const Load& load, Vibration& vibration) noexcept {
+  const double total = load.heel + load.ball;
+  const double share = total > 0 ? std::clamp(load.heel / total, 0.0, 1.0) : 0;
+  // The floor bends as the load grows and as it moves from heel to ball (load times the rate of the
+  // ball's share). As the load falls it springs back, mostly after the joint is free.
+  const double change = load.heel_slope + load.ball_slope;
+  const double bending = share * load.ball_slope - (1 - share) * load.heel_slope +
+                         (change > 0 ? kBending : kSpringBack) * change;
+  const double creak = recipe_.friction.level * boards_.next(recipe_.friction, total, bending);
+  vibration[kHeel] += share * creak;
+  vibration[kBall] += (1 - share) * creak;
+  return boards_.active();
+}
+
+bool Ground::add_particles(const SoleState& sole, const Load& load, Vibration& vibration) noexcept {
+  bool sounds = false;
+  for (std::size_t i = 0; i < recipe_.clouds; ++i) {
+    const CloudRecipe& cloud_recipe = recipe_.cloud[i];
+    Particles& p = particles_[i];
+    const auto power = [&](double slope_now, double slip_load) {
+      return ((slope_now > 0 ? cloud_recipe.load * slope_now : -cloud_recipe.release * slope_now) +
+              cloud_recipe.slide * slip_load) /
+             root_weight_; // ~ sqrt(m), as for landings
+    };
+    const double heel_power = power(load.heel_slope, load.heel * std::abs(sole.heel_slip));
+    const double ball_power = power(load.ball_slope, load.ball * std::abs(sole.ball_slip));
+    if (sole.heel_landing > 0) {
+      const double energy = cloud_recipe.heel * landing_energy(weight_, sole.heel_landing);
+      p.cloud.add_energy(energy);
+      p.heel.add_energy(energy);
+    }
+    if (sole.ball_landing > 0)
+      p.cloud.add_energy(cloud_recipe.ball * landing_energy(weight_, sole.ball_landing));
+    if (p.cloud.silent() && heel_power + ball_power <= 0)
+      continue;
+    const double heel_energy = p.heel.advance(heel_power);
+    const double sound = sole_factor_ * p.cloud.next(heel_power + ball_power);
+    const double energy = p.cloud.energy();
+    const double share = energy > 0 ? std::min(heel_energy / energy, 1.0) : 0;
+    vibration[kHeel] += share * sound;
+    vibration[kBall] += (1 - share) * sound;
+    sounds = sounds || !p.cloud.silent();
+  }
+  return sounds;
 }
 
 } // namespace tactus::footstep

@@ -30,7 +30,7 @@ struct GroundReaction::Shape {
 
 namespace {
 
-/// Straight lines between the rows over their first number.
+/// Linear interpolation between the rows, over their first number.
 template <class Row, std::size_t N> Row between(const std::array<Row, N>& rows, double speed) {
   std::size_t i = 0;
   while (i + 2 < N && speed > rows[i + 1].speed)
@@ -59,7 +59,7 @@ Track heel_share_track(double heel_at, double ball_at, double release_at, double
     Track share(1);
     return share.hold(ball_at).to(0, release_at - ball_at, kShareShape);
   }
-  // The heel takes on its part in a third of the time for which it is down.
+  // The heel takes over its share in a third of the time for which it is down.
   Track share(0);
   const double down = release_at - heel_at;
   return share.hold(heel_at).to(highest, 0.35 * down).hold(0.1 * down).to(0, 0.55 * down);
@@ -69,7 +69,7 @@ double GroundReaction::flight_s() const noexcept {
   return std::max(0.0, 0.5 * stride_s_ - stance_s_);
 }
 
-/// What landings and the transient add to the mean over the stance, weights.
+/// Mean of landings and transient over the stance, body weights.
 double GroundReaction::landing_mean() const noexcept {
   const double landings =
       (heel_.mass * heel_.speed_m_per_s + ball_.mass * ball_.speed_m_per_s) / kGravity;
@@ -84,7 +84,7 @@ void GroundReaction::set_walk(const Shape& shape) noexcept {
   const double inner = (shape.valley_at - shape.first_at) * 0.5 * (shape.first + shape.valley) +
                        (shape.second_at - shape.valley_at) * 0.5 * (shape.valley + shape.second);
   const double outer = shape.first_at * shape.first + (1 - shape.second_at) * shape.second;
-  // The flanks' mean height: 2 / pi for a sine, 1/2 for its square.
+  // Mean height of the flanks: 2 / pi for a sine, 1/2 for its square.
   const double height = (1 / (2 * shape.duty) - inner - landing_mean()) / outer;
   const double sine_share = std::clamp((height - 0.5) / (2 / kPi - 0.5), 0.0, 1.0);
   const auto up = [&](Track& track) {
@@ -103,7 +103,24 @@ void GroundReaction::set_walk(const Shape& shape) noexcept {
   down(load_);
 }
 
-void GroundReaction::set_run() noexcept {
+void GroundReaction::set_times(double steps_a_minute, double duty) noexcept {
+  stride_s_ = 2 * 60 / steps_a_minute;
+  stance_s_ = duty * stride_s_;
+}
+
+void GroundReaction::set_run(double speed, double shoe) noexcept {
+  const double cadence = 150 + 8 * speed; // steps / min
+  set_times(cadence, std::clamp(0.32 - 0.02 * speed, 0.16, 0.29) * cadence / 120);
+  const double landing = 0.6 + 0.15 * speed;
+  if (speed < kMinSprint) {
+    heel_ = {0, landing, kHeelRunning};
+    ball_ = {0.04, 0.6 * landing, kFoot};
+    transient_ = kMaxTransient * shoe;
+  } else { // the heel hardly comes down
+    ball_ = {0, landing, kBallFirst};
+    heel_ = {0.15, 0.2 * landing, kFoot};
+    max_heel_share_ = 0.2;
+  }
   const double mean = stride_s_ / (2 * stance_s_);
   const double peak = 0.5 * kPi * (mean - landing_mean());
   load_ = first_half_ = Track(0);
@@ -113,8 +130,16 @@ void GroundReaction::set_run() noexcept {
   load_.to(peak, 0.5, 1).to(0, 0.5, 1);
 }
 
-void GroundReaction::set_sneak() noexcept {
-  const double both = (2 * duty() - 1) / (2 * duty()); // of the stance, at its begin and its end
+/// A crouched, careful walk at 0.4 of the speed, with short steps.
+void GroundReaction::set_sneak(double speed) noexcept {
+  const double slow = std::max(0.2, 0.4 * speed);
+  set_times(60 * slow / (0.35 + 0.25 * slow), 0.78 - 0.12 * slow);
+  heel_ = {0, 0.06 + 0.08 * slow, kHeelCrouched};
+  ball_ = {0.25, 0.06 + 0.06 * slow, kFoot};
+  release_at_ = 0.72;
+  heel_up_at_ = 0.68;
+  // Share of the stance with both feet on the ground, at its beginning and again at its end.
+  const double both = (2 * duty() - 1) / (2 * duty());
   const double level = (1 / (2 * duty()) - landing_mean()) / (1 - both);
   load_ = first_half_ = Track(0);
   second_half_ = Track(level);
@@ -131,9 +156,8 @@ void GroundReaction::set(const Walker& walker) noexcept {
   static constexpr Shape kUp{1.4, 1.03, 0.26, 0.78, 0.50, 1.18, 0.79, 0.64};
   static constexpr Shape kDown{1.4, 1.50, 0.16, 0.58, 0.46, 0.90, 0.76, 0.65};
 
-  // What is no number is the usual one.
-  const auto finite = [](double value, double usual) {
-    return std::isfinite(value) ? value : usual;
+  const auto finite = [](double value, double fallback) {
+    return std::isfinite(value) ? value : fallback;
   };
   weight_n_ = std::clamp(finite(walker.weight_n, Walker{}.weight_n), 0.0, 1e5);
   style_ = walker.style;
@@ -143,52 +167,28 @@ void GroundReaction::set(const Walker& walker) noexcept {
   const double shoe = std::clamp(finite(walker.shoe, Walker{}.shoe), 0.0, 1.0);
   const double pace = std::pow(speed / kDefaultSpeed, 0.8);
   const double walking_cadence = std::clamp(100 + 27.8 * (speed - 1), 70.0, 145.0); // steps / min
-  const auto times = [this](double steps_a_minute, double duty) {
-    stride_s_ = 2 * 60 / steps_a_minute;
-    stance_s_ = duty * stride_s_;
-  };
+
   transient_ = 0;
   contact_slip_ = kContactSlip * speed;
   heel_up_at_ = 0.62;
   release_at_ = 0.66;
   max_heel_share_ = 1;
   switch (style_) {
-  case Style::kRun: {
-    const double cadence = 150 + 8 * speed;
-    times(cadence, std::clamp(0.32 - 0.02 * speed, 0.16, 0.29) * cadence / 120);
-    const double landing = 0.6 + 0.15 * speed;
-    if (speed < kMinSprint) {
-      heel_ = {0, landing, kHeelRunning};
-      ball_ = {0.04, 0.6 * landing, kFoot};
-      transient_ = kMaxTransient * shoe;
-    } else { // the heel hardly comes down
-      ball_ = {0, landing, kBallFirst};
-      heel_ = {0.15, 0.2 * landing, kFoot};
-      max_heel_share_ = 0.2;
-    }
-    set_run();
+  case Style::kRun:
+    set_run(speed, shoe);
     break;
-  }
-  case Style::kSneak: {
-    // A crouched, careful walk at 0.4 of the speed, with short steps.
-    const double slow = std::max(0.2, 0.4 * speed);
-    times(60 * slow / (0.35 + 0.25 * slow), 0.78 - 0.12 * slow);
-    heel_ = {0, 0.06 + 0.08 * slow, kHeelCrouched};
-    ball_ = {0.25, 0.06 + 0.06 * slow, kFoot};
-    release_at_ = 0.72;
-    heel_up_at_ = 0.68;
-    set_sneak();
+  case Style::kSneak:
+    set_sneak(speed);
     break;
-  }
   case Style::kUpstairs:
-    times(0.77 * walking_cadence, kUp.duty);
+    set_times(0.77 * walking_cadence, kUp.duty);
     ball_ = {0, 0.1 + 0.15 * pace, kBallFirst};
     heel_ = {0.12, 0.1 + 0.08 * pace, kFoot};
     max_heel_share_ = 0.55;
     set_walk(kUp);
     break;
   case Style::kDownstairs:
-    times(0.91 * walking_cadence, kDown.duty);
+    set_times(0.91 * walking_cadence, kDown.duty);
     ball_ = {0, 0.6 * pace, kBallFirst};
     heel_ = {0.14, 0.1 + 0.25 * pace, kFoot};
     max_heel_share_ = 0.6;
@@ -196,7 +196,7 @@ void GroundReaction::set(const Walker& walker) noexcept {
     break;
   case Style::kWalk: {
     const Shape shape = between(kWalkShapes, speed);
-    times(walking_cadence, shape.duty);
+    set_times(walking_cadence, shape.duty);
     heel_ = {0, 0.5 * pace, kHeelWalking};
     ball_ = {0.11, 0.3 * pace, kFoot};
     transient_ = kMaxTransient * shoe;
@@ -212,7 +212,7 @@ double GroundReaction::force(double x) const noexcept {
     return 0;
   double weights = load_.at(x);
   const auto within = [&](double at, double length_s) {
-    return (x - at) * stance_s_ / length_s; // of that time, from that part of the stance on
+    return (x - at) * stance_s_ / length_s; // time since `at`, relative to length_s
   };
   for (const Landing* landing : {&heel_, &ball_})
     if (const double u = within(landing->at, Landing::kImpactTime); u > 0 && u < 1)

@@ -9,11 +9,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.81;       // m/s^2
-constexpr double kStandingShare = 0.6;  // under the heels of people who stand
-constexpr double kShift = 0.7;          // s, of the weight to one foot; the other is free after
-constexpr double kFree = 0.6;           // that part of it
+constexpr double kStandingShare = 0.6;  // of the load under the heels while standing
+constexpr double kShift = 0.7;          // s, duration of the shift of the weight to one foot
+constexpr double kFree = 0.6;           // share of kShift after which the other foot is free
 constexpr double kPlacingSpeed = 0.15;  // m/s, of a foot that is put down to stand
-constexpr double kPlacingMass = 0.0145; // of the body's
+constexpr double kPlacingMass = 0.0145; // effective mass of that foot, as a share of the body's
 
 Footfall::Impact impact(bool heel, double at_s, double speed, double mass,
                         double weight_n) noexcept {
@@ -38,7 +38,7 @@ Footfall stance(const GroundReaction& reaction, const StepVariation& vary) noexc
   step.heel_share = heel_share_track(step.impacts[0].at_s, step.impacts[1].at_s,
                                      reaction.release_at() * stance_s, reaction.max_heel_share());
   step.heel_up_s = reaction.heel_up_at() * stance_s;
-  // Sliding over the ground until the contact holds.
+  // The foot slides over the ground until the contact sticks.
   Track& slip = reaction.ball_first() ? step.ball_slip : step.heel_slip;
   slip = Track(reaction.contact_slip());
   slip.to(0, Landing::kImpactTime);
@@ -65,12 +65,12 @@ FootfallPair set_off(const GroundReaction& reaction) noexcept {
   const double stance_s = reaction.stance_s();
   const bool run = reaction.flight_s() > 0;
   const double level = run ? 1 : reaction.second_half().at(0);
-  // The other foot takes 1/2 kFree / 2 of the shift's mean; the rest of the weight is this one's.
+  // The other foot carries kFree / 4 of the weight on average over the shift; this one the rest.
   const double hump = 2 * (1 - 0.25 * kFree) - (0.5 + level);
   Track load(0.5);
   load.to(level, kShift, 0, hump);
   if (run) {
-    // From rest to the speed at which each flight begins, g flight / 2.
+    // From rest to the take-off speed of each flight, g flight / 2.
     const double rise = 0.7 * stance_s, fall = 0.5 * stance_s;
     const double peak =
         (0.5 * reaction.flight_s() + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
@@ -173,25 +173,25 @@ Jump jump(double height_m, double weight_n) noexcept {
   const double height = std::clamp(height_m, kMinJump, kMaxJump);
   const double speed = std::sqrt(2 * kGravity * height);
   const double half = 0.5 * weight_n; // each foot
-  Jump made;
+  Jump result;
 
-  // Crouch: the body falls into the knees; push-off: from that speed down to the speed up. Small
-  // jumps are the same in less time.
+  // Crouch: the body falls as the knees bend. Push-off: from that speed downwards to the take-off
+  // speed. Small jumps are the same in less time.
   const double quick = std::clamp(std::sqrt(height / 0.3), 0.35, 1.1);
   const double crouch = 0.3 * quick, rise = 0.2 * quick, fall = 0.28 * quick;
   constexpr double kUnweighted = 0.6;
   const double momentum = 0.5 * kUnweighted * crouch + speed / kGravity; // weight * s
   const double peak = (momentum + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
-  Track push(1);
-  push.to(1, crouch, 0, -kUnweighted).to(peak, rise).to(0, fall, 1);
-  made.push_off.load = push.scaled(half, 1);
-  made.push_off.heel_share = Track(kStandingShare);
-  made.push_off.heel_share.hold(crouch + rise).to(0, 0.6 * fall);
-  made.push_off.heel_up_s = crouch + rise + 0.4 * fall;
-  made.push_off.start();
-  made.next_start_s = push.duration_s() + 2 * speed / kGravity;
+  Track push_off(1);
+  push_off.to(1, crouch, 0, -kUnweighted).to(peak, rise).to(0, fall, 1);
+  result.push_off.load = push_off.scaled(half, 1);
+  result.push_off.heel_share = Track(kStandingShare);
+  result.push_off.heel_share.hold(crouch + rise).to(0, 0.6 * fall);
+  result.push_off.heel_up_s = crouch + rise + 0.4 * fall;
+  result.push_off.start();
+  result.next_start_s = push_off.duration_s() + 2 * speed / kGravity;
 
-  // Landing: the ball's impact, the heel's, and the legs, which lead the rest of the momentum off.
+  // Landing: the impacts of ball and heel; the legs absorb the rest of the momentum.
   constexpr double kBallMass = 0.04, kHeelAt = 0.025, kHeelTime = 0.06, kLegsRise = 0.08;
   const double highest = 1 + 5.5 * std::sqrt(height); // of both feet, weights
   const double legs = std::min(2.0, highest);
@@ -201,7 +201,7 @@ Jump jump(double height_m, double weight_n) noexcept {
   const double impulse = speed / kGravity - ball * 2 / kPi * Landing::kImpactTime -
                          heel * 0.5 * kHeelTime - (0.5 * legs - 1) * kLegsRise;
   const double absorb = impulse / (0.5 * (legs - 1));
-  Footfall& landing = made.landing;
+  Footfall& landing = result.landing;
   landing.load.to(legs * half, kLegsRise).to(half, absorb);
   landing.heel_share = Track(0);
   landing.heel_share.hold(kHeelAt).to(kStandingShare, 0.12);
@@ -209,7 +209,7 @@ Jump jump(double height_m, double weight_n) noexcept {
                      Footfall::Impact{false, 0, speed, ball * half}};
   landing.ends_standing = true;
   landing.start();
-  return made;
+  return result;
 }
 
 Footfall scuff(double length_m, double speed_m_per_s, double weight_n) noexcept {
@@ -228,9 +228,9 @@ Footfall scuff(double length_m, double speed_m_per_s, double weight_n) noexcept 
 
 namespace {
 
-constexpr double kMaxRampTime = 0.12, kRampShare = 0.25; // s; of the way's time at full speed
+constexpr double kMaxRampTime = 0.12, kRampShare = 0.25; // s; share of the time at full speed
 
-/// A foot bears its load after one ramp, is up to its speed after another, and so down again.
+/// A drag: one ramp loads the foot, another accelerates it; then the same in reverse order.
 struct Sliding {
   Sliding(double length_m, double speed_m_per_s) noexcept {
     const double speed = std::clamp(speed_m_per_s, kMinDragSpeed, kMaxDragSpeed);
@@ -246,7 +246,7 @@ struct Sliding {
 } // namespace
 
 double drag_speed(double length_m, double total_s) noexcept {
-  // Both ramps of the load and half of each of the speed's are beyond the way's time.
+  // Both ramps of the load, and half of each ramp of the speed, add to length over speed.
   const double speed = (1 + 3 * kRampShare) * length_m / total_s;
   return kRampShare * length_m / speed < kMaxRampTime ? speed
                                                       : length_m / (total_s - 3 * kMaxRampTime);
@@ -257,7 +257,7 @@ Footfall drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
   Footfall foot;
   foot.ball_slip = foot.heel_slip = sliding.slip;
   foot.load.to(kDragLoad * weight_n, sliding.ramp_s).hold(sliding.slides_s).to(0, sliding.ramp_s);
-  foot.heel_share = Track(0.3); // it trails
+  foot.heel_share = Track(0.3); // the foot trails on its ball
   foot.impacts[1] = impact(false, 0, kPlacingSpeed, kPlacingMass, weight_n);
   foot.start();
   return foot;

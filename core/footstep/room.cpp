@@ -7,17 +7,17 @@
 namespace tactus::footstep {
 namespace {
 
-/// Without common divisors at common rates, so that their echoes rarely meet.
+/// Delays without common divisors at common sample rates, so that echoes rarely coincide.
 constexpr double kDelays[] = {0.00711, 0.00967, 0.01229, 0.01493,
                               0.01787, 0.02111, 0.02473, 0.02887};
 constexpr double kSilenceThreshold = 1e-12, kMaxPressure = 1e9;
-constexpr double kRingOutFactor = 1.5; // times t60: 90 dB
+constexpr double kRingOutFactor = 1.5; // 90 dB, per t60
 
 double clamped(double value, double lowest, double highest) noexcept {
   return value > lowest ? std::min(value, highest) : lowest;
 }
 
-/// Pole of a one-pole low-pass (1 at 0 Hz) that has this gain at the angle w.
+/// Pole of the one-pole low-pass of gain 1 at 0 Hz and this gain at w rad per sample.
 double pole_for(double gain, double w) noexcept {
   const double square = gain * gain;
   const double b = (1 - square * std::cos(w)) / (1 - square);
@@ -51,8 +51,8 @@ void Room::set(const Settings& settings) noexcept {
     pole_[i] = pole_for(gain_[i], w);
     mean += gain_[i] * gain_[i] / kLines;
   }
-  // An impulse spreads over the lines; each round through them leaves `mean` of its energy, so that
-  // mean + mean^2 + ... comes out.
+  // Each pass of an impulse through the lines leaves the share `mean` of its energy, so the output
+  // energy is mean + mean^2 + ...
   const double level_db = clamped(settings.level_db, kMinLevel, 40);
   level_ = level_db > kMinLevel ? std::sqrt(std::pow(10.0, level_db / 10) * (1 - mean) / mean) : 0;
   ring_out_samples_ = static_cast<long>(kRingOutFactor * t60 * sample_rate_);

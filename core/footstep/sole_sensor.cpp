@@ -24,9 +24,8 @@ constexpr double kMinLandingSpeed = 0.02, kMaxLandingSpeed = 2;     // m/s
 constexpr double kStiffening = 1.5;                                 // F ~ x^kStiffening
 constexpr double kMaxForce = 1e5;                                   // N
 
-/// Landing speed in m/s and weights a second: of a heel that comes first and of a part that
-/// follows, as a walker at 1.4 m/s in usual shoes has them; of a ball that comes first, as on
-/// stairs.
+/// Typical landing speed, m/s, and slope, weights a second: of a heel that lands first and of a
+/// part that follows, walking at 1.4 m/s in usual shoes; of a ball that lands first, as on stairs.
 struct TypicalLanding {
   double speed, slope;
 };
@@ -89,7 +88,7 @@ void SoleChannel::reset() noexcept {
 }
 
 void SoleChannel::start_sums() noexcept {
-  // Oldest first, from the place that is written next.
+  // Oldest first, from the index that is written next.
   sum_ = index_weighted_sum_ = 0;
   for (std::size_t i = 0; i < window_.size(); ++i) {
     const double x = window_[(write_index_ + i) % window_.size()];
@@ -111,7 +110,7 @@ void SoleChannel::next(double force_n, bool lifted, bool free, double touch_thre
   double y = b0_ * x + s1_;
   s1_ = b1_ * x - a1_ * y + s2_;
   s2_ = b2_ * x - a2_ * y;
-  // A reading below the baseline is always a better one; drift upwards counts in the air alone.
+  // The baseline follows lower readings at once, and upward drift only in the air.
   if (y < baseline_)
     baseline_ += fast_coefficient_ * (y - baseline_);
   else if (lifted)
@@ -120,7 +119,7 @@ void SoleChannel::next(double force_n, bool lifted, bool free, double touch_thre
   force_ = std::max(0.0, y - baseline_);
   rise_ = y - floor_;
   if (free) {
-    // Rises alone count as noise: a foot that leaves the ground is none. A touch counts little.
+    // Only rises count as noise, not the fall as the foot leaves the ground. A touch is clamped.
     const double up = std::clamp(rise_, 0.0, touch_threshold_n);
     variance_ += noise_coefficient_ * (2 * up * up - variance_);
     noise_weight_ += noise_coefficient_ * (1 - noise_weight_);
@@ -133,11 +132,11 @@ void SoleChannel::next(double force_n, bool lifted, bool free, double touch_thre
   window_[write_index_] = force_;
   if (++write_index_ == length)
     write_index_ = 0;
-  // Everything moves one place towards the past.
+  // Every sample of the window becomes one sample older.
   index_weighted_sum_ += oldest - sum_ + static_cast<double>(length - 1) * force_;
   sum_ += force_ - oldest;
   if (write_index_ == 0)
-    start_sums(); // rounding does not pile up
+    start_sums(); // prevents the accumulation of rounding errors
   const auto n = static_cast<double>(length);
   slope_ = 12 * (index_weighted_sum_ - 0.5 * (n - 1) * sum_) / (n * (n * n - 1));
 }
@@ -167,7 +166,7 @@ void SoleSensor::update(Region& region, double force_n, bool other_down, double&
   const double force = std::isfinite(force_n) ? std::clamp(force_n, -kMaxForce, kMaxForce) : 0;
   SoleChannel& channel = region.channel;
   const double touch_threshold_n = region.touch_threshold_n;
-  // The baseline waits until the foot is surely in the air.
+  // The baseline is updated only when the foot is certainly in the air.
   channel.next(force, !in_stance() && region.since_s > kMinSwing,
                !region.down && region.contact_s == 0, touch_threshold_n,
                -kMaxBaselineDrop * weight_n_);
@@ -180,7 +179,7 @@ void SoleSensor::update(Region& region, double force_n, bool other_down, double&
       region.touch_threshold_n = channel.touch_threshold_n(weight_n_);
     if (region.since_s < kMinSwing)
       return;
-    // A firm contact is told early: there is time to look longer at how hard it is.
+    // A firm contact exceeds the noise early, so there is time to measure its slope for longer.
     const double rise_time = channel.rise() > kFirm * weight_n_ ? kFirmRiseTime : kRiseTime;
     if (region.contact_s < rise_time && !(level > kOn && region.contact_s == 0))
       return;
@@ -197,8 +196,8 @@ void SoleSensor::update(Region& region, double force_n, bool other_down, double&
     return;
   }
   region.loaded = region.loaded || level > kOn;
-  // A light touch ends where it began, or has become what the shoe itself presses; a stance ends at
-  // kOff.
+  // A stance ends at kOff. A light touch ends below half of its threshold, or after
+  // kMaxLightTouch, when it is taken for the pressure of the shoe itself.
   const bool lifts =
       region.loaded ? level < kOff
                     : channel.rise() < 0.5 * touch_threshold_n || region.since_s > kMaxLightTouch;

@@ -14,10 +14,9 @@ namespace {
 constexpr double kMassDeviation = 0.4, kSpeedDeviation = 0.15;
 constexpr double kFirstShare = 0.5;
 constexpr double kMaxArrivalTime = 1; // s
-/// Of what presses and slides along the ground, the share that goes into its vertical motion.
+/// Share of the friction force that excites the vertical vibration of the ground.
 constexpr double kTangentialShare = 0.1;
-/// A sole that has come to rest goes on holding; what it pulled with passes to the joints of the
-/// leg.
+/// A sole that has stopped sticks for a while; its tangential force decays into the leg.
 constexpr double kHoldingTime = 0.015; // s
 constexpr double kMinForce = 1e-3;     // N
 

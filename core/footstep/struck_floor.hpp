@@ -9,12 +9,12 @@
 
 namespace tactus::footstep {
 
-/// The floor around one region of the sole, heel or ball: a body with modes that the sole's parts
-/// strike one after the other and that the sole rubs when it slides.
+/// The floor under one region of the sole (heel or ball): a body with modes that parts of the sole
+/// strike one after the other, and that the sole rubs when it slides.
 ///
-/// A landing is the fall of `patches` masses at one speed. The first touches at once with half of
-/// the mass; the others share the rest and begin at heights drawn from an exponential distribution
-/// of mean `unevenness`: the slower the landing, the longer it takes them to arrive.
+/// A landing is the fall of `patches` masses at one speed. The first touches at once, with half of
+/// the mass. The others share the rest and start at heights drawn from an exponential distribution
+/// of mean `unevenness`, so at a slower landing they arrive later.
 class StruckFloor {
 public:
   StruckFloor();
@@ -22,32 +22,33 @@ public:
   void seed(std::uint64_t value) noexcept;
   void reset() noexcept;
 
-  /// Contact law of ground and sole in series. What sounds goes on.
+  /// Sets the contact law: ground and sole in series. Vibration continues.
   void set(const SolidRecipe& solid, double shoe) noexcept;
-  /// Modes of the recipe, scaled in frequency and decay time; where it is struck stays.
+  /// Sets the modes of the recipe, with factors on frequencies and decay times. The contact points
+  /// stay.
   void scale_modes(const SolidRecipe& solid, std::span<const double> detune, double frequency,
                    double decay) noexcept;
-  /// Draws where the parts of the sole meet the modes.
+  /// Draws new contact points for the parts of the sole.
   void draw_contact_positions(const SolidRecipe& solid) noexcept;
-  /// A mass (kg) arrives at a speed (m/s, > 0).
+  /// Starts a landing of a mass, kg, at a speed > 0, m/s.
   void land(const SolidRecipe& solid, double mass_kg, double speed_m_per_s) noexcept;
-  /// The sole slides at a speed (m/s) under a force (N) from now on; 0 N: it does not.
+  /// Sliding speed, m/s, and normal force, N, until changed; force 0: no sliding.
   void slide(double force_n, double speed_m_per_s) noexcept;
 
-  /// Velocity that is heard, m/s, one sample on.
+  /// Advances by a sample. Returns the velocity at the pickup, m/s.
   double next() noexcept;
   [[nodiscard]] bool active() const noexcept {
     return sliding_ || landing_samples_left_ > 0 || body_.active();
   }
 
 private:
-  static constexpr std::size_t kSole = kMaxPatches; ///< slot of the sole that slides
+  static constexpr std::size_t kSole = kMaxPatches; ///< exciter slot of the sliding sole
 
   contact::ExcitedBody body_;
   contact::ImpactLaw law_;
   Random random_;
   double sample_rate_ = 48000;
-  bool sliding_ = false; ///< or holds still
+  bool sliding_ = false; ///< the sole rubs, or still holds after it has stopped
   double normal_force_n_ = 0, normal_force_decay_ = 0.999;
   double landing_samples_left_ = 0; ///< samples until the last part of a landing has touched
 };

@@ -27,13 +27,14 @@ Track& Track::append(const Track& other) noexcept {
   return *this;
 }
 
-Track Track::scaled(double by, double times) const noexcept {
-  Track made(by * initial_);
+Track Track::scaled(double value_factor, double time_factor) const noexcept {
+  Track result(value_factor * initial_);
   for (std::size_t i = 0; i < count_; ++i) {
     const Piece& piece = pieces_[i];
-    made.to(by * piece.to, times * piece.duration_s, piece.sine_share, by * piece.hump);
+    result.to(value_factor * piece.to, time_factor * piece.duration_s, piece.sine_share,
+              value_factor * piece.hump);
   }
-  return made;
+  return result;
 }
 
 double Track::value(const Piece& piece, double time_s) noexcept {

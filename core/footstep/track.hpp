@@ -5,34 +5,33 @@
 
 namespace tactus::footstep {
 
-/// A quantity over time, made of pieces that join without a step: a load, a share of a load, a
-/// speed of sliding. From a to b over u = 0..1 a piece rises as
-///   a + (b - a) ((1 - s) sin^2(pi u / 2) + s sin(pi u / 2)) + hump sin^2(pi u),
-/// and falls as the same mirrored in time: level at its higher end, and at its lower end as well
-/// for s = 0 (half a cosine).
+/// A continuous function of time built from pieces: a load, a share of a load, or a sliding speed.
+/// From a to b over u = 0..1 a rising piece is
+///     a + (b - a) ((1 - s) sin^2(pi u / 2) + s sin(pi u / 2)) + hump sin^2(pi u);
+/// a falling piece is the same mirrored in time. The slope is 0 at the higher end, and for s = 0
+/// (half a cosine) at the lower end too.
 class Track {
 public:
   static constexpr std::size_t kMaxPieces = 10;
   explicit Track(double initial = 0) noexcept : initial_(initial), last_(initial) {}
 
-  /// On to `value` in `duration_s`. A duration that is not positive or a piece too many changes
-  /// nothing.
+  /// Appends a piece to `value`. Ignored if the duration is not positive or the track is full.
   Track& to(double value, double duration_s, double sine_share = 0, double hump = 0) noexcept;
-  /// The same value for that long.
+  /// Appends a constant piece.
   Track& hold(double duration_s) noexcept { return to(last_, duration_s); }
 
-  /// The pieces of another, which should begin where this one ends.
+  /// Appends the pieces of another track, which should start at this one's last value.
   Track& append(const Track& other) noexcept;
-  /// With all values and all times multiplied.
-  [[nodiscard]] Track scaled(double by, double times) const noexcept;
+  /// A copy with all values multiplied by `value_factor` and all times by `time_factor`.
+  [[nodiscard]] Track scaled(double value_factor, double time_factor) const noexcept;
 
-  /// At a time; before the first piece its beginning, after the last its end.
+  /// Value at a time; the initial value before the first piece, the last after the last.
   [[nodiscard]] double at(double time_s) const noexcept {
     std::size_t piece = 0;
     return at(time_s, piece);
   }
-  /// The same for times that never fall from call to call: `piece`, 0 at first, is the one in which
-  /// the last time was.
+  /// The same for times that do not decrease from call to call. `piece`, initially 0, keeps the
+  /// index of the current piece.
   [[nodiscard]] double at(double time_s, std::size_t& piece) const noexcept {
     if (!(time_s > 0))
       return initial_;
@@ -40,7 +39,7 @@ public:
       ++piece;
     return piece < count_ ? value(pieces_[piece], time_s) : last_;
   }
-  /// From the first piece's begin to the last one's end, s.
+  /// Sum of the pieces' durations, s.
   [[nodiscard]] double duration_s() const noexcept { return end_; }
   /// Integral over all pieces, exact.
   [[nodiscard]] double integral() const noexcept;

@@ -29,19 +29,19 @@ void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept 
     return;
   const double chirp = std::clamp(rise, 0.0, 1.0) * decay; // relative, 1/s
   const double step_s = 1 / sample_rate_;
-  const double second = 2 * std::numbers::pi * frequency * chirp * step_s * step_s;
-  // phase(n) = w n + second n^2 / 2, so the first turn is w + second / 2.
-  const double first = 2 * std::numbers::pi * frequency * step_s + 0.5 * second;
-  const double lost = std::exp(-decay * step_s);
+  const double chirp_angle = 2 * std::numbers::pi * frequency * chirp * step_s * step_s;
+  // phase(n) = w n + chirp_angle n^2 / 2, so the first rotation is by w + chirp_angle / 2.
+  const double first_angle = 2 * std::numbers::pi * frequency * step_s + 0.5 * chirp_angle;
+  const double decay_factor = std::exp(-decay * step_s);
   double life_s = 6.9 / decay; // 60 dB
-  if (chirp > 0)               // and no further than the band goes
+  if (chirp > 0)               // ends before 0.48 of the sample rate
     life_s = std::min(life_s, (0.48 * sample_rate_ / frequency - 1) / chirp);
   bubbles_[count_++] = {amplitude,
                         0,
-                        lost * std::cos(first),
-                        lost * std::sin(first),
-                        std::cos(second),
-                        std::sin(second),
+                        decay_factor * std::cos(first_angle),
+                        decay_factor * std::sin(first_angle),
+                        std::cos(chirp_angle),
+                        std::sin(chirp_angle),
                         static_cast<long>(life_s * sample_rate_)};
 }
 

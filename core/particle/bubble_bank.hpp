@@ -5,31 +5,37 @@
 
 namespace tactus::particle {
 
-/// Frequency of a bubble of that radius (m): 3 m/s over the radius, in Hz. Minnaert 1933 gives
-/// 3.26 m/s for air in water at 1 atm; van den Doel 2005 takes 3.
+/// Frequency f of an air bubble of radius r in water, Hz: f = (3 m/s)/r (van den Doel 2005;
+/// Minnaert 1933 gives 3.26 m/s at 1 atm).
 [[nodiscard]] double bubble_frequency_hz(double radius_m) noexcept;
-/// Amplitude decay in 1/s: radiation and heat, 0.13 / r + 0.0072 r^(-3/2) (van den Doel 2005).
+/// Decay rate d of the amplitude by radiation and heat loss, 1/s: d = 0.13/r + 0.0072 r^(-3/2), r
+/// in m (van den Doel 2005).
 [[nodiscard]] double bubble_decay_per_s(double radius_m) noexcept;
 
-/// Bubbles under a water surface: damped tones that rise as the bubble rises,
-/// a exp(-d t) sin(phase), phase' = 2 pi f (1 + rise d t). The phase is quadratic in time, so two
-/// complex rotations a sample give it exactly.
+/// Plays the tones of many bubbles under a water surface. Each is a damped sine whose frequency
+/// rises as the bubble does (van den Doel 2005):
+///     a exp(-d t) sin(phase), phase' = 2 pi f (1 + rise d t).
+/// The phase is quadratic in time, so two complex rotations per sample compute it exactly.
 class BubbleBank {
 public:
-  static constexpr std::size_t kMaxBubbles = 128; ///< bubbles at once; more are left out
+  static constexpr std::size_t kMaxBubbles = 128; ///< simultaneous; further ones are dropped
 
+  /// A new sample rate, Hz, ends all bubbles.
   void prepare(double sample_rate) noexcept;
   void reset() noexcept { count_ = 0; }
-  /// Radius in m, held within 0.15 mm..150 mm; rise 0..1 (0.1 is common).
+  /// Starts a bubble. Radius clamped to 0.15 mm..150 mm; rise to 0..1 (0.1 is common). Bubbles
+  /// above 0.45 of the sample rate are dropped.
   void start(double radius_m, double amplitude, double rise) noexcept;
+  /// One sample of the sum of all bubbles.
   double next() noexcept;
+  /// Number of bubbles that sound.
   [[nodiscard]] std::size_t sounding() const noexcept { return count_; }
 
 private:
   struct Bubble {
     double real, imaginary;                   ///< of a exp(-d t + j phase)
-    double rotation_real, rotation_imaginary; ///< to the next sample
-    double chirp_real, chirp_imaginary;       ///< of the turn, to its next
+    double rotation_real, rotation_imaginary; ///< factor from this sample to the next
+    double chirp_real, chirp_imaginary;       ///< factor from this rotation to the next
     long samples_left;
   };
   double sample_rate_ = 48000;

@@ -7,7 +7,7 @@ namespace tactus::particle {
 
 namespace {
 
-/// What is no number becomes the lowest.
+/// Clamps to [lowest, highest]; NaN becomes `lowest`.
 double clamped(double value, double lowest, double highest) noexcept {
   return value > lowest ? std::min(value, highest) : lowest;
 }
@@ -35,7 +35,7 @@ void Cloud::set(const CloudSettings& settings) noexcept {
   settings_.level = clamped(settings.level, 0, 1e4);
   set_store();
   energies_.set(settings.exponent, settings.largest);
-  normal_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
+  normalisation_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
   tune_rustle();
 }
 
@@ -71,9 +71,9 @@ void Cloud::event() noexcept {
   ++events_;
   const double energy = energies_.draw(random_);
   const double size = std::sqrt(energy * std::min(store_.energy(), 1e6));
-  const double strength = settings_.level * level_factor_ * normal_ * size;
-  impulse_ += normal_ * size;
-  impulse_squared_ += normal_ * normal_ * size * size;
+  const double strength = settings_.level * level_factor_ * normalisation_ * size;
+  impulse_ += normalisation_ * size;
+  impulse_squared_ += normalisation_ * normalisation_ * size * size;
   const double frequency = settings_.frequency_hz * frequency_factor_ *
                            std::exp(settings_.spread * random_.normal()) *
                            std::pow(energy, -settings_.lower_by_size);
@@ -99,7 +99,7 @@ double Cloud::next(double power) noexcept {
     sound = settings_.level * level_factor_ * std::min(energy, 1e6) / root_decay_ *
             rustle_.next(random_);
   }
-  // What another kind has left rings out.
+  // Grains and bubbles started before a change of kind decay.
   if (bubbles_.sounding() > 0)
     sound += bubbles_.next();
   if (grains_.sounding() > 0)

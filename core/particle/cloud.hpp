@@ -12,52 +12,60 @@
 
 namespace tactus::particle {
 
-/// What an aggregate's grains are like. Defaults are a neutral crunch.
+/// Parameters of the particles of an aggregate. The defaults are a neutral crunch.
 struct CloudSettings {
   enum class Kind { kGrains, kBubbles, kRustle };
   Kind kind = Kind::kGrains;
-  double count = 200;         ///< events for each unit of energy put in
-  double attack_s = 0.01;     ///< in which a blow's energy arrives
-  double decay_s = 0.05;      ///< in which the energy dies down
-  double exponent = 1.5;      ///< of the events' energies: density ~ e^-(exponent + 1)
-  double largest = 100;       ///< event energy over the smallest's
-  double frequency_hz = 1500; ///< median of the grains' frequencies
-  double spread = 0.8;        ///< standard deviation of their logarithm
-  double lower_by_size = 0;   ///< frequency ~ event energy^-this: big grains sound lower
-  double quality = 1;         ///< median; its logarithm varies by 0.2
-  double length_s = 0.004;    ///< median of a grain's decay; its logarithm varies by 0.4
-  double rise = 0.1;          ///< of bubbles: how far their pitch rises while they decay
+  double count = 200;         ///< events per unit of energy put in
+  double attack_s = 0.01;     ///< time constant with which added energy arrives
+  double decay_s = 0.05;      ///< time constant with which the energy decays
+  double exponent = 1.5;      ///< of the event energies: density ~ e^-(exponent + 1)
+  double largest = 100;       ///< largest event energy over the smallest
+  double frequency_hz = 1500; ///< median frequency of the grains
+  double spread = 0.8;        ///< standard deviation of the logarithm of the frequency
+  double lower_by_size = 0;   ///< frequency ~ event energy^-this: large grains sound lower
+  double quality = 1;         ///< median Q; standard deviation of its logarithm: 0.2
+  double length_s = 0.004;    ///< median length of the grains; of its logarithm: 0.4
+  double rise = 0.1;          ///< relative rise of a bubble's frequency in the time 1/d
   double level = 1;           ///< strength of the sound
 };
 
-/// Many small events from one store of energy (PhISEM; Cook 1997), with true statistics: a Poisson
-/// process of rate count * E / decay, so that every unit of energy put in causes `count` events on
-/// average at any sample rate; event energies from a power law; amplitude ~ sqrt(event energy * E).
-/// A grain's strength is the square root of its energy, so the level is the same at any rate, too.
-/// A rustle is the limit of countless grains: noise of the power level^2 E^2 / decay, which is what
-/// grains of the same level have on average.
+/// Many small sound events driven by one store of energy E (PhISEM; Cook 1997).
+///
+/// Events are a Poisson process of rate count E / decay. So each unit of energy causes `count`
+/// events on average, at any sample rate. Event energies follow a power law; the amplitude of an
+/// event is ~ sqrt(event energy E). A grain's strength is the square root of its energy, so the
+/// level does not depend on the sample rate either.
+///
+/// A rustle is the limit of many grains: noise of power level^2 E^2 / decay, the mean power of
+/// grains of the same level.
 class Cloud {
 public:
+  /// Sample rate in Hz.
   void prepare(double sample_rate) noexcept;
+  /// Settings out of range are clamped; NaN counts as the lowest value.
   void set(const CloudSettings& settings) noexcept;
-  /// Scales frequency, decay and level from now on: no two steps are alike.
+  /// Factors on frequency, decay and level of the settings, until changed: variation from step to
+  /// step. Clamped to 0.1..10, 0.1..10 and 0..100.
   void vary(double frequency, double decay, double level) noexcept;
   void reset() noexcept;
   void seed(std::uint64_t value) noexcept { random_.seed(value); }
 
+  /// EnergyStore::add_energy().
   void add_energy(double energy) noexcept { store_.add_energy(energy); }
-  /// One sample: energy at that power (1/s) goes in, the sound comes out.
+  /// One sample of sound, while energy arrives with this power, 1/s.
   double next(double power) noexcept;
-  /// Sum over the last sample's events of sqrt(event energy * E), scaled so that `level` times it
-  /// is the sum of their strengths. A rustle has no single events: 0.
+  /// Sum over the events of the last sample of sqrt(event energy E), scaled so that `level` times
+  /// the sum is the sum of their strengths. 0 for a rustle, which has no single events.
   [[nodiscard]] double impulse() const noexcept { return impulse_; }
-  /// The sum of their squares: the strength, squared, of many that come from all sides.
+  /// Sum of the squares of these: the squared strength of events with random signs.
   [[nodiscard]] double impulse_squared() const noexcept { return impulse_squared_; }
-  /// Nothing sounds and nothing will before more energy comes.
+  /// True if nothing sounds and no event will follow before energy arrives.
   [[nodiscard]] bool silent() const noexcept {
     return store_.empty() && grains_.sounding() == 0 && bubbles_.sounding() == 0;
   }
   [[nodiscard]] double energy() const noexcept { return store_.energy(); }
+  /// Number of events so far.
   [[nodiscard]] std::uint64_t events() const noexcept { return events_; }
 
 private:
@@ -68,9 +76,9 @@ private:
   CloudSettings settings_;
   double sample_rate_ = 48000;
   double frequency_factor_ = 1, decay_factor_ = 1, level_factor_ = 1;
-  double root_decay_ = 1;                    ///< of the store's decay time, s^(1/2)
-  double expected_ = 0;                      ///< events in a sample for an energy of 1
-  double normal_ = 1;                        ///< sets events of mean energy to strength 1
+  double root_decay_ = 1;                    ///< square root of the store's decay time, s^(1/2)
+  double expected_ = 0;                      ///< mean number of events in a sample at E = 1
+  double normalisation_ = 1;                 ///< 1/sqrt(mean event energy count)
   double impulse_ = 0, impulse_squared_ = 0; ///< of the last sample
   std::uint64_t events_ = 0;
   Random random_;

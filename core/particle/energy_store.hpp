@@ -5,14 +5,15 @@
 
 namespace tactus::particle {
 
-/// What is left of the energy that went into an aggregate: E' = -E / decay + power, solved exactly
-/// over a sample in which the power is constant. Blows enter through a first-order delay, so that
-/// they arrive within about `attack` seconds: a foot does not sink in at once.
-/// E is in units of its input; Cook 1997 (PhISEM) multiplies by a constant each sample instead, so
-/// that his decay changes with the sample rate.
+/// Energy E of an aggregate of particles that is driven and loses energy by collisions:
+///     E' = -E / decay + power,
+/// solved exactly over a sample of constant power. Energy that arrives at once, add_energy(),
+/// passes through a first-order low-pass of time constant `attack`: a foot sinks in gradually. E
+/// has the unit of its input. Cook 1997 (PhISEM) multiplies E by a constant every sample instead,
+/// so his decay depends on the sample rate.
 class EnergyStore {
 public:
-  /// attack and decay in s, held within 1e-5..60.
+  /// Time constants in s, clamped to 1e-5..60.
   void set(double sample_rate, double attack_s, double decay_s) noexcept {
     attack_s_ = std::clamp(attack_s, 1e-5, 60.0);
     decay_s_ = std::clamp(decay_s, 1e-5, 60.0);
@@ -25,11 +26,11 @@ public:
 
   void reset() noexcept { energy_ = pending_ = 0; }
 
-  /// Energy that arrives within the attack time.
+  /// Adds energy, clamped to 0..1000, that arrives with the attack's time constant.
   void add_energy(double energy) noexcept { pending_ += energy > 0 ? std::min(energy, 1e3) : 0; }
 
-  /// One sample with that power (1/s) in addition; the energy at its end. Power is held within
-  /// 0..1e6; what is no number is none.
+  /// Advances by a sample with this power, 1/s, in addition. Returns the energy at its end. Power
+  /// is clamped to 0..1e6; NaN counts as 0.
   double advance(double power) noexcept {
     power = power > 0 ? std::min(power, 1e6) : 0;
     power += pending_ * release_rate_;
@@ -45,13 +46,13 @@ public:
   [[nodiscard]] bool empty() const noexcept { return energy_ + pending_ == 0; }
 
 private:
-  static constexpr double kEmptyThreshold = 1e-9; ///< below, the store is empty: no endless tail
+  static constexpr double kEmptyThreshold = 1e-9; ///< energy below it is set to 0
 
   double attack_s_ = 0.01, decay_s_ = 0.1;
   double decay_factor_ = 0, attack_factor_ = 0;
-  double release_rate_ = 0; ///< mean power of what arrives in a sample, for the energy pending, 1/s
-  double energy_per_power_ = 0; ///< energy at the end of a sample for a power in it, s
-  double energy_ = 0, pending_ = 0;
+  double release_rate_ = 0;     ///< mean power of the energy arriving in a sample, per pending, 1/s
+  double energy_per_power_ = 0; ///< energy at the end of a sample per power in it, s
+  double energy_ = 0, pending_ = 0; ///< pending_: not yet arrived
 };
 
 } // namespace tactus::particle

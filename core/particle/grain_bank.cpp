@@ -26,20 +26,20 @@ void GrainBank::start(const Grain& grain, Random& random) noexcept {
   const double length = std::clamp(grain.length_s, 1e-5, 2.0);
   const double w = 2 * std::numbers::pi * frequency / sample_rate_;
   const double a = std::sin(w) / (2 * quality);
-  const double kept = std::exp(-1 / (length * sample_rate_));
+  const double decay_factor = std::exp(-1 / (length * sample_rate_));
   const double noise_deviation =
-      grain.strength * std::sqrt(sample_rate_ * (1 - kept * kept) * (1 + a) / a);
-  // A 32-bit integer, uniform, has this standard deviation.
+      grain.strength * std::sqrt(sample_rate_ * (1 - decay_factor * decay_factor) * (1 + a) / a);
+  // Standard deviation of a uniform 32-bit integer.
   constexpr double kIntegerDeviation = 4294967296.0 / 3.4641016151377546;
   const std::size_t i = count_++;
   envelope_[i] = noise_deviation / kIntegerDeviation;
-  decay_factor_[i] = kept;
+  decay_factor_[i] = decay_factor;
   gain_[i] = a / (1 + a);
   a1_[i] = -2 * std::cos(w) / (1 + a);
   a2_[i] = (1 - a) / (1 + a);
   x1_[i] = x2_[i] = y1_[i] = y2_[i] = 0;
   noise_[i] = static_cast<std::uint32_t>(random.next() >> 32) | 1U;
-  // Until envelope and filter have both lost 60 dB.
+  // Envelope and filter have both decayed by 60 dB.
   const double life_s = 6.9 * (length + quality / (std::numbers::pi * frequency));
   samples_left_[i] = static_cast<std::int32_t>(std::min(life_s, 4.0) * sample_rate_) + 1;
 }

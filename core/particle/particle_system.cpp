@@ -74,8 +74,7 @@ double ParticleSystem::body_sound() noexcept {
     const double strength = settings_.level * std::sqrt(cloud_.impulse_squared());
     if (strength == 0)
       return body_.next(0);
-    // From one side or the other: many collisions add up neither to a steady deflection nor, within
-    // a sample, in phase.
+    // Random signs: the collisions must not add up to a static deflection, nor in phase.
     return body_.next((random_.next() >> 63) != 0 ? strength : -strength);
   }
   const double energy = std::min(cloud_.energy(), 1e6);
@@ -97,7 +96,7 @@ ParticleSystem::Sample ParticleSystem::next(double power) noexcept {
   smooth_direct_ += smoothing_step_ * (direct_ - smooth_direct_);
   const double grains = cloud_.next(power);
   const double sound = smooth_gain_ * (smooth_direct_ * grains + body_sound());
-  // Read before fade() may silence the cloud.
+  // Read before fade(), which may silence the cloud.
   const double collisions = cloud_.impulse() * std::sqrt(std::max(settings_.count, 1e-3));
   const double energy = cloud_.energy();
   return {fade() * sound, collisions, energy};

@@ -9,36 +9,37 @@
 
 namespace tactus::particle {
 
-/// Particles that collide while their system has energy, and the body that they strike: PhISEM
-/// (Cook 1997) with the statistics of Cloud. The sound is
-///   gain (direct cloud + sum over collisions of the body's ring),
-/// whose mean power at constant energy E, far from its limits, is
-///   gain^2 (direct^2 + sum g_i^2) level^2 E^2 / decay.
-/// Collisions strike the body from either side, at random. E is relative: 1 is what one ordinary
-/// shake or step brings. A rustle strikes the body with white noise of the power that collisions of
-/// the same level have.
+/// A shaker: particles that collide while their system has energy, and the body that they strike.
+/// PhISEM (Cook 1997) with the statistics of Cloud. The sound is
+///     gain (direct cloud + sum over collisions of the body's response),
+/// whose mean power at constant energy E, far from the limits of the banks, is
+///     gain^2 (direct^2 + sum g_i^2) level^2 E^2 / decay.
+/// E is relative: 1 is the energy of one ordinary shake or step. The collisions have random signs
+/// on the body. A rustle excites the body by white noise of the power of collisions of the same
+/// level.
 class ParticleSystem {
 public:
   struct Sample {
     double sound;
-    double
-        collisions; ///< sum of sqrt(e E / mean e) over the sample's collisions; a rustle has none
-    double energy;
+    double collisions; ///< sum of sqrt(e E / mean e) over the collisions; 0 for a rustle
+    double energy;     ///< E
   };
 
+  /// Sample rate in Hz.
   void prepare(double sample_rate) noexcept;
+  /// Settings of the particles, clamped as Cloud::set() does.
   void set(const CloudSettings& settings) noexcept;
-  /// Modes of the body struck, and the share of the grains that is heard beside it (0..1). The
-  /// share moves as the gain does.
+  /// Modes of the body, and the gain 0..1 of the direct sound of the particles. The gain is
+  /// smoothed like set_gain()'s.
   void set_body(std::span<const RingingMode> modes, double direct) noexcept;
-  /// Reached within some 15 ms (first order, 5 ms), at once while nothing sounds.
+  /// Gain of the sound, smoothed with a time constant of 5 ms; takes effect at once during silence.
   void set_gain(double gain) noexcept { gain_ = gain; }
   void seed(std::uint64_t value) noexcept;
-  /// That much energy, held within 0..1000, arrives within the attack time.
+  /// Adds energy, clamped to 0..1000, that arrives with the attack's time constant.
   void shake(double energy) noexcept;
-  /// Silence: what sounds fades within 5 ms. Shakes meanwhile wait until then.
+  /// Fades all sound out within 5 ms. Energy of shakes meanwhile is added after the fade.
   void reset() noexcept;
-  /// One sample at that power (1/s). No number and what is negative count as none.
+  /// One sample, while energy arrives with this power, 1/s. NaN and negative power count as 0.
   Sample next(double power) noexcept;
 
   [[nodiscard]] bool at_rest() const noexcept { return cloud_.silent() && body_.at_rest(); }
@@ -54,11 +55,11 @@ private:
   CloudSettings settings_;
   Cloud cloud_;
   RingingBody body_;
-  Random random_; ///< the sides that collisions come from, and what a rustle strikes the body with
+  Random random_; ///< signs of the collisions, and the noise by which a rustle excites the body
   double sample_rate_ = 48000;
   double direct_ = 1, smooth_direct_ = 1, gain_ = 1, smooth_gain_ = 1, smoothing_step_ = 1;
-  int fade_samples_ = 240, fade_left_ = 0; ///< of a reset under way
-  double pending_energy_ = 0;              ///< energy of shakes that wait for it
+  int fade_samples_ = 240, fade_left_ = 0; ///< of a reset: length, and samples that remain
+  double pending_energy_ = 0;              ///< energy of the shakes during a reset
 };
 
 } // namespace tactus::particle

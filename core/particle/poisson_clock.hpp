@@ -6,19 +6,20 @@
 
 namespace tactus::particle {
 
-/// Events of a Poisson process whose rate may change at any time, by their waiting times.
-/// The integral of the rate between two events is exponential with mean 1 whatever the rate does
-/// (time-change theorem; Cinlar 1975, ch. 4), so counting that integral down gives the right
-/// statistics at any sample rate, with several events in one sample where they belong.
+/// Draws the events of a Poisson process whose rate may change at any time.
+/// Between two events the integral of the rate is exponentially distributed with mean 1, however
+/// the rate varies (time-change theorem; Cinlar 1975, ch. 4). Counting that integral down gives the
+/// right statistics at any sample rate. One sample may hold several events, each at its own time.
 class PoissonClock {
 public:
-  /// More in one interval are left out: 64 a sample are 3 million a second.
+  /// Most events in one interval; further ones are dropped. 64 a sample are 3 million a second.
   static constexpr int kMaxEvents = 64;
 
   void reset() noexcept { armed_ = false; }
 
-  /// Lets an interval pass in which `expected` events are expected (rate times duration). Calls
-  /// `event(fraction)` for each, fraction in [0, 1) of the interval. Returns their number.
+  /// Advances by an interval. `expected`: mean number of events in it, rate times duration. Calls
+  /// `event(fraction)` for each event, at this fraction in [0, 1) of the interval. Returns their
+  /// number.
   template <class Event> int advance(double expected, Random& random, Event&& event) noexcept {
     if (!(expected > 0))
       return 0;
@@ -32,7 +33,7 @@ public:
       elapsed += time_to_event_;
       time_to_event_ = exponential(random);
       if (count == kMaxEvents)
-        return count; // the process forgets: a fresh waiting time is as good as the rest of this
+        return count; // memoryless: a new waiting time has the distribution of the remaining one
       ++count;
       event(elapsed / expected);
     }
@@ -40,7 +41,7 @@ public:
     return count;
   }
 
-  /// Exponential with mean 1.
+  /// Exponentially distributed number of mean 1.
   static double exponential(Random& random) noexcept { return -std::log1p(-random.uniform()); }
 
 private:

@@ -7,19 +7,21 @@
 
 namespace tactus::particle {
 
-/// Energies of crumpling events: density ~ e^-(exponent + 1) on [1, largest].
-/// Fontana & Bresin 2003; Houle & Sethna 1996 find exponents of 0.3 to 0.6 for crumpled paper.
+/// Random energies of crumpling events, relative to the smallest: density ~ e^-(exponent + 1) on
+/// [1, largest] (Fontana & Bresin 2003). Houle & Sethna 1996 measure exponents of 0.3 to 0.6 for
+/// crumpled paper.
 class PowerLaw {
 public:
   PowerLaw() { set(1.5, 100); }
 
-  /// exponent is held within 0.05..20, largest within 1.001..1e9.
+  /// exponent is clamped to 0.05..20, largest to 1.001..1e9.
   void set(double exponent, double largest) noexcept {
     exponent_ = std::clamp(exponent, 0.05, 20.0);
     largest_ = std::clamp(largest, 1.001, 1e9);
     truncated_mass_ = 1 - std::pow(largest_, -exponent_);
   }
 
+  /// An energy, by inversion of the distribution function.
   [[nodiscard]] double draw(Random& random) const noexcept {
     return std::min(std::pow(1 - random.uniform() * truncated_mass_, -1 / exponent_), largest_);
   }
@@ -32,7 +34,8 @@ public:
   }
 
 private:
-  double exponent_, largest_, truncated_mass_;
+  double exponent_, largest_;
+  double truncated_mass_; ///< probability below `largest` of the law without an upper limit
 };
 
 } // namespace tactus::particle

@@ -9,10 +9,12 @@ namespace {
 using Kind = CloudSettings::Kind;
 
 // Cook's numbers (Computer Music Journal 21(3), 1997, and the table of instruments in his Synthesis
-// ToolKit) count per sample at 22.05 kHz: a system that keeps K has decay -1 / (22050 ln K), grains
-// whose level keeps S have that length, N objects collide 22050 N / 1024 times a second, here
-// count / decay at E = 1, and a resonance of radius R has the quality pi f / (-22050 ln R) or the
-// T60 ln 1000 / (-22050 ln R). His collisions are all alike: largest 1.001.
+// ToolKit) are factors per sample at 22.05 kHz. They convert as follows:
+//   K, energy kept by the system:  decay = -1 / (22050 ln K)
+//   S, level kept by a grain:      length = -1 / (22050 ln S)
+//   N objects:                     count / decay = 22050 N / 1024 collisions a second at E = 1
+//   R, pole radius of a resonance: quality = pi f / (-22050 ln R), or T60 = ln 1000 / (-22050 ln R)
+// All his collisions have the same energy: largest = 1.001.
 constexpr std::array kPresets{
     // N 25, K .999, S .95, 3200 Hz, R .96
     Preset{"maraca", kMaraca},
@@ -106,9 +108,8 @@ constexpr std::array kPresets{
              {6742, 0.31, 0.8},
              {11659, 0.31, 0.4},
              {15695, 0.31, 0.3}}}},
-    // Drops of 1 to 4 mm at their terminal velocities, 4 to 9 m/s (Gunn & Kinzer 1949), land in
-    // 0.25
-    // to 0.45 ms; sizes of rain of 10 mm/h (Marshall & Palmer 1948) as a power law of their energy.
+    // Drops of 1 to 4 mm at their terminal velocities, 4 to 9 m/s (Gunn & Kinzer 1949), spread in
+    // 0.25 to 0.45 ms. Sizes of rain of 10 mm/h (Marshall & Palmer 1948), as a power law of energy.
     Preset{"rain",
            {.count = 400,
             .attack_s = 0.05,
@@ -146,9 +147,9 @@ constexpr std::array kPresets{
             .quality = 0.7,
             .length_s = 0.004,
             .level = 0.02}},
-    // Radii r from 1 mm (3 kHz) to 8 mm, density ~ r^(-10/3) (Deane & Stokes 2002), energy ~ r^3,
-    // so
-    // that the energies' exponent is 7/9 and frequency ~ energy^(-1/3); rise: van den Doel 2005.
+    // Radii r from 1 mm (3 kHz) to 8 mm with density ~ r^(-10/3) (Deane & Stokes 2002), energy ~
+    // r^3: so the exponent of the energies is 7/9 and frequency ~ energy^(-1/3). Rise: van den Doel
+    // 2005.
     Preset{"bubbles",
            {.kind = Kind::kBubbles,
             .count = 60,

@@ -10,11 +10,11 @@
 
 namespace tactus::particle {
 
-/// Particles that have a name, and the body that they strike.
+/// A named set of particles and of the body that they strike.
 struct Preset {
   std::string_view name;
   CloudSettings cloud{};
-  double direct = 1; ///< share of the grains that is heard beside the body
+  double direct = 1; ///< gain of the direct sound of the particles
   std::size_t mode_count = 0;
   std::array<RingingMode, RingingBody::kMaxModes> modes{};
 
@@ -23,13 +23,13 @@ struct Preset {
   }
 };
 
-/// All presets, the maraca first. docs/particle.md says where each number comes from; the levels
-/// alone are set by measurement, so that at a constant energy of 1 one sample in 10^4 exceeds 0.4.
+/// All presets, the maraca first. docs/particle.md gives the source of each number. Only the levels
+/// are set by measurement: at a constant energy of 1, one sample in 10^4 exceeds 0.4.
 [[nodiscard]] std::span<const Preset> presets() noexcept;
-/// Null when there is none of that name.
+/// The preset of this name, or null.
 [[nodiscard]] const Preset* find_preset(std::string_view name) noexcept;
 
-/// The maraca's numbers, with which [particle~] begins.
+/// The maraca: initial settings of [particle~].
 inline constexpr CloudSettings kMaraca{.count = 24.4,
                                        .attack_s = 0.005,
                                        .decay_s = 0.0453,

@@ -27,9 +27,9 @@ void RingingBody::update() noexcept {
     const RingingMode& mode = modes_[i];
     const double d = std::log(1000.0) / std::clamp(mode.t60_s, 1e-4, 1e3);
     const double w = 2 * std::numbers::pi * std::max(mode.frequency_hz, 1.0);
-    const double kept = std::exp(-d / sample_rate_);
-    pole_real_[i] = kept * std::cos(w / sample_rate_);
-    pole_imaginary_[i] = kept * std::sin(w / sample_rate_);
+    const double decay_factor = std::exp(-d / sample_rate_);
+    pole_real_[i] = decay_factor * std::cos(w / sample_rate_);
+    pole_imaginary_[i] = decay_factor * std::sin(w / sample_rate_);
     if (mode.frequency_hz < 0.45 * sample_rate_)
       onset_[i] = mode.gain * std::sqrt(4 * d * (w * w + d * d)) / w;
   }

@@ -6,28 +6,30 @@
 
 namespace tactus::particle {
 
-/// A mode of what the grains strike, or of the grains themselves when they ring alike.
+/// A mode of the body that the particles strike, or of the particles if all have the same modes.
 struct RingingMode {
   double frequency_hz = 1000;
-  double t60_s = 0.1; ///< in which it falls by 60 dB
-  double gain = 1;    ///< square root of the ring's energy for a collision of strength 1
+  double t60_s = 0.1; ///< time to decay by 60 dB
+  double gain = 1;    ///< g: square root of the sound's energy for a collision of strength 1
 };
 
-/// A container, or coins and jingles, that every collision strikes: each mode answers an impulse of
-/// strength s with s g sqrt(4 d (w^2 + d^2)) / w exp(-d t) sin(w t), d = 6.908 / t60, whose energy
-/// (integral of the square over time) is (s g)^2 at any frequency, decay and sample rate. Strengths
-/// are those of particle::Grain. Poles are exact; modes above 0.45 of the sample rate stay silent.
+/// The resonances of a container, or of coins and jingles, that every collision excites.
+///
+/// The response of a mode to an impulse of strength s (as in particle::Grain) is
+///     s g sqrt(4 d (w^2 + d^2)) / w exp(-d t) sin(w t),   d = ln(1000) / t60, w = 2 pi frequency,
+/// whose energy (integral of the square over time) is (s g)^2 at any frequency, decay and sample
+/// rate. The poles are exact. Modes above 0.45 of the sample rate are not excited.
 class RingingBody {
 public:
   static constexpr std::size_t kMaxModes = 16;
 
-  /// Another sample rate silences the body.
+  /// A new sample rate, Hz, silences the body.
   void prepare(double sample_rate) noexcept;
-  /// The first kMaxModes of these; what rings goes on at the new frequencies, and modes that are no
-  /// longer listed ring out.
+  /// Sets the modes; those after kMaxModes are ignored. Vibration continues at the new frequencies;
+  /// modes that are no longer listed decay.
   void set(std::span<const RingingMode> modes) noexcept;
   void reset() noexcept;
-  /// One sample after an impulse of that strength.
+  /// One sample of sound, excited by an impulse of this strength.
   double next(double strength) noexcept;
   [[nodiscard]] bool at_rest() const noexcept { return at_rest_; }
   [[nodiscard]] std::span<const RingingMode> modes() const noexcept {
@@ -35,12 +37,12 @@ public:
   }
 
 private:
-  static constexpr int kCheckInterval = 64; ///< samples between two looks for silence
+  static constexpr int kCheckInterval = 64; ///< samples between two checks for silence
   static constexpr double kSilence = 1e-10; ///< amplitude, -200 dB of full scale
   void update() noexcept;
 
   double sample_rate_ = 48000;
-  std::size_t count_ = 0, used_ = 0; ///< modes listed; slots that may still ring
+  std::size_t count_ = 0, used_ = 0; ///< modes listed; modes that may still vibrate
   bool at_rest_ = true;
   int until_check_ = kCheckInterval;
   std::array<RingingMode, kMaxModes> modes_{};

@@ -20,7 +20,7 @@ void Rustle::set(double frequency_hz, double spread, double quality) noexcept {
         std::clamp(frequency_hz * std::exp(spread * kQuantiles[i]), 10.0, 0.45 * sample_rate_);
     const double w = 2 * std::numbers::pi * frequency / sample_rate_;
     const double a = std::sin(w) / (2 * quality);
-    // White noise leaves the bilinear band-pass with a / (1 + a) of its variance.
+    // The bilinear band-pass passes a / (1 + a) of the variance of white noise.
     gain_[i] = a / (1 + a) * std::sqrt((1 + a) / a / kBands) / kIntegerDeviation;
     a1_[i] = -2 * std::cos(w) / (1 + a);
     a2_[i] = (1 - a) / (1 + a);
@@ -39,7 +39,7 @@ double Rustle::next(Random& random) noexcept {
       n = static_cast<std::uint32_t>(random.next() >> 32) | 1U;
   std::array<double, kBands> y;
   for (std::size_t i = 0; i < kBands; ++i) {
-    std::uint32_t n = noise_[i]; // xorshift32, Marsaglia 2003: never 0 again
+    std::uint32_t n = noise_[i]; // xorshift32, Marsaglia 2003; never becomes 0
     n ^= n << 13;
     n ^= n >> 17;
     n ^= n << 5;

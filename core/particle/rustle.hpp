@@ -8,15 +8,17 @@
 
 namespace tactus::particle {
 
-/// So many small grains that nobody hears one of them: by Campbell's theorem (Rice 1944) the sum of
-/// a Poisson process tends to Gaussian noise with the grains' mean spectrum. Six band-passed noises
-/// at the middles of six equally likely parts of a log-normal distribution of frequencies stand for
-/// that spectrum, at a cost that does not grow with the number of grains.
+/// Noise that replaces a cloud of very many small grains, at a cost that does not grow with their
+/// number. By Campbell's theorem (Rice 1944) the sum of a Poisson process of grains tends to
+/// Gaussian noise with the mean spectrum of the grains. Six band-passed noises approximate that
+/// spectrum; their frequencies are the medians of six equally probable parts of a log-normal
+/// distribution.
 class Rustle {
 public:
+  /// Sample rate in Hz; takes effect with the next set().
   void prepare(double sample_rate) noexcept { sample_rate_ = sample_rate; }
-  /// Median frequency in Hz, held within 10 Hz and 0.45 of the sample rate for each band; standard
-  /// deviation of the logarithm; quality of each band-pass.
+  /// Median frequency in Hz; standard deviation of its logarithm; Q of each band-pass. The
+  /// frequency of each band is clamped to 10 Hz..0.45 of the sample rate.
   void set(double frequency_hz, double spread, double quality) noexcept;
   void reset() noexcept;
   /// One sample of noise of variance 1 at any sample rate.

@@ -2,7 +2,7 @@
 
 namespace tactus::stress {
 
-// In a source file of its own, compiled for its instructions; null where they are unknown.
+// Defined in feedback_lanes_avx2.cpp, which is compiled for AVX2; null if the compiler cannot.
 const FeedbackKernel* avx2_feedback_kernel() noexcept;
 
 const FeedbackKernel& baseline_feedback_kernel() noexcept {

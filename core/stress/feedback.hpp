@@ -9,17 +9,19 @@
 #include <limits>
 #include <span>
 
-/// One number, or one for each axis, out of the stress of all elements: Fischer, Vance & Vo,
-/// "Haptic feedback to guide interactive product design", WINVR 2009, equations (1) to (4).
+/// Reduces the stress of all elements of a part to one number, or one per axis, for haptic
+/// feedback: Fischer, Vance & Vo, "Haptic feedback to guide interactive product design", WINVR
+/// 2009, equations (1) to (4).
 ///   (1) g   = (1/N) sum s            mean
 ///   (2) g   = (1/N) sum h s          weighted, with (3) h = (h_x + h_y + h_z)/3
 ///       g_a = (1/N) sum h_a s        axis
-///   (1q) g  = ((1/N) sum s^q)^(1/q) mean with a power q above 1 (ours): between the mean and the
+///   (1q) g  = ((1/N) sum s^q)^(1/q) power mean, q > 1 (not in the paper): between the mean and the
 ///       largest stress, near the latter for large q; s below 0 counts as 0
 ///   (4) gamma = (g - min)/(max - min), within 0..1; 0 when max = min
-/// s: stress of an element, Pa. h_a = ds/dp_a: its sensitivity to the control point's coordinate
-/// along axis a, Pa/m. min, max: of s in (1), of h s or h_a s in the others, over all elements. The
-/// paper prints (1) and (2) without 1/N; only a mean lies between min and max.
+/// s: stress of an element, Pa. N: number of elements. h_a = ds/dp_a: sensitivity of s to the
+/// control point's coordinate along axis a, Pa/m. min, max: over all elements, of s in (1), of h s
+/// or h_a s in the others. The paper prints (1) and (2) without 1/N, but only a mean lies between
+/// min and max.
 namespace tactus::stress {
 
 enum class Mapping : std::uint8_t { kMean, kWeighted, kAxis };
@@ -35,15 +37,15 @@ struct FeedbackSettings {
   Mapping mapping = Mapping::kMean;
   Range range = Range::kInitial;
   double fixed_min = 0, fixed_max = 1; ///< Pa, or Pa^2/m in the weighted and axis mappings
-  Weights weights = Weights::kUniform; ///< volume: uniform where the table has none
+  Weights weights = Weights::kUniform; ///< kVolume: uniform if the table has no volumes
   Sensitivity sensitivity = Sensitivity::kAbsolute;
   State state = State::kVonMises;
   Norm norm = Norm::kMean; ///< kSum: N times the mean; with a power N^(1/q) times it
-  unsigned power = 1;      ///< q, 1..kMaxPower; of the mean mapping alone
+  unsigned power = 1;      ///< q, 1..kMaxPower; used by the mean mapping only
   friend bool operator==(const FeedbackSettings&, const FeedbackSettings&) = default;
 };
 
-/// s/scale is cut there, so that the sum of powers stays finite.
+/// Upper limit of s/scale in the sum of powers, so that the sum stays finite.
 inline constexpr double kMaxShare = 1e4;
 
 /// Weighted sum and extremes of a quantity over the elements.
@@ -53,13 +55,13 @@ struct Extremes {
   double max = -std::numeric_limits<double>::infinity();
 };
 
-/// A row of the sensitivities and the displacement that multiplies it.
+/// One term of the Taylor series: a row of the sensitivities times a displacement.
 struct TaylorTerm {
   const float* row; ///< [N] Pa/m
   double displacement_m;
 };
 
-/// What one pass over the elements computes.
+/// Input of one pass over the elements; N is the size of `stress`.
 struct FeedbackTask {
   std::span<const float> stress; ///< [N] Pa
   std::span<const TaylorTerm> terms;
@@ -68,27 +70,27 @@ struct FeedbackTask {
   bool absolute = false;           ///< |h| for h
   Mapping mapping = Mapping::kMean;
   unsigned power = 1;    ///< q; 1: no sum of powers
-  double scale_pa = 1.0; ///< of the stress in the sum of powers
+  double scale_pa = 1.0; ///< divisor of the stress in the sum of powers
 };
 
 struct FeedbackSums {
-  Extremes stress; ///< of s
-  std::array<Extremes, 3>
-      product{};  ///< of h s: [0] in the weighted mapping, one an axis in the other
-  Extremes power; ///< of (s/scale)^q, with s/scale within 0..kMaxShare; the mean mapping, q above 1
+  Extremes stress;                   ///< of s
+  std::array<Extremes, 3> product{}; ///< of h s; weighted mapping: [0] only; axis: one per axis
+  Extremes power; ///< of (s/scale)^q, s/scale clamped to 0..kMaxShare; mean mapping with q > 1
 };
 
-/// s = stress + sum of terms, tile by tile. Every instruction set gives the same bits.
+/// Computes FeedbackSums of s = stress + sum of terms. Every instruction set gives the same bits.
 class FeedbackKernel {
 public:
   virtual ~FeedbackKernel() = default;
   [[nodiscard]] virtual FeedbackSums run(const FeedbackTask& task) const noexcept = 0;
 };
-/// The fastest that this processor runs.
+/// The fastest implementation that this processor runs.
 [[nodiscard]] const FeedbackKernel& feedback_kernel() noexcept;
+/// The implementation that every processor runs, for comparison.
 [[nodiscard]] const FeedbackKernel& baseline_feedback_kernel() noexcept;
 
-/// Equation (4).
+/// gamma of equation (4), 0..1.
 [[nodiscard]] inline double gamma_of(double raw, double min, double max) noexcept {
   const double gamma = (raw - min) / (max - min);
   return max > min && gamma > 0 ? std::min(gamma, 1.0) : 0.0;

@@ -3,9 +3,10 @@
 #include "core/dsp/vector.hpp"
 #include "core/stress/feedback.hpp"
 
-/// The pass over the elements, written once for any instruction set; a template on the set, so that
-/// the linker never takes a newer processor's code for an older one's. Sums run over eight lanes
-/// and then over these in one order, without fused operations: every set gives the same bits.
+/// FeedbackKernel, written once for any instruction set. The set is a template parameter, so the
+/// linker cannot use code for a newer processor in place of code for an older one. Sums run over
+/// eight lanes and then across these in one order, without fused operations. So every set gives the
+/// same bits.
 namespace tactus::stress {
 
 template <class Set>

@@ -1,4 +1,5 @@
-// Compiled for AVX2 (core/CMakeLists.txt); does nothing on other processors.
+// The kernel for AVX2. CMake compiles this file with AVX2 enabled; on other architectures the
+// function returns null.
 #include "core/stress/feedback_lanes.hpp"
 
 namespace tactus::stress {

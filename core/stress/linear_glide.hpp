@@ -6,12 +6,14 @@
 
 namespace tactus::stress {
 
-/// A value that goes linearly to each new target, for as long as the targets were apart, 50 ms at
-/// most: slow feedback becomes a smooth force. A fade lasts its own time, also when targets that
-/// come meanwhile are closer together.
+/// Linear interpolation of a vector towards targets that arrive at a low, irregular rate, so that
+/// the force changes smoothly. The duration of a ramp is the time since the last target, at most 50
+/// ms. fade() sets a duration of its own; ramps that start before its end last at least until then.
+/// Times in s, on one clock that never goes back.
 class LinearGlide {
 public:
   static constexpr double kMax_s = 0.05;
+  /// Takes the value at once.
   void jump(const haptic::Vec3& value) noexcept {
     value_ = target_ = value;
     fade_end_s_ = 0;
@@ -21,11 +23,12 @@ public:
   void go(const haptic::Vec3& target, double now_s) noexcept {
     approach(target, now_s, std::clamp(now_s - since_s_, 0.0, kMax_s));
   }
-  /// Takes `fade_s` for the way.
+  /// Goes to a target within fade_s.
   void fade(const haptic::Vec3& target, double now_s, double fade_s) noexcept {
     fade_end_s_ = now_s + fade_s;
     approach(target, now_s, fade_s);
   }
+  /// Value at a time.
   [[nodiscard]] haptic::Vec3 at(double now_s) noexcept {
     if (value_ == target_)
       return value_;

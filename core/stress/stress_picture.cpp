@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kEdgeOn = 1e-3; // cosine between normal and view below which a face is not seen
 
-/// Numbers things in the order in which they are first asked for.
+/// Assigns consecutive indices to numbers, in the order of their first use.
 class Numbering {
 public:
   explicit Numbering(std::size_t count) : number_(count, kNone) {}
-  /// The number of a thing, and whether it is new.
+  /// Index of a number, and whether it is new.
   std::pair<std::size_t, bool> of(std::size_t item) {
     const bool is_new = number_[item] == kNone;
     if (is_new)

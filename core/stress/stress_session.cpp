@@ -10,9 +10,9 @@
 namespace tactus::stress {
 namespace {
 
-// Between looks for a solution, at a solver that loads its part, and at one that has nothing to do.
+// Poll intervals: of a solve, of a solver that loads its part, and of an idle solver.
 constexpr double kPoll_s = 0.002, kStartingPoll_s = 0.02, kIdlePoll_s = 0.5;
-constexpr double kReached = 1e-6; // of the trust size: a shape is the one that was asked for
+constexpr double kReached = 1e-6; // of the trust size: two shapes closer than this are equal
 
 } // namespace
 
@@ -35,7 +35,7 @@ void StressSession::refuse(const std::string& reason) {
   failed_ = true;
 }
 
-/// The error of the series is measured where the new solution stands.
+/// Sets the new base, and measures the error of the series at its shape.
 void StressSession::take_solution() {
   auto solved = reanalysis_->poll();
   if (!solved)
@@ -76,7 +76,8 @@ void StressSession::take_solution() {
   }
 }
 
-/// What to solve by now. Without a move since the base: for the sensitivities alone.
+/// The method of a solve that is due, if any. At the base's own shape it is due only for the
+/// sensitivities.
 std::optional<Method> StressSession::due(double now_s, const SessionRequest& request) {
   const double ratio = result_.feedback.trust_ratio;
   if (ratio <= UpdatePolicy::kMinRatio)

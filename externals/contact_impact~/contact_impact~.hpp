@@ -133,7 +133,7 @@ public:
       }
     }
   }
-  /// Of several contacts in a block, as of a chattering mass, the last is told.
+  /// Reports the last contact of a block; a chattering mass may have several.
   void report(Host& host) {
     const contact::Exciter& e = body_.exciter(0);
     if (e.impact_count == reported_)

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-/// What [contact_impact~] and [contact_friction~] share: a body of some modes, touched at one place
-/// and heard at another, and the messages that describe it.
+/// The body of [contact_impact~] and [contact_friction~]: modes with one contact point and one
+/// pickup, and the messages that describe them.
 namespace tactus::contact {
 
 inline constexpr std::size_t kMaxModes = 64;
@@ -29,12 +29,12 @@ inline constexpr Message kPickupMessage{
     "pickup", "[g1 g2 ...]", 0, kMaxModes,
     "gains of the modes where the body is heard; none: where it is touched"};
 
-/// Numbers of a part of a block, in the core's precision.
+/// Samples of a part of a block, in the core's precision.
 using ChunkBuffer = std::array<double, 64>;
 
 class SoundingBody : public ExcitedBody {
 public:
-  /// At first a wooden bar that lies on its nodes.
+  /// Initially a wooden bar supported at its nodes.
   SoundingBody() : ExcitedBody(kMaxModes, 1, 1) {
     modes_ = {{{330, 0.6, 1}, {910, 0.3, 1}, {1784, 0.16, 1}, {2949, 0.1, 1}}};
     update_body();
@@ -71,7 +71,7 @@ public:
     pickup_ = std::move(pickup);
     update_body();
   }
-  /// Two lines of the info outlet: "modes f t g ..." and how fine the steps are.
+  /// Sends "modes f t g ...", "steps n" and "energy J" to the info outlet.
   void post_info(Host& host) const {
     std::vector<Atom> list{"modes"};
     for (const ListedMode& m : modes_)
@@ -88,7 +88,7 @@ private:
   static bool is_number(const Atom& word, double low, double high) {
     return !word.is_word && word.number >= low && word.number <= high;
   }
-  /// Every mode has the body's mass; its gain is its shape where it is touched.
+  /// Every mode has the body's mass; its gain is its shape at the contact point.
   void update_body() noexcept {
     std::array<Mode, kMaxModes> modes;
     std::array<double, kMaxModes> contact_shape{}, output{};

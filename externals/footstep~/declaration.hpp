@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
-/// What [footstep~] says of itself.
+/// Declaration of [footstep~]: inlets, outlets, parameters and messages.
 namespace tactus::footstep {
 
 inline constexpr std::array<std::string_view, 2> kSources{"gait", "sensors"};

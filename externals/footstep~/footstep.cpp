@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kPhases{"heel", "ball", "heel_up", "toe_off"};
 
-/// Straight up to 0.7, then bent so that it never passes 1.
+/// Soft limiter: linear up to 0.7, then compressed to stay below 1.
 double rounded(double x) noexcept {
   constexpr double kKnee = 0.7;
   const double size = std::abs(x);
@@ -237,7 +237,7 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
     (*sides_)[i].ball_squares += made.ball_drive * made.ball_drive;
     out[4 * i + 3] = sole.heel_n + sole.ball_n;
   }
-  if (!sounds) // in silence a new gain holds at once
+  if (!sounds) // in silence a new gain takes effect at once
     gain_ = value_[kGain];
   if (fade_.left > 0)
     fade(out);
@@ -245,7 +245,7 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
   return out;
 }
 
-/// What sounded at a reset goes to zero in half a cosine; forces do not sound.
+/// After a reset the last output fades to 0 along half a cosine; forces jump to 0.
 void Footstep::fade(std::array<double, 8>& out) noexcept {
   const double part =
       0.5 - 0.5 * std::cos(std::numbers::pi * std::max(fade_.left, 0.0) / fade_.whole);

@@ -15,8 +15,8 @@
 
 namespace tactus::footstep {
 
-/// [footstep~]: steps on any ground, heard and felt, from the force under the sole.
-/// docs/footstep.md.
+/// [footstep~]: footsteps on any ground as sound and vibration, from the force under the sole
+/// (core/footstep, docs/footstep.md).
 class Footstep {
 public:
   static constexpr Declaration declaration{
@@ -42,7 +42,7 @@ public:
 
   template <class S> void process(const Block<S>& block) noexcept {
     for (std::size_t n = 0; n < block.frames; ++n) {
-      // Inputs may be the same memory as outputs: all are read first.
+      // Inputs and outputs may share memory, so all inputs are read first.
       std::array<double, 4> in{};
       for (std::size_t i = 0; i < in.size(); ++i)
         in[i] = static_cast<double>(block.inputs[i][n]);
@@ -65,7 +65,7 @@ private:
     double heel_squares = 0, ball_squares = 0; ///< of the drives since the last dump
     std::shared_ptr<const Surface> first, second;
   };
-  /// The last sample before a reset, which fades instead of breaking off.
+  /// The last sample before a reset, which fades out.
   struct Fade {
     std::array<double, 8> last{}, from{};
     double left = 0, whole = 1; ///< samples
@@ -76,10 +76,10 @@ private:
   void apply() noexcept;
   void update_grounds() noexcept;
   void fade(std::array<double, 8>& out) noexcept;
-  /// The foot that the first word names, if it does.
+  /// The foot that the first word names, if any.
   [[nodiscard]] static std::optional<std::size_t>
   side_named(std::span<const Atom> arguments) noexcept;
-  /// The feet in turn; the left one alone with feet 1.
+  /// Alternates between the feet; always the left one with feet 1.
   std::size_t next_side() noexcept;
   void turn(std::span<const Atom> arguments, Host& host);
   void jump(std::span<const Atom> arguments, Host& host);

@@ -16,8 +16,7 @@ struct Range {
 constexpr Range kTurnDegrees{90, 1, 180}, kJumpHeight{0.3, kMinJump, kMaxJump},
     kDragLength{0.5, kMinDrag, kMaxDrag}, kDragSpeed{0.5, kMinDragSpeed, kMaxDragSpeed};
 
-/// The argument of that number, or the usual value where there is none; nothing unless it is within
-/// the range.
+/// Argument number i, or its default if it is missing; empty if it is out of range.
 std::optional<double> number(std::span<const Atom> arguments, std::size_t i, const Range& range) {
   if (i >= arguments.size())
     return range.initial;

@@ -17,19 +17,20 @@ struct BuiltInSurface {
 };
 [[nodiscard]] std::span<const BuiltInSurface> built_in_surfaces() noexcept;
 
-/// A recipe with a number of its own: the same text has the same number, so that a foot that goes
-/// on standing on it goes on sounding.
+/// A recipe and its id. The same text has the same id, so that a foot standing on it keeps its
+/// sound (Foot::set_grounds()).
 struct Surface {
   std::string name, text;
   std::uint64_t id = 0;
   Recipe recipe;
 };
 
-/// Surfaces by name: one of the fifteen, or a recipe's file beside the patch or in the search path.
+/// Finds surfaces by name: one of the fifteen built in, or a recipe file beside the patch or in the
+/// search path.
 class SurfaceStore {
 public:
-  /// Null after one sentence when there is none of that name or its recipe has a mistake. Reads a
-  /// file of a few kilobytes: not for the audio path.
+  /// Null after one error if there is none of this name or its recipe has a mistake. Reads a file:
+  /// not for the audio path.
   std::shared_ptr<const Surface> find(std::string_view name, Host& host);
   [[nodiscard]] std::shared_ptr<const Surface> built_in(std::string_view name);
 

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <string_view>
 
-/// What [particle~] says of itself. Clouds have the names, units and ranges of a recipe's keys
-/// (core/footstep/recipe_keys.cpp).
+/// Declaration of [particle~]: inlets, outlets, parameters and messages. The parameters of clouds
+/// have the names, units and ranges of a recipe's keys (core/footstep/recipe_keys.cpp).
 namespace tactus::particle {
 
 inline constexpr std::array<std::string_view, 3> kKinds{"grains", "bubbles", "rustle"};

@@ -6,8 +6,8 @@
 #include <array>
 #include <cstddef>
 
-/// What [stress_haptic] says of itself. The order of the tables is the order of the enums below
-/// them; words of a choice are in the order of the enums in core/stress.
+/// Declaration of [stress_haptic]: inlets, outlets, parameters and messages. Each table has the
+/// order of the enum below it; the words of a choice have the order of the enums in core/stress.
 namespace tactus::stress_haptic {
 
 inline constexpr std::array<std::string_view, 3> kModes{"mean", "weighted", "axis"};

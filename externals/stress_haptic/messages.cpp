@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kM_per_mm = 1e-3, kMaxPosition_mm = 1e6, kMaxSpeed_m_per_s = 100;
 
-/// The numbers of a message; empty after one sentence when one is a word or not of a sane size.
+/// The numbers of a message; empty after one error if one is a word or out of range.
 std::vector<double> numbers_of(std::string_view message, std::span<const Atom> atoms, Host& host) {
   std::vector<double> numbers;
   for (const Atom& atom : atoms) {
@@ -103,7 +103,7 @@ void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
   position_m_ = position_m;
   velocity_m_per_s_ = haptic::limited(velocity, kMaxSpeed_m_per_s);
   has_position_ = true;
-  sent_force_n_.reset(); // every position is answered
+  sent_force_n_.reset(); // every position is answered by a force
   if (!anchored_) {
     anchor_.jump(position_m_);
     anchored_ = true;
@@ -235,7 +235,7 @@ void StressHaptic::set_anchor(std::span<const Atom> arguments, Host& host) {
   } else if (arguments.size() != 1 || !arguments[0].is_word || arguments[0].word != "here") {
     return host.error(sentence_of("anchor", arguments) + ": expected here, or x y z in mm");
   } else if (!has_position_) {
-    anchored_ = false; // the first position that comes
+    anchored_ = false; // the next position becomes the anchor
     return;
   }
   if (has_position_ && anchored_)

@@ -12,10 +12,10 @@ using haptic::Vec3;
 namespace {
 
 constexpr double kMm_per_m = 1e3;
-constexpr double kStep_ms = 1;             // of gamma and force while they change
+constexpr double kStep_ms = 1;             // update interval of gamma and force while they change
 constexpr double kInfo_ms = 20;            // shortest time between two reports
-constexpr double kFeedback_ms = 10;        // and between two feedback messages
-constexpr double kFeedbackRepeat_ms = 250; // a server ends the force after 500 ms of silence
+constexpr double kFeedback_ms = 10;        // shortest time between two feedback messages
+constexpr double kFeedbackRepeat_ms = 250; // a server ends the force 500 ms after the last message
 constexpr double kMargin_mm = 1;           // of the workspace around the control points
 
 constexpr std::array<std::string_view, 3> kMethods{"taylor", "pcg", "full"};
@@ -66,7 +66,7 @@ void StressHaptic::send_info(Host& host) {
     return;
   }
   const Feedback& feedback = result_.feedback;
-  // Within what a host's single precision holds.
+  // Clamped to the range of single precision.
   const auto clamped = [](double x) { return std::clamp(x, -1e38, 1e38); };
   const auto send_value = [&](std::string_view name, const Vec3& value) {
     if (is_axis())
@@ -87,7 +87,8 @@ void StressHaptic::send_info(Host& host) {
   host.info({"outside", result_.outside_trust ? 1.0 : 0.0});
 }
 
-/// While gamma or the force changes: every step. Else when a server must hear again.
+/// Time of the next output: the next step while gamma or the force changes, else the next repeated
+/// feedback message.
 void StressHaptic::schedule(Host& host) {
   if (!table_)
     return host.wake_in(0, -1);

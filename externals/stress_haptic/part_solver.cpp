@@ -19,7 +19,7 @@ using serve::StressAnswer;
 namespace {
 
 constexpr const char* kProgram = "part_stress";
-constexpr double kPollInterval_s = 0.1; // between looks at the clock of one who waits
+constexpr double kPollInterval_s = 0.1; // between two checks of the time limit while waiting
 
 template <class T> void append(std::vector<std::byte>& bytes, const T& value) {
   const auto* begin = reinterpret_cast<const std::byte*>(&value);
@@ -80,12 +80,12 @@ std::string PartSolver::start(std::span<const double> displacement_m, Method met
   while (options_.wait && (state_ == State::kLoading || state_ == State::kChecking))
     advance();
   if (state_ == State::kLost)
-    return {}; // poll() tells
+    return {}; // poll() reports the error
   if (state_ != State::kReady)
     return "the solver has not loaded the part yet";
   const bool direct = method == Method::kFull || sensitivities;
   sensitivities_ = sensitivities;
-  // All that a solve may take by the costs, twenty times.
+  // Twenty times the estimated duration of a solve.
   const double parameters = static_cast<double>(options_.table.parameters.size());
   const double expected_s =
       costs_.factor_s + (60 + parameters) * (costs_.product_s + costs_.solve_s);
@@ -120,7 +120,7 @@ std::uint64_t PartSolver::answer_bytes() const noexcept {
          8 * rows * options_.table.elements();
 }
 
-/// Acts on a message that is whole.
+/// Handles a complete message.
 void PartSolver::advance() {
   if (state_ == State::kNone || state_ == State::kLost)
     return;
@@ -181,7 +181,7 @@ bool PartSolver::is_initial_base(const StressBase& base) const {
     for (std::size_t i = 0; i < b.size(); ++i) {
       const double x = a[i], y = b[i];
       largest = std::max(largest, std::abs(y));
-      if (!(std::abs(x - y) <= difference)) // also what is no number
+      if (!(std::abs(x - y) <= difference)) // true for NaN too
         difference = std::isfinite(x) ? std::abs(x - y) : HUGE_VAL;
     }
     return difference <= kSameStress * largest;

@@ -16,21 +16,21 @@ using serve::ServeHeader;
 using serve::ServeKind;
 using serve::ServeMethod;
 
-/// What a solver is made for.
+/// The table that a solver is made for, and how to run it.
 struct SolverOptions {
   const StressTable& table; ///< outlives the solver
   std::string path;         ///< of the table
-  std::string program;      ///< path or name of part_stress; empty: where it is looked for
-  bool wait = false;        ///< for every answer, so that a render repeats
+  std::string program;      ///< path or name of part_stress; empty: the default search
+  bool wait = false;        ///< blocks until every answer, so that renders are repeatable
 };
 
-/// The program part_stress: beside this module, else in PATH; or the one that is given, a path if
-/// it has a slash. Empty when there is none that can be run.
+/// Path of the program part_stress: `program` if given (a path if it has a slash, else searched in
+/// PATH), else beside this module or in PATH. Empty if there is none that can be run.
 [[nodiscard]] std::string find_part_stress(const std::string& program);
 
-/// Solves a table's part by `part_stress serve` as a child process. When the child has loaded the
-/// part, its solution at the table's own shape is compared with the table. A child that ends, does
-/// not answer in time or answers what cannot be is killed, and the solver is lost.
+/// Solves a table's part by `part_stress serve`, run as a child process. Once the child has loaded
+/// the part, its solution at the table's own shape is compared with the table. A child that ends,
+/// does not answer in time or sends an invalid answer is killed, and the solver is lost.
 class PartSolver final : public Reanalysis {
 public:
   static constexpr double kTolerance = 1e-8; ///< ||f - K u|| / ||f|| of PCG
@@ -45,8 +45,8 @@ public:
   PartSolver(SolverOptions options, const Limits& limits);
 
   [[nodiscard]] bool prepare() override;
-  /// As the child measured them. None when the caller waits: the choice of a method must not depend
-  /// on the clock; then it goes by iterations alone.
+  /// Costs measured by the child; 0 if `wait`, because the choice of a method must then not depend
+  /// on the clock. It then depends on the iterations only.
   [[nodiscard]] Costs costs() const noexcept override { return options_.wait ? Costs{} : costs_; }
   [[nodiscard]] std::string start(std::span<const double> displacement_m, Method method,
                                   bool sensitivities) override;
@@ -71,7 +71,7 @@ private:
   Costs costs_;
   std::unique_ptr<ServedProgram> child_;
   State state_ = State::kNone;
-  bool sensitivities_ = false;               ///< asked for
+  bool sensitivities_ = false;               ///< requested
   std::shared_ptr<const StressBase> latest_; ///< of the newest answer; null: the table's own
   std::optional<Result> result_;
 };

@@ -120,7 +120,7 @@ void StressHaptic::set_solver(const Atom& program, Host& host) {
 
 void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
   if (loaded.number != loads_ && loaded.refusal.empty())
-    return; // a newer one is on its way
+    return; // a newer result will follow
   if (!loaded.refusal.empty())
     return host.error("load " + first_name_ + ": " + loaded.refusal);
   table_ = std::move(loaded.table);
@@ -149,7 +149,7 @@ void StressHaptic::submit(Host& host) {
     collect(host);
 }
 
-/// Takes what the worker has done.
+/// Takes new tables, results and errors from the worker.
 void StressHaptic::collect(Host& host) {
   if (auto loaded = worker_.take_loaded())
     take_table(std::move(*loaded), host);
@@ -159,7 +159,7 @@ void StressHaptic::collect(Host& host) {
   if (worker_.read() && worker_.latest().table == request_.table) {
     const bool base_changed = worker_.latest().base_changes != result_.base_changes ||
                               worker_.latest().table != result_.table;
-    result_.update_s = worker_.latest().update_s; // the clock's, always another
+    result_.update_s = worker_.latest().update_s; // a measured time, excluded from comparison
     const bool changed = !(result_ == worker_.latest());
     result_ = worker_.latest();
     if (base_changed)

@@ -13,10 +13,11 @@
 
 namespace tactus::stress {
 
-/// A message as it was sent, "range fixed 2 1", for the sentence that refuses it.
+/// Text of a message as it was sent, "range fixed 2 1", for its error.
 [[nodiscard]] std::string sentence_of(std::string_view message, std::span<const Atom> arguments);
 
-/// [stress_haptic]: the stress of a part, felt while it is reshaped. docs/stress_haptic.md.
+/// [stress_haptic]: haptic feedback of a part's stress while the user reshapes it (core/stress,
+/// docs/stress_haptic.md).
 class StressHaptic {
 public:
   static constexpr Declaration declaration{
@@ -62,15 +63,15 @@ private:
   void draw(std::span<const Atom> arguments, Host& host);
   void send_picture(Host& host);
 
-  /// False after one sentence when no table is there.
+  /// False after one error if no table is loaded.
   [[nodiscard]] bool has_table(std::string_view message, Host& host) const;
-  /// The control point of that number, or none after one sentence.
+  /// The control point of this id, or none after one error.
   [[nodiscard]] std::optional<std::size_t> control_point(std::string_view message, double id,
                                                          Host& host) const;
   /// Displacements of a control point's parameters, within their bounds.
   void displace(std::size_t control_point, const haptic::Vec3& displacement_m) noexcept;
   [[nodiscard]] haptic::Vec3 displacement_of(std::size_t control_point) const noexcept;
-  /// What the table or the object cannot do; it goes on with what it can.
+  /// Reports settings that the table or the object does not support; the rest continues to work.
   void warn_if_inactive(std::size_t parameter, Host& host) const;
   void submit(Host& host);
   void collect(Host& host);
@@ -86,8 +87,8 @@ private:
   [[nodiscard]] bool is_axis() const noexcept { return value_[stress_haptic::kMode] >= 1.5; }
 
   std::array<double, stress_haptic::kParameterCount> value_{};
-  Host* host_ = nullptr;   ///< lives as long as the object
-  std::string first_name_; ///< a creation argument: read when all flags are known
+  Host* host_ = nullptr;   ///< outlives the object
+  std::string first_name_; ///< creation argument; loaded after all flags are set
   std::uint64_t loads_ = 0;
   std::shared_ptr<const StressTable> table_;
   bool can_solve_ = false;
@@ -100,14 +101,14 @@ private:
   haptic::Vec3 position_m_{}, velocity_m_per_s_{};
   haptic::VelocityEstimator velocity_estimate_;
   haptic::Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< at the grab
-  // What was sent last, and when.
+  // Last output, and its time.
   std::optional<haptic::Vec3> sent_gamma_, sent_force_n_, sent_feedback_;
   double feedback_ms_ = -1e9, info_ms_ = -1e9;
   std::uint64_t feedback_sequence_ = 0;
   bool info_due_ = false;
-  std::uint64_t pictures_ = 0, sent_picture_ = 0; ///< asked for, and sent
+  std::uint64_t pictures_ = 0, sent_picture_ = 0; ///< requested, and sent
   bool draw_when_loaded_ = false;
-  std::vector<PictureFace> sent_faces_; ///< empty: all are due
+  std::vector<PictureFace> sent_faces_; ///< empty: all must be sent
   StressWorker worker_;                 // last: its thread ends before what it uses
 };
 

@@ -129,7 +129,7 @@ void StressWorker::execute_load(const std::string& path, std::uint64_t number) {
   loaded_ = std::move(loaded);
 }
 
-/// Requests for another table than the one that is here are left out: their sizes differ.
+/// Requests made for another table are skipped: their sizes differ.
 void StressWorker::step(double now) {
   requests_.read();
   const SessionRequest& request = requests_.latest();

@@ -16,18 +16,18 @@
 
 namespace tactus::stress {
 
-/// Reads tables and evaluates stresses in a thread of its own, or in the caller's time. Requests go
-/// in and results come out by triple buffers: the newest counts and nobody waits for an evaluation.
+/// Reads tables and evaluates stresses, in a thread of its own or in the caller's. Requests and
+/// results pass through triple buffers: only the newest counts, and the caller never waits.
 class StressWorker {
 public:
   struct Loaded {
-    std::string refusal; ///< why there is no table, else empty
+    std::string refusal; ///< why the table was not loaded; empty: success
     std::shared_ptr<const StressTable> table;
-    std::uint64_t number = 0; ///< to be named in requests
-    bool can_solve = false;   ///< there is a solver for it
+    std::uint64_t number = 0; ///< SessionRequest::table
+    bool can_solve = false;   ///< a solver is attached
   };
 
-  /// Makes the solver of a part; null when there is none for it.
+  /// Makes the solver of a part; null if there is none.
   using SolverFactory = std::function<std::unique_ptr<Reanalysis>(SolverOptions options)>;
 
   explicit StressWorker(SolverFactory solvers = {}) : solvers_(std::move(solvers)) {}
@@ -35,29 +35,28 @@ public:
   StressWorker(const StressWorker&) = delete;
   StressWorker& operator=(const StressWorker&) = delete;
 
-  /// Without a thread: everything is done when it is asked for. `ready` is called in the thread
-  /// when a table, a result or a sentence waits. Returns why no thread starts, else an empty
-  /// sentence.
+  /// Starts the thread; without it everything is done in the calls. The thread calls `ready` when a
+  /// table, a result or an error is available. Returns an empty string, or why no thread starts.
   [[nodiscard]] std::string start(std::function<void()> ready);
-  /// Solvers wait for their answers: for a host whose time is not the wall's.
+  /// Makes solvers block until they answer, for hosts that do not run in real time.
   void wait_for_solvers() noexcept { blocking_solvers_ = true; }
   [[nodiscard]] bool threaded() const noexcept { return thread_.joinable(); }
 
-  /// The last load counts. The old table goes on until the new one is read.
+  /// Loads a table; of several loads the last counts. The old table stays in use until then.
   void load(const std::string& path, std::uint64_t number);
   [[nodiscard]] std::optional<Loaded> take_loaded();
-  /// The program that solves, from now on and for the table at hand; empty: where it is looked for.
+  /// Sets the solver program, also for the current table; empty: the default search.
   void set_program(const std::string& program);
   /// now_s: the caller's time, for the work without a thread.
   void request(const SessionRequest& request, double now_s);
-  /// Without a thread: what is due although nothing was requested.
+  /// Without a thread: does work that is due without a request.
   void poll(double now_s);
-  /// And when that is next, in seconds; infinity with a thread, which sees to it itself.
+  /// Time until such work is due, s; infinity with a thread.
   [[nodiscard]] double due_in_s(double now_s) const noexcept;
-  /// Whether a result came since the last call; it is then latest().
+  /// True if a result arrived since the last call; it is latest().
   [[nodiscard]] bool read() noexcept { return results_.read(); }
   [[nodiscard]] const SessionResult& latest() const noexcept { return results_.latest(); }
-  /// What a solve failed with.
+  /// Reason of a failed solve; empty: none.
   [[nodiscard]] std::string take_refusal();
 
 private:
@@ -71,11 +70,11 @@ private:
   bool blocking_solvers_ = false; // set before there is a thread
   haptic::Mailbox<SessionRequest> requests_;
   haptic::Mailbox<SessionResult> results_;
-  // The worker's alone.
+  // Used by the worker only.
   std::unique_ptr<StressSession> session_;
   std::uint64_t number_ = 0;
   std::string path_, program_;
-  // Shared, all short.
+  // Shared; locked only briefly.
   std::mutex mutex_;
   std::condition_variable_any wake_;
   bool wake_requested_ = false;

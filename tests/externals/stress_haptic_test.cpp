@@ -338,7 +338,7 @@ TEST_CASE(
   CHECK(sent[4].empty());
 }
 
-TEST_CASE("bad input is one sentence and changes nothing") {
+TEST_CASE("bad input is one error and changes nothing") {
   Rig rig;
   const auto one = [&](std::string_view name, std::vector<Atom> arguments, const char* word) {
     rig.host.errors.clear();
@@ -388,7 +388,7 @@ TEST_CASE("bad input is one sentence and changes nothing") {
   CHECK(rig.gamma() == gamma);
 }
 
-TEST_CASE("a control point without parameters says so") {
+TEST_CASE("a control point without parameters is an error") {
   Rig rig;
   StressTable table = Cantilever::table();
   table.control_point_m.push_back({0.2, 0, 0});
@@ -483,7 +483,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a solver that is named takes the place of the one before") {
+TEST_CASE("a named solver replaces the one before") {
   const StressWorker::SolverFactory solvers =
       [](const SolverOptions& order) -> std::unique_ptr<Reanalysis> {
     return order.program.empty() ? nullptr : std::make_unique<PartSolver>(order);

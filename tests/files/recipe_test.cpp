@@ -40,7 +40,7 @@ std::string with(const RecipeKey& key, const std::string& value) {
 
 } // namespace
 
-TEST_CASE("every key sets a number of its own within its range, and refuses what lies beyond") {
+TEST_CASE("every key sets its own number within its range, and refuses values outside") {
   std::set<std::string> names;
   for (const RecipeKey& key : recipe_keys()) {
     CAPTURE(key.section);
@@ -76,7 +76,7 @@ TEST_CASE("every key sets a number of its own within its range, and refuses what
                       [&](const RecipeKey& key) { return key.section == section; }));
 }
 
-TEST_CASE("ranges that physics or the ear sets: shares of one, static friction, audible pitches") {
+TEST_CASE("ranges set by physics or hearing: shares of one, static friction, audible frequencies") {
   struct Range {
     std::string section, name;
     double lowest, highest;
@@ -100,7 +100,7 @@ TEST_CASE("ranges that physics or the ear sets: shares of one, static friction, 
   }
 }
 
-TEST_CASE("what a recipe leaves out is what it was when it was written") {
+TEST_CASE("keys that a recipe omits keep their documented defaults") {
   // Users' files rely on these: they are changed with a line in the change log, not in passing.
   const auto value = [](Recipe& recipe, std::string_view section, std::string_view name) {
     for (const RecipeKey& key : recipe_keys())
@@ -194,7 +194,7 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
   check("[solid]\n[room]", "room", {{"level", -10}, {"t60", 0.3}, {"bright", 4000}});
 }
 
-TEST_CASE("sections, clouds and gains stand where they were written") {
+TEST_CASE("sections, clouds and gains are stored in their members") {
   Recipe recipe;
   REQUIRE(
       read_recipe("[bubbles]\nlevel 2\n[grains]\nlevel 3\n[rustle]\nlevel 4\n[grains]\nlevel 5\n"
@@ -221,7 +221,7 @@ TEST_CASE("sections, clouds and gains stand where they were written") {
   CHECK(recipe.room.level_db == -60); // none
 }
 
-TEST_CASE("mistakes are found in their line, and what was read before stays") {
+TEST_CASE("errors are found in their line, and the recipe is unchanged") {
   Recipe recipe;
   REQUIRE(read_recipe("[solid]\nfrequency 333\n", recipe) == "");
   CHECK(read_recipe("[solid]\nfrequency 444\nt60 0\n", recipe).find("line 3: t60 0 s: ") == 0);

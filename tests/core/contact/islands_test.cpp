@@ -126,7 +126,7 @@ std::vector<Part> mixed(std::mt19937& source, double softest, double stiffest) {
 
 } // namespace
 
-TEST_CASE("contacts are divided by the modes that they share, directly or by way of others") {
+TEST_CASE("contacts are divided by the modes that they share, directly or through others") {
   PointModes points(10, 6);
   points.set(0, std::array{1., 0., 1., 0., 0., 0., 0., 0., 0., 0.});
   points.set(1, std::array{0., 1., 0., 0., 0., 0., 0., 0., 0., 0.});

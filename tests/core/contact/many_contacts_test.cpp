@@ -248,7 +248,7 @@ TEST_CASE("a system with one unknown a mode and one with an unknown a contact ag
   CHECK(worst < 1e-9 * loudest);
 }
 
-TEST_CASE("two equal masses at one place act as one of twice the mass and stiffness") {
+TEST_CASE("two equal masses at one contact point act as one of twice the mass and stiffness") {
   const std::vector<Mode> modes{{300, .5, .3}, {1700, .2, .6}};
   const ImpactLaw half{5e6, 1.5, .2}, whole{1e7, 1.5, .2};
   ExcitedBody two(2, 2), one(2, 1);
@@ -335,7 +335,7 @@ TEST_CASE("new modes, laws and rates while everything sounds add no energy") {
   CHECK(worst < 1e-12);
 }
 
-TEST_CASE("no input leads to anything but numbers, and it recovers") {
+TEST_CASE("the body stays finite under any input and recovers from it") {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::mt19937 source(21);
@@ -454,7 +454,7 @@ TEST_CASE("samples in a row give the same bits as one at a time, with any instru
   }
 }
 
-TEST_CASE("an exciter on a place that never moves changes nothing for another") {
+TEST_CASE("an exciter at a point that never moves does not affect another one") {
   for (const bool rubs : {false, true}) {
     ExcitedBody alone(3, 1), both(3, 2);
     for (ExcitedBody* body : {&alone, &both}) {

@@ -31,7 +31,8 @@ ExcitedBody block(double mass_kg, std::size_t exciters = 1) {
 
 } // namespace
 
-TEST_CASE("a knock gives a block its impulse over its mass, and its place's shape of it") {
+TEST_CASE("an impulse changes a block's velocity by impulse over mass, times the shape at its "
+          "contact point") {
   for (const double impulse : {1., -1., .25, 0.}) {
     ExcitedBody body = block(2);
     body.apply_impulse(0, impulse);
@@ -190,7 +191,7 @@ TEST_CASE("modes of .49 of the sample rate and above are left out, below they so
   CHECK(body.pickup_velocity() == approx(1)); // of one mode alone
 }
 
-TEST_CASE("a mass over another place meets the surface as one that was thrown there") {
+TEST_CASE("a mass moved to another contact point lands as one that was launched there") {
   const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
   const std::array<double, 2> first{1, .2}, second{-.7, -1.3};
   const auto play = [&](bool thrown) {
@@ -227,7 +228,7 @@ TEST_CASE("a mass over another place meets the surface as one that was thrown th
   }
 }
 
-TEST_CASE("an ear hears its own shape, and slots that there are none of change nothing") {
+TEST_CASE("a pickup has its own shape, and slots out of range change nothing") {
   ExcitedBody body(2, 2, 2);
   body.prepare(kRate);
   const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
@@ -277,7 +278,7 @@ TEST_CASE("a heavier mass is no faster than its energy, a lighter one keeps its 
   CHECK(body.exciter(0).mass_kg == 1e6);
 }
 
-TEST_CASE("after a reset all is at rest, masses a metre away, and sounds as the first time") {
+TEST_CASE("after a reset all is at rest, masses are 1 m away, and the sound repeats") {
   const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
   ExcitedBody body(2, 3, 1);
   body.prepare(kRate);
@@ -365,7 +366,7 @@ TEST_CASE("a light string gets its bristles' steps, after a reset as well") {
     CHECK(body.steps() == 2);
     body.reset();
   }
-  // What strikes needs its own steps anew: a hard blow, a reset, a soft one.
+  // What strikes needs its own steps anew: a hard strike, a reset, a soft one.
   body.clear(0);
   for (const double stiffness : {1e11, 1e3}) {
     body.set_impact(1, {stiffness, 1.5, 0}, .01);
@@ -378,7 +379,8 @@ TEST_CASE("a light string gets its bristles' steps, after a reset as well") {
   }
 }
 
-TEST_CASE("a contact that turns by more than half a radian in a 64th of a sample is an impulse") {
+TEST_CASE(
+    "a contact whose phase advances by more than half a radian in 1/64 sample is an impulse") {
   for (const double radians : {.1, .48, .52, 3.}) {
     CAPTURE(radians);
     ExcitedBody body = block(1e9);

@@ -126,7 +126,7 @@ TEST_CASE("an exciter that sleeps wakes for messages and for what its neighbours
   }
 }
 
-TEST_CASE("what is heard of a ringing body follows whatever changes it between two samples") {
+TEST_CASE("the output of a vibrating body follows any change between two samples") {
   ExcitedBody body(2, 2);
   body.prepare(48000);
   const std::array modes{Mode{400, 0.5, 0.25}, Mode{900, 0.3, 0.25}};
@@ -163,7 +163,7 @@ TEST_CASE("what is heard of a ringing body follows whatever changes it between t
   CHECK(body.pickup_velocity() == 0);
 }
 
-TEST_CASE("a body at whose ears nobody listens in every sample sounds the same") {
+TEST_CASE("a body sounds the same if its pickups are not read every sample") {
   const auto make = [](std::size_t pickups) {
     auto body = std::make_unique<ExcitedBody>(3, 2, pickups);
     body->prepare(48000);
@@ -174,7 +174,7 @@ TEST_CASE("a body at whose ears nobody listens in every sample sounds the same")
     }
     return body;
   };
-  // Ear 0 of the one, heard each sample; ear 1 of the other, of the same shape, heard at times.
+  // Pickup 0 of one body is read every sample; pickup 1 of the other, of the same shape, at times.
   const auto one = make(1), other = make(2);
   double largest = 0;
   for (int n = 0; n < 24000; ++n) {

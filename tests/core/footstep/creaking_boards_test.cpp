@@ -108,7 +108,7 @@ TEST_CASE("a loaded joint sticks and slips as often as its stiffness and frictio
   CHECK(slips("slip 0.2\n", 1) == test::approx(usual / 2).epsilon(0.1));
 }
 
-TEST_CASE("a floor springs back under a load that leaves, by a small part of what it bore") {
+TEST_CASE("a floor springs back under a falling load by a small part of the load") {
   // As if that part of the load went from ball to heel: the slips come as often for as many N/s.
   const double leaves = slip_interval("slip 0.1\n", loaded(0, 700, 0, -7000));
   const double back = slip_interval("slip 0.1\n", loaded(0, 700, 1400, -1400));
@@ -118,7 +118,7 @@ TEST_CASE("a floor springs back under a load that leaves, by a small part of wha
   CHECK(part < 0.28);
 }
 
-TEST_CASE("a load that comes bends boards as one that moves does, by most of it") {
+TEST_CASE("a rising load bends boards like a moving one, by most of the load") {
   const double moves = slip_interval("slip 0.1\n", loaded(350, 350, -700, 700));
   const double heel = slip_interval("slip 0.1\n", loaded(700, 0, 700, 0));
   const double ball = slip_interval("slip 0.1\n", loaded(0, 700, 0, 700));
@@ -128,7 +128,7 @@ TEST_CASE("a load that comes bends boards as one that moves does, by most of it"
   CHECK(ball == test::approx(heel).epsilon(0.02)); // wherever it comes
 }
 
-TEST_CASE("a joint that nobody loads, or no load that moves, does not creak") {
+TEST_CASE("a joint without load, or with a constant load, does not creak") {
   const auto power = [](double weights, double shift, double level) {
     const auto ground = ground_of("radiation 1\nfelt 1\n[friction]\nwobble 0\nlevel " +
                                   std::to_string(level) + "\n");

@@ -74,7 +74,7 @@ TEST_CASE("of white noise less than -30 dB of the drive's power lies outside 40 
   CHECK(10 * std::log10(outside / whole) < -30);
 }
 
-TEST_CASE("three g are never exceeded, for any sensitivity and however loud the ground") {
+TEST_CASE("an acceleration of 3 g is never exceeded, for any sensitivity and level") {
   for (const double sensitivity : {0.5, 3.0, 12.0}) {
     Drive drive;
     drive.prepare(48000);
@@ -90,7 +90,7 @@ TEST_CASE("three g are never exceeded, for any sensitivity and however loud the 
   }
 }
 
-TEST_CASE("an actuator of 3 g at full drive is limited to that if nothing else is said") {
+TEST_CASE("by default an actuator of 3 g at full drive is limited to 3 g") {
   Drive drive;
   drive.prepare(48000);
   double largest = 0;
@@ -135,7 +135,7 @@ TEST_CASE("a constant motion of the ground makes no constant drive") {
   CHECK(db(std::abs(last) + 1e-12) < -80);
 }
 
-TEST_CASE("the equaliser passes through its table and refuses one that is none") {
+TEST_CASE("the equaliser passes through its table and refuses an invalid one") {
   const std::array<double, 8> table{60, 6, 120, -3, 250, 4, 450, -8};
   for (const double rate : {22050.0, 48000.0, 192000.0}) {
     DriveEqualiser equaliser;
@@ -179,7 +179,7 @@ TEST_CASE("the equaliser passes through its table and refuses one that is none")
   CHECK(response_to_one()[0] == doctest::Approx(1));
 }
 
-TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity above 0.001 g") {
+TEST_CASE("settings of a drive are clamped: delays to 0..0.2 s, sensitivity to at least 0.001 g") {
   const auto drive_output = [](const Drive::Settings& settings) {
     Drive drive;
     drive.prepare(8000);
@@ -221,7 +221,7 @@ TEST_CASE("under the ball alone the drive is what it is under the heel alone, at
   }
 }
 
-TEST_CASE("a delay that is switched on begins with silence, not with what was played long ago") {
+TEST_CASE("a delay that is switched on begins with silence, not with old samples") {
   Drive drive;
   drive.prepare(48000);
   const auto play = [&](double delay_s, double amplitude, int samples) {
@@ -240,7 +240,7 @@ TEST_CASE("a delay that is switched on begins with silence, not with what was pl
   CHECK(play(0.1, 0.5, 4800) > 0.1);
 }
 
-TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as it was") {
+TEST_CASE("a drive falls silent once band and delay have decayed, and wakes unchanged") {
   Drive drive, fresh;
   for (Drive* one : {&drive, &fresh}) {
     one->prepare(8000);
@@ -271,7 +271,7 @@ TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as 
     CHECK(a[n + 1] == doctest::Approx(3 * a[n]));
 }
 
-TEST_CASE("the drive can wait for a slower path") {
+TEST_CASE("the drive can be delayed to match a slower path") {
   Drive straight, late;
   for (Drive* drive : {&straight, &late})
     drive->prepare(48000);
@@ -286,7 +286,7 @@ TEST_CASE("the drive can wait for a slower path") {
     REQUIRE(b[n + 480] == a[n]);
 }
 
-TEST_CASE("each actuator plays what is under it, and a common share of the whole foot") {
+TEST_CASE("each actuator plays the vibration under it, and a common share of the whole foot's") {
   const auto drives = [](double common, double heel_vibration, double ball_vibration) {
     Drive drive;
     drive.prepare(48000);

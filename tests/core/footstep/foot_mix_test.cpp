@@ -107,7 +107,7 @@ TEST_CASE("of two grounds each has its share at once, cosine and sine of the mix
   CHECK(difference(run_foot(*alone, 2000), a, 1) == 0);
 }
 
-TEST_CASE("a new mix glides in 20 ms, to the end") {
+TEST_CASE("a new mix is reached with a time constant of 20 ms") {
   const Recipe sound = noise(), none = silence();
   const auto stays = new_foot(), moves = new_foot();
   for (Foot* foot : {stays.get(), moves.get()}) {
@@ -129,7 +129,8 @@ TEST_CASE("a new mix glides in 20 ms, to the end") {
         0); // grounds without a share do not run
 }
 
-TEST_CASE("a ground that is left rings out in 0.3 s, unfed, and goes on when it is met again") {
+TEST_CASE(
+    "a ground that is left fades in 0.3 s without load, and continues when the foot returns") {
   const Recipe none = silence(), ring = bell();
   const auto stays = new_foot(), leaves = new_foot();
   for (Foot* foot : {stays.get(), leaves.get()}) {
@@ -154,7 +155,7 @@ TEST_CASE("a ground that is left rings out in 0.3 s, unfed, and goes on when it 
   CHECK(back.back().pressure_pa == on.back().pressure_pa);
 }
 
-TEST_CASE("a ground that has rung out is forgotten: its number is then another ground's") {
+TEST_CASE("the slot of a ground that has faded out is free for another ground") {
   const auto foot = new_foot();
   const Recipe none = silence(), ring = bell();
   foot->set_grounds(1, none, 1, none, 0);
@@ -168,7 +169,7 @@ TEST_CASE("a ground that has rung out is forgotten: its number is then another g
   CHECK(peak_amplitude > 0);
 }
 
-TEST_CASE("four grounds sound at once; a fifth takes the place of the one left first") {
+TEST_CASE("four grounds sound at once; a fifth replaces the one left longest ago") {
   const Recipe none = silence(), ring = bell();
   const auto rings_after = [&](std::initializer_list<std::uint64_t> numbers) {
     const auto foot = new_foot();
@@ -197,7 +198,7 @@ TEST_CASE("four grounds sound at once; a fifth takes the place of the one left f
   CHECK(std::abs(run_foot(*foot, 5000, {}).back().pressure_pa) > 0);
 }
 
-TEST_CASE("a ground that has faded away is given up without a gap in the others") {
+TEST_CASE("a ground that has faded out is removed without a gap in the others") {
   const Recipe none = silence(), rustle = noise();
   const auto foot = new_foot();
   foot->set_grounds(1, none, 1, none, 0);
@@ -208,7 +209,7 @@ TEST_CASE("a ground that has faded away is given up without a gap in the others"
     REQUIRE(foot->next(loaded()).pressure_pa != 0);
 }
 
-TEST_CASE("a foot's sound is the ground's and the room's answer to it, as strong as both say") {
+TEST_CASE("a foot's sound is the ground's plus its reverberation at the room's level") {
   const std::string room = "[room]\nlevel -6\nt60 0.2\nbright 3000\n";
   const auto out = [&](double factor) {
     const auto foot = new_foot();
@@ -322,7 +323,7 @@ TEST_CASE("forces count in newtons, landings by the weight of the body") {
       REQUIRE(out.pressure_pa == 0);
 }
 
-TEST_CASE("a shoe is put on before or after the ground, and a reset foot stands where it stood") {
+TEST_CASE("shoe and ground can be set in any order, and a reset foot keeps its ground") {
   const Recipe ring = bell(), none = silence();
   const auto sound_of = [&](double before, double after) {
     const auto foot = new_foot();

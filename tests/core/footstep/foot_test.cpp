@@ -142,7 +142,7 @@ TEST_CASE("a mixture holds both grounds at equal power, and a crossfade does not
   }
 }
 
-TEST_CASE("nonsense from a sole stays finite and the foot is itself again afterwards") {
+TEST_CASE("a foot stays finite under invalid input and recovers from it") {
   const double odd[] = {std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e-310, 3};
   for (const char* name : kMaterials) {
     const Recipe recipe = recipe_of(name);
@@ -167,7 +167,7 @@ TEST_CASE("nonsense from a sole stays finite and the foot is itself again afterw
   }
 }
 
-TEST_CASE("a ground with nothing but a board sounds, and louder under a harder blow") {
+TEST_CASE("a ground with only a board sounds, and louder under a harder impact") {
   Recipe recipe;
   REQUIRE(read_recipe("[solid]\nfrequency 300\nvary_level 0\n", recipe) == "");
   double before = 0;
@@ -187,7 +187,7 @@ TEST_CASE("a ground with nothing but a board sounds, and louder under a harder b
   }
 }
 
-TEST_CASE("what varies for a whole recipe is one factor for all its sections") {
+TEST_CASE("the variation of a whole recipe is one factor for all its sections") {
   // Of one seed the first step draws one factor, whatever sections come after.
   const auto crossings = [](const char* text, std::uint64_t seed, double slope) {
     Recipe recipe;
@@ -248,7 +248,7 @@ TEST_CASE("boards creak while the weight moves over them, and only then") {
   CHECK(peak_at_rest < 0.02 * loaded);
 }
 
-TEST_CASE("a recipe's mistakes are named with their line") {
+TEST_CASE("errors in a recipe name their line") {
   Recipe recipe;
   CHECK(read_recipe("", recipe) == "it has no section that sounds");
   CHECK(read_recipe("[solid]\nfrequency 300000\n", recipe) ==

@@ -18,7 +18,7 @@ using namespace tactus::test;
 namespace contact = tactus::contact;
 namespace test = tactus::test;
 
-TEST_CASE("a soft sole quietens what lies between it and a floor, as the force of a landing") {
+TEST_CASE("a soft sole reduces the level of particles on a floor like the force of a landing") {
   const std::string floor = "[solid]\nlevel 0\nexponent 1.6\nstiffness 1e9\ndissipation 0\n";
   const auto loud = [](const std::string& text, double shoe) {
     return vibration(*ground_of(text, 48000, 1, shoe), heel_at(0.5));
@@ -62,7 +62,7 @@ TEST_CASE("a landing stirs particles as fast as it is, up to 4 m/s, at 0.5 m/s a
           test::approx(1 - std::exp(-(n + 1) / 960.)).epsilon(0.01));
 }
 
-TEST_CASE("load that comes gives energy by `load`, load that goes by `release`, in 700 N") {
+TEST_CASE("rising load gives energy by `load`, falling load by `release`, per 700 N") {
   const auto power = [](const std::string& text, double slope, bool ball = false) {
     const auto ground = ground_of(rustle(text));
     std::vector<double> motion;
@@ -87,7 +87,7 @@ TEST_CASE("load that comes gives energy by `load`, load that goes by `release`, 
   CHECK(factor(power("release 1\n", -500 * 700), usual) == test::approx(20).epsilon(1e-6));
 }
 
-TEST_CASE("a sole that slides stirs particles by force and way, and rubs the floor") {
+TEST_CASE("a sliding sole drives particles by force times distance, and rubs the floor") {
   const auto slid = [](const std::string& text, double force, double speed, bool ball) {
     const auto ground = ground_of(text);
     std::vector<double> motion;
@@ -121,7 +121,7 @@ TEST_CASE("a sole that slides stirs particles by force and way, and rubs the flo
   }
 }
 
-TEST_CASE("what one part of the sole has stirred is felt under that part alone, in any step") {
+TEST_CASE("particles driven by one part of the sole vibrate only that part, in every step") {
   // Also where decay times differ from step to step and grow with the weight.
   for (const double weight : {350.0, 700.0, 1400.0})
     for (std::uint64_t seed = 1; seed <= 6; ++seed)

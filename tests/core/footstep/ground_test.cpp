@@ -15,7 +15,7 @@ using namespace tactus::footstep;
 using namespace tactus::test;
 namespace test = tactus::test;
 
-TEST_CASE("a heavier body brings more mass, more energy, and sinks in for longer") {
+TEST_CASE("a heavier body has more striking mass and energy, and its particles last longer") {
   const auto of = [](const std::string& text, double weight, const SoleState& sole) {
     const auto ground = ground_of(text);
     ground->set_weight(weight);
@@ -41,7 +41,7 @@ TEST_CASE("a heavier body brings more mass, more energy, and sinks in for longer
   CHECK(peak_amplitude(of(rustle("heel 1\n"), 0, heel_at(0.5))) == 0);
 }
 
-TEST_CASE("the air takes what the floor moves less and less below its frequency of radiation") {
+TEST_CASE("the sound falls below the radiation frequency of the floor") {
   for (const double radiation : {40.0, 400.0, 4000.0}) {
     CAPTURE(radiation);
     Recipe recipe = recipe_of(board(""));
@@ -85,7 +85,7 @@ TEST_CASE("steps differ by the recipe's scatter of frequency, decay and strength
   CHECK(scatter(levels) == test::approx(0.295).epsilon(0.18));
 }
 
-TEST_CASE("each step is on another place, its later landings are not") {
+TEST_CASE("each step has new contact points, and its later landings keep them") {
   const auto ground = ground_of(board("vary_frequency 0.2\nball 1\n"));
   const auto tone = [&](bool heel, double load) {
     std::vector<double> motion;

@@ -13,7 +13,7 @@
 
 using namespace tactus::footstep;
 
-TEST_CASE("who halts closes the step, stands on both feet, and sets off again") {
+TEST_CASE("a walker who halts closes the step, stands on both feet, and sets off again") {
   for (const Style style :
        {Style::kWalk, Style::kRun, Style::kSneak, Style::kUpstairs, Style::kDownstairs}) {
     CAPTURE(static_cast<int>(style));
@@ -143,7 +143,7 @@ TEST_CASE("a jump is ballistic: the push-off gives v = sqrt(2 g h), the landing 
     }
 }
 
-TEST_CASE("the feet of an unsteady walker land from a jump a little otherwise") {
+TEST_CASE("the feet of an unsteady walker land from a jump with variation") {
   OneShot jump(0.1);
   const Recording made = play(
       {1.1, 700, 0.4}, 3,
@@ -192,7 +192,7 @@ TEST_CASE(
   CHECK(made.total(made.at(8.9)) == 0);
 }
 
-TEST_CASE("times, ways and impulses are the same at any sample rate") {
+TEST_CASE("times, distances and impulses are the same at any sample rate") {
   const auto sequence = [](double rate) {
     OneShot jump(3), scuff(7.5), turn(9), halt(11), drag(14.5);
     return play(
@@ -227,7 +227,7 @@ TEST_CASE("times, ways and impulses are the same at any sample rate") {
   }
 }
 
-TEST_CASE("a reset takes both feet off the ground and forgets what was to come") {
+TEST_CASE("a reset lifts both feet and cancels pending movements") {
   Gait gait;
   gait.prepare(8000);
   gait.set({1.4, 700, 0.4}, 0);
@@ -283,7 +283,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("whatever it is told and whenever, forces stay finite and bounded") {
+TEST_CASE("forces stay finite and bounded for any sequence of messages") {
   tactus::Random random(11);
   const double odd[] = {std::nan(""),
                         std::numeric_limits<double>::infinity(),

@@ -51,7 +51,7 @@ RoomResponse room_response(const Room::Settings& settings, double rate, double f
 
 } // namespace
 
-TEST_CASE("a room answers with the energy asked for and dies down in its time, at any rate") {
+TEST_CASE("a room has the energy of its level and decays in its T60, at any rate") {
   for (const double rate : {22050.0, 48000.0, 192000.0})
     for (const double t60 : {0.15, 0.4, 1.5}) {
       // A burst of 50 Hz width meets few resonances: the mean over 16 frequencies.
@@ -75,7 +75,7 @@ TEST_CASE("a room's decay time is half at its bright frequency") {
   CHECK(time == doctest::Approx(0.3).epsilon(0.1));
 }
 
-TEST_CASE("a room that hears nothing falls silent for good, and one without level never sounds") {
+TEST_CASE("a room without input falls silent, and one without level never sounds") {
   Room room;
   room.prepare(48000);
   room.set({0, 0.2, 4000});
@@ -91,7 +91,7 @@ TEST_CASE("a room that hears nothing falls silent for good, and one without leve
   CHECK(room.silent());
 }
 
-TEST_CASE("settings of a room are held within their ranges") {
+TEST_CASE("settings of a room are clamped to their ranges") {
   const auto response_of = [](const Room::Settings& settings) {
     Room room;
     room.prepare(16000);
@@ -125,7 +125,7 @@ TEST_CASE("settings of a room are held within their ranges") {
   CHECK(peak_amplitude > 0);
 }
 
-TEST_CASE("nothing comes back before the shortest path, 7 ms, and each line's echo in its time") {
+TEST_CASE("no echo arrives before the shortest delay, 7 ms, and each line's echo at its delay") {
   Room room;
   room.prepare(48000);
   room.set({0, 1, 20000});
@@ -145,7 +145,7 @@ TEST_CASE("nothing comes back before the shortest path, 7 ms, and each line's ec
   }
 }
 
-TEST_CASE("no settings and no input make a room grow or break") {
+TEST_CASE("a room stays stable and finite for any settings and input") {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const double odd[] = {0, -1, 1e300, -1e300, 1e-300, kInfinite, std::nan("")};
   for (const double value : odd) {

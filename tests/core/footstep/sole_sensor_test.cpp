@@ -92,7 +92,8 @@ TEST_CASE("a thousand steps on noisy, drifting sensors with hysteresis are each 
   CHECK(worst_stance < 0.03);
 }
 
-TEST_CASE("sensors tell how hard a walker's heel and ball land, and the ball soon after it does") {
+TEST_CASE(
+    "sensors give the landing speeds of a walker's heel and ball, the ball's soon after landing") {
   for (const double rate : {8000.0, 48000.0}) {
     double slow = 0;
     for (const double speed : {0.9, 1.4, 1.9}) {
@@ -154,7 +155,7 @@ TEST_CASE("the slope is the least-squares slope of 5 ms, exact for a straight li
   }
 }
 
-TEST_CASE("a calibration wants five points that rise, and reads straight lines between them") {
+TEST_CASE("a calibration needs five increasing points, and interpolates linearly") {
   Calibration made;
   const std::array<double, 8> few{0, 0, 1, 1, 2, 2, 3, 3};
   CHECK_FALSE(made.set(few));
@@ -168,7 +169,7 @@ TEST_CASE("a calibration wants five points that rise, and reads straight lines b
   CHECK(made.force(5) == doctest::Approx(230));
 }
 
-TEST_CASE("a sensor given nonsense stays finite and is itself again within a second") {
+TEST_CASE("a sensor stays finite under invalid input and recovers within a second") {
   SoleSensor sensor;
   sensor.prepare(48000);
   const double odd[] = {std::nan(""), std::numeric_limits<double>::infinity(), -1e308, 1e308,

@@ -151,7 +151,7 @@ TEST_CASE("the parts of a sole share its mass and land one after the other, the 
   CHECK(later / last == test::approx(2).epsilon(0.05));
 }
 
-TEST_CASE("parts that a sole no longer has do not land any more") {
+TEST_CASE("parts removed from a sole do not land") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto ground = ground_of(board(kDeadMode + "patches 8\n"), 48000, seed, 1);
     vibration(*ground, heel_at(0.1), 48); // seven are still in the air, for 0.2 s on average
@@ -162,7 +162,7 @@ TEST_CASE("parts that a sole no longer has do not land any more") {
   }
 }
 
-TEST_CASE("a sole that slides pulls at the floor with bristles until it lets go, then by mu_d") {
+TEST_CASE("a sliding sole pulls the floor by its bristles until it slips, then with mu_d") {
   // The mode is far above what moves it and follows at once: x = F / k, of which a tenth is turned
   // into motion up and down. The bristles of 0.1 MN/m give F = sigma_0 v t, sliding mu_d N.
   constexpr double kBristles = 1e5, kShare = 0.1, kSlidingCoefficient = 0.5, kForce = 350;

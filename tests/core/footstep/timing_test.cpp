@@ -354,7 +354,7 @@ TEST_CASE(
   CHECK(sensed.heel_speed[0] == doctest::Approx(.5 * std::pow(10 / 26., 2 / 3.)).epsilon(.1));
 }
 
-TEST_CASE("a light touch is a landing and ends where it began, or after half a second") {
+TEST_CASE("a light touch is a landing and ends below half its threshold, or after half a second") {
   const Line none{{{0, 0}}};
   // 4 N for 0.15 s: never 5 %.
   Sensed sensed = sense(none, {{{.2, 0}, {.21, 4}, {.35, 4}, {.36, 0}}}, 1);
@@ -416,7 +416,7 @@ TEST_CASE("a baseline follows in the air, within half a second upwards and at on
   CHECK(settle(0, .01) == doctest::Approx(14).epsilon(.1));
 }
 
-TEST_CASE("what has been reset answers like new: sensors, rooms and drives") {
+TEST_CASE("sensors, rooms and drives respond after a reset as when new") {
   SoleSensor used, fresh;
   Room used_room, fresh_room;
   Drive used_drive, fresh_drive;
@@ -457,7 +457,7 @@ TEST_CASE("what has been reset answers like new: sensors, rooms and drives") {
   CHECK(same);
 }
 
-TEST_CASE("a limit holds at once and lets go within 50 ms") {
+TEST_CASE("a limiter acts at once and releases within 50 ms") {
   PeakLimit limit;
   limit.prepare(kRate);
   CHECK(limit.next(.5, 1) == .5);

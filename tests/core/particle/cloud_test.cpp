@@ -54,7 +54,7 @@ TEST_CASE("the energy of a store falls as exp(-t / decay) within 0.1 dB over 60 
     store.add_energy(1);
     double first = 0;
     double worst = 0;
-    const auto begin = static_cast<long>(0.001 * rate); // the blow is in by then
+    const auto begin = static_cast<long>(0.001 * rate); // the energy has arrived by then
     for (long n = 0; n < static_cast<long>(0.7 * rate); ++n) {
       const double energy = store.advance(0);
       if (n < begin)

@@ -229,8 +229,8 @@ TEST_CASE("what has been reset sounds like new") {
   }
 }
 
-TEST_CASE(
-    "blows arrive within the attack and leave energy times decay, powers hold power times decay") {
+TEST_CASE("shakes arrive within the attack and leave energy times decay, a power holds power times "
+          "decay") {
   for (const double attack : {.001, .02, .3}) {
     EnergyStore store;
     store.set(kRate, attack, .05);
@@ -256,7 +256,7 @@ TEST_CASE(
     store.reset();
     CHECK(store.empty());
   }
-  EnergyStore store; // limits: 1000 a blow, 1e6/s, 1e-5 to 60 s
+  EnergyStore store; // limits: 1000 a shake, 1e6/s, 1e-5 to 60 s
   store.set(kRate, 1e-9, 1e9);
   CHECK(store.decay_s() == 60);
   store.add_energy(5000);

@@ -221,7 +221,7 @@ TEST_CASE("the trust ratio is the longest displacement of a control point, as a 
   CHECK(model.update(std::vector<double>{0.003, 0, -0.004}).trust_ratio == approx(0.5));
 }
 
-TEST_CASE("displacements that are not finite are left out") {
+TEST_CASE("displacements that are not finite count as 0") {
   StressModel model(test::shared(test::four_elements()));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Feedback f = model.update(std::vector<double>{std::nan(""), kInfinity, 0});

@@ -130,7 +130,7 @@ TEST_CASE("old sensitivities are found anew at rest, but not with resolve pcg") 
   }
 }
 
-TEST_CASE("a solver that is lost is one sentence; the series goes on until another is attached") {
+TEST_CASE("a lost solver is one error; the series is used until another is attached") {
   Rig rig;
   rig.step(0.001, 0);
   rig.rest(0.2);
@@ -240,7 +240,7 @@ TEST_CASE("iterations count from the last factor, not from the last solution") {
   CHECK(rig.log->started.front() == Method::kPcg);
 }
 
-TEST_CASE("a failed solve is one sentence, is not repeated at rest, and changes no stress") {
+TEST_CASE("a failed solve is one error, is not repeated at rest, and changes no stress") {
   for (int kind = 0; kind < 3; ++kind) {
     Rig rig;
     if (kind == 0)
