@@ -237,7 +237,7 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
       pass.force[1] = -0.1;
       contact_kernel<T>(set)->advance(pass);
       pass.pending = pass.steps == 2 && n % 3 ? 2 : 1;
-      if (pass.pushes == 2) // the next pass must be one of two steps
+      if (pass.pending == 2) // the next pass must be one of two steps
         ++n;
       found.insert(found.end(), {pass.displacement[0], pass.steps == 2 ? pass.displacement[1] : 0});
       for (std::size_t e = 0; e < pass.pickups; ++e)
