@@ -289,8 +289,7 @@ void StruckBody::play_recordings(const BodyModel& model, Recordings& recordings,
       if (r.released)
         level *= ModeBank::release_share(r.release_left--);
       for (std::size_t l = 0; l < model.settings.listeners; ++l)
-        audible_modes[l][n] +=
-            static_cast<float>(level * model.raw[l].pressure(table, r.hit, r.age_s));
+        output[l][n] += static_cast<float>(level * model.raw[l].pressure(table, r.hit, r.age_s));
       r.age_s += 1 / sample_rate_;
     }
     r.active = r.release_left > 0 && r.age_s < model.raw[0].end_s(table);
