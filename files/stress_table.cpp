@@ -21,7 +21,7 @@ constexpr float kMaxStress_pa = 1e15F; // a thousand times the stiffest material
 
 void read_description(TableArrays& arrays, StressTable& table) {
   const Json json = arrays.description("stress-table");
-  if (!arrays.good())
+  if (!arrays.ok())
     return;
   table.name = json.text_or("name", json.text_or("body_name", ""));
   if (const Json* material = json.find("material"))
@@ -51,13 +51,13 @@ StressField read_field(TableArrays& arrays, const NpzFile& file, std::string_vie
     arrays.refuse("array '" + std::string(stress) + "' has " + std::to_string(found->shape[0]) +
                   " elements for " + std::to_string(parameters) + " parameters: expected at most " +
                   std::to_string(std::min(kMaxElements, kMaxSensitivities / parameters)));
-  field.stress = arrays.singles(stress, {elements}, true);
-  if (arrays.good() && field.stress.empty())
+  field.stress = arrays.floats(stress, {elements}, true);
+  if (arrays.ok() && field.stress.empty())
     arrays.refuse("array '" + std::string(stress) + "' is empty: expected an element or more");
   if (!std::all_of(field.stress.begin(), field.stress.end(),
                    [](float s) { return s >= 0 && s <= kMaxStress_pa; }))
     arrays.refuse("array '" + std::string(stress) + "' has values outside 0..1e+15 Pa");
-  field.sensitivity = arrays.singles(sensitivity, {parameters, field.stress.size()}, true);
+  field.sensitivity = arrays.floats(sensitivity, {parameters, field.stress.size()}, true);
   return field;
 }
 
@@ -69,8 +69,8 @@ void read_surface(TableArrays& arrays, StressTable& table) {
   const auto corners = arrays.doubles("surface_triangles", {TableArrays::kAny, 3}, true);
   const auto elements = arrays.doubles("surface_node_element", {count}, true);
   const std::size_t points = table.control_point_m.size();
-  table.surface_weight = arrays.singles("surface_weights", {count, points}, false);
-  if (!arrays.good())
+  table.surface_weight = arrays.floats("surface_weights", {count, points}, false);
+  if (!arrays.ok())
     return;
   const auto outside = [](const std::vector<double>& values, std::size_t limit) {
     return std::find_if(values.begin(), values.end(), [limit](double x) {
@@ -102,29 +102,29 @@ std::string read_stress_table(std::span<const std::byte> file, StressTable& tabl
   TableArrays arrays(archive);
   StressTable read;
   read_description(arrays, read);
-  if (arrays.good()) {
+  if (arrays.ok()) {
     design::ShapeParameters shape;
     read_shape_parameters(arrays, archive, shape);
     read.parameters = std::move(shape.parameters);
     read.control_point_m = std::move(shape.control_point_m);
     read.trust_m = shape.trust_m;
   }
-  if (arrays.good())
+  if (arrays.ok())
     read.base.von_mises =
         read_field(arrays, archive, "s0", "S", TableArrays::kAny, read.parameters.size());
-  if (arrays.good() && (arrays.has("shear0") || arrays.has("S_shear")))
+  if (arrays.ok() && (arrays.has("shear0") || arrays.has("S_shear")))
     read.base.max_shear =
         read_field(arrays, archive, "shear0", "S_shear", read.elements(), read.parameters.size());
   read.base.displacement_m.assign(read.parameters.size(), 0);
-  if (arrays.good())
-    read.weight = arrays.singles("weights", {read.elements()}, false);
+  if (arrays.ok())
+    read.weight = arrays.floats("weights", {read.elements()}, false);
   if (!std::all_of(read.weight.begin(), read.weight.end(),
                    [](float w) { return w > 0 && w <= 1e12F; }))
     arrays.refuse("array 'weights' has values outside 0..1e+12 m^3: expected volumes");
-  if (arrays.good())
+  if (arrays.ok())
     read_surface(arrays, read);
   read.has_mesh = arrays.has("mesh");
-  if (arrays.good())
+  if (arrays.ok())
     table = std::move(read);
   return arrays.refusal();
 }

@@ -10,7 +10,8 @@
 
 namespace tactus::fem {
 
-/// Which nodes share an element: lower triangle by columns, rows ascending, the diagonal included.
+/// The sparsity pattern of K and M: the pairs of nodes that share an element. Lower triangle,
+/// compressed by columns, rows ascending, with the diagonal.
 struct NodeGraph {
   std::vector<std::int64_t> start; ///< node count + 1
   std::vector<std::int64_t> row;
@@ -21,7 +22,8 @@ struct NodeGraph {
   [[nodiscard]] std::size_t find(std::int64_t at_row, std::int64_t column) const noexcept;
 };
 
-/// Where the node pairs of each element stand in the graph: found once, used in every assembly.
+/// The index in the node graph of each pair of nodes of each element. Computed once, used by every
+/// assembly.
 class PairPositions {
 public:
   /// Refuses graphs beyond 2^31 pairs.
@@ -40,8 +42,8 @@ private:
   std::vector<std::int32_t> position_;
 };
 
-/// A support. Nodes held in the chosen directions: rigidly, or by springs whose stiffness (N/m, the
-/// sum over the patch) is shared equally among the nodes.
+/// A support: nodes fixed in the chosen directions, or held there by springs. The stiffness (N/m)
+/// is that of the whole patch, divided equally among its nodes.
 struct Support {
   std::string name;
   std::vector<int> nodes;
@@ -49,9 +51,9 @@ struct Support {
   double stiffness_n_per_m = 0; ///< 0: rigid
 };
 
-/// The symmetric matrices of K u = omega^2 M u, in SI. K in 3 x 3 blocks over the node graph, row
-/// by row in each block; M has one number a pair of nodes. Held directions keep their rows and are
-/// marked in `held`: solvers skip them.
+/// The symmetric matrices of K u = omega^2 M u, in SI. K is stored in 3 x 3 blocks over the node
+/// graph, row by row in each block. M has one number for each pair of nodes, the same for x, y and
+/// z. Held directions keep their rows and are marked in `constrained`: solvers skip them.
 struct Matrices {
   NodeGraph graph;
   std::vector<double> stiffness;         ///< 9 a pair
@@ -66,14 +68,15 @@ struct Matrices {
   void multiply_mass(std::span<const double> x, std::span<double> y, std::size_t columns) const;
   void multiply_stiffness(std::span<const double> x, std::span<double> y,
                           std::size_t columns) const;
-  /// y = K x with the rows and columns of held directions.
+  /// y = K x with all rows and columns, those of held directions too.
   void multiply_whole_stiffness(std::span<const double> x, std::span<double> y) const;
 };
 
-/// A share of the work that is done, 0 to 1.
+/// Called with the share of the work that is done, 0 to 1.
 using Progress = std::function<void(double)>;
 
-/// One material a region. Refuses when the numbers differ.
+/// Integrates and adds up the matrices of all elements and the springs of the supports.
+/// `materials`: one for each region. Refuses when the numbers differ.
 [[nodiscard]] Matrices assemble(const Mesh&, std::span<const Material>, std::span<const Support>,
                                 const Progress& = {});
 

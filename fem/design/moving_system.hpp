@@ -3,8 +3,8 @@
 
 namespace tactus::fem {
 
-/// The equations of a mesh whose nodes move: only what changed is assembled, onto the same pattern.
-/// Bit for bit the same matrix as a full assembly.
+/// Updates K u = f after nodes have moved: only elements whose nodes moved are integrated again, on
+/// the same sparsity pattern. The matrix is bit for bit that of a full assembly.
 class MovingSystem {
 public:
   MovingSystem(const Mesh&, const StaticModel&, StaticSystem&);

@@ -12,10 +12,10 @@ class PastSolutions {
 public:
   explicit PastSolutions(std::size_t max_count) : max_count_(max_count) {}
 
-  /// Takes a solution of the free directions, with zeros in held ones, as the newest; the oldest
-  /// beyond `max_count` goes.
+  /// Adds a solution of the free directions, with zeros in held ones, as the newest. Drops the
+  /// oldest beyond `max_count`.
   void add(std::span<const double> u);
-  /// The start for K x = b. Zero where nothing is kept.
+  /// The start for K x = b. Zero while no solution is stored.
   void start(const Matrices&, std::span<const double> b, std::span<double> x) const;
   [[nodiscard]] double bytes() const noexcept;
 

@@ -4,7 +4,7 @@
 
 namespace tactus::fem {
 
-/// How the stress of a moved shape is found.
+/// Methods that compute the stress of a moved shape.
 enum class Method : std::uint8_t {
   taylor,   ///< s0 + S dp: no solve
   combined, ///< combined approximations (Kirsch 1991), three basis vectors
@@ -43,8 +43,8 @@ struct StressUpdate {
   bool refactor_recommended = false; ///< a new factor would pay: start a Refactorisation
 };
 
-/// The numeric factorisation of one shape, to be run by a thread of the caller's: it owns all that
-/// it needs. run() once, then Reanalysis::adopt().
+/// The numeric factorisation of one shape, which the caller may run on a thread of its own: the job
+/// owns its data. run() once, then Reanalysis::adopt().
 class Refactorisation {
 public:
   Refactorisation(Refactorisation&&) noexcept;
@@ -79,7 +79,8 @@ public:
 
   /// Moves the nodes to parameters p (absolute, 0: the mesh as given). The step is cut to the
   /// largest fraction on which every element stays valid; the parameters that were reached are
-  /// parameters(). Refuses a wrong count and values that are no numbers, and stays.
+  /// parameters(). Refuses a wrong count and values that are not finite; the shape then stays as it
+  /// was.
   ValidStep move_to(std::span<const double> parameters);
   [[nodiscard]] std::span<const double> parameters() const noexcept;
 
@@ -90,12 +91,13 @@ public:
   /// By the cheaper of PCG and a new factor, as the cost model expects.
   StressUpdate solve();
 
-  /// Of further solutions by PCG: coarser while a control point is dragged, finer at rest.
+  /// Tolerance of further PCG solutions, ||f - K u|| / ||f||. Coarser while a control point is
+  /// dragged, finer when it is released.
   void set_tolerance(double) noexcept;
 
   /// The job of factorising the present shape.
   [[nodiscard]] Refactorisation refactorisation();
-  /// Takes a factor that has run; it preconditions from now on.
+  /// Installs a factor whose run() has ended as the preconditioner of PCG.
   void adopt(Refactorisation);
 
   /// s0 and S at the present shape: solves it with a new factor and finds the sensitivities anew.

@@ -4,7 +4,7 @@
 
 namespace tactus::fem {
 
-/// What a stress tensor is reduced to.
+/// The equivalent stress: which scalar is formed of a stress tensor.
 enum class StressMeasure : std::uint8_t { von_mises, max_shear };
 
 /// Of each element at its centroid, Pa.
@@ -25,7 +25,8 @@ struct StressSensitivity {
                                                            StaticAnalysis&,
                                                            std::span<const DesignVelocity>);
 
-/// Works on eight parameters at a time, so the displacement's derivatives need not be kept.
+/// Derivatives of both equivalent stresses in every element. Eight parameters at a time, so that
+/// du/dp of all parameters is never in memory at once.
 [[nodiscard]] StressSensitivity stress_sensitivity(const Mesh&, const StaticModel&, StaticAnalysis&,
                                                    std::span<const DesignVelocity>,
                                                    const Progress& = {});
@@ -35,7 +36,7 @@ struct StressScalar {
   enum class Kind : std::uint8_t {
     mean,        ///< (1/N) sum s
     volume_mean, ///< sum V s / sum V
-    p_norm       ///< (sum V s^p / sum V)^(1/p): a smooth stand-in for the largest
+    p_norm       ///< (sum V s^p / sum V)^(1/p): a smooth approximation of the maximum
   };
   Kind kind = Kind::volume_mean;
   StressMeasure measure = StressMeasure::von_mises;

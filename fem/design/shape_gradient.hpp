@@ -11,7 +11,7 @@ using NodeGradient = std::vector<Vector3>;
                                                std::span<const DesignVelocity>);
 
 /// Adds factor * d(v' f_int(u))/dX of the elements' internal forces f_int = integral of B'
-/// sigma(u), u and v standing still. With H = grad u, G = grad v, S = C sym G and the velocity
+/// sigma(u), u and v held constant. With H = grad u, G = grad v, S = C sym G and the velocity
 /// gradient L:
 ///   integral of P : L,   P = -(H' S) - (G' sigma) + (sigma : G) I,
 /// Eshelby's tensor for u = v. Symmetric in u and v.
@@ -30,7 +30,7 @@ void add_volume_gradient(const Mesh&, std::span<const double> factor, NodeGradie
 void add_gravity_gradient(const Mesh&, std::span<const ElasticLaw>, std::span<const Load>,
                           std::span<const double> v, double factor, NodeGradient& into);
 
-/// d/dp of the nodal forces of face loads less those on the springs, u standing still: f' - K_s' u,
+/// d/dp of the nodal forces of face loads less those on the springs, u held constant: f' - K_s' u,
 /// by a central difference along the design velocity. Empty when none of their faces moves.
 class FaceForceDerivative {
 public:

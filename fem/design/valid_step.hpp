@@ -9,20 +9,20 @@ namespace tactus::fem {
 /// of a tetrahedron's or triangle's corners the one with the longest edges).
 [[nodiscard]] double scaled_jacobian(const Mesh&, const Element&);
 
-/// Where valid meshes end.
+/// Elements with a smaller scaled Jacobian count as invalid.
 inline constexpr double kMinScaledJacobian = 0.05;
 
-/// How far a step may go.
+/// The admissible part of a step.
 struct ValidStep {
   double fraction = 1;        ///< of the step that leaves every element valid
   std::size_t element = 0;    ///< that stops the step, where fraction < 1
   double scaled_jacobian = 1; ///< the smallest at the fraction among elements that move
 };
 
-/// The largest fraction, to 1e-3, of the way from the mesh to `target` (node positions, m) after
-/// which no element has a scaled Jacobian below `least`, nor less than that share of its volume:
-/// one that is flattened evenly keeps its scaled Jacobian. Elements that are below it at the start
-/// must not get worse.
+/// The largest fraction, to 1e-3, of the step from the mesh to `target` (node positions, m) after
+/// which no element has a scaled Jacobian below `min_quality`, nor less than that share of its
+/// volume. The second condition is needed because an element that is flattened evenly keeps its
+/// scaled Jacobian. Elements that are below it at the start must not get worse.
 [[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
                                    double min_quality = kMinScaledJacobian);
 

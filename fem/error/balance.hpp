@@ -5,11 +5,12 @@
 
 namespace tactus::fem {
 
-/// The error of a frequency goes as h^4 in an element of size h; in one at a singular edge as
-/// h^(2a), a = 0.544 at 270 degrees.
+/// Orders of convergence. The error of a frequency goes as h^4 in an element of size h; in one at a
+/// singular edge as h^(2a), a = 0.544 at an inner angle of 270 degrees (Strang & Fix 1973, chapter
+/// 8).
 inline constexpr double kSmoothOrder = 4, kSingularOrder = 1.1;
 
-/// What a refinement may do to the size of an element.
+/// Limits of the factor by which a refinement may change the size of an element.
 struct FactorLimits {
   double finest = 1.0 / 16, coarsest = 1;
 };

@@ -10,13 +10,13 @@
 
 namespace tactus::fem {
 
-/// Columns that are worked on together.
+/// How many modes are processed together.
 inline constexpr std::size_t kBlockColumns = 8;
 using Lanes = std::array<double, kBlockColumns>;
 
 /// The element matrices of the enriching space W beside the mesh's own space V, one after another
-/// in single precision, which is ample here: first K_WV, then the lower blocks of K_WW, nine
-/// numbers a pair.
+/// in single precision (its rounding is far below the error of the estimate): first K_WV, then the
+/// lower blocks of K_WW, nine numbers a pair.
 class EnrichedSystem {
 public:
   EnrichedSystem(const Mesh&, std::span<const Material>, const Matrices&);

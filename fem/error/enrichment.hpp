@@ -3,9 +3,9 @@
 
 namespace tactus::fem {
 
-/// The functions by which an element's space grows to the next polynomial degree. They vanish at
-/// the element's nodes' functions' span only: together with the nodal functions they are a
-/// hierarchical basis, continuous across elements of any shape that share an edge or a face.
+/// Hierarchical shape functions that raise an element's space to the next polynomial degree.
+/// Together with the nodal functions they are a basis of that space, continuous across elements of
+/// any shape that share an edge or a face.
 ///
 ///   edge a-b    x (1 - x^2), x = l_b - l_a from the node of the lower number to that of the higher
 ///               (linear elements: 1 - x^2)

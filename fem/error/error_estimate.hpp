@@ -4,7 +4,8 @@
 
 namespace tactus::fem {
 
-/// How far each mode's frequency lies above that of the body, and where it comes from.
+/// The estimated discretisation error of each mode's frequency, and each element's share of it.
+/// Frequencies of a mesh lie above those of the body.
 struct ErrorEstimate {
   std::vector<double> relative; ///< of each frequency
   /// [(mode * elements + element) * 3 + axis]: what each element's reference axis adds to
@@ -20,19 +21,20 @@ struct ErrorEstimate {
 ///
 ///   (K_WW - K_WV K_VV^-1 K_VW) e = r,   r = lambda M_WV u - K_WV u,   lambda_V - lambda_V+W ~ r'e
 ///
-/// K_VV^-1 is the factor that the modes were found with, so V and W are coupled in full and thin
-/// elements, whose bending is stiff in V alone, are seen as they are. Conjugate gradients with the
-/// 3 x 3 diagonal blocks of K_WW, all modes at once; r'e grows from below in each step, and a mode
-/// is done when a step adds less than `settle` of it; what further steps would add is extrapolated.
-/// The error of f is half that of lambda. V + W leaves a share of the error of V: little where
-/// modes are smooth; where the stress grows as r^(a-1) about (2/3)^(4a), 0.41 at an edge of 270
-/// degrees (a = 0.544). So what elements at a singular line add is divided by 0.5, what others add
-/// by 0.78.
+/// K_VV^-1 is the factor that the modes were found with, so V and W are coupled in full. Without
+/// that the error of thin elements, whose bending is too stiff in V, would be missed. Conjugate
+/// gradients with the 3 x 3 diagonal blocks of K_WW, all modes at once; r'e grows from below in
+/// each step, and a mode is done when a step adds less than `settle` of it; what further steps
+/// would add is extrapolated. The error of f is half that of lambda. V + W leaves a share of the
+/// error of V: little where modes are smooth; where the stress grows as r^(a-1) about (2/3)^(4a),
+/// 0.41 at an edge of 270 degrees (a = 0.544). So what elements at a singular line add is divided
+/// by 0.5, what others add by 0.78.
 [[nodiscard]] ErrorEstimate estimate_errors(const Mesh&, std::span<const Material>, const Matrices&,
                                             ShiftedFactor&, const Modes&, double settle = .05,
                                             const Progress& = {});
 
-/// What each interval of a swept shape's grid adds to each mode's error. `held`: of Matrices.
+/// What each interval of a swept shape's grid adds to each mode's error. `constrained`: of
+/// Matrices.
 [[nodiscard]] ErrorCells interval_errors(const Mesh&, std::span<const std::uint8_t> constrained,
                                          const ErrorEstimate&, std::size_t intervals);
 

@@ -9,8 +9,8 @@ namespace tactus::fem {
 
 /// Sizes on which every mode's error is at most `target`, with the fewest elements: of min sum
 /// 1/f_i^3 under sum error_i f_i^order_i = target, f_i^(order_i + 3) ~ 1 / (order_i error_i). Cells
-/// are the mesh's elements. They do not grow, since the shape of curved faces hangs on them; over a
-/// distance d sizes grow by d/2 at most.
+/// are the mesh's elements. Sizes never grow, because they also resolve curved faces. Over a
+/// distance d the size increases by d/2 at most.
 [[nodiscard]] SizeField refined_sizes(const Mesh&, const ErrorCells&, double target);
 
 /// The cells and layers of a swept CAD body (sweep.hpp).

@@ -13,18 +13,18 @@ struct ChildLimits {
       1200; ///< seconds by the wall clock from one sign of progress to the next
 };
 
-/// Signs of progress: sentences, and stages with the share that is done.
+/// Progress callbacks: sentences, and stages with the share that is done.
 struct ChildProgress {
   std::function<void(const std::string& sentence)> notify{};
   std::function<void(const std::string& stage, double share)> report{};
 };
 
-/// Runs `work` in a child process and returns its mesh. What happens there (a crash, a run-away, a
-/// system call it may not make; see sandbox.hpp) leaves this process as it is. `work` gets a
-/// ChildProgress that reaches `progress` here; what it throws is thrown here as a Refusal. Death by
-/// signal, memory or silence is a Refusal of one sentence that begins with `file` and names the
-/// limit and how to raise it. The child ends with this process, whatever ends it. One child at a
-/// time.
+/// Runs `work` in a child process and returns its mesh. A crash, an endless loop or a forbidden
+/// system call there (sandbox.hpp) does not affect this process. `work` gets a ChildProgress that
+/// reaches `progress` here; what it throws is thrown here as an InputError. A child that ends by a
+/// signal, the memory limit or the progress timeout is an InputError of one sentence that begins
+/// with `file` and names the limit and how to raise it. The child ends when this process ends, for
+/// whatever reason. One child at a time.
 [[nodiscard]] Mesh run_isolated(const std::string& file, const ChildLimits&,
                                 const ChildProgress& progress,
                                 const std::function<Mesh(const ChildProgress&)>& work);

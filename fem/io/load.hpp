@@ -9,27 +9,28 @@
 namespace tactus::fem {
 
 struct LoadChoice {
-  double unit = 0; ///< metres a unit of the file; 0: the file's own habit (mm; m for .inp and .msh)
-  double h = 0;    ///< element size, m; 0: by `size_for`
+  double unit =
+      0;        ///< metres a unit of the file; 0: the format's usual unit (mm; m for .inp and .msh)
+  double h = 0; ///< element size, m; 0: by `size_for`
   double fillet = 0;      ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come
   int elements_per_turn =
       12; ///< around curved CAD faces; curved sides are then 1e-4 of the radius off
-  /// Of a CAD body: its faces become node sets (face_set()), and each is told. Prisms are not
-  /// swept.
+  /// CAD bodies: every face becomes a node set (face_set()) and is described by a notify()
+  /// sentence. Prisms are then not swept.
   bool face_sets = false;
   std::string part{}; ///< the one of several bodies to take, by name or number from one
   /// The size of elements (m) for a body of a volume, skin and largest extent (m^3, m^2, m), where
   /// h is 0.
   std::function<double(double volume, double skin, double largest)> size_for{};
-  /// In place of h: those of a refinement. What cannot be meshed so is refused, not meshed
-  /// otherwise.
+  /// Element sizes of a refinement, in place of h. A body that cannot be meshed with them is
+  /// refused.
   const SizeField* sizes = nullptr;
   std::function<void(const std::string&)> notify{};
-  /// Called before gmsh meshes, with what is coming; may refuse it. Runs in the child process: what
-  /// it changes in memory is lost.
+  /// Called before gmsh meshes, with the predicted size; may throw to refuse it. It runs in the
+  /// child process: what it changes in memory is lost.
   std::function<void(const MeshSize&, const std::function<void(const std::string&)>& notify)>
       on_prediction{};
   std::function<void(const std::string& stage, double share)> report{};
@@ -41,8 +42,8 @@ struct LoadChoice {
 
 /// A body from a file, by its ending: .msh and .inp are volume meshes and read as they are; .step,
 /// .stp, .brep, .brp, .stl and .obj are meshed with gmsh in tet10. The file is read and meshed in a
-/// child process with `limits` (isolated.hpp, docs/security.md). Refuses what it cannot read,
-/// naming file, line or element.
+/// child process with `limits` (isolated_process.hpp, docs/security.md). Refuses what it cannot
+/// read, naming file, line or element.
 [[nodiscard]] Mesh load_body(const std::string& path, const LoadChoice&);
 
 } // namespace tactus::fem

@@ -7,26 +7,26 @@
 
 namespace tactus::fem {
 
-/// What a table says of itself beside its numbers.
+/// Metadata of a table, written as JSON.
 struct TableMetadata {
   std::string body_name = "body";
   std::string support = "free";
   std::string created; ///< ISO 8601; empty: left out, and equal bodies are equal files
   std::vector<double> relative_error; ///< estimated, of each frequency; empty: unknown
   double air_density = 1.184, air_speed = 346.1;
-  std::vector<std::string> command; ///< the words with which modal_fem made it; empty: not said
+  std::vector<std::string> command; ///< command line of modal_fem; empty: left out
 };
 
-/// How the frequencies follow the control points of a lattice around the body.
+/// Derivatives of the frequencies by the control points of a lattice around the body.
 struct ShapeDerivatives {
   std::vector<Vector3> control_points; ///< m
   std::vector<ParameterRange> parameters;
   std::vector<double> by_parameter; ///< [parameter][mode] d(omega^2)/dp, rad^2/s^2 per m
-  double trust = 0;                 ///< m, displacements for which the derivatives serve
+  double trust = 0; ///< m, the largest displacement for which the derivatives may be used
   std::vector<double> displacement; ///< m, of the parameters, here; empty: 0
 };
 
-/// Everything that a sounding body needs, ready to be written.
+/// The contents of a modal table file.
 struct ModalTable {
   const Mesh& mesh;
   std::span<const Material> materials;

@@ -7,7 +7,7 @@
 namespace tactus::fem {
 
 /// Numbers and sections of an MSH file, text or binary. Every value is read within the file's bytes
-/// and within stated limits; everything else is a Refusal that names file, line (text) or byte
+/// and within stated limits; everything else is an InputError that names file, line (text) or byte
 /// (binary), section, value and expectation.
 class MshScanner {
 public:
@@ -48,7 +48,7 @@ public:
   double real(const char* what);
   /// The rest of the line, without blanks around it.
   std::string_view line();
-  /// Four bytes as they lie in the file: 1 tells the order of bytes.
+  /// Four bytes as stored in the file: the number 1 there shows the byte order.
   std::uint32_t raw_word();
 
   /// Refuses `value`, saying what was expected.

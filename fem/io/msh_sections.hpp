@@ -9,7 +9,7 @@
 
 namespace tactus::fem {
 
-/// What the sections of an MSH file say, before nodes are found by their tags.
+/// The contents of an MSH file's sections, before nodes are looked up by their tags.
 struct MshSections {
   struct Element {
     std::uint64_t tag;
@@ -29,8 +29,8 @@ struct MshSections {
 };
 
 /// Reads MSH 2.0 to 2.2 and 4.1, text or binary, both orders of bytes (gmsh reference manual, "MSH
-/// file format"). Sections that carry no mesh are passed over. Memory and time are bounded by the
-/// number of bytes; what is damaged is refused by file, line or byte, section, value, expectation.
+/// file format"). Sections without mesh data are skipped. Memory and time are bounded by the number
+/// of bytes; damaged files are refused with file, line or byte, section, value and expectation.
 [[nodiscard]] MshSections read_msh_sections(const std::string& path, std::string bytes);
 
 } // namespace tactus::fem

@@ -27,7 +27,7 @@ private:
 /// and end this process with status 130.
 void clean_up_on_interrupt();
 
-/// What the interrupt does besides: a function that a signal handler may call, or null.
+/// Sets a further function that the interrupt calls. It must be async-signal-safe; null: none.
 void also_on_interrupt(void (*)());
 
 } // namespace tactus::fem

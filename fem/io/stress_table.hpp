@@ -7,17 +7,17 @@
 
 namespace tactus::fem {
 
-/// What a stress table says of the part in words.
+/// Metadata of a stress table, written as JSON.
 struct StressMetadata {
   std::string body_name, created; ///< created: ISO 8601, or empty
   std::vector<std::string> supports, loads;
   double mass = 0, volume = 0;                     ///< kg, m^3
   double max_displacement = 0;                     ///< m
   double product_s = 0, solve_s = 0, factor_s = 0; ///< measured on the machine that wrote it
-  std::vector<std::string> command;                ///< the words with which part_stress made it
+  std::vector<std::string> command;                ///< command line of part_stress
 };
 
-/// A part's stress and how it follows its control points.
+/// A part's stress and its derivatives by the control points: the contents of a stress table file.
 struct StressTable {
   const Mesh& mesh;
   std::span<const Material> materials;
@@ -38,8 +38,8 @@ struct StressTable {
 /// docs/part_stress.md lists them. A surface node takes the colour of the largest of its elements.
 void write_stress_table(const std::string& path, const StressTable&);
 
-/// For each vertex of the skin the element that lends it its stress: of those that share the node
-/// the one of largest volume.
+/// For each vertex of the skin the element whose stress is drawn there: of those that share the
+/// node the one of largest volume.
 [[nodiscard]] std::vector<std::int32_t> element_of_vertices(const Mesh&, const Surface&,
                                                             std::span<const double> volumes);
 

@@ -8,8 +8,8 @@
 
 namespace tactus::fem {
 
-/// A surface of triangles. As read it is a soup; fem/mesh/repair.hpp makes a closed one of it,
-/// outward.
+/// A surface of triangles. Files give an unconnected soup; weld() and find_shells() (fem/mesh) make
+/// closed shells of it, oriented outward.
 struct Triangles {
   std::vector<Vector3> points; ///< m
   std::vector<std::array<int, 3>> triangles;
@@ -28,11 +28,12 @@ struct Triangles {
   }
 };
 
-/// Reads an STL (text or binary, told by its content) or OBJ file as it is (files/mesh_file.hpp),
-/// polygons cut into triangles by their ears, lengths times `unit`. Refuses an unreadable file,
-/// naming its line or triangle.
+/// Reads an STL (text or binary, recognised by its content) or OBJ file without repair
+/// (files/mesh_file.hpp), polygons cut into triangles by their ears, lengths times `unit`. Refuses
+/// an unreadable file, naming its line or triangle.
 [[nodiscard]] Triangles read_triangles(const std::string& path, double unit);
-/// The same of a file's bytes; `path` tells OBJ from STL by its ending, and stands in refusals.
+/// The same of a file's bytes; OBJ is recognised by the ending of `path`, which also appears in
+/// error texts.
 [[nodiscard]] Triangles triangles_of(const std::string& path, std::string_view bytes, double unit);
 
 /// " near (1, 2, 3) mm", for sentences to the user.

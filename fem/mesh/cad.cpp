@@ -111,151 +111,209 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
   return std::nullopt;
 }
 
+/// A way to mesh the solids. Each stands for a fault seen in real files: small edges, coarse curved
+/// sides, bad faces.
+struct Attempt {
+  const char* words; ///< for the user
+  bool heal;
+  double finer;  ///< factor on the element size
+  int algorithm; ///< gmsh's for faces: 6 Frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
+};
+constexpr Attempt kAttempts[]{{"", false, 1, 6},
+                              {" with its small edges mended", true, 1, 6},
+                              {" in smaller elements", false, .6, 5},
+                              {" with adapted faces", true, .8, 1}};
+
+/// A CAD file on its way to a mesh.
+class CadMesher {
+public:
+  CadMesher(const std::string& path, const LoadChoice& choice)
+      : path_(path), choice_(choice), unit_(choice.unit > 0 ? choice.unit : 1e-3),
+        facets_allowed_(!choice.sizes || choice.sizes->straight) {
+    if (choice.notify)
+      notify_ = choice.notify;
+  }
+
+  /// Tries each attempt in turn; the skin's triangles of a single body come before finer elements.
+  [[nodiscard]] Mesh mesh() {
+    for (const Attempt& how : kAttempts) {
+      try {
+        if (how.finer < 1 && solids_ == 1 && facets_allowed_ && facets_reason_.empty() &&
+            !skin_.triangles.empty())
+          if (std::optional<Mesh> mesh = try_facets())
+            return std::move(*mesh);
+        Mesh mesh = mesh_solids(how);
+        if (*how.words)
+          notify_(std::string("meshed") + how.words);
+        return mesh;
+      } catch (const TooLarge&) {
+        throw;
+      } catch (const InputError& refusal) {
+        if (is_final(refusal.what()))
+          throw;
+        if (reason_.empty())
+          reason_ = refusal.what();
+      }
+    }
+    return last_resort();
+  }
+
+private:
+  /// Volume (m^3) and skin (m^2) of the solids, and the size of their elements in the model's unit.
+  struct Extent {
+    double volume, area, h;
+  };
+
+  /// Whether another attempt would end with the same refusal.
+  [[nodiscard]] bool is_final(const std::string& what) const {
+    const bool swept = choice_.sizes && !choice_.sizes->levels.empty();
+    return swept || choice_.fillet > 0 || what.find("separate parts") != std::string::npos ||
+           what.find("no solid") != std::string::npos ||
+           what.find("cannot be read") != std::string::npos;
+  }
+
+  [[nodiscard]] Mesh mesh_solids(const Attempt& how) {
+    return session_->run(path_ + " cannot be meshed" + how.words, [&] {
+      import_solids(path_, choice_, unit_, notify_);
+      if (!how.heal && how.finer == 1 && !choice_.face_sets && choice_.h <= 0 && choice_.size_for &&
+          !(choice_.fillet > 0))
+        if (std::optional<Mesh> swept = mesh_of_prism(path_, choice_, unit_))
+          return std::move(*swept);
+      if (how.heal)
+        heal_shapes();
+      const gmsh::vectorpair volumes = volumes_of_model();
+      solids_ = volumes.size();
+      const Extent extent = measure(volumes, how.finer);
+      gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
+      gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", choice_.elements_per_turn);
+      gmsh::option::setNumber("Mesh.Algorithm", how.algorithm);
+      predict_size(extent, 0);
+      choose_sizes(volumes, extent.h, how.finer);
+      generate(2);
+      if (Triangles made = skin_of_model(volumes_of_model(), unit_); !made.triangles.empty())
+        skin_ = std::move(made);
+      predict_size(extent, static_cast<double>(skin_.triangles.size()));
+      generate(3);
+      return finished_mesh();
+    });
+  }
+
+  static void heal_shapes() {
+    gmsh::vectorpair healed;
+    gmsh::model::occ::healShapes(healed, {}, 1e-5 * box_of(-1, -1).largest(), true, true, true,
+                                 false, false);
+    gmsh::model::occ::synchronize();
+  }
+
+  [[nodiscard]] Extent measure(const gmsh::vectorpair& volumes, double finer) const {
+    const double solid = volume_of(volumes);
+    double area = 0;
+    gmsh::vectorpair faces;
+    gmsh::model::getBoundary(volumes, faces, true, false);
+    for (const auto& [dimension, tag] : faces)
+      area += mass_of(dimension, tag);
+    const double volume_m3 = unit_ * unit_ * unit_ * solid, area_m2 = unit_ * unit_ * area;
+    return {volume_m3, area_m2,
+            finer / unit_ *
+                first_size(choice_, volume_m3, area_m2, unit_ * box_of(-1, -1).largest())};
+  }
+
+  void predict_size(const Extent& extent, double triangles) const {
+    if (choice_.on_prediction)
+      choice_.on_prediction(predicted_mesh_size(choice_, extent.volume, extent.area,
+                                                unit_ * box_of(-1, -1).size(), unit_ * extent.h,
+                                                triangles),
+                            notify_);
+  }
+
+  /// Element sizes: h, graded into concave edges where h is given, or those of a refinement.
+  void choose_sizes(const gmsh::vectorpair& volumes, double h, double finer) const {
+    set_sizes(h, {});
+    if (choice_.h <= 0) // the first of several: what small curves need shows in the errors
+      gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 3);
+    // Refinements grade where the errors are.
+    if ((choice_.grade_concave && choice_.h > 0) || choice_.fillet > 0) {
+      generate(2);
+      std::vector<double> concave = concave_curves();
+      if (choice_.fillet > 0)
+        concave = round_off(volumes, concave, choice_.fillet / unit_);
+      if (!concave.empty()) {
+        notify_(std::to_string(concave.size()) + " concave edges, graded");
+        gmsh::model::mesh::clear();
+        set_sizes(h, concave);
+      }
+    }
+    if (choice_.sizes) {
+      gmsh::model::mesh::clear();
+      set_sizes(*choice_.sizes, unit_, finer);
+    }
+  }
+
+  /// The model's mesh in second order. Refuses one that does not fill the solids.
+  [[nodiscard]] Mesh finished_mesh() const {
+    Mesh mesh = make_quadratic(choice_.curved, unit_, choice_.face_sets);
+    if (choice_.face_sets)
+      report_faces(unit_, notify_);
+    check(mesh);
+    if (choice_.sizes && !choice_.sizes->straight && has_straight_sides(mesh))
+      throw InputError(path_ + ": curved sides turn inside out on a finer mesh");
+    const double whole = unit_ * unit_ * unit_ * volume_of(volumes_of_model());
+    if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxVolumeChange)
+      throw InputError(
+          path_ + format(": the mesh has %+.2f %% of the solid's volume too much", 100 * change));
+    return mesh;
+  }
+
+  /// Fills the triangles of the solids' faces as a surface file's.
+  [[nodiscard]] Mesh mesh_facets() {
+    session_.reset(); // the surface is filled in one of its own
+    notify_(reason_);
+    notify_("the solids' faces are taken as triangles, and as one region");
+    return mesh_soup(skin_, choice_);
+  }
+  [[nodiscard]] std::optional<Mesh> try_facets() {
+    try {
+      return mesh_facets();
+    } catch (const TooLarge&) {
+      throw;
+    } catch (const InputError& refusal) {
+      facets_reason_ = refusal.what();
+      session_.emplace();
+      return std::nullopt;
+    }
+  }
+  [[nodiscard]] Mesh last_resort() {
+    if (!facets_allowed_)
+      throw InputError(reason_);
+    if (!facets_reason_.empty())
+      throw InputError(reason_ + "; as triangles: " + facets_reason_);
+    if (skin_.triangles.empty())
+      throw InputError(reason_ + "; give another --h, or export it as STL");
+    try {
+      return mesh_facets();
+    } catch (const TooLarge&) {
+      throw;
+    } catch (const InputError& refusal) {
+      throw InputError(reason_ + "; as triangles: " + refusal.what());
+    }
+  }
+
+  const std::string& path_;
+  const LoadChoice& choice_;
+  double unit_;         ///< metres a unit of the model
+  bool facets_allowed_; ///< not for a refinement of curved sides: its sizes belong to another body
+  std::function<void(const std::string&)> notify_ = [](const std::string&) {};
+  std::optional<Session> session_{std::in_place};
+  Triangles skin_; ///< of the last attempt that meshed the faces
+  std::size_t solids_ = 0;
+  std::string reason_, facets_reason_; ///< the first refusals
+};
+
 } // namespace
 
 Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   (void)cad_format(path); // refused before anything is tried
-  const auto notify = choice.notify ? choice.notify : [](const std::string&) {};
-  const double unit = choice.unit > 0 ? choice.unit : 1e-3;
-  Triangles skin;
-  std::string reason;
-  std::size_t solids = 0;
-  std::optional<Session> session(std::in_place);
-  const auto attempt = [&](const std::string& how, bool heal, double finer, int algorithm) {
-    return session->run(path + " cannot be meshed" + how, [&] {
-      import_solids(path, choice, unit, notify);
-      if (!heal && finer == 1 && !choice.face_sets && choice.h <= 0 && choice.size_for &&
-          !(choice.fillet > 0))
-        if (std::optional<Mesh> swept = mesh_of_prism(path, choice, unit))
-          return std::move(*swept);
-      if (heal) {
-        gmsh::vectorpair healed;
-        gmsh::model::occ::healShapes(healed, {}, 1e-5 * box_of(-1, -1).largest(), true, true, true,
-                                     false, false);
-        gmsh::model::occ::synchronize();
-      }
-      const gmsh::vectorpair volumes = volumes_of_model();
-      solids = volumes.size();
-      const double solid = volume_of(volumes);
-      double area = 0;
-      gmsh::vectorpair faces;
-      gmsh::model::getBoundary(volumes, faces, true, false);
-      for (const auto& [dimension, tag] : faces)
-        area += mass_of(dimension, tag);
-      const double h = finer / unit *
-                       first_size(choice, unit * unit * unit * solid, unit * unit * area,
-                                  unit * box_of(-1, -1).largest());
-      gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
-      gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", choice.elements_per_turn);
-      gmsh::option::setNumber("Mesh.Algorithm", algorithm);
-      const auto predict_size = [&](double triangles) {
-        if (choice.on_prediction)
-          choice.on_prediction(predicted_mesh_size(choice, unit * unit * unit * solid,
-                                                   unit * unit * area, unit * box_of(-1, -1).size(),
-                                                   unit * h, triangles),
-                               notify);
-      };
-      predict_size(0);
-      set_sizes(h, {});
-      if (choice.h <= 0) // the first of several: what small curves need shows in the errors
-        gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 3);
-      std::vector<double> concave;
-      // Refinements grade where the errors are.
-      if ((choice.grade_concave && choice.h > 0) || choice.fillet > 0) {
-        generate(2);
-        concave = concave_curves();
-        if (choice.fillet > 0)
-          concave = round_off(volumes, concave, choice.fillet / unit);
-        if (!concave.empty()) {
-          notify(std::to_string(concave.size()) + " concave edges, graded");
-          gmsh::model::mesh::clear();
-          set_sizes(h, concave);
-        }
-      }
-      if (choice.sizes) {
-        gmsh::model::mesh::clear();
-        set_sizes(*choice.sizes, unit, finer);
-      }
-      generate(2);
-      if (Triangles made = skin_of_model(volumes_of_model(), unit); !made.triangles.empty())
-        skin = std::move(made);
-      predict_size(static_cast<double>(skin.triangles.size()));
-      generate(3);
-      Mesh mesh = make_quadratic(choice.curved, unit, choice.face_sets);
-      if (choice.face_sets)
-        report_faces(unit, notify);
-      check(mesh);
-      if (choice.sizes && !choice.sizes->straight && has_straight_sides(mesh))
-        throw InputError(path + ": curved sides turn inside out on a finer mesh");
-      const double whole = unit * unit * unit * volume_of(volumes_of_model());
-      if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxVolumeChange)
-        throw InputError(
-            path + format(": the mesh has %+.2f %% of the solid's volume too much", 100 * change));
-      return mesh;
-    });
-  };
-  struct Attempt {
-    const char* words;
-    bool heal;
-    double finer;
-    int algorithm; ///< gmsh's for faces: 6 Frontal-Delaunay, 5 Delaunay, 1 MeshAdapt
-  };
-  const bool facets_serve = !choice.sizes || choice.sizes->straight; // else another body's
-  const auto take_facets = [&] {
-    session.reset(); // the surface is filled in one of its own
-    notify(reason);
-    notify("the solids' faces are taken as triangles, and as one region");
-    return mesh_soup(skin, choice);
-  };
-  std::string facets_reason;
-  // Each attempt stands for a fault seen in real files: small edges, coarse curved sides, bad
-  // faces. One body's triangles are tried before ever finer elements.
-  for (const Attempt& how :
-       {Attempt{"", false, 1, 6}, Attempt{" with its small edges mended", true, 1, 6},
-        Attempt{" in smaller elements", false, .6, 5},
-        Attempt{" with adapted faces", true, .8, 1}}) {
-    try {
-      if (how.finer < 1 && solids == 1 && facets_serve && facets_reason.empty() &&
-          !skin.triangles.empty()) {
-        try {
-          return take_facets();
-        } catch (const TooLarge&) {
-          throw;
-        } catch (const InputError& refusal) {
-          facets_reason = refusal.what();
-          session.emplace();
-        }
-      }
-      Mesh mesh = attempt(how.words, how.heal, how.finer, how.algorithm);
-      if (*how.words)
-        notify(std::string("meshed") + how.words);
-      return mesh;
-    } catch (const TooLarge&) {
-      throw;
-    } catch (const InputError& refusal) {
-      const std::string what = refusal.what();
-      const bool swept = choice.sizes && !choice.sizes->levels.empty();
-      if (swept || choice.fillet > 0 || what.find("separate parts") != std::string::npos ||
-          what.find("no solid") != std::string::npos ||
-          what.find("cannot be read") != std::string::npos)
-        throw;
-      if (reason.empty())
-        reason = what;
-    }
-  }
-  if (!facets_serve)
-    throw InputError(reason);
-  if (!facets_reason.empty())
-    throw InputError(reason + "; as triangles: " + facets_reason);
-  if (skin.triangles.empty())
-    throw InputError(reason + "; give another --h, or export it as STL");
-  try {
-    return take_facets();
-  } catch (const TooLarge&) {
-    throw;
-  } catch (const InputError& refusal) {
-    throw InputError(reason + "; as triangles: " + refusal.what());
-  }
+  return CadMesher(path, choice).mesh();
 }
 
 } // namespace tactus::fem

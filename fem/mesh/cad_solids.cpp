@@ -195,38 +195,58 @@ void keep_chosen_parts(const LoadChoice& choice, double unit) {
   gmsh::model::occ::synchronize();
 }
 
-} // namespace
+/// Reads a file into gmsh's model and joins its solids.
+class SolidImport {
+public:
+  SolidImport(const std::string& path, const LoadChoice& choice, double unit,
+              const std::function<void(const std::string&)>& notify)
+      : path_(path), choice_(choice), unit_(unit), notify_(notify), kind_(cad_format(path)) {}
 
-/// Reads the file into gmsh: at least one solid, touching ones with common faces.
-void import_solids(const std::string& path, const LoadChoice& choice, double unit,
-                   const std::function<void(const std::string&)>& notify) {
-  const std::string kind = cad_format(path);
-  const auto read = [&] {
+  void run() {
+    read();
+    largest_ = box_of(-1, -1).largest();
+    if (volumes_of_model().empty())
+      sew_faces();
+    remove_leftovers(true);
+    if (volumes_of_model().size() > 1)
+      join_solids();
+    try {
+      keep_chosen_parts(choice_, unit_);
+    } catch (const InputError& refusal) {
+      throw InputError(path_ + ": " + refusal.what());
+    }
+    const vectorpair volumes = volumes_of_model();
+    if (volumes.size() > 1)
+      name_regions(volumes);
+  }
+
+private:
+  void read() const {
     gmsh::clear();
     vectorpair shapes;
     if (!succeeds([&] {
-          gmsh::model::occ::importShapes(path, shapes, false, kind); // never a script
+          gmsh::model::occ::importShapes(path_, shapes, false, kind_); // never a script
           gmsh::model::occ::synchronize();
         }) ||
         (gmsh::model::getEntities(shapes), shapes.empty()))
-      throw InputError(path +
+      throw InputError(path_ +
                        " cannot be read by the CAD kernel (Open CASCADE): is it damaged or of "
                        "another format? save it again as STEP, or as STL");
-  };
-  read();
-  const double largest = box_of(-1, -1).largest();
-  if (volumes_of_model().empty()) {
-    const std::string reason = without_solid(unit);
-    if (!sew(largest))
-      throw InputError(path + " holds no solid: " + reason +
+  }
+
+  void sew_faces() const {
+    const std::string reason = without_solid(unit_);
+    if (!sew(largest_))
+      throw InputError(path_ + " holds no solid: " + reason +
                        "; expected a solid or faces that can be sewn into one: close it in a CAD "
                        "program, or export it as STL for --shrink-wrap");
-    notify("faces were sewn into " + std::to_string(volumes_of_model().size()) + " solid");
+    notify_("faces were sewn into " + std::to_string(volumes_of_model().size()) + " solid");
   }
-  // Faces are sewn where there is no solid; what belongs to no solid goes.
-  const auto remove_leftovers = [&](bool report_gaps) {
+
+  /// Sews faces if there is no solid, and removes faces and curves that belong to no solid.
+  void remove_leftovers(bool report_gaps) const {
     if (volumes_of_model().empty())
-      sew(largest);
+      sew(largest_);
     vectorpair sheets;
     for (int dimension = 1; dimension < 3; ++dimension) {
       vectorpair all;
@@ -243,55 +263,69 @@ void import_solids(const std::string& path, const LoadChoice& choice, double uni
       gmsh::model::occ::synchronize();
     });
     if (gone && report_gaps)
-      notify(format("%zu faces and curves that belong to no solid were left out", sheets.size()));
-  };
-  remove_leftovers(true);
-  const auto pieces = [&] {
+      notify_(format("%zu faces and curves that belong to no solid were left out", sheets.size()));
+  }
+
+  [[nodiscard]] static std::size_t connected_pieces() {
     const auto group = connected_groups(volumes_of_model());
     return std::set<int>(group.begin(), group.end()).size();
-  };
-  if (volumes_of_model().size() > 1) {
-    bool shared = fragment_solids(0);
-    const std::size_t separate = shared ? pieces() : volumes_of_model().size();
-    const double whole = shared ? volume_of(volumes_of_model()) : 0;
-    if (!shared || (separate > 1 && !choice.multi && choice.part.empty())) {
-      bool closed = false;
-      for (const double share : {1e-4, 1e-3}) { // small gaps of the CAD system
+  }
+
+  /// Gives touching solids common faces. Closes small gaps where several parts would remain.
+  void join_solids() const {
+    bool joined = fragment_solids(0);
+    if (!joined || (!choice_.multi && choice_.part.empty() && connected_pieces() > 1)) {
+      joined = close_gaps(joined);
+      if (!joined) {
         read();
         remove_leftovers(false);
-        const double change = [&] {
-          const bool done = fragment_solids(share * largest);
-          return !done ? 1. : whole > 0 ? std::abs(volume_of(volumes_of_model()) / whole - 1) : 0;
-        }();
-        closed = change < kMaxGapVolume && (!shared || pieces() < separate);
-        if (closed) {
-          notify(format("gaps below %.2g mm between the parts were closed",
-                        1e3 * unit * share * largest));
-          if (pieces() == 1 || share > 5e-4)
-            break;
-        }
+        joined = fragment_solids(0);
       }
-      if (!closed) {
-        read();
-        remove_leftovers(false);
-        closed = fragment_solids(0);
-      }
-      shared = closed;
     }
-    if (!shared)
+    if (!joined)
       throw InputError(
-          path + ": its " + std::to_string(volumes_of_model().size()) +
+          path_ + ": its " + std::to_string(volumes_of_model().size()) +
           " solids could not be joined where they touch; fuse them in a CAD program, or "
           "save one alone");
   }
-  try {
-    keep_chosen_parts(choice, unit);
-  } catch (const InputError& refusal) {
-    throw InputError(path + ": " + refusal.what());
+
+  /// Joins the solids with a tolerance, for the small gaps of CAD systems. Returns whether the last
+  /// tolerance tried left fewer parts and the volume unchanged. `joined`: solids that touch are.
+  [[nodiscard]] bool close_gaps(bool joined) const {
+    const std::size_t separate = joined ? connected_pieces() : volumes_of_model().size();
+    const double whole = joined ? volume_of(volumes_of_model()) : 0;
+    bool closed = false;
+    for (const double share : {1e-4, 1e-3}) {
+      read();
+      remove_leftovers(false);
+      const bool done = fragment_solids(share * largest_);
+      const double change = !done       ? 1.
+                            : whole > 0 ? std::abs(volume_of(volumes_of_model()) / whole - 1)
+                                        : 0;
+      closed = change < kMaxGapVolume && (!joined || connected_pieces() < separate);
+      if (closed) {
+        notify_(format("gaps below %.2g mm between the parts were closed",
+                       1e3 * unit_ * share * largest_));
+        if (connected_pieces() == 1 || share > 5e-4)
+          break;
+      }
+    }
+    return closed;
   }
-  const vectorpair volumes = volumes_of_model();
-  if (volumes.size() > 1)
-    name_regions(volumes);
+
+  const std::string& path_;
+  const LoadChoice& choice_;
+  double unit_; ///< metres of the model's lengths
+  const std::function<void(const std::string&)>& notify_;
+  std::string kind_;   ///< "step" or "brep"
+  double largest_ = 0; ///< extent of the model, in its unit
+};
+
+} // namespace
+
+void import_solids(const std::string& path, const LoadChoice& choice, double unit,
+                   const std::function<void(const std::string&)>& notify) {
+  SolidImport(path, choice, unit, notify).run();
 }
 
 } // namespace tactus::fem

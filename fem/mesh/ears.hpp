@@ -8,10 +8,12 @@
 
 namespace tactus::fem {
 
-inline constexpr std::size_t kMaxEarCorners = 4096; ///< cutting ears takes their square
+inline constexpr std::size_t kMaxEarCorners =
+    4096; ///< the time of ear clipping grows with their square
 
-/// A polygon, plane or nearly so and possibly concave, as corner numbers of its triangles, turning
-/// as the polygon does. Ears are cut in the plane of its mean normal (Meisters 1975).
+/// Triangulates a polygon, plane or nearly so and possibly concave, by ear clipping in the plane of
+/// its mean normal (Meisters 1975). Returns the corner numbers of the triangles, oriented as the
+/// polygon.
 [[nodiscard]] std::vector<std::array<int, 3>> clip_ears(std::span<const Vector3> corners);
 
 } // namespace tactus::fem

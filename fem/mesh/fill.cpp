@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <gmsh.h>
+#include <optional>
 #include <set>
 
 namespace tactus::fem {
@@ -54,43 +55,97 @@ void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
   gmsh::model::geo::synchronize();
 }
 
-} // namespace
-
-namespace {
-
 constexpr std::size_t kMaxTriangles = 60000; ///< that are filled as they are: 10^6 unknowns
 constexpr std::size_t kSimplified = 20000;   ///< beyond that edges collapse in one go first
 constexpr double kMaxVolumeChange = .01;     ///< of the mesh against its surface
 
-} // namespace
-
-Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
-  double solid = 0, skin = 0, edges = 0;
-  for (const auto& t : surface.triangles) {
-    const auto at = [&](std::size_t k) { return surface.points[static_cast<std::size_t>(t[k])]; };
-    solid += dot(at(0), cross(at(1), at(2))) / 6;
-    skin += .5 * length(cross(at(1) - at(0), at(2) - at(0)));
-    edges += length(at(1) - at(0)) + length(at(2) - at(1)) + length(at(0) - at(2));
+/// A closed surface on its way to a tet10 mesh.
+class SurfaceFill {
+public:
+  SurfaceFill(const Triangles& surface, const LoadChoice& choice)
+      : surface_(surface), choice_(choice) {
+    double edges = 0;
+    for (const auto& t : surface.triangles) {
+      const auto at = [&](std::size_t k) { return surface.points[static_cast<std::size_t>(t[k])]; };
+      solid_ += dot(at(0), cross(at(1), at(2))) / 6;
+      skin_ += .5 * length(cross(at(1) - at(0), at(2) - at(0)));
+      edges += length(at(1) - at(0)) + length(at(2) - at(1)) + length(at(0) - at(2));
+    }
+    const double largest = bounding_box(surface.points).largest();
+    target_edge_ =
+        choice.sizes ? choice.sizes->largest() : first_size(choice, solid_, skin_, largest);
+    mean_edge_ = edges / (3 * static_cast<double>(surface.triangles.size()));
+    slivers_ = share_of_slivers(surface, 8);
   }
-  const double largest = bounding_box(surface.points).largest();
-  const double target_edge =
-      choice.sizes ? choice.sizes->largest() : first_size(choice, solid, skin, largest);
-  const auto size_at = [&](const Vector3& p) {
-    return choice.sizes ? std::min(target_edge, choice.sizes->at(p)) : target_edge;
-  };
-  const double mean_edge = edges / (3 * static_cast<double>(surface.triangles.size()));
-  const double slivers = share_of_slivers(surface, 8);
-  const bool remesh_surface = choice.remesh || choice.sizes || slivers > .01 ||
-                              mean_edge < .6 * target_edge || mean_edge > 1.6 * target_edge;
-  const auto predict_size = [&](double triangles) {
-    if (choice.on_prediction)
-      choice.on_prediction(predicted_mesh_size(choice, std::abs(solid), skin,
-                                               bounding_box(surface.points).size(), target_edge,
-                                               triangles),
-                           choice.notify);
-  };
-  predict_size(remesh_surface ? 0 : static_cast<double>(surface.triangles.size()));
-  const auto fill = [&](const Triangles& triangles) {
+
+  [[nodiscard]] Mesh mesh() {
+    const bool remesh_surface = choice_.remesh || choice_.sizes || slivers_ > .01 ||
+                                mean_edge_ < .6 * target_edge_ || mean_edge_ > 1.6 * target_edge_;
+    predict_size(remesh_surface ? 0 : static_cast<double>(surface_.triangles.size()));
+    if (!remesh_surface)
+      return fill(surface_);
+    // Faces that lie close together leave less room for a coarser surface between them.
+    for (const auto& [size, deviation_factor] : std::initializer_list<std::pair<double, double>>{
+             {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}})
+      if (std::optional<Mesh> mesh = try_remeshed(size, deviation_factor))
+        return std::move(*mesh);
+    if (choice_.sizes) // the triangles as they are would not be what the refinement asks for
+      throw InputError(reason_.empty() ? "the surface crosses itself in the finer triangles"
+                                       : reason_);
+    if (surface_.triangles.size() > kMaxTriangles)
+      throw InputError(reason_.empty()
+                           ? format("no coarser surface without crossings was found for its "
+                                    "%zu triangles; give a smaller --h",
+                                    surface_.triangles.size())
+                           : reason_);
+    notify("the triangles are kept as they are");
+    return fill(surface_);
+  }
+
+private:
+  void notify(const std::string& sentence) const {
+    if (choice_.notify)
+      choice_.notify(sentence);
+  }
+  void predict_size(double triangles) const {
+    if (choice_.on_prediction)
+      choice_.on_prediction(predicted_mesh_size(choice_, std::abs(solid_), skin_,
+                                                bounding_box(surface_.points).size(), target_edge_,
+                                                triangles),
+                            choice_.notify);
+  }
+
+  /// The surface in triangles of `size` times the wanted edge, filled. Nothing if they cross or are
+  /// too many, or cannot be filled.
+  [[nodiscard]] std::optional<Mesh> try_remeshed(double size, double deviation_factor) {
+    const std::function<double(const Vector3&)> edge = [&, scale = .85 * size](const Vector3& p) {
+      return scale * (choice_.sizes ? std::min(target_edge_, choice_.sizes->at(p)) : target_edge_);
+    };
+    const double deviation = deviation_factor * size * target_edge_;
+    const bool large = surface_.triangles.size() > kSimplified;
+    Triangles thin = large ? simplified(surface_, edge, .5 * deviation) : Triangles{};
+    Triangles even = remeshed(large ? thin : surface_, edge, deviation);
+    const bool crossed = crossing(even).has_value();
+    if (crossed && large) // which the simplified surface does not
+      even = std::move(thin);
+    if (even.triangles.size() > kMaxTriangles || (crossed && !large))
+      return std::nullopt;
+    notify(format("%zu triangles remeshed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
+                  surface_.triangles.size(), 1e3 * size * target_edge_, even.triangles.size(),
+                  100 * slivers_, 100 * share_of_slivers(even, 8)));
+    try {
+      return fill(even);
+    } catch (const TooLarge&) {
+      throw;
+    } catch (const InputError& refusal) {
+      reason_ = refusal.what();
+      notify(reason_);
+      return std::nullopt;
+    }
+  }
+
+  /// The volume within the triangles in tet10. Refuses one that differs from the surface's.
+  [[nodiscard]] Mesh fill(const Triangles& triangles) const {
     predict_size(static_cast<double>(triangles.triangles.size()));
     Session session;
     return session.run("the surface cannot be filled", [&] {
@@ -99,64 +154,33 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       faces_of_shell.reserve(static_cast<std::size_t>(triangles.shells));
       for (int s = 0; s < triangles.shells; ++s)
         faces_of_shell.push_back({s + 1});
-      if (choice.sizes)
-        set_sizes(*choice.sizes, 1);
+      if (choice_.sizes)
+        set_sizes(*choice_.sizes, 1);
       else
-        set_sizes(target_edge, {});
+        set_sizes(target_edge_, {});
       add_volume(faces_of_shell);
       generate(3);
       Mesh mesh = make_quadratic(false, 1);
       check(mesh);
-      const double change = volume(mesh) / std::abs(solid) - 1;
+      const double change = volume(mesh) / std::abs(solid_) - 1;
       if (std::abs(change) > kMaxVolumeChange)
         throw InputError(format("the volume changed by %.1f %%", 100 * change));
       return mesh;
     });
-  };
-  if (!remesh_surface)
-    return fill(surface);
-  const auto notify = [&](const std::string& sentence) {
-    if (choice.notify)
-      choice.notify(sentence);
-  };
-  // Faces that lie close together leave less room for a coarser surface between them.
-  std::string reason;
-  for (const auto& [size, deviation_factor] : std::initializer_list<std::pair<double, double>>{
-           {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}}) {
-    const std::function<double(const Vector3&)> edge = [&, scale = .85 * size](const Vector3& p) {
-      return scale * size_at(p);
-    };
-    const double deviation = deviation_factor * size * target_edge;
-    const bool large = surface.triangles.size() > kSimplified;
-    Triangles thin = large ? simplified(surface, edge, .5 * deviation) : Triangles{};
-    Triangles even = remeshed(large ? thin : surface, edge, deviation);
-    const bool crossed = crossing(even).has_value();
-    if (crossed && large) // which the simplified surface does not
-      even = std::move(thin);
-    if (even.triangles.size() > kMaxTriangles || (crossed && !large))
-      continue;
-    notify(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
-                  surface.triangles.size(), 1e3 * size * target_edge, even.triangles.size(),
-                  100 * slivers, 100 * share_of_slivers(even, 8)));
-    try {
-      return fill(even);
-    } catch (const TooLarge&) {
-      throw;
-    } catch (const InputError& refusal) {
-      reason = refusal.what();
-      notify(reason);
-    }
   }
-  if (choice.sizes) // the triangles as they are would not be what the refinement asks for
-    throw InputError(reason.empty() ? "the surface crosses itself in the finer triangles" : reason);
-  if (surface.triangles.size() > kMaxTriangles)
-    throw InputError(reason.empty()
-                         ? format("no coarser surface without crossings was found for its "
-                                  "%zu triangles; give a smaller --h",
-                                  surface.triangles.size())
-                         : reason);
-  notify("the triangles are kept as they are");
-  return fill(surface);
+
+  const Triangles& surface_;
+  const LoadChoice& choice_;
+  double solid_ = 0, skin_ = 0;    ///< m^3, m^2
+  double target_edge_, mean_edge_; ///< m
+  double slivers_;                 ///< share of the triangles
+  std::string reason_;             ///< the last refusal
+};
+
+} // namespace
+
+Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
+  return SurfaceFill(surface, choice).mesh();
 }
 
 } // namespace tactus::fem

@@ -5,7 +5,7 @@
 namespace tactus::fem {
 
 /// A closed triangle surface filled with tet10. Good triangles are kept; poor or needlessly fine
-/// ones are renewed.
+/// surfaces are remeshed first.
 [[nodiscard]] Mesh mesh_surface(const Triangles&, const LoadChoice&);
 
 } // namespace tactus::fem

@@ -7,7 +7,8 @@
 
 namespace tactus::fem {
 
-/// gmsh from initialize() to finalize(), its errors as refusals.
+/// A gmsh session: initialize() on construction, finalize() on destruction. gmsh's errors become
+/// InputErrors.
 class Session {
 public:
   Session() {
@@ -45,8 +46,8 @@ private:
   }
 };
 
-/// Whether `work` went through; gmsh's last exception may be no std::exception. What is beyond
-/// memory or budget is passed on.
+/// Whether `work` ended without an exception; those of gmsh may be no std::exception.
+/// std::bad_alloc and TooLarge are passed on.
 template <class Work> bool succeeds(Work&& work) {
   try {
     work();
@@ -72,12 +73,12 @@ void generate(int dimension);
 /// where the far corner of one rises above the outward plane of the other, the angle is concave.
 [[nodiscard]] std::vector<double> concave_curves();
 
-/// The size that was ordered, or the one of `size_for` within what a body can use: two walls
-/// thick at most, 60 thousand triangles on the skin. Metres.
+/// The requested element size, or that of `size_for` limited to twice the wall thickness and to 60
+/// thousand triangles on the skin. Metres.
 [[nodiscard]] double first_size(const LoadChoice&, double volume, double skin, double largest);
 
-/// What is coming: of one size h, of a surface that is meshed already in `faces` triangles, or of
-/// the ordered sizes.
+/// The predicted mesh: with one size h, with a surface that is meshed already in `faces` triangles,
+/// or with the sizes of a refinement.
 [[nodiscard]] MeshSize predicted_mesh_size(const LoadChoice&, double volume, double skin,
                                            const Vector3& box, double h, double faces);
 

@@ -10,11 +10,13 @@
 
 namespace tactus::fem {
 
-/// What a tool tells its user in one sentence: the object, the value, what was expected.
+/// An error for the user in one sentence: the object, the value, what was expected. In the comments
+/// of fem "refuses" means: throws an InputError.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// What is too large for the memory or the disk: another way to mesh the same would not help.
+/// A mesh or result that is too large for the memory or the disk. Callers do not retry with another
+/// meshing method.
 struct TooLarge : InputError {
   using InputError::InputError;
 };
@@ -67,7 +69,8 @@ struct Parts {
 /// Removes nodes that no element uses and keeps the order of the others. Node sets follow.
 void drop_unused_nodes(Mesh&);
 
-/// For each point the first one within `tolerance_m` of it that is kept: itself, or one before it.
+/// For each point the index of the point it merges with: the first kept one within `tolerance_m`,
+/// or itself.
 [[nodiscard]] std::vector<int> coincident_points(std::span<const Vector3>, double tolerance_m);
 
 /// Merges nodes closer than `tolerance_m`. Returns how many disappeared.
@@ -84,13 +87,13 @@ std::size_t merge_nodes(Mesh&, double tolerance_m);
 /// many nodes moved; elements with straight sides stay as they are.
 std::size_t straighten_inverted(Mesh&);
 
-/// Refuses what cannot be solved, naming the element or node: indices out of range, coordinates
-/// that are no numbers, repeated nodes, a Jacobian that is not positive at a quadrature point or
-/// corner.
+/// Refuses meshes that cannot be solved, naming the element or node: indices out of range,
+/// coordinates that are not finite, repeated nodes, a Jacobian that is not positive at a quadrature
+/// point or corner.
 void check(const Mesh&);
 
-/// Refuses a file's points beyond 1000 km: they belong to no body, and products of such lengths
-/// overflow later.
+/// Refuses a file's points beyond 1000 km: no real body has them, and products of such lengths
+/// would overflow.
 void check_range(const std::string& path, std::span<const Vector3> points);
 
 } // namespace tactus::fem

@@ -7,8 +7,8 @@ namespace tactus::fem {
 
 struct Mesh;
 
-/// How large a mesh will be, before it is made. Counts are doubles, so that an absurd element size
-/// overflows nothing.
+/// The predicted size of a mesh. Counts are doubles, so that an absurd element size overflows
+/// nothing.
 struct MeshSize {
   double elements = 0, nodes = 0;
   double node_pairs = 0;     ///< of the node graph's lower triangle, the diagonal included
@@ -32,7 +32,7 @@ struct MeshSize {
 
 /// The size of gmsh's tet10 mesh of a body of a volume, skin area and box for an element size h,
 /// all in metres; `faces`, when the surface is meshed already, is the number of its triangles.
-/// Ungraded meshes have within a fifth of the elements foretold, graded ones with their `faces` up
+/// Ungraded meshes have within a fifth of the elements predicted, graded ones with their `faces` up
 /// to twice as many.
 [[nodiscard]] MeshSize predict_tetrahedra(double volume, double skin_area, const Vector3& box,
                                           double h, double faces = 0);

@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// A surface made anew from a grid, and how well it stands for the old one.
+/// A surface rebuilt from a grid, with measures of how well it approximates the old one.
 struct Resurfaced {
   Triangles surface;
   double spacing = 0;       ///< m, of the grid

@@ -3,9 +3,9 @@
 
 namespace tactus::fem {
 
-/// Finds the connected pieces of a surface whose edges have one triangle or two, and turns the
-/// triangles of each one way, outward if alone (by the sign of its volume). Refuses a piece with
-/// one side only, with place.
+/// Finds the connected pieces of a surface whose edges have one triangle or two, and orients the
+/// triangles of each consistently, outward by the sign of its volume. Refuses a non-orientable
+/// piece (a Moebius strip), with its position.
 void find_shells(Triangles&);
 
 /// Volume enclosed by each shell, m^3, positive if its triangles look outward. For open shells it
@@ -16,7 +16,7 @@ void find_shells(Triangles&);
 /// surface.
 [[nodiscard]] std::string open_edge_sentence(const Triangles&);
 
-/// find_shells() of a closed surface; refuses an open one with a triangle and its place.
+/// find_shells() of a closed surface; refuses an open one with a triangle and its position.
 void close(Triangles&);
 
 /// Leaves out closed shells whose volume is below `thickness` (m) times their area: flat sheets
@@ -25,7 +25,7 @@ std::size_t drop_flat_shells(Triangles&, double thickness);
 
 /// The bodies of closed shells that neither cross nor touch. A shell inside an even number of
 /// others bounds a body from outside, inside an odd number a cavity of the body around it, whatever
-/// way it was turned. Each body is a surface of its own: shell 0 outward, then its cavities,
+/// its orientation was. Each body is a surface of its own: shell 0 outward, then its cavities,
 /// inward.
 [[nodiscard]] std::vector<Triangles> separate_bodies(const Triangles&);
 

@@ -17,7 +17,7 @@ struct SweepChoice {
 [[nodiscard]] Mesh sweep(const Prism&, std::span<const double> levels, const SweepChoice&);
 
 /// gmsh's model as a swept mesh, if it is a prism: with the sizes of `size_for` or those of a
-/// refinement, which must have levels. Foretells its size first. Refuses what has another volume.
+/// refinement, which must have levels. Predicts its size first. Refuses what has another volume.
 [[nodiscard]] std::optional<Mesh> swept_mesh(const LoadChoice&, double unit, bool quadrilaterals);
 
 } // namespace tactus::fem

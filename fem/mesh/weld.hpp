@@ -18,7 +18,8 @@ struct Welded {
 /// and so do duplicates: one of two stays where the surface needs it, none where the two are the
 /// wall between touching solids. Where more than two triangles meet at an edge, or several fans at
 /// a point, points are doubled so that each piece is a surface of its own: neighbours at an edge
-/// are those with the body between them. Refuses edges where that is impossible, with place.
+/// are those with the body between them. Refuses edges where that is impossible, with their
+/// position.
 Welded weld(Triangles&);
 
 } // namespace tactus::fem

@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// What is asked of a mesh.
+/// What is to be computed on a mesh: the input of the prediction.
 struct Workload {
   MeshSize mesh;
   double modes = 40;
@@ -19,10 +19,11 @@ struct Workload {
   double retained_bytes = 0;     ///< of another mesh's results, which stay in memory meanwhile
 };
 
-/// A mesh with its matrices and modes.
+/// Memory of a mesh with its matrices and modes, bytes.
 [[nodiscard]] double bytes_of_results(const MeshSize&, double modes);
 
-/// What the work will take: the largest of the stages' memory, in the whole process, and where.
+/// The predicted cost: the peak memory of the whole process, the stage that reaches it, and the
+/// time.
 struct Cost {
   double bytes = 0;
   double seconds = 0;        ///< all stages, within a factor of two or three
@@ -30,15 +31,15 @@ struct Cost {
   const char* stage = "";
 };
 
-/// The factor's entries and operations before the equations are ordered: nested dissection of a
-/// block of `cells` elements by planes across its longest side (George 1973). A separator of s
-/// unknowns whose block has b on older separators adds s^2/2 + s b entries and
-/// s^3/3 + s^2 b + s b^2 operations.
+/// Predicts the factor's entries and operations before the equations are ordered: nested dissection
+/// of a block of `cells` elements by planes across its longest side (George 1973). A separator of s
+/// unknowns whose block has b on older separators adds s^2/2 + s b entries and s^3/3 + s^2 b + s
+/// b^2 operations.
 [[nodiscard]] FactorCost predict_factor(const MeshSize&);
 
-/// The whole work's cost; with `exact`, of the symbolic factorisation, in place of the foretold
-/// factor. Memory is right within kCostMargin on meshes of shapes and of gmsh
-/// (tests/fem/cost_test.cpp and test_modal_fem_budget.py).
+/// The cost of all stages; with `exact`, of the symbolic factorisation, in place of the predicted
+/// one. Memory is right within kCostMargin on meshes of shapes and of gmsh (tests/fem/cost_test.cpp
+/// and test_modal_fem_budget.py).
 [[nodiscard]] Cost predict_cost(const Workload&, const std::optional<FactorCost>& exact = {});
 
 inline constexpr double kCostMargin = 1.3;

@@ -17,11 +17,11 @@ struct Eigenpairs {
   std::vector<double> values;  ///< ascending
   std::vector<double> vectors; ///< column-major, orthonormal
 };
-/// Of a small symmetric matrix, column-major.
+/// All eigenpairs of a small symmetric matrix, column-major.
 [[nodiscard]] Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size);
 
-/// How fast this machine multiplies dense matrices now, in floating-point operations a second, from
-/// a product that takes some milliseconds: what estimates of time start from.
+/// The speed of a dense matrix product on this machine, floating-point operations per second.
+/// Measured with a product that takes some milliseconds; time predictions are based on it.
 [[nodiscard]] double dense_flops_per_second();
 
 } // namespace tactus::fem

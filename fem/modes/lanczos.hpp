@@ -14,8 +14,8 @@ struct Spectrum {
 /// Lanczos on (K + s M)^-1 M with full orthogonalisation and thick restarts: Golub & Underwood
 /// 1977; Grimes, Lewis & Simon 1994; Wu & Simon 2000. A pair counts as found when its residual,
 /// relative to its eigenvalue, is below `tolerance`; its frequency is then right to about the
-/// square of that. Blocks catch eigenvalues as multiple as the block is wide. The start vectors are
-/// always the same.
+/// square of that. Blocks of b vectors find eigenvalues of multiplicity up to b. The start vectors
+/// are always the same.
 [[nodiscard]] Spectrum lowest_modes(const Matrices&, ShiftedFactor&, double shift,
                                     std::span<const double> deflated, std::size_t count,
                                     double tolerance = 1e-8, const Progress& progress = {});

@@ -3,23 +3,24 @@
 
 namespace tactus::fem {
 
-/// How far a mode of one solution goes on as a mode of another: z_now = sum of share z_before.
+/// A link from a mode of one solution to a mode of another. Modal coordinates carry over as z_now =
+/// sum of share z_before.
 struct ModeMatch {
   std::size_t before = 0, now = 0;
   double share = 0;
 };
 
-/// Which modes of an earlier shape the modes of a new one are, by the modal assurance criterion
-/// with the new mass matrix (Allemang 2003),
+/// Finds which modes of a new shape correspond to those of an earlier one, by the modal assurance
+/// criterion with the new mass matrix (Allemang 2003),
 ///
 ///   MAC_ji = c_ji^2,   c_ji = phi_j' M phi_i / sqrt((phi_j' M phi_j) (phi_i' M phi_i)),
 ///
 /// phi_i before, phi_j now. Modes with MAC >= 0.1 are linked; in each set of linked modes the
 /// shares are U V' of c = U S V', without the directions whose S^2 < 0.5: the partial isometry
-/// nearest to c, so that no motion gains energy. A mode that keeps its shape has the share +-1,
-/// whatever its number; modes of like frequency that have mixed are rotated into each other; what
-/// has no likeness in the other solution has no share. Columns of dofs() numbers, mass-normalised
-/// in their own shapes.
+/// nearest to c, so that no motion gains energy. A mode whose shape is unchanged has the share +-1,
+/// whatever its number. Modes of nearly equal frequency that have mixed are rotated into each
+/// other. A mode without a counterpart has no share. Columns of dofs() numbers, mass-normalised in
+/// their own shapes.
 [[nodiscard]] std::vector<ModeMatch> match_modes(const Matrices& matrices_now,
                                                  std::span<const double> before,
                                                  std::span<const double> now);

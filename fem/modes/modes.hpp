@@ -16,21 +16,22 @@ struct Modes {
   FactorCost cost;
 };
 
-/// What is going on, for whoever waits: a stage and the share of it that is done.
+/// Progress callback: the stage, and the share of it that is done, 0 to 1.
 using Report = std::function<void(const std::string& stage, double share)>;
 
 struct ModeSettings {
   std::size_t count = 40;
   Report report{};
-  /// Called with the prediction before the factorisation starts; refuses what is too large.
+  /// Called with the predicted cost before the factorisation starts; may throw to refuse it.
   std::function<void(const FactorCost&)> predict{};
-  /// Called with the modes while the factor they were found with still stands.
+  /// Called with the modes while the factor they were computed with still exists.
   std::function<void(const Modes&, ShiftedFactor&)> inspect{};
 };
 
 /// An estimate of the lowest elastic frequency, from a bar's or plate's bending: c t / L^2.
 [[nodiscard]] double estimated_frequency(const Mesh&, std::span<const Material>);
-/// The same before there is a mesh: sides of the box in m, m^3, and the speed of sound in a bar.
+/// The same without a mesh, from the sides of the bounding box (m), the volume (m^3) and the speed
+/// of sound in a bar (m/s).
 [[nodiscard]] double estimated_frequency(const Vector3& box, double volume, double bar_speed);
 
 /// s of K + s M, rad^2/s^2: near (0.3 omega_1)^2, from the estimate.
@@ -52,11 +53,12 @@ struct ModeSettings {
 /// Sets frequencies from lambda = u' K u / u' M u, sorts by them, makes u' M u = 1, sets residuals.
 void sort_by_quotient(const Matrices&, Modes&);
 
-/// Makes sorted modes repeat: signs, and directions inside groups of equal frequency (a relative
-/// gap below `same`). A group's first mode has the largest motion that the group can have at the
-/// body's surface point farthest along +x; the next, among those at rest there, along +y, then +z.
-/// Frequencies and residuals remain those of the matrices' own eigenvectors: an uneven mesh parts a
-/// round body's pair by some 1e-4, and turned shapes would blur the two numbers.
+/// Fixes what an eigensolver leaves arbitrary in sorted modes, so that results repeat: the signs,
+/// and the directions inside groups of equal frequency (a relative gap below `same`). A group's
+/// first mode has the largest motion that the group can have at the body's surface point farthest
+/// along +x; the next, among those at rest there, along +y, then +z. Frequencies and residuals
+/// remain those of the matrices' own eigenvectors: an uneven mesh splits the pair of a round body
+/// by some 1e-4, and the quotients of turned shapes would average the two values.
 void make_canonical(const Mesh&, Modes&, double same = 3e-4);
 
 } // namespace tactus::fem

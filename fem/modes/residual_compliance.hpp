@@ -4,11 +4,11 @@
 
 namespace tactus::fem {
 
-/// How many places the compliance is worked out at.
+/// Default number of vertices at which the compliance is computed.
 inline constexpr std::size_t kCompliancePoints = 128;
 
-/// A push spread evenly over the skin within `radius` of a vertex, each part along its own normal:
-/// of unit total, inwards.
+/// A unit force spread evenly over the skin within `radius` (m) of a vertex, each part inwards
+/// along its own normal.
 struct PushPatch {
   std::vector<std::size_t> node;
   std::vector<Vector3> force; ///< 1
@@ -16,18 +16,18 @@ struct PushPatch {
 };
 [[nodiscard]] PushPatch push_patch(const Mesh&, const Surface&, std::size_t vertex, double radius);
 
-/// What a push at each vertex of the skin yields beyond the modes kept and beyond what contact laws
-/// count themselves, m/N:
+/// The static compliance at each vertex of the skin (m/N) that neither the computed modes nor a
+/// contact law contains (residual flexibility):
 ///
 ///   r = f'(K^-1 - sum phi phi'/omega^2) f - 16 (1 - nu^2) / (3 pi^2 E R),    f = push_patch
 ///
 /// K^-1 without the rigid motions; the last term is the mean depth of a half space under an even
 /// pressure on a circle (Johnson 1985, 3.29), R that of the patch's area, because a Hertz contact
-/// holds the half space's share already. Below zero it is zero. K^-1 is taken from K + s M, s far
-/// below the first mode left out, which it misses by s/omega^2. Worked out at `places` vertices
-/// that lie as far apart as they can, and spread from the nearest four with 1/distance^2. The patch
-/// is some 1.5 elements wide: finer meshes resolve edges better. Isotropic material of the first
-/// region.
+/// contains the half space's share already. Negative values are set to zero. K^-1 is taken from K +
+/// s M, s far below the first mode left out, which it misses by s/omega^2. It is computed at
+/// `probe_count` vertices that lie as far apart as possible, and interpolated from the nearest four
+/// with weights 1/distance^2. The patch is some 1.5 elements wide: finer meshes resolve edges
+/// better. Isotropic material of the first region.
 [[nodiscard]] std::vector<float> residual_compliance(const Mesh&, std::span<const Material>,
                                                      const Matrices&, const Modes&,
                                                      std::size_t probe_count = kCompliancePoints,

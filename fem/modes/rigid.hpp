@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// The motions without strain that the supports leave, M-orthonormal columns dofs() long.
+/// The rigid-body motions that the supports allow, as M-orthonormal columns dofs() long.
 ///
 /// Strain energy vanishes only where each connected part moves as a rigid body. So every such
 /// motion is a combination of three translations and three rotations of each part, and those that

@@ -5,7 +5,7 @@
 
 namespace tactus::fem {
 
-/// What a factorisation will take, known from its symbolic phase.
+/// The cost of a factorisation, known from its symbolic phase.
 struct FactorCost {
   double entries = 0;    ///< of the triangular factor
   double operations = 0; ///< floating-point operations
@@ -26,16 +26,18 @@ public:
   ShiftedFactor& operator=(const ShiftedFactor&) = delete;
 
   [[nodiscard]] const FactorCost& cost() const noexcept { return cost_; }
-  /// Once. Refuses when memory runs out or the matrix is not positive definite.
+  /// The numeric phase; call it once. Refuses when memory runs out or the matrix is not positive
+  /// definite.
   void factorise();
   /// x = (K + s M)^-1 b for `columns` contiguous vectors; `x` and `b` may be the same memory.
   void solve(std::span<const double> b, std::span<double> x, std::size_t columns);
   /// The same for one vector with a copy of the factor in single precision, right to some 1e-6: a
-  /// preconditioner. A solve waits for the memory that it reads, and this is half of it. The copy
-  /// is made by prepare() or at the first call and costs half the factor's memory.
+  /// preconditioner. The time of a solve is that of reading the factor from memory, and single
+  /// precision halves it. The copy is made by prepare() or at the first call and costs half the
+  /// factor's memory.
   void prepare();
   void precondition(std::span<const double> b, std::span<double> x);
-  /// Of the factor and its copy, as they stand.
+  /// Memory that the factor and its copy take now, bytes.
   [[nodiscard]] double memory_bytes() const noexcept;
 
 private:

@@ -18,14 +18,14 @@ struct AcousticSkin {
 /// About `triangles` triangles. Coarser: half-edge collapses onto kept vertices, cheapest first by
 /// quadric error (Garland & Heckbert 1997) plus a share of the edge's length, refusing folds,
 /// slivers and changes of topology. Edges at which the skin turns outwards by more than 40 degrees
-/// get rows of flat triangles: the pressure's slope is infinite there, and even triangles carry
-/// that error into wherever the rest cancels. Finer: every triangle in four, as long as the number
-/// permits.
+/// get rows of flat triangles: the pressure's slope is infinite there, and triangles of equal size
+/// leave an error that shows where the rest of the field cancels. Finer: every triangle in four, as
+/// long as the number permits.
 [[nodiscard]] AcousticSkin with_triangles(const AcousticSkin&, std::size_t triangles);
 
-/// Carries a flow through one skin to the hat functions of another: f_i = ∫ v_n phi_i dS, point by
-/// point of the fine skin (three a triangle) to the nearest place of the coarse one. The total flow
-/// is kept exactly.
+/// Projects the normal velocity on one skin onto the hat functions of another: f_i = ∫ v_n phi_i
+/// dS, point by point of the fine skin (three a triangle) to the nearest point of the coarse one.
+/// The total flow is kept exactly.
 class FlowTransfer {
 public:
   FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse);

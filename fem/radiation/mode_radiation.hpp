@@ -5,7 +5,8 @@
 
 namespace tactus::fem {
 
-/// How modes sound into all directions; the arrays mp_* and alpha_rad of a table.
+/// The sound field that each mode radiates, as coefficients of outgoing spherical waves: the arrays
+/// mp_* and alpha_rad of a table.
 struct ModeRadiation {
   std::vector<std::int32_t> max_degree;          ///< [K]
   std::vector<std::int64_t> offset;              ///< [K+1], into one ratio's coefficients
@@ -17,8 +18,8 @@ struct ModeRadiation {
   std::vector<double> efficiency; ///< [K] power over rho c ∫ v_n^2/2 dS
   std::size_t triangles = 0;
   double resolved_hz = 0; ///< up to here a wave has four edges of the acoustic mesh
-  /// The same waves of every mode's motion at frequencies common to all modes, which a force drives
-  /// them at; arrays mp_band_*. Empty: not asked for.
+  /// The same waves of every mode's motion at frequencies common to all modes, for forced
+  /// vibration; arrays mp_band_*. Empty unless requested.
   struct Band {
     std::vector<double> frequency_hz;              ///< [F], ascending
     std::vector<std::int32_t> max_degree;          ///< [K]
@@ -35,14 +36,15 @@ struct RadiationSettings {
   double memory_limit_bytes = 0; ///< 0: none
   double band_limit_hz = 0;      ///< above 0: the band up to there as well
   Report report{};
-  /// One sentence: mesh, memory and time ahead, after the first solution was timed.
+  /// Called with one sentence on mesh, memory and remaining time, after the first solution was
+  /// timed.
   std::function<void(const std::string&)> notify{};
 };
 
-/// Frequencies at which the waves of a body of radius `a` are taken, so that between them they can
-/// be interpolated once the travel time from half the radius is taken out: from k a = 0.2 on in
-/// steps of about 0.5, wider where there would be more than 60. Resonances of cavities that are
-/// narrower are missed.
+/// Frequencies at which the waves of a body of radius a = `radius` are computed. Between them
+/// coefficients can be interpolated, after the travel time from half the radius is divided out.
+/// They start at k a = 0.2, in steps of about 0.5 that are wider where there would be more than 60.
+/// Narrower resonances of cavities are missed.
 [[nodiscard]] std::vector<double> band_frequencies(double radius, double limit_hz,
                                                    double sound_speed);
 

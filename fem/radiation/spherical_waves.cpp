@@ -123,10 +123,11 @@ void RegularWaves::evaluate_values(double k, const Vector3& x) {
 }
 
 std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<const Complex> mu,
-                                std::size_t columns, std::size_t highest, const Vector3& centre,
+                                std::size_t highest, const Vector3& centre,
                                 double reference_radius) {
   constexpr std::size_t kPanelsAtOnce = 32;
   const std::size_t terms = (highest + 1) * (highest + 1), n = field.unknowns();
+  const std::size_t columns = mu.size() / n;
   std::vector<Complex> c(terms * columns), psi(terms), slope(terms);
   std::vector<Complex> source(3 * kPanelsAtOnce * terms), density(3 * kPanelsAtOnce * columns);
   RegularWaves waves(highest);

@@ -41,13 +41,12 @@ private:
   std::vector<double> real_, imaginary_; ///< psi_lm up to highest + 1, for m >= -1
 };
 
-/// Outgoing waves about `centre` of a field's layer mu (one column):
+/// Outgoing waves about `centre` of the field of each column of mu (unknowns() numbers a column):
 ///   p = sum c_lm h_l(k r)/h_l(k r_ref) Y_lm for r beyond the surface; exact term by term, from
 ///   G = -j k sum h_l(k r) j_l(k r') Y_lm Y'*_lm.
 [[nodiscard]] std::vector<Complex> multipoles(const ExteriorField&, double k,
-                                              std::span<const Complex> mu, std::size_t columns,
-                                              std::size_t highest, const Vector3& centre,
-                                              double reference_radius);
+                                              std::span<const Complex> mu, std::size_t highest,
+                                              const Vector3& centre, double reference_radius);
 
 /// Mean power of outgoing waves, W: sum |c_lm / h_l(k r_ref)|^2 / (2 rho c k^2).
 [[nodiscard]] double radiated_power(std::span<const Complex> coefficients, double k,

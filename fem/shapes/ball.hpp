@@ -9,7 +9,7 @@ namespace tactus::fem {
 /// volume: its nodes lie outside the sphere by a thousandth of an element.
 ///
 ///     .--------.      The grid's first direction cuts half a side of the cube, and its mirror
-///     |\______/|      images all others; the second cuts the way out to the sphere. There are
+///     |\______/|      images all others; the second cuts the distance out to the sphere. There are
 ///     | |    | |      8 c^3 + 24 c^2 a elements, c and a the numbers of intervals.
 ///     | |____| |
 ///     |/      \|

@@ -35,7 +35,7 @@ struct Ends {
 [[nodiscard]] std::vector<double> divide(double a, double b, double h, int at_least,
                                          Ends concave = {}, double smallest = 0, double ratio = 2);
 
-/// How many intervals `divide` makes; allocates next to nothing, however small `h` is.
+/// The number of intervals that `divide` makes. Needs next to no memory, however small `h` is.
 [[nodiscard]] double count_divisions(double a, double b, double h, int at_least, Ends concave = {},
                                      double smallest = 0, double ratio = 2);
 

@@ -19,8 +19,8 @@ struct StaticModel {
   std::vector<Load> loads;
 };
 
-/// The assembled equations. `matrices.stiffness` holds elements and springs, `matrices.held` marks
-/// the fixed directions, `matrices.mass` is empty.
+/// The assembled equations. `matrices.stiffness` holds elements and springs, `matrices.constrained`
+/// marks the fixed directions, `matrices.mass` is empty.
 struct StaticSystem {
   Matrices matrices;
   std::vector<double> load;       ///< f, N
@@ -48,15 +48,15 @@ struct StaticSolution {
 /// The sum of nodal forces, N.
 [[nodiscard]] Vector3 sum_of_forces(std::span<const double> nodal);
 
-/// A solved problem that keeps its factor for further right sides.
+/// A solved problem with its factor, for further right-hand sides.
 struct StaticAnalysis {
   StaticSystem system;
   std::unique_ptr<ShiftedFactor> factor;
   StaticSolution solution;
 };
 
-/// Assembles, factorises (CHOLMOD), solves. `predict` is called before the factorisation and may
-/// refuse what is too large.
+/// Assembles, factorises (CHOLMOD), solves. `predict` is called with the predicted cost before the
+/// factorisation. It may throw to refuse what is too large.
 [[nodiscard]] StaticAnalysis
 solve_static(const Mesh&, const StaticModel&,
              const std::function<void(const FactorCost&)>& predict = {});

@@ -24,7 +24,7 @@ using Stress = std::array<double, 6>;
 
 /// Reference coordinates of an element's middle: of its corners' mean.
 [[nodiscard]] Vector3 centroid_of(Shape) noexcept;
-/// The shape functions there.
+/// The shape functions at centroid_of().
 [[nodiscard]] const ShapeValues& at_centroid(Shape);
 
 /// At each element's centroid, [element].

@@ -24,15 +24,15 @@ struct SpringPatch {
 /// Adds the consistent matrices (k_i / A) integral of N_a N_b dA of the patches to `stiffness`.
 void add_springs(const Mesh&, std::span<const SpringPatch>, Matrices& into);
 
-/// What the patches' matrices make of the displacement u: the forces on the springs, N. On the body
-/// they act with the opposite sign.
+/// K_s u: the nodal forces on the springs at the displacement u, N. On the body they act with the
+/// opposite sign.
 [[nodiscard]] std::vector<double> spring_forces(const Mesh&, std::span<const SpringPatch>,
                                                 std::span<const double> u);
 
 /// Refuses supports that leave a connected piece of the body free to move, before any factor is
 /// tried: one sentence that names the piece and the motion (translation along, rotation about an
-/// axis through a point). Of each piece's six rigid motions those are free that move no held
-/// direction and no spring.
+/// axis through a point). A rigid motion of a piece is free if it moves no held direction and no
+/// spring.
 void check_supported(const Mesh&, std::span<const FixedPatch>, std::span<const SpringPatch>);
 
 } // namespace tactus::fem

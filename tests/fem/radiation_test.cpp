@@ -87,7 +87,7 @@ TEST_CASE("spheres that pulsate and flex radiate as their closed form, at resona
     MESSAGE("l = " << l << ", " << f << " Hz: " << worst << " dB");
     CHECK(worst < .3);
     // The same field as outgoing waves, and the power that leaves: of l = 0 in closed form.
-    const auto c = multipoles(field, k, mu, 1, 20, {}, kRadius);
+    const auto c = multipoles(field, k, mu, 20, {}, kRadius);
     Complex sum = 0;
     const Vector3 x{.03, -.04, .07};
     std::vector<Complex> psi(21 * 21), slope(21 * 21);
@@ -346,7 +346,7 @@ TEST_CASE("multipoles carry the field of any layers to where its direct sum does
   constexpr std::size_t kHighest = 60, kTerms = (kHighest + 1) * (kHighest + 1);
   const double k = 90;
   const Vector3 centre{.004, -.003, .002};
-  const auto c = multipoles(field, k, mu, 2, kHighest, centre, .06);
+  const auto c = multipoles(field, k, mu, kHighest, centre, .06);
   RegularWaves waves(kHighest);
   std::vector<Complex> psi(kTerms), slope(kTerms);
   for (const Vector3& x : {Vector3{.07, -.05, .09}, {-.2, .1, .03}}) {
