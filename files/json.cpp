@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -70,7 +69,7 @@ public:
     return number(Json::Kind::kNumber, static_cast<double>(value));
   }
   bool number_float(double value, const std::string&) override {
-    return std::isfinite(value) && number(Json::Kind::kNumber, value);
+    return number(Json::Kind::kNumber, value); // finite: the parser refuses others
   }
   bool string(std::string& value) override {
     Json* added = add(Json::Kind::kText);

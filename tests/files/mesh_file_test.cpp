@@ -137,6 +137,14 @@ TEST_CASE("OBJ indices, groups, joined lines and free form") {
   CHECK(error_of(kSquare + "f 1 \\\n2 \\\n3\nf 1 2 9\n") == "line 8: vertex 9 does not exist");
 }
 
+TEST_CASE("a file named OBJ is text, and its numbers may have a plus") {
+  CHECK(error_of(parse_binary_stl(2, 2), MeshFormat::kObj) ==
+        "holds no triangles; expected an STL or OBJ file");
+  const PolygonMesh mesh = read_mesh("v +1 -2 +3e0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  REQUIRE(mesh.points.size() == 3);
+  CHECK(mesh.points[0] == Vec3{1, -2, 3});
+}
+
 TEST_CASE("lines may end with a carriage return alone") {
   CHECK(read_mesh("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").polygons() == 1);
   CHECK(error_of("v 0 0 0\r\nv 1 0 0\r\rv 0 1\r\n") == "line 4: expected three coordinates");
@@ -164,6 +172,9 @@ TEST_CASE("what is wrong is one sentence with its line") {
   CHECK(error_of(std::string(84, '\xff')) != "");
   CHECK(error_of("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n") ==
         "line 5: a facet with 2 corners, expected 3");
+  CHECK(
+      error_of("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendfacet") ==
+      "line 7: a facet with 4 corners, expected 3");
   CHECK(error_of("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\n") == "ends within a facet");
 }
 
