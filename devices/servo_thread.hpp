@@ -33,7 +33,7 @@ public:
   /// The servo's own thread writes zero force before it ends.
   [[nodiscard]] bool stop(double timeout_s = 0.5) noexcept;
   [[nodiscard]] bool running() const noexcept { return run_ != nullptr; }
-  /// s. Takes effect at the next tick of the servo's own thread; not of a driver's.
+  /// s, from the next tick on. In a driver's thread the driver sets the rate: the nominal period.
   void set_period(double period_s) noexcept;
   /// Whether the device took the zero force at the end of the last run; true before any.
   [[nodiscard]] bool released() const noexcept { return released_; }

@@ -18,7 +18,8 @@ struct Frame {
   double time_s = 0;        ///< steady clock
 };
 
-/// Run mode. Two threads own libusb, one that submits orders and one that handles what completes,
+/// The stream of commands and responses while the Falcon's firmware runs, about 1000 a second. One
+/// thread submits libusb transfers, another handles those that complete,
 /// so that the servo touches memory alone: its send() and receive() allocate nothing, take no lock
 /// and never wait. The newest order wins. At most two are on their way or without an answer, so
 /// that no queue can form in front of a device that is slower than the servo; an answer that does
