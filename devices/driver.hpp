@@ -8,17 +8,17 @@
 #include <string_view>
 #include <vector>
 
-/// Real haptic devices behind core/haptic's interface, one folder a driver. A driver never stands
-/// in another's way: libraries are loaded when they are needed (devices/shared_library.hpp), and
-/// one that is missing costs that driver alone.
+/// Drivers of real haptic devices, one folder each; every one implements haptic::Backend. Vendors'
+/// libraries are loaded when they are first needed (devices/shared_library.hpp). A missing library
+/// disables its own driver only.
 namespace tactus::devices {
 
-/// A device that a driver sees now.
+/// A device that a driver has found.
 struct Found {
   std::string_view driver;
   int index = 0; ///< what `open INDEX` takes
   haptic::Identity identity;
-  std::string state; ///< "ready", or what keeps it from being opened ("no permission", ...)
+  std::string state; ///< "ready", or why it cannot be opened ("no permission", ...)
 };
 
 /// One kind of device.
@@ -32,11 +32,11 @@ struct Driver {
   std::unique_ptr<haptic::Backend> (*make)();
 };
 
-/// All that tactus knows and was added, those included that this build or this machine has no
-/// library for.
+/// All drivers of this build and those added since. A driver whose library is missing is listed,
+/// too; its problem() says so.
 [[nodiscard]] std::span<const Driver* const> drivers() noexcept;
-/// A driver of another room, which the program or external that knows both joins to them; once, and
-/// false when there is one of that name or no room.
+/// Adds a driver that lives outside devices/, such as net's. False when the name is taken or the
+/// list is full (4 added drivers).
 bool add_driver(const Driver& driver) noexcept;
 /// Null when there is no such driver.
 [[nodiscard]] const Driver* find_driver(std::string_view name) noexcept;

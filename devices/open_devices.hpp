@@ -4,8 +4,8 @@
 
 namespace tactus::devices {
 
-/// A device that this process has open. Drivers say it here, so that a list beside it answers from
-/// what is known and asks neither the device nor its library.
+/// Registers a device as open in this process while the object lives. Listing devices then uses the
+/// registered identity and does not query a device that is running.
 class OpenDevice {
 public:
   OpenDevice() = default;
@@ -27,8 +27,8 @@ struct Opened {
   std::string address;
 };
 
-/// Those of one driver that are open now, in the order of their opening; for any thread that may
-/// wait.
+/// The open devices of one driver, in the order of opening. Takes a lock: not for the servo's
+/// thread.
 [[nodiscard]] std::vector<Opened> open_devices(std::string_view driver);
 /// Whether the device with that address is open now.
 [[nodiscard]] bool is_open(std::string_view driver, std::string_view address);

@@ -6,10 +6,10 @@
 
 namespace tactus::devices {
 
-/// While this lives, the calling thread takes no signal, and threads that it starts never will, nor
-/// those that they start. A host's handler for the end of its program must run in the host's own
-/// thread: in a servo's it would wait for itself, and the last force would stay. Faults of a
-/// thread's own (SIGSEGV and its like) are not held back.
+/// Blocks signals in the calling thread while the object lives; threads started meanwhile inherit
+/// the mask for good. A host's termination handler must not run in the servo's thread: it would
+/// wait for that thread to end, and the last force would stay. Synchronous faults (SIGSEGV, SIGBUS,
+/// SIGFPE, SIGILL, SIGABRT, SIGTRAP) stay unblocked.
 class ScopedSignalMask {
 public:
 #ifndef _WIN32

@@ -12,12 +12,12 @@ namespace tactus::devices {
 /// Steps a servo on the machine's monotonic clock: in a thread of its own, or in the thread of a
 /// device's own driver. One thread uses this object at a time.
 ///
-/// A call of a driver may hang. What the servo's steps touch must then live as long as the thread
-/// that hangs in them: `owner` keeps it alive, and stop() does not wait longer than it is told to.
+/// A call into a driver may hang. `owner` then keeps the servo, the device and their data alive for
+/// as long as that thread uses them, and stop() returns after its timeout.
 class ServoThread {
 public:
   ServoThread() = default;
-  /// With an owner, a thread that does not end within stop()'s time is left to itself.
+  /// With an owner, a thread that does not end within the timeout of stop() is detached.
   ~ServoThread();
   ServoThread(const ServoThread&) = delete;
   ServoThread& operator=(const ServoThread&) = delete;
@@ -25,15 +25,15 @@ public:
   /// Empty when it runs, else one sentence. Without an owner, servo and device must outlive this.
   [[nodiscard]] std::string start(haptic::Servo& servo, double period_s,
                                   std::shared_ptr<void> owner = {});
-  /// As that device wants it.
+  /// Runs in the device's own thread if it has one (Backend::owns_thread), else as above.
   [[nodiscard]] std::string start(haptic::Servo& servo, haptic::Backend& device, double period_s,
                                   std::shared_ptr<void> owner = {});
-  /// Asks for the end and waits for it, `timeout_s` at most, or as long as it takes without an
-  /// owner. True when nobody touches the servo any more; false: not yet, and it may be asked again.
+  /// Requests the end and waits for it: at most `timeout_s`, or without limit when there is no
+  /// owner. True when no thread uses the servo any more; false: not yet, call again.
   /// The servo's own thread writes zero force before it ends.
   [[nodiscard]] bool stop(double timeout_s = 0.5) noexcept;
   [[nodiscard]] bool running() const noexcept { return run_ != nullptr; }
-  /// Of the servo's own thread, from its next tick on.
+  /// s, from the next tick on. In a driver's thread the driver sets the rate: the nominal period.
   void set_period(double period_s) noexcept;
   /// Whether the device took the zero force at the end of the last run; true before any.
   [[nodiscard]] bool released() const noexcept { return released_; }

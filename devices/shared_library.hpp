@@ -6,10 +6,10 @@
 
 namespace tactus::devices {
 
-/// A library that is loaded while the program runs, so that its absence is a sentence and not a
-/// program that does not start. Once loaded it stays for the life of the process, and loading it
-/// again finds the same one: drivers' libraries keep threads and state of their own, and some fail
-/// when they are loaded a second time (CHAI3D leaves libHD open for that reason, cPhantomDevice).
+/// A shared library that is loaded at run time, so that a missing one gives an error text and not a
+/// program that does not start. It stays loaded until the process ends: drivers' libraries keep
+/// threads and state, and some fail when they are loaded a second time (CHAI3D leaves libHD open
+/// for that reason, cPhantomDevice).
 class SharedLibrary {
 public:
   SharedLibrary() = default;
@@ -17,7 +17,7 @@ public:
   SharedLibrary& operator=(const SharedLibrary&) = delete;
 
   /// Tries the names in order, all symbols resolved at once and kept from other libraries. False
-  /// when none loads: error() is then the loader's last word.
+  /// when none loads: error() is then the loader's message for the last name.
   bool load(std::span<const char* const> names);
   [[nodiscard]] bool loaded() const noexcept { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }

@@ -18,23 +18,23 @@ bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c 
 /// Numbers of one line; -1 when something else stands there or they are too many.
 int numbers_of(std::string_view line, std::array<double, 5>& values) noexcept {
   int count = 0;
-  std::size_t place = 0;
+  std::size_t offset = 0;
   while (true) {
-    while (place < line.size() && is_blank(line[place]))
-      ++place;
-    if (place == line.size())
+    while (offset < line.size() && is_blank(line[offset]))
+      ++offset;
+    if (offset == line.size())
       return count;
     if (count == 5)
       return -1;
-    if (line[place] == '+')
-      ++place;
+    if (line[offset] == '+')
+      ++offset;
     double value = 0;
     const auto [end, problem] =
-        std::from_chars(line.data() + place, line.data() + line.size(), value);
+        std::from_chars(line.data() + offset, line.data() + line.size(), value);
     if (problem != std::errc{} || !std::isfinite(value))
       return -1;
-    place = static_cast<std::size_t>(end - line.data());
-    if (place < line.size() && !is_blank(line[place]))
+    offset = static_cast<std::size_t>(end - line.data());
+    if (offset < line.size() && !is_blank(line[offset]))
       return -1;
     values[static_cast<std::size_t>(count++)] = value;
   }

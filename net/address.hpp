@@ -4,7 +4,7 @@
 #include <string_view>
 
 /// The haptic protocol (docs/haptic_network.md): messages between a computer with a haptic device
-/// and its clients. This room knows core/haptic and no driver.
+/// and its clients. net includes core/haptic and no driver.
 namespace tactus::net {
 
 /// What a message is about. On the wire `/hap/NAME` in OSC and `hap NAME` in FUDI, where the slash

@@ -120,13 +120,13 @@ void BusLink::listen(int port, const std::string& address) {
   class Listener final : public Worker {
   public:
     Listener(BusSettings settings, int port, const std::string& address)
-        : Worker(BusSession::Side::kListener, std::move(settings)), wish_{port, address},
-          refusal_(server_.open(wish_)) {}
+        : Worker(BusSession::Side::kListener, std::move(settings)), requested_{port, address},
+          refusal_(server_.open(requested_)) {}
     void run() override {
       for (double waited_s = 0; !refusal_.empty() && waited_s < kPortInUse_s; waited_s += 0.05) {
         if (!pause(0.05))
           return;
-        refusal_ = server_.open(wish_);
+        refusal_ = server_.open(requested_);
       }
       if (!refusal_.empty())
         return exchange.post({Notice::What::kFailed, refusal_});
@@ -139,7 +139,7 @@ void BusLink::listen(int port, const std::string& address) {
     }
 
   private:
-    TcpServer::Settings wish_;
+    TcpServer::Settings requested_;
     TcpServer server_{node_, {[this](double time_s) { node_.advance(time_s); }, {}}};
     std::string refusal_;
   };

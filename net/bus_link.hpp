@@ -25,7 +25,7 @@ public:
   BusLink& operator=(const BusLink&) = delete;
 
   /// Waits for others on a port of 127.0.0.1 and ::1, or of one numeric address, which needs a
-  /// token. What goes wrong comes as news.
+  /// token. Errors come as notices.
   void listen(int port, const std::string& address);
   /// Calls that host, again and again until disconnect().
   void connect(const std::string& host, int port);

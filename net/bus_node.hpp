@@ -12,15 +12,15 @@
 
 namespace tactus::net {
 
-/// What the thread of a bus link's sockets and the patch's thread exchange. Messages go through
-/// rings, wait-free for both; what is told goes through a lock that the patch's thread only tries.
+/// Data exchanged between the socket thread of a bus link and the patch's thread. Messages pass
+/// through wait-free rings; notices pass through a lock that the patch's thread only tries.
 class BusExchange {
 public:
   static constexpr std::size_t kOutgoing = 1u << 20, kIncoming = 1u << 20;
   /// Free bytes that streams leave to events.
   static constexpr std::size_t kReserve = 1u << 19;
 
-  /// From one peer.
+  /// Messages from one peer.
   struct Incoming {
     PacketRing ring{kIncoming};     ///< a topic as an OSC packet; its time by this side's clock, s
     std::atomic<double> delay_s{0}; ///< playout, after its time

@@ -14,7 +14,7 @@
 
 namespace tactus::net {
 
-/// What a client sets up, now and after every new connection. m, N
+/// A client's settings, sent after every connection. m, N
 struct ClientSetup {
   std::optional<haptic::Workspace> workspace{};
   std::vector<haptic::Vec3> points{};
@@ -23,7 +23,7 @@ struct ClientSetup {
   std::optional<double> force_limit_n{};
 };
 
-/// What the server said of its device.
+/// The server's description of its device.
 struct Welcome {
   std::string device, model;
   int axes = 3;
@@ -39,7 +39,7 @@ struct ClientSettings {
 };
 
 /// The protocol's client without sockets, threads and clocks, as Server is. After every connection
-/// the motors are off until start() is called again: what was wished before is not taken up.
+/// the motors are off until start() is called again: an earlier start() does not carry over.
 class Client {
 public:
   static constexpr double kWelcome_s = 2; ///< to wait for it
@@ -83,7 +83,7 @@ public:
   [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
   /// The shortest measured, s; nothing before the first pong.
   [[nodiscard]] std::optional<double> round_trip_s() const noexcept { return round_trip_s_; }
-  /// The last that was wrong, one sentence; empty when all is well.
+  /// The last error, one sentence; empty when all is well.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
 
 private:

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-/// What one client may do, and what the server remembers to hold it to that. Times in s by any one
+/// Rate and time limits for one client, and the counters that enforce them. Times in s by any one
 /// clock.
 namespace tactus::net {
 

@@ -7,8 +7,9 @@
 
 namespace tactus::net {
 
-/// What waits to be sent to one client. Events are kept up to the capacity; samples of a stream are
-/// left out while more than the stream limit waits, since an old position is worth nothing.
+/// Queue of the bytes to be sent to one client. Events are kept up to the capacity; samples of a
+/// stream are left out while more than the stream limit waits, since an old position is worth
+/// nothing.
 class OutQueue {
 public:
   static constexpr std::size_t kCapacity = 1u << 20, kStreamLimit = 1u << 14;

@@ -9,9 +9,9 @@
 
 namespace tactus::net {
 
-/// Packets with a time and a mark, first in first out, from one thread to one other. Both sides are
-/// wait-free and allocate nothing. A packet lies in one piece: behind the last that fits before the
-/// end, the next begins at the start.
+/// A ring buffer of packets with a time and a flag, from one writing to one reading thread. Both
+/// sides are wait-free and allocate nothing. A packet lies in one piece: behind the last that fits
+/// before the end, the next begins at the start.
 class PacketRing {
 public:
   struct Packet {

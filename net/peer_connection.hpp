@@ -8,7 +8,8 @@
 
 namespace tactus::net {
 
-/// One connection, from its first byte to its last: what every protocol over it has in common.
+/// One connection, from its first byte to its last: the part common to the haptic and the bus
+/// protocol.
 struct PeerConnection {
   static constexpr double kPackets_hz = 5000, kErrors_hz = 20;
 

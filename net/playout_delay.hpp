@@ -6,11 +6,11 @@
 
 namespace tactus::net {
 
-/// How long after its time a message is let out, so that what comes unevenly goes out evenly.
+/// A playout delay (jitter buffer): each message is output this long after its time stamp, s.
 ///
-/// Automatic: each slot of kSlot_s in which messages arrive gives one sample, the longest way among
-/// them. Of the n samples of the last kWindow_s the delay settles at the m-th smallest and a
-/// margin,
+/// Automatic: each slot of kSlot_s in which messages arrive gives one sample, the longest transit
+/// time among them. Of the n samples of the last kWindow_s the delay settles at the m-th smallest
+/// and a margin,
 ///
 ///     d = w_(m) + kMargin_s,   m = 1 + floor(kPercentile (n - 1)),
 ///
@@ -19,10 +19,10 @@ namespace tactus::net {
 /// and stays above the percentile; a line that has become slower fills all slots, and counts
 /// after 1 - kPercentile of kWindow_s.
 ///
-/// A message that is later than the delay raises it to its own way at once, since those behind it
-/// are as late, and the delay falls back to d by kFall_rate: the spike mode of Ramjee, Kurose,
-/// Towsley and Schulzrinne (INFOCOM 1994), which leaves a spike out of the estimate. While it
-/// falls, messages are let out closer together by that share and never out of order. kMax_s at
+/// A message that is later than the delay raises it to its own transit time at once, since those
+/// behind it are as late, and the delay falls back to d by kFall_rate: the spike mode of Ramjee,
+/// Kurose, Towsley and Schulzrinne (INFOCOM 1994), which leaves a spike out of the estimate. While
+/// it falls, messages are let out closer together by that share and never out of order. kMax_s at
 /// most: who is later is late.
 class PlayoutDelay {
 public:
@@ -31,7 +31,7 @@ public:
 
   /// s, 0 to kMax_s; nothing: automatic.
   void set_fixed(std::optional<double> delay_s) noexcept { fixed_s_ = delay_s; }
-  /// A message that was on its way for so long, 0 or more.
+  /// A message with this transit time, 0 or more.
   void add(double delay_s, double now_s) noexcept;
   [[nodiscard]] double value(double now_s) noexcept;
 

@@ -15,11 +15,11 @@ namespace tactus::net {
 
 struct Wire;
 
-/// A haptic device behind a server of the haptic protocol, as any other device of core/haptic.
-/// Sockets live in a thread of their own, which the servo meets in two mailboxes. Positions older
-/// than 100 ms take the force away until they come again; a lost connection, 500 ms without a
-/// position and a server that stops the motors are a failure of the device, so that the motors stay
-/// off until somebody switches them on. A lost connection is taken up again by itself.
+/// A haptic device on another computer, as a haptic::Backend: a client of the haptic protocol. The
+/// sockets have their own thread, which exchanges data with the servo through two mailboxes.
+/// Positions older than 100 ms take the force away until they come again; a lost connection, 500 ms
+/// without a position and a server that stops the motors are a failure of the device, so that the
+/// motors stay off until somebody switches them on. A lost connection is taken up again by itself.
 class RemoteDevice final : public haptic::Backend {
 public:
   RemoteDevice();
@@ -38,7 +38,7 @@ public:
   [[nodiscard]] std::string trouble() const override;
 
 private:
-  /// The newest that is known of the device.
+  /// The newest state of the device.
   struct Sample {
     haptic::State state{};
     double time_s = -1e9; ///< of its arrival

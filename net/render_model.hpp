@@ -11,7 +11,7 @@ namespace tactus::net {
 
 enum class RenderMode : std::uint8_t { kStopped, kSpring, kDamper, kForce };
 
-/// What the controlling client wants to be felt; newest wins.
+/// What the controlling client asks to be rendered; the newest request holds.
 struct RenderRequest {
   RenderMode mode = RenderMode::kStopped;
   stress::RenderGains gains{};

@@ -3,14 +3,14 @@
 #include <memory>
 #include <string_view>
 
-/// What one module's object gives to those of another, through Pd's own table of names: modules
-/// share no variables.
+/// Shares an object of one external with other externals by name. Externals are separate modules
+/// without common variables, so Pd's symbol table carries the pointer.
 namespace tactus::pd {
 
-/// A name that is taken until the end of this.
+/// Publishes an object under a name until this is destroyed.
 class PublishedObject {
 public:
-  /// Empty when another offer holds the name.
+  /// Null when the name is taken.
   static std::unique_ptr<PublishedObject> make(std::string_view name, std::shared_ptr<void> what);
   ~PublishedObject();
   PublishedObject(const PublishedObject&) = delete;
@@ -23,6 +23,7 @@ private:
   friend std::shared_ptr<void> find_published(std::string_view name);
 };
 
+/// Null when nothing is published under the name.
 [[nodiscard]] std::shared_ptr<void> find_published(std::string_view name);
 
 } // namespace tactus::pd

@@ -6,15 +6,15 @@
 
 namespace tactus::devices::evdev {
 
-/// A constant force as the kernel's interface says it.
+/// A constant force in the units of the kernel's force-feedback interface (linux/input.h).
 struct ConstantForce {
   std::int16_t level = 0;      ///< 0..32767
   std::uint16_t direction = 0; ///< 65536 a turn: 0 pulls to the user, then left, away, right
   friend bool operator==(const ConstantForce&, const ConstantForce&) = default;
 };
 
-/// The share of peak_n that lies in the plane of the stick, x right and z towards the user; without
-/// a second axis the x part alone. What is not finite is none.
+/// The force's part in the plane of the stick (x right, z towards the user) as a share of peak_n,
+/// N; without a second axis x only. A force that is not finite gives none.
 [[nodiscard]] ConstantForce constant_force(const haptic::Vec3& force_n, double peak_n,
                                            bool two_axes) noexcept;
 

@@ -16,7 +16,7 @@ struct Joystick {
 /// In the order of their nodes' numbers.
 [[nodiscard]] std::vector<Joystick> joysticks();
 
-/// Bit of a bitmap as /sys writes it: words of a long in hexadecimal, the highest first.
+/// One bit of a bitmap as /sys writes it: words of a long in hexadecimal, the highest first.
 [[nodiscard]] bool bit(std::string_view bitmap, unsigned number) noexcept;
 
 } // namespace tactus::devices::evdev

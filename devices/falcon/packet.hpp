@@ -30,8 +30,8 @@ struct Response {
 [[nodiscard]] Packet encode(const Command& command) noexcept;
 [[nodiscard]] Packet encode(const Response& response) noexcept;
 
-/// Cuts a stream of bytes into answers. '<' occurs at the start of a packet alone, so whatever was
-/// lost or added, the next whole packet is found.
+/// Cuts a stream of bytes into answers. '<' occurs at the start of a packet alone, so after
+/// lost or added bytes the next whole packet is found.
 class ResponseParser {
 public:
   /// True when this byte completes an answer.

@@ -18,9 +18,10 @@ struct Frame {
   double time_s = 0;        ///< steady clock
 };
 
-/// Run mode. Two threads own libusb, one that submits orders and one that handles what completes,
-/// so that the servo touches memory alone: its send() and receive() allocate nothing, take no lock
-/// and never wait. The newest order wins. At most two are on their way or without an answer, so
+/// The stream of commands and responses while the Falcon's firmware runs. One
+/// thread submits libusb transfers, another handles those that complete. The servo only accesses
+/// memory: its send() and receive() allocate nothing, take no lock
+/// and never wait. The newest order wins. At most two orders are unanswered, so
 /// that no queue can form in front of a device that is slower than the servo; an answer that does
 /// not come is given up after 10 ms. The device holds an order until the next one comes, so while
 /// the servo stalls the stream sends orders without force (force_timeout.hpp).

@@ -10,7 +10,7 @@ namespace tactus::devices::force_dimension {
 constexpr int kTimeGuard = 1;      ///< the answer is the last one again: too soon for a new one
 constexpr int kMotorSaturated = 2; ///< force was given, but less than asked for
 
-/// Places in the array that dhdGetStatus fills; newer libraries fill more of them.
+/// Indices into the array that dhdGetStatus fills; newer libraries fill more of them.
 enum Status : std::size_t {
   kPowered = 0,
   kConnected = 1,

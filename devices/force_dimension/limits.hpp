@@ -13,7 +13,7 @@ struct Model {
   double peak_torque_n_m = 0, peak_grip_n = 0; ///< 0: it has no such motors
 };
 
-/// CHAI3D's figures for the type; the least of them for a type that it does not know.
+/// CHAI3D's figures for the type; the smallest of them for an unknown type.
 [[nodiscard]] const Model& model_of(int type) noexcept;
 [[nodiscard]] haptic::Caps caps_of(const Model& model) noexcept;
 

@@ -138,7 +138,7 @@ void Connection::run_connection() {
   }
 }
 
-/// The device that was wished for; empty, else what to do.
+/// Looks for the requested device; empty, else what to do.
 std::string Connection::choose(const Message& inventory) {
   const auto& devices = inventory.devices;
   if (devices.empty())

@@ -28,16 +28,16 @@ struct Settings {
   double rate_hz = 1000;
 };
 
-/// The newest that is known of the device.
+/// The newest state of the device.
 struct Sample {
   haptic::State state{}; ///< position in metres of the handle, from the origin that origin() says
   double time_s = -1e9;  ///< of its arrival, ServoThread's clock
   bool calibrated = false;
 };
 
-/// Talks to the service in a thread of its own: one message and one answer a millisecond. The
-/// servo's thread meets it in two mailboxes and never touches sockets or JSON. A service that ends
-/// is looked for again, at first after 50 ms, later every 2 s.
+/// Connection to Haply's service, in its own thread: one message and one answer a millisecond. It
+/// exchanges states and forces with the servo's thread through two mailboxes; the servo touches no
+/// socket and no JSON. When the service ends, it reconnects: at first after 50 ms, later every 2 s.
 class Connection {
 public:
   ~Connection() { close(); }

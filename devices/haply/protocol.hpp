@@ -13,7 +13,7 @@
 /// have not changed may be left out of a state.
 namespace tactus::devices::haply {
 
-/// One device as a message of the service shows it. Project frame.
+/// The state of one device in a message of the service. Project frame.
 struct DeviceState {
   std::string id, type, firmware;
   std::optional<haptic::Vec3> position, velocity; ///< m, m/s, in the application's space

@@ -6,8 +6,8 @@
 
 namespace tactus::devices::haply {
 
-/// A WebSocket client whose every step ends: within its time, or soon after `stop` becomes true.
-/// For one thread. Knows nothing of what is said.
+/// A WebSocket client (RFC 6455) for text messages. Each call returns within its timeout, or soon
+/// after `stop` becomes true. For one thread.
 class Socket {
 public:
   explicit Socket(const std::atomic<bool>& stop);

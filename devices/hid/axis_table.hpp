@@ -8,7 +8,7 @@
 
 namespace tactus::devices::hid {
 
-/// Which axis of the device drives which of ours: three of position, three of rotation.
+/// Maps the axes of a HID to three of position and three of rotation.
 struct AxisTable {
   struct Source {
     int axis = -1; ///< index into Knob::share, -1: none

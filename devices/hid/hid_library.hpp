@@ -25,8 +25,8 @@ struct HidLibrary {
   int (*get_report_descriptor)(hid_device*, unsigned char*, std::size_t) = nullptr;
   bool hidraw = false;
 
-  /// The library of that transport, kAny: hidraw if it is there. It stays loaded, since its own
-  /// ending would concern every open device. Null with a sentence in obstacle.
+  /// The library of that transport, kAny: hidraw if it is there. It stays loaded, since
+  /// unloading would end every open device. Null, with a sentence in `problem`, on failure.
   [[nodiscard]] static HidLibrary* get(Transport transport, std::string& problem);
 
 private:

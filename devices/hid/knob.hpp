@@ -11,7 +11,7 @@ namespace tactus::devices::hid {
 
 constexpr std::size_t kAxes = 9; ///< X Y Z Rx Ry Rz Slider Dial Wheel, in the order of their usages
 
-/// What the reports have said so far.
+/// The newest known state of the axes and buttons.
 struct Knob {
   std::array<double, kAxes> share{}; ///< of full deflection, -1..1
   std::uint32_t buttons = 0;

@@ -151,7 +151,7 @@ std::string Device::open() {
   library_.enable(kForceRamping);
   if (library_.set_scheduler_rate)
     library_.set_scheduler_rate(1000);
-  static_cast<void>(library_.take_errors()); // ramping and the rate are wishes
+  static_cast<void>(library_.take_errors()); // ramping and the rate are optional
   calibration_ = kCalibrationNeedsUpdate;
   until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = error_free_ticks_ = 0;
   force_off_ = false;

@@ -79,17 +79,17 @@ std::string HdLibrary::load() {
 
 Code HdLibrary::take_errors(bool* warm) const noexcept {
   constexpr int kMaxErrors = 32;
-  Code most_severe = kSuccess;
+  Code worst = kSuccess;
   for (int i = 0; i < kMaxErrors; ++i) {
     const Code code = get_error().code;
     if (code == kSuccess)
       break;
     if (warm && code == kWarmMotors)
       *warm = true;
-    if (severity(code) > severity(most_severe))
-      most_severe = code;
+    if (severity(code) > severity(worst))
+      worst = code;
   }
-  return most_severe;
+  return worst;
 }
 
 } // namespace tactus::devices::openhaptics

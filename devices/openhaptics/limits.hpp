@@ -7,8 +7,8 @@
 
 namespace tactus::devices::openhaptics {
 
-/// What a model can do when its own library does not say: the figures of CHAI3D's table. A model
-/// that nobody knows gets the least force of all.
+/// Limits of a model by CHAI3D's table, for a library that does not report them. An unknown model
+/// gets the smallest force of the table.
 /// model: as hdGetString(model type) gives it.
 [[nodiscard]] haptic::Caps table_caps(std::string_view model) noexcept;
 

@@ -186,7 +186,7 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::breath_noise>(),
     whole<&Parameters::seed>(),
     whole<&Parameters::tune>(),
-    whole<&Parameters::ear>(),
+    whole<&Parameters::correct_pitch>(),
     number<&Parameters::fingering>(),
     whole<&Parameters::tube>(),
     number<&Parameters::slide>(),

@@ -62,7 +62,7 @@ template <std::size_t count>
   preset->breath_noise = now.breath_noise;
   preset->seed = now.seed;
   preset->tune = now.tune;
-  preset->ear = now.ear;
+  preset->correct_pitch = now.correct_pitch;
   preset->temperature = now.temperature;
   return preset;
 }

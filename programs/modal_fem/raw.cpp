@@ -102,8 +102,9 @@ Grid rings(const modal::Surface& surface, const RawSettings& settings, const Gri
 }
 
 /// Force of a striker at 1 m/s, mean of each short step, N.
-std::vector<double> blow(const std::shared_ptr<const LoadedTable>& loaded,
-                         const RawSettings& settings, const Vec3& strike_position, double rate) {
+std::vector<double> strike_force(const std::shared_ptr<const LoadedTable>& loaded,
+                                 const RawSettings& settings, const Vec3& strike_position,
+                                 double rate) {
   modal::BodySettings body;
   body.sample_rate = rate;
   body.radiation = modal::Radiation::kNone;
@@ -114,7 +115,7 @@ std::vector<double> blow(const std::shared_ptr<const LoadedTable>& loaded,
   struck_body->set_striker(settings.striker);
   const SurfacePoint at = struck_body->model()->nearest(strike_position);
   if (!struck_body->hit({at, at.normal, 1}))
-    throw InputError("the blow could not start");
+    throw InputError("the impact could not start");
   constexpr std::size_t kBlock = 64;
   std::array<float, kBlock> silence{}, left{}, right{}, contact{};
   std::vector<double> force;
@@ -195,7 +196,7 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
     out.hit_m.push_back(at.position);
     const std::vector<double> force = settings.impulse_n_s > 0
                                           ? std::vector<double>{}
-                                          : blow(loaded, settings, at.position, 1 / step);
+                                          : strike_force(loaded, settings, at.position, 1 / step);
     model.gains(at, at.normal, gain);
     for (std::size_t k = 0; k < modes; ++k) {
       const std::complex<double> s = model.rate[k], turn = std::exp(s * step);

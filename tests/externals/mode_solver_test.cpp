@@ -133,7 +133,7 @@ TEST_CASE("a child that fails is lost, with its reason") {
           std::pair("killed", "the solver ended: signal 9"),
           std::pair("mute", "did not answer within 0.4 s"),
           std::pair("half", "the solver ended: status 0"), std::pair("shares", "expected -1..1"),
-          std::pair("damaged", "the solver's answer cannot be")}) {
+          std::pair("damaged", "the solver's answer is invalid")}) {
       const std::string mode = name; // a binding cannot be captured
       CAPTURE(mode);
       // Only what waits for ever must meet its limit: the others have time on a busy machine.

@@ -421,8 +421,8 @@ TEST_CASE("three numbers: the velocity is that of the positions") {
   rig.say("render", {1.0});
   rig.run(300);
   for (int i = 0; i < 20; ++i) {
-    const std::vector<Atom> place{0.1 * i, 0.0, 0.0};
-    rig.object.list(1, place, rig.host);
+    const std::vector<Atom> position{0.1 * i, 0.0, 0.0};
+    rig.object.list(1, position, rig.host);
     rig.run(1);
   }
   CHECK(rig.force() == doctest::Approx(-4 * 0.1).epsilon(1e-6));

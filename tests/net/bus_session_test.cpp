@@ -75,18 +75,18 @@ struct Link {
   };
   [[nodiscard]] double listener_time() const { return now_s + ahead_s; }
 
-  void carry(End& from, std::vector<Piece>& way) const {
+  void carry(End& from, std::vector<Piece>& pipe) const {
     if (!from.alive() || !reads)
       return;
     OutQueue& out = from.node.out(*from.id);
     if (out.size() > 0)
-      way.push_back({now_s + delay_s, Bytes(out.front().begin(), out.front().end())});
+      pipe.push_back({now_s + delay_s, Bytes(out.front().begin(), out.front().end())});
     out.consume(out.size());
   }
-  void bring(std::vector<Piece>& way, End& to, double time_s) const {
-    while (!stalled && !way.empty() && way.front().due_s <= now_s) {
-      const Bytes bytes = std::move(way.front().bytes);
-      way.erase(way.begin());
+  void bring(std::vector<Piece>& pipe, End& to, double time_s) const {
+    while (!stalled && !pipe.empty() && pipe.front().due_s <= now_s) {
+      const Bytes bytes = std::move(pipe.front().bytes);
+      pipe.erase(pipe.begin());
       if (to.alive())
         to.node.receive(*to.id, bytes, time_s);
     }

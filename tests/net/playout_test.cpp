@@ -208,7 +208,7 @@ struct Played {
 };
 Played play(PlayoutDelay& playout, double from_s, double until_s,
             const std::function<double(double)>& line, double period_s = 1e-3) {
-  std::vector<std::pair<double, double>> arrivals; // arrival, way; a stream is in order
+  std::vector<std::pair<double, double>> arrivals; // arrival, delay; a stream is in order
   double last = 0;
   for (double sent = from_s; sent < until_s; sent += period_s) {
     last = std::max(last, sent + line(sent));
@@ -216,9 +216,9 @@ Played play(PlayoutDelay& playout, double from_s, double until_s,
   }
   Played played;
   std::vector<double> delays;
-  for (const auto& [arrived, way] : arrivals) {
-    played.late += way > playout.value(arrived);
-    playout.add(way, arrived);
+  for (const auto& [arrived, delay_s] : arrivals) {
+    played.late += delay_s > playout.value(arrived);
+    playout.add(delay_s, arrived);
     ++played.count;
     played.delay_s = playout.value(arrived);
     delays.push_back(played.delay_s);

@@ -45,7 +45,7 @@ def send(here, count=COUNT, first=0, apart_s=0.0005, size=0):
 
 
 def take(there, seconds=1.0):
-    """[(number, s on the way)] of what comes until nothing has come for so long."""
+    """[(number, delay in s)] of what comes until nothing has come for so long."""
     found = []
     there.settimeout(seconds)
     try:
@@ -62,7 +62,7 @@ def test_a_line_keeps_all_packets_in_order_and_no_less_than_its_delay(network, e
     send(here, 40, apart_s=0)
     found = take(there)
     assert [number for number, _ in found] == list(range(40))
-    assert min(way_s for _, way_s in found) >= 0.03
+    assert min(delay_s for _, delay_s in found) >= 0.03
 
 
 def test_loss_is_a_share_of_the_packets_and_jitter_makes_them_overtake(network, ends):

@@ -262,7 +262,7 @@ private:
     bool gliding = false;    ///< the old model's weights were gliding
   };
   [[nodiscard]] bool continue_states(BodyModel& next, const Transition& change) noexcept;
-  void place_point() noexcept;
+  void snap_point_to_surface() noexcept;
   void continue_direct(Handover* before, const Transition& change) noexcept;
   void mix_coupled_output(std::size_t segment_begin, std::size_t sample) noexcept;
   void add_fading_before_delay(std::size_t frames) noexcept;

@@ -62,7 +62,7 @@ void StruckBody::adopt() noexcept {
     rub_.direction = along_surface(rub_.point.normal, rub_.direction);
   }
   if (!point_set_ || !change.same_body)
-    place_point();
+    snap_point_to_surface();
   update_point_gains();
   for (std::size_t i = model_->settings.voices; i < kMaxContacts; ++i)
     impacts_[i] = {};
@@ -99,7 +99,7 @@ bool StruckBody::continue_states(BodyModel& next, const Transition& change) noex
 
 /// Moves the force point to the surface of a new body: to the nearest point, or, if none has been
 /// set, to the point nearest to the user, who looks from +z.
-void StruckBody::place_point() noexcept {
+void StruckBody::snap_point_to_surface() noexcept {
   const Surface& surface = model_->loaded->surface;
   if (surface.empty()) {
     point_ = {};

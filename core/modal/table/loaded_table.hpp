@@ -19,7 +19,7 @@ struct LoadedTable {
   ModalTable table;
   Surface surface;
   RadiatingSurface radiating; ///< of one body; of two each part has its own
-  /// The table's shapes [V][K][3], vertex by vertex, so that a blow reads three places and not all
+  /// The table's shapes [V][K][3], vertex by vertex, so that a hit reads three vertices and not all
   /// modes' surfaces; `table.shape` is empty. Empty: unit gain.
   std::vector<float> shape;
 

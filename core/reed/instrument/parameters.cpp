@@ -130,8 +130,8 @@ bool can_interpolate(const Parameters& a, const Parameters& b) noexcept {
   constexpr double kFactor = 1.25;
   constexpr double kCents = 100;
   if (a.type != b.type || a.shape != b.shape || a.end != b.end || a.flow != b.flow ||
-      a.sweep != b.sweep || a.tune != b.tune || a.ear != b.ear || a.tube != b.tube ||
-      oversampling_of(a) != oversampling_of(b))
+      a.sweep != b.sweep || a.tune != b.tune || a.correct_pitch != b.correct_pitch ||
+      a.tube != b.tube || oversampling_of(a) != oversampling_of(b))
     return false;
   // Another rest of the valve is only another force on it, and other losses not even that.
   constexpr double kAngle = 0.1;

@@ -52,9 +52,9 @@ struct Parameters {
   int oversampling = 0;       // 1, 2 or 4; 0: 4 for the swinging valve, else 1
   double breath_noise = 1e-7; // relative to the jet's pressure (up to 1e-5: to the mouth's)
   unsigned seed = 1;
-  bool tune = false;    // a player plays f_b: chooses length and lips (player.hpp)
-  bool ear = true;      // with tune: TuningController corrects the pitch
-  double fingering = 0; // with tune: MIDI number of the note fingered, instead of f_b; 0: none
+  bool tune = false;         // a player plays f_b: chooses length and lips (player.hpp)
+  bool correct_pitch = true; // with tune: TuningController corrects the pitch
+  double fingering = 0;      // with tune: MIDI number of the note fingered, instead of f_b; 0: none
   bool tube = false; // with tune and a brass bell: f_b is played with valves or slide (brass.hpp)
   int valves = -1;   // with tune, on a trumpet: bits of those pressed; -1: the player's choice
   double slide = 0;  // with tune, on a trombone: position 1 to 7; 0: the player's choice

@@ -29,7 +29,7 @@ bool same_note_parameters(const Parameters& a, Parameters b) {
   b.brassiness = a.brassiness;
   b.bell = a.bell;
   b.bell_quality = a.bell_quality;
-  b.ear = a.ear;
+  b.correct_pitch = a.correct_pitch;
   b.fingering = a.fingering;
   b.lowest_note = a.lowest_note;
   b.highest_note = a.highest_note;
@@ -116,7 +116,7 @@ void Player::choose_configuration(double reed_frequency) noexcept {
   const bool played = plays_;
   plays_ = parameters_.tune && (requested > 0 || holes_ != nullptr) &&
            !(parameters_.length_override > 0);
-  tracks_pitch_ = plays_ && parameters_.ear && holes_ == nullptr;
+  tracks_pitch_ = plays_ && parameters_.correct_pitch && holes_ == nullptr;
   if (plays_ && holes_ != nullptr) {
     use_open_holes();
     if (update_due_ || !played)

@@ -219,7 +219,7 @@ TEST_CASE("a contact's energy is its striker's and what it stores; a held strike
   CHECK(e.energy() == approx(.9));
   e.held = true;
   CHECK(e.energy() == 0);
-  // What it is judged by: from half of it to a tenth more.
+  // Valid from half of the reference energy to a tenth above it.
   e.level_energy_j = 2;
   CHECK(e.level_valid(2));
   CHECK(e.level_valid(2.19));

@@ -75,12 +75,12 @@ inline std::complex<double> component(std::span<const double> x, double rate, do
   std::complex<double> sum = 0;
   const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * frequency / rate);
   const std::complex<double> step = std::polar(1.0, 2 * std::numbers::pi / size);
-  std::complex<double> phase = 1, place = 1;
+  std::complex<double> phase = 1, window_phase = 1;
   for (std::size_t n = 0; n < x.size(); ++n) {
-    const double c1 = place.real(), c2 = 2 * c1 * c1 - 1, c3 = 4 * c1 * c1 * c1 - 3 * c1;
+    const double c1 = window_phase.real(), c2 = 2 * c1 * c1 - 1, c3 = 4 * c1 * c1 * c1 - 3 * c1;
     sum += (x[n] - m) * (0.35875 - 0.48829 * c1 + 0.14128 * c2 - 0.01168 * c3) * phase;
     phase *= turn;
-    place *= step;
+    window_phase *= step;
   }
   return 2.0 * sum / (0.35875 * size);
 }

@@ -140,8 +140,8 @@ TEST_CASE("a device that takes no force any more says so, and is well when it do
 TEST_CASE("a device is chosen by index, node or serial number") {
   const auto device = make();
   for (const char* which : {"0", "/dev/input/event3", "STICK7"}) {
-    const std::array<std::string, 2> wish{"device", which};
-    CHECK(device->configure(wish) == "");
+    const std::array<std::string, 2> words{"device", which};
+    CHECK(device->configure(words) == "");
     CHECK(device->open() == "");
   }
   for (const char* which : {"3", "1x", "-1", "/dev/input/event4", "stick7"}) {
@@ -151,8 +151,8 @@ TEST_CASE("a device is chosen by index, node or serial number") {
           std::string::npos);
   }
   for (const char* which : {"1", "/dev/input/event12"}) { // it answers nothing
-    const std::array<std::string, 2> wish{"device", which};
-    CHECK(device->configure(wish) == "");
+    const std::array<std::string, 2> words{"device", which};
+    CHECK(device->configure(words) == "");
     CHECK(device->open().find("/dev/input/event12 has no axis X") != std::string::npos);
   }
 }

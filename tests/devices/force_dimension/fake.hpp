@@ -23,7 +23,7 @@ struct Fake {
     setenv("FAKE_DHD", mode, 1);
     const char* const name = FAKE_DHD;
     REQUIRE(library.load({&name, 1}));
-    REQUIRE(library.symbol("fake_dhd_place", place));
+    REQUIRE(library.symbol("fake_dhd_set_position", set_position));
     REQUIRE(library.symbol("fake_dhd_switch_off", switch_off));
     REQUIRE(library.symbol("fake_dhd_switch_on", switch_on));
     REQUIRE(library.symbol("fake_dhd_set", set));
@@ -59,7 +59,7 @@ struct Fake {
     return all;
   }
   devices::SharedLibrary library;
-  void (*place)(double, double, double) = nullptr;
+  void (*set_position)(double, double, double) = nullptr;
   void (*switch_off)(int) = nullptr;
   void (*switch_on)() = nullptr;
   void (*set)(int, int, int, unsigned) = nullptr;

@@ -30,7 +30,7 @@ static int mode(const char* word) {
 }
 
 /* For the test. */
-void fake_dhd_place(double x, double y, double z) {
+void fake_dhd_set_position(double x, double y, double z) {
   position[0] = x, position[1] = y, position[2] = z;
   memset(velocity, 0, sizeof velocity);
 }

@@ -31,7 +31,7 @@ TEST_CASE("the vendor's frame becomes the project's, for positions and for force
   const Fake fake;
   const auto device = make();
   REQUIRE(device->open() == "");
-  fake.place(0.01, 0.02, 0.03); // towards the user, right, up
+  fake.set_position(0.01, 0.02, 0.03); // towards the user, right, up
   const State state = drive(*device, {}, 1);
   CHECK(state.position == Vec3{0.02, 0.03, 0.01});
   CHECK(press(fake, *device, {1, 2, 3}, {3, 1, 2}));
@@ -41,7 +41,7 @@ TEST_CASE("the time guard's answer is an answer, and force moves the handle") {
   const Fake fake;
   const auto device = make();
   REQUIRE(device->open() == "");
-  fake.place(0, 0, 0);
+  fake.set_position(0, 0, 0);
   REQUIRE(press(fake, *device, {0, 0.5, 0}, {0, 0, 0.5}));
   const State state = drive(*device, {0, 0.5, 0}, 100);
   CHECK(state.position.y > 1e-3);

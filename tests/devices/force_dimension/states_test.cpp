@@ -128,7 +128,7 @@ TEST_CASE("an opening forgets what was wrong before it, and begins without force
   const Fake fake("sigma.7");
   const auto device = make();
   REQUIRE(device->open() == "");
-  fake.place(0.01, 0.01, 0.01);
+  fake.set_position(0.01, 0.01, 0.01);
   drive(*device, {}, 2);
   fake.set(0, 1, 1, 0);
   fake.break_down(1);
@@ -138,7 +138,7 @@ TEST_CASE("an opening forgets what was wrong before it, and begins without force
   CHECK(device->trouble() != "");
   REQUIRE(device->open() == "");
   CHECK(device->trouble() == "");
-  fake.place(5, 0, 0); // no position that it can have: the last good one is the middle
+  fake.set_position(5, 0, 0); // no position that it can have: the last good one is the middle
   State state;
   CHECK(device->read({}, state));
   CHECK(state.position == Vec3{});
@@ -153,9 +153,9 @@ TEST_CASE("a position out of reach is the last good one") {
   const Fake fake;
   const auto device = make();
   REQUIRE(device->open() == "");
-  fake.place(0.01, 0.02, 0.03);
+  fake.set_position(0.01, 0.02, 0.03);
   const Vec3 good = drive(*device, {}, 1).position;
-  fake.place(0.01, 9, 0.03);
+  fake.set_position(0.01, 9, 0.03);
   const State state = drive(*device, {}, 1);
   CHECK(state.position == good);
   CHECK((state.flags & State::kUnreachable) != 0);

@@ -201,8 +201,8 @@ TEST_CASE("a service that hangs, ends and starts again is found again") {
   {
     Mock mock;
     port = mock.port();
-    const std::array<std::string, 3> place{"service", "127.0.0.1", std::to_string(port)};
-    REQUIRE(device->configure(place) == "");
+    const std::array<std::string, 3> service{"service", "127.0.0.1", std::to_string(port)};
+    REQUIRE(device->configure(service) == "");
     REQUIRE(device->open() == "");
     REQUIRE(drive_until(*device, {}, alive));
     mock.tell("drop"); // hangs up once

@@ -28,7 +28,7 @@ struct Fake {
     REQUIRE(library.symbol("fake_hd_counts", counts_of));
     REQUIRE(library.symbol("fake_hd_last_force", force_of));
     REQUIRE(library.symbol("fake_hd_torque", torque_of));
-    REQUIRE(library.symbol("fake_hd_place", place));
+    REQUIRE(library.symbol("fake_hd_set_position", set_position));
     REQUIRE(library.symbol("fake_hd_calibration", calibration));
     REQUIRE(library.symbol("fake_hd_more_counts", more_counts_of));
     void (*reset)() = nullptr;
@@ -59,7 +59,7 @@ struct Fake {
   void (*counts_of)(unsigned long*) = nullptr;
   void (*force_of)(double*) = nullptr;
   int (*torque_of)(double*) = nullptr;
-  void (*place)(double, double, double) = nullptr;
+  void (*set_position)(double, double, double) = nullptr;
   void (*calibration)(int) = nullptr;
   void (*more_counts_of)(int*) = nullptr;
 };

@@ -70,7 +70,7 @@ void fake_hd_reset(void) {
   pthread_mutex_unlock(&guard);
 }
 /* Where the handle is, mm. */
-void fake_hd_place(double x, double y, double z) {
+void fake_hd_set_position(double x, double y, double z) {
   pthread_mutex_lock(&guard);
   position[0] = x, position[1] = y, position[2] = z;
   memset(velocity, 0, sizeof velocity);

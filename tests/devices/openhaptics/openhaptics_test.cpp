@@ -25,10 +25,10 @@ TEST_CASE("five hundred callbacks bring positions in millimetres as normalised o
   Session session(*device);
   const haptic::Report report = session.after(500);
   CHECK(report.tick.index >= 500);
-  const haptic::Vec3 place = workspace.normalised(report.state.position);
-  CHECK(place.x == doctest::Approx(90.0 / 160));
-  CHECK(place.y == doctest::Approx(80.0 / 120));
-  CHECK(place.z == doctest::Approx(5.0 / 70));
+  const haptic::Vec3 share = workspace.normalised(report.state.position);
+  CHECK(share.x == doctest::Approx(90.0 / 160));
+  CHECK(share.y == doctest::Approx(80.0 / 120));
+  CHECK(share.z == doctest::Approx(5.0 / 70));
   CHECK(report.state.rotation == haptic::Vec3{-0.2, -0.1, -0.3});
   CHECK((report.state.flags & State::kHomed) != 0);
   CHECK(device->trouble() == "");
@@ -124,8 +124,8 @@ TEST_CASE("other default names are tried, and a name may be asked for") {
   const Fake fake("named");
   const auto device = make();
   CHECK(device->open() != "");
-  const std::array<std::string, 3> wish{"device", "Left", "Device"};
-  CHECK(device->configure(wish) == "");
+  const std::array<std::string, 3> words{"device", "Left", "Device"};
+  CHECK(device->configure(words) == "");
   CHECK(device->open() == "");
   const std::array<std::string, 2> other{"speed", "3"};
   CHECK(device->configure(other).find("speed") != std::string::npos);

@@ -87,9 +87,9 @@ TEST_CASE("positions are metres, velocities their change, and one out of reach i
   REQUIRE(device->open() == "");
   const ScriptedRun r(fake, *device, 300, [&](int tick) {
     if (tick == 0)
-      fake.place(10, 20, -30);
+      fake.set_position(10, 20, -30);
     if (tick == 250)
-      fake.place(0, 5000, 0);
+      fake.set_position(0, 5000, 0);
     return tick > 100 ? Vec3{0, 0, 0.3} : Vec3{};
   });
   CHECK(norm(r.states[50].position - Vec3{0.01, 0.02, -0.03}) < 1e-12);

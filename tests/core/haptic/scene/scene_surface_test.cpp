@@ -32,9 +32,9 @@ TEST_CASE("the force of a smooth sphere is the gradient of a potential and retur
   Vec3 before = centre + Vec3{0, 0, 19}, force_before = rig.touch(before);
   for (int n = 1; n <= 20000; ++n) { // a knot that ends where it began, always inside
     const double a = 2 * 3.14159265358979323846 * n / 20000, depth = 1 + 0.8 * std::sin(5 * a);
-    const Vec3 way{std::sin(2 * a), std::sin(3 * a), std::cos(a) + 0.2};
+    const Vec3 direction{std::sin(2 * a), std::sin(3 * a), std::cos(a) + 0.2};
     const double radius = 20 - depth;
-    const Vec3 here = centre + way * (radius / norm(way));
+    const Vec3 here = centre + direction * (radius / norm(direction));
     const Vec3 force = rig.touch(here);
     const Vec3 out = (here - centre) * (1 / norm(here - centre));
     worst = std::max(worst, error(force, out * (0.5 * depth)));

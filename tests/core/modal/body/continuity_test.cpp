@@ -35,13 +35,13 @@ void retune(Rig& rig, double size) {
 
 TEST_CASE("a long contact continues through a retuning as if there had been none") {
   // A soft striker stays for milliseconds; the new body is the old one in all but name.
-  const auto play = [](bool renewed) {
+  const auto play = [](bool replaced) {
     Rig rig;
     rig.body.set_striker({0.05, 0.02, 1e6, 0.49, 1e5, 1.5, 0, 1});
     rig.hit({0.05, 0.03, 0}, 0.5);
     Output output = rig.run(64);
     CHECK(rig.body.contacts() == 1);
-    if (renewed)
+    if (replaced)
       retune(rig, 1);
     CHECK(rig.body.contacts() == 1);
     const Output rest = rig.run(4800);

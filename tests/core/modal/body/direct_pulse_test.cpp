@@ -47,7 +47,7 @@ TEST_CASE("a pulse sounds as its samples at the force inlet do, at its point") {
 }
 
 TEST_CASE("friction continues through a retuning as if there had been none") {
-  const auto play = [](bool renewed) {
+  const auto play = [](bool replaced) {
     Rig rig(48000, plate(.32, .2, .005, 5000, 16, 10));
     Rub rub;
     rub.placed = true;
@@ -62,7 +62,7 @@ TEST_CASE("friction continues through a retuning as if there had been none") {
     std::fill(s[3].begin(), s[3].end(), .05F); // m/s
     std::vector<float> friction;
     for (int block = 0; block < 40; ++block) {
-      if (renewed && block == 20) {
+      if (replaced && block == 20) {
         rig.rebuild();
         CHECK(rig.body.contacts() == 1);
       }
@@ -74,11 +74,11 @@ TEST_CASE("friction continues through a retuning as if there had been none") {
     }
     return friction;
   };
-  const auto plain = play(false), renewed = play(true);
+  const auto plain = play(false), replaced = play(true);
   float maximum = 0, apart = 0;
   for (std::size_t n = 0; n < plain.size(); ++n) {
     maximum = std::max(maximum, std::abs(plain[n]));
-    apart = std::max(apart, std::abs(plain[n] - renewed[n]));
+    apart = std::max(apart, std::abs(plain[n] - replaced[n]));
   }
   CHECK(maximum > .2F);
   CHECK(apart < 2e-3F * maximum);

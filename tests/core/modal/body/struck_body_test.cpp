@@ -141,13 +141,13 @@ TEST_CASE("exchanging strike and pick-up changes nothing (reciprocity)") {
 }
 
 TEST_CASE("four listeners give the output of each alone, in a contact and after it") {
-  const Vec3 places[] = {
+  const Vec3 positions[] = {
       {0.051, 0.043, 0.1}, {-0.037, 0.021, 0.1}, {0.011, -0.05, 0.2}, {-0.1, 0.02, 0.3}};
   const auto play = [&](std::size_t listeners, const Vec3& first) {
     Rig rig;
     rig.settings.radiation = Radiation::kModal;
     rig.settings.listeners = listeners;
-    std::copy(std::begin(places), std::end(places), rig.settings.listener.begin());
+    std::copy(std::begin(positions), std::end(positions), rig.settings.listener.begin());
     if (listeners == 1)
       rig.settings.listener[0] = first;
     rig.rebuild(false);
@@ -165,7 +165,7 @@ TEST_CASE("four listeners give the output of each alone, in a contact and after 
   };
   const auto together = play(4, {});
   for (std::size_t l = 0; l < 4; ++l) {
-    const auto alone = play(1, places[l]);
+    const auto alone = play(1, positions[l]);
     float largest = 0, difference = 0;
     for (std::size_t n = 0; n < alone[0].size(); ++n) {
       largest = std::max(largest, std::abs(alone[0][n]));

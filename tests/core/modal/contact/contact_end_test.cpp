@@ -141,15 +141,15 @@ TEST_CASE("a striker under gravity has settled after eight contact durations") {
     ContactSolver solver = make();
     solver.begin(0, strike, {}, {});
     double time = 0;
-    bool renewed = false;
+    bool replaced = false;
     for (; time < 3 && solver.touching(); time += 1 / kRate) {
       static_cast<void>(solver.step());
-      if (!renewed && retuned_s > 0 && time > retuned_s) {
+      if (!replaced && retuned_s > 0 && time > retuned_s) {
         ContactSolver next = make();
         next.take_over(0, solver, 0, {}, {});
         CHECK(next.touching());
         solver = std::move(next);
-        renewed = true;
+        replaced = true;
       }
     }
     CHECK(solver.contact(0).settled);

@@ -128,43 +128,43 @@ TEST_CASE("players take the usual valves and positions") {
 }
 
 TEST_CASE(
-    "the tube's naturals are its modes, nearest to the wish, and longer tubes have lower ones") {
+    "the tube's naturals are its modes, nearest to the target, and longer tubes have lower ones") {
   for (const BoreEnd end : kBells) {
     Parameters p = brass(end);
     const BrassTube& tube = *brass_tube(end);
     const Termination& bell = bell_of(end);
     const Parameters played = with_brass_tube(p);
     for (int natural = 2; natural <= 8; ++natural) {
-      const double wish = natural * tube.fundamental;
-      const double open = nearest_natural(played, bell, tube.open_length, wish);
+      const double target = natural * tube.fundamental;
+      const double open = nearest_natural(played, bell, tube.open_length, target);
       const double longer =
-          nearest_natural(played, bell, slide_length(tube, bell, 2), wish / 1.0595);
+          nearest_natural(played, bell, slide_length(tube, bell, 2), target / 1.0595);
       CAPTURE(natural);
       CAPTURE(static_cast<int>(end));
       // A cylinder of three quarters of the length: the lowest modes lie flat, as measured ones do.
-      CHECK(std::abs(cents(open, wish)) < (natural == 2 ? 95 : 60));
+      CHECK(std::abs(cents(open, target)) < (natural == 2 ? 95 : 60));
       CHECK(std::abs(cents(longer, open) + 100) < 35);
     }
   }
 }
 
 TEST_CASE(
-    "valves that are held choose the tube, whatever note is wished, and let go the player's") {
-  const auto length = [](int valves, double wish) {
+    "valves that are held choose the tube, whatever the note, and release those of the player") {
+  const auto length = [](int valves, double target) {
     Parameters p = brass(BoreEnd::kTrumpet);
     p.tube = false;
     p.valves = valves;
     Instrument instrument;
     instrument.set(p);
     instrument.prepare(48000, 64);
-    play(instrument, ramp(1000, 0.05, 48000), 48000, 0, wish);
+    play(instrument, ramp(1000, 0.05, 48000), 48000, 0, target);
     return instrument.length();
   };
   const BrassTube& tube = *brass_tube(BoreEnd::kTrumpet);
   const Termination& bell = bell_of(BoreEnd::kTrumpet);
   for (const int valves : {0, 2, 5, 7})
-    for (const double wish : {233.0, 466.0})
-      CHECK(length(valves, wish) ==
+    for (const double target : {233.0, 466.0})
+      CHECK(length(valves, target) ==
             doctest::Approx(valve_length(tube, bell, static_cast<unsigned>(valves))));
   CHECK(length(-1, 233) != doctest::Approx(length(-1, 466)));
 }

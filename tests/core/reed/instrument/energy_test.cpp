@@ -37,7 +37,7 @@ public:
     at_ = (at_ + 1) % line_.size();
   }
 
-  /// Spring and mass (that which the step computes with), the waves under way, and the air in the
+  /// Spring and mass (the coefficients of the step), the waves under way, and the air in the
   /// channel.
   [[nodiscard]] double energy() const {
     const double v = state_.velocity(), x = state_.deflection();

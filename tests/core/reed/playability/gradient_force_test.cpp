@@ -212,7 +212,7 @@ TEST_CASE("theory maps the lips that the player of a tuned note takes" *
     CAPTURE(name);
     Parameters p = find_preset(name).value();
     p.tune = true;
-    p.ear = false; // which trims what theory leaves
+    p.correct_pitch = false; // which trims what theory leaves
     PlayabilityMapSettings settings;
     settings.parameters = p;
     settings.bore_frequency = note;

@@ -208,8 +208,8 @@ TEST_CASE("what notes needed is remembered, and runs straight between them") {
   // An instrument that sounds sharp by so much at a pitch, until it is trimmed.
   const auto sharp = [](double f) { return 0.02 + 0.03 * std::log2(f / 220); };
   double phase = 0;
-  const auto play_note = [&](double f, int hearings) {
-    for (int n = 0; n < hearings; ++n) {
+  const auto play_note = [&](double f, int blocks) {
+    for (int n = 0; n < blocks; ++n) {
       controller.set_target(f);
       double pressure[TuningController::kPeriod];
       for (double& p : pressure) {
@@ -307,7 +307,7 @@ TEST_CASE("with both powers one half a reed behaves alike at every pressure") {
   // inertance and the swept flow do not, which are left out here.
   Parameters p = find_preset("clarinet").value();
   p.tune = true;
-  p.ear = false;
+  p.correct_pitch = false;
   p.sweep = false;
   p.channel_length = 1e-7;
   p.breath_reference = 2000;

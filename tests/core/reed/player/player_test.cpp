@@ -127,7 +127,7 @@ TEST_CASE("the ear keeps still in silence, in noise of no pitch and for another 
 TEST_CASE("f_r bends a valve that follows the note, and its own value is no bend") {
   Parameters p = find_preset("voice").value();
   p.tune = true;
-  p.ear = false;
+  p.correct_pitch = false;
   const auto output = [&](double reed) {
     Instrument instrument;
     instrument.set(p);

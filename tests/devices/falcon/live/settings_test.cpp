@@ -153,9 +153,9 @@ TEST_CASE("a velocity adds up to the way that the grip goes under a force") {
           return held > 200 && norm(rig.state.position - begin) > 2e-3;
         },
         30000, {0, 0, 2}));
-    const Vec3 way = rig.state.position - begin;
-    CHECK(way.z > 2e-3);
-    agrees = norm(sum - way) < 0.2 * norm(way);
+    const Vec3 displacement = rig.state.position - begin;
+    CHECK(displacement.z > 2e-3);
+    agrees = norm(sum - displacement) < 0.2 * norm(displacement);
   }
   CHECK(agrees);
 }
