@@ -14,13 +14,14 @@
 
 namespace tactus {
 
-/// [greed_gradient~]: one reed that sounds, the slope of its playability around the hand, and the
-/// force that follows from it (core/reed/playability/gradient.hpp). docs/guidance.md.
+/// [greed_gradient~]: a sounding reed, the gradient of its playability at the hand's position and
+/// the force on the hand (core/reed/playability/gradient.hpp, docs/guidance.md).
 class GreedGradient {
 public:
   static constexpr std::array<std::string_view, 3> kModes{"reed", "growth", "guide"};
-  /// Of the jet's pressure: a hand that raises the pressure slowly is no tongue, and fixed lips
-  /// near their threshold need long to grow from less. In silence -108 dB.
+  /// Initial breath noise, relative to the mouth pressure. A hand raises the pressure slowly, and
+  /// without more noise than greed~ has, notes near their threshold would take too long to start.
+  /// In silence -108 dB.
   static constexpr double kBreathNoise = 5e-4;
   static constexpr std::array kOwnParameters{
       Parameter{"delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"},
@@ -86,7 +87,7 @@ public:
   [[nodiscard]] double get(std::size_t parameter) const noexcept;
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void report(Host& host);
-  /// No block for a while: the audio stands still, and nothing pulls.
+  /// No block for a while, so the audio has stopped: sets the force to 0.
   void tick(std::size_t, Host& host) {
     gradient_.release_force();
     host.send(kForceOutlet, {0.0, 0.0});
@@ -223,14 +224,14 @@ inline void GreedGradient::message(std::size_t index, std::span<const Atom> argu
   }
 }
 
-/// After each block.
+/// After each block: keeps the map up to date and sends force, gradient and playability.
 inline void GreedGradient::report(Host& host) {
   const double seconds = static_cast<double>(unreported_) / sample_rate_;
   unreported_ = 0;
   if (gradient_.mode() != reed::ReedGradient::Mode::kReed) {
     guide_.update(gradient_.plane(), seconds, background_);
-    if (const std::string refusal = guide_.take_error(); !refusal.empty())
-      host.error(refusal);
+    if (const std::string error = guide_.take_error(); !error.empty())
+      host.error(error);
     if (guide_.progress_changed())
       host.info({"map", guide_.progress()});
   }

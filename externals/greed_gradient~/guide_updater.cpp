@@ -9,10 +9,10 @@ namespace tactus::reed {
 namespace {
 
 constexpr std::size_t kNodes = ReedGradient::kGrowthNodes;
-constexpr std::size_t kNodesPerStep = 8; // nodes; some 0.4 ms
-constexpr double kNodesPerSecond = 3000; // in the host's time: some 15 % of a core
+constexpr std::size_t kNodesPerStep = 8; // some 0.4 ms
+constexpr double kNodesPerSecond = 3000; // of sound, in the host's time; some 15 % of a core
 constexpr double kReportInterval_s = 0.05;
-constexpr double kMaxWait_s = 0.1; // a bore that moves for longer is mapped as it is
+constexpr double kMaxWait_s = 0.1; // for the bore to settle, before it is mapped as it is
 
 } // namespace
 

@@ -9,7 +9,8 @@
 #include <string_view>
 #include <type_traits>
 
-/// What [greed~] says of itself, and which member of reed::Parameters each word sets.
+/// Declaration of [greed~]: its parameters, messages, inlets and outlets, and the member of
+/// reed::Parameters that each parameter sets. Tables are in the order of kParameters.
 namespace tactus::greed {
 
 using reed::Parameters;
@@ -21,7 +22,7 @@ inline constexpr std::array<std::string_view, 6> kEnds{"open", "clarinet", "saxo
 inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
 inline constexpr std::array<double, 4> kOversamplings{0, 1, 2, 4};
 
-/// How a number of a message becomes a member of reed::Parameters, and back.
+/// Setter and getter of one member of reed::Parameters, as a message's number.
 struct Member {
   void (*set)(Parameters&, double);
   double (*get)(const Parameters&);
@@ -31,7 +32,7 @@ template <auto member> constexpr Member number() {
   return {[](Parameters& p, double value) { p.*member = value; },
           [](const Parameters& p) { return p.*member; }};
 }
-/// Switches, words and whole numbers.
+/// For switches, enumerations and integers.
 template <auto member> constexpr Member whole() {
   return {[](Parameters& p, double value) {
             using Type = std::remove_reference_t<decltype(p.*member)>;
@@ -42,8 +43,7 @@ template <auto member> constexpr Member whole() {
           },
           [](const Parameters& p) { return static_cast<double>(p.*member); }};
 }
-/// The valve's type and the sign of its rest angle go together: a type turns the angle to the side
-/// where that valve rests.
+/// The valve's type also sets the sign of the rest angle: closed negative, open positive.
 constexpr Member type() {
   return {[](Parameters& p, double value) {
             p.type = static_cast<reed::ValveType>(static_cast<int>(value));

@@ -62,7 +62,7 @@ public:
                            {block.out(0), block.out(1), block.out(2), block.out(3)});
   }
 
-  /// Notes that were refused since: one message each, with the limits.
+  /// After each block: sends the last refused note with the limits of the compass, once.
   void report(Host& host) {
     const reed::Refusal& refusal = instrument_.refusal();
     if (refusal.count == reported_refusals_)
@@ -132,7 +132,7 @@ private:
   }
 
   reed::Instrument instrument_;
-  unsigned reported_refusals_ = 0; // of the notes refused
+  unsigned reported_refusals_ = 0; // Refusal::count at the last report
 };
 
 } // namespace tactus

@@ -14,8 +14,8 @@
 #include <string>
 #include <string_view>
 
-/// What [greed~] and the objects around it share: its presets, and its parameters in front of their
-/// own.
+/// Shared by [greed~], [greed_gradient~] and [playability_map]: presets, the message `range`, and
+/// parameter tables that begin with those of [greed~].
 namespace tactus::greed {
 
 /// The parameters of [greed~], then those of an object that contains reeds.
@@ -29,7 +29,7 @@ template <std::size_t count>
   return all;
 }
 
-/// Parameters of which one begins with another value.
+/// The parameter table with another initial value of one parameter.
 template <std::size_t count>
 [[nodiscard]] constexpr auto with_initial(std::string_view name, double value,
                                           std::array<Parameter, count> all) {
@@ -39,8 +39,8 @@ template <std::size_t count>
   return all;
 }
 
-/// The preset's valve and bore with the numerics, the player and the air of `now`; empty, after an
-/// error sentence, when there is none of that name.
+/// Valve and bore of the preset with the numerics, player and air of `now`. Reports an error and
+/// returns nothing when there is no preset of that name.
 [[nodiscard]] inline std::optional<Parameters> preset_of(const Atom& name, const Parameters& now,
                                                          Host& host) {
   auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
@@ -67,8 +67,8 @@ template <std::size_t count>
   return preset;
 }
 
-/// p_lo p_hi f_lo f_hi of the message `range`; empty, after an error sentence, when they are not
-/// four numbers that make a plane.
+/// The range p_lo p_hi (Pa) f_lo f_hi (Hz) of the message `range`. Reports an error and returns
+/// nothing unless both pairs increase within their limits.
 [[nodiscard]] inline std::optional<reed::ControlRange> range_of(std::span<const Atom> words,
                                                                 Host& host) {
   constexpr double kHighestPressure = 50e3, kLowestFrequency = 1, kHighestFrequency = 20e3;

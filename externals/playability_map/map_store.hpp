@@ -9,16 +9,18 @@
 
 namespace tactus::reed {
 
-/// Finished maps, found again by the text of everything they depend on. Holds the last few in
-/// memory; any of them can be kept in a file.
+/// Cache of the last kMaxMaps finished maps, with their settings as text for a key; can be written
+/// to and read from a file.
 class MapStore {
 public:
+  /// Stores a map; an equal key is replaced.
   void put(std::string key, std::vector<double> nodes);
+  /// Null when there is no map with this key.
   [[nodiscard]] const std::vector<double>* find(const std::string& key) const noexcept;
 
-  /// Writes all maps held; a sentence when that fails, else empty.
+  /// Writes all maps. Returns the error text, empty on success.
   [[nodiscard]] std::string write(const std::string& path) const;
-  /// Adds the maps of a file; a sentence when it is not a file of maps, else empty.
+  /// Adds the maps of a file. Returns the error text, empty on success.
   [[nodiscard]] std::string read(const std::string& path);
   [[nodiscard]] std::size_t size() const noexcept { return maps_.size(); }
 

@@ -13,20 +13,19 @@
 
 namespace tactus::reed {
 
-/// One computation of a grid's nodes in a thread of its own, which leaves the audio its priority.
-/// The nodes are published in order: those below done() are final and may be read while the rest is
-/// at work. Nothing waits for anything but cancel() and start(), which wait for the portion at
-/// hand; start() does not while idle().
+/// Computes the nodes of a grid in a thread of normal priority, or step by step in the caller's.
+/// Nodes are published in order: those below done() are final and may be read meanwhile. Only
+/// cancel() and start() wait, for the portion in progress; start() does not wait while idle().
 class MapWorker {
 public:
-  /// Writes further nodes from `first` on and returns the number of those that are final; called
-  /// until that is all of them. Runs in the worker's thread, or in step()'s caller.
+  /// Computes some nodes from `first` on and returns the number of final nodes; called until that
+  /// is all of them. Runs in the worker's thread, or in the caller's of step().
   using Portion = std::function<std::size_t(std::vector<double>& nodes, std::size_t first)>;
 
   ~MapWorker() { cancel(); }
 
-  /// Cancels what is at work and begins anew. Empty when a thread is at work; else why there is
-  /// none, and the computation goes on by step().
+  /// Cancels the present computation and starts a new one in a thread. Returns an error text when
+  /// no thread could be started, after which step() does the work; else empty.
   [[nodiscard]] std::string start(std::size_t nodes, Portion portion) {
     reset(nodes);
     running_.store(true, std::memory_order_relaxed);
@@ -48,7 +47,7 @@ public:
     }
     return {};
   }
-  /// The same without a thread: step() does one portion.
+  /// The same without a thread: each step() does one portion.
   void start_stepped(std::size_t nodes, Portion portion) {
     reset(nodes);
     steps_ = std::move(portion);
@@ -57,7 +56,7 @@ public:
     if (steps_ && !finished())
       done_.store(steps_(nodes_, done()), std::memory_order_release);
   }
-  /// Without waiting: the thread ends after the portion at hand.
+  /// Does not wait: the thread ends after the portion in progress.
   void request_stop() {
     steps_ = nullptr;
     thread_.request_stop();
@@ -70,7 +69,7 @@ public:
     thread_.join();
   }
 
-  /// Nothing is at work.
+  /// Whether no computation is in progress.
   [[nodiscard]] bool idle() const noexcept {
     return is_stepped() ? finished() : !running_.load(std::memory_order_acquire);
   }

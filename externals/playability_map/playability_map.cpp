@@ -23,7 +23,7 @@ struct Colour {
   double r, g, b;
 };
 
-/// Dark blue over green to yellow, even steps of value even to the eye; x in [0, 1].
+/// Colour map from dark blue over green to yellow, perceptually uniform (viridis); x in [0, 1].
 Colour colour(double x) {
   constexpr std::array<Colour, 5> kStops{
       {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
@@ -142,7 +142,7 @@ void PlayabilityMapObject::compute(Host& host) {
   draw(host);
 }
 
-/// The finished map becomes the one that is looked up.
+/// Takes the finished map for look-ups and stores it.
 void PlayabilityMapObject::finish(std::span<const double> nodes) {
   field_.resize(columns_, rows_);
   for (std::size_t n = 0; n < nodes.size(); ++n)
@@ -170,7 +170,7 @@ void PlayabilityMapObject::send_cells(Host& host, std::size_t to) {
   }
 }
 
-/// Computes, in the host's own time, and sends what is new, twenty times a second.
+/// Timer: computes a portion if there is no thread, and sends new cells twenty times a second.
 void PlayabilityMapObject::tick(std::size_t, Host& host) {
   if (!drawing_)
     return;
@@ -226,7 +226,7 @@ void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> argu
   case kCancel:
     worker_.cancel();
     if (computing_)
-      total_ = 0; // what was finished of it is no map
+      total_ = 0; // an unfinished map cannot be drawn
     computing_ = drawing_ = false;
     host.wake_in(0, -1);
     break;

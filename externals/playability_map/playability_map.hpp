@@ -17,8 +17,8 @@
 
 namespace tactus::reed {
 
-/// [playability_map]: where an instrument plays, over mouth pressure and reed frequency, computed
-/// in the background and looked up at the hand's place. docs/guidance.md.
+/// [playability_map]: a map of playability or growth rate over mouth pressure and reed frequency,
+/// computed in the background and looked up at the hand's position. docs/guidance.md.
 class PlayabilityMapObject {
 public:
   static constexpr std::array<std::string_view, 2> kQuantities{"f_p", "growth"};
@@ -101,7 +101,7 @@ private:
   void finish(std::span<const double> nodes);
   void draw(Host& host);
   void send_cells(Host& host, std::size_t to);
-  /// Text of everything that the map depends on.
+  /// All settings that the map depends on, as text.
   [[nodiscard]] std::string key() const;
   [[nodiscard]] MapWorker::Portion portion() const;
 
@@ -112,7 +112,7 @@ private:
   MapStore store_;
   MapWorker worker_;
   std::string working_key_;
-  // The map at work or drawn, and the finished one that is looked up.
+  // The map being computed or drawn; field_ is the finished one for look-ups.
   std::size_t columns_ = 0, rows_ = 0, sent_ = 0, total_ = 0;
   unsigned step_ = 0;
   bool growth_ = false, computing_ = false, drawing_ = false;

@@ -12,8 +12,8 @@
 
 namespace tactus::reed {
 
-/// The analysis' transform by FFTW. Plans are estimated, not measured: a measured plan depends on
-/// the machine's mood, and with it the last bits of the result.
+/// RealTransform by FFTW. Plans are estimated, not measured: measured plans differ from run to run,
+/// and with them the last bits of the result.
 class FftwTransform final : public RealTransform {
 public:
   FftwTransform() = default;
@@ -56,7 +56,7 @@ private:
     void operator()(void* memory) const noexcept { fftw_free(memory); }
   };
 
-  /// FFTW's planner is one for the whole process and may be used by one thread at a time.
+  /// FFTW has one planner per process, which only one thread may use at a time.
   static std::mutex& planner() {
     static std::mutex mutex;
     return mutex;

@@ -10,7 +10,8 @@
 
 namespace tactus::reed {
 
-/// [playability~]: how well a reed plays, from the angle of its valve. docs/playability.md.
+/// [playability~]: an estimate in 0..1 of how well a reed plays, from the angle of its valve.
+/// docs/playability.md.
 struct PlayabilityObject {
   static constexpr std::array<std::string_view, 2> kModes{"paper", "robust"};
   static constexpr std::array kParameters{
