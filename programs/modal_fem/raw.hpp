@@ -8,7 +8,7 @@ namespace tactus::fem {
 
 /// Which velocities a raw table holds.
 struct RawSettings {
-  std::vector<modal::Vec3> hit_m; ///< places of blows, along the surface's normal
+  std::vector<modal::Vec3> hit_m; ///< where it is struck, along the surface's normal
   modal::Vec3 side{0, 0, 1};      ///< the faces that look there radiate
   bool ring = false;              ///< one radius, each point standing for a whole ring
   double ring_angle_rad = 0;      ///< of that radius, for side z from +x to +y
@@ -18,7 +18,7 @@ struct RawSettings {
   modal::Striker striker;
 };
 
-/// Normal velocities of surface elements after a blow, from a table's modes: the tables of the
+/// Normal velocities of surface elements after a strike, from a table's modes: the tables of the
 /// AudioHaptics paper. The striker's force comes from the coupled contact at sixteen times the
 /// sample rate (at most 1 MHz); modes above 0.45 of the sample rate are left out, as they would
 /// alias; a free body's recoil is, too. Refuses places off the body and empty sides.

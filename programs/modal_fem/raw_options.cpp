@@ -146,7 +146,7 @@ int run_raw(const std::vector<std::string>& words) {
 std::string raw_usage() {
   return R"(
 modal_fem raw TABLE.modal.npz --hit X,Y,Z ... -o OUT.modal.npz
-              adds the surface's velocities after blows (AudioHaptics' tables) to a table
+              adds the surface's velocities after strikes (AudioHaptics' tables) to a table
               --hit X,Y,Z  mm, once for each place   --side +z  the faces that radiate
               --grid full|ring  --ring-angle DEGREES  --points N|all (200)
               --seconds S (0.5)  --rate HZ (44100)
