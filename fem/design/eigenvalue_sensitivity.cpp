@@ -9,10 +9,9 @@ namespace tactus::fem {
 
 std::vector<double> eigenvalue_sensitivity(const Mesh& mesh, std::span<const Material> materials,
                                            std::span<const SpringPatch> springs,
-                                           std::span<const double> frequency_hz,
-                                           std::span<const double> shapes, std::size_t count,
-                                           std::span<const DesignVelocity> velocities,
-                                           double same) {
+                                           const GivenModes& modes,
+                                           std::span<const DesignVelocity> velocities) {
+  const auto& [frequency_hz, shapes, count, same] = modes;
   const std::size_t n = mesh.dofs(), given = frequency_hz.size();
   if (count > given || shapes.size() != n * given)
     throw InputError("derivatives of " + std::to_string(count) + " modes are asked for, " +
@@ -23,7 +22,7 @@ std::vector<double> eigenvalue_sensitivity(const Mesh& mesh, std::span<const Mat
   springs_alone.materials = {materials.begin(), materials.end()};
   springs_alone.springs = {springs.begin(), springs.end()};
   FaceForceDerivative faces(mesh, springs_alone);
-  const auto shape = [&](std::size_t k) { return shapes.subspan(k * n, n); };
+  const auto shape = [&](std::size_t k) { return modes.shapes.subspan(k * n, n); };
   std::vector<double> derivative(velocities.size() * count, 0.0);
   for (std::size_t first = 0; first < count;) {
     std::size_t end = first + 1;

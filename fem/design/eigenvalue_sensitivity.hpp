@@ -3,6 +3,14 @@
 
 namespace tactus::fem {
 
+/// Modes whose derivatives are wanted, with further ones.
+struct GivenModes {
+  std::span<const double> frequency_hz; ///< ascending
+  std::span<const double> shapes;       ///< columns of dofs() numbers, mass-normalised, as in Modes
+  std::size_t count;                    ///< derivatives of the first of them
+  double same = 1e-3; ///< relative distance of frequencies below which they are one eigenvalue
+};
+
 /// Derivatives d(omega^2)/dp = phi' (K' - omega^2 M') phi of mass-normalised modes (Fox & Kapoor
 /// 1968), rad^2/s^2 per unit of the parameter, [parameter][mode]. K' and M' are the material
 /// derivatives of the element integrals; held directions stay held, springs follow their faces.
@@ -16,9 +24,9 @@ namespace tactus::fem {
 /// numbers, as in Modes). Refuses when the group of the last of them reaches the end of the modes
 /// given, since further members may be missing: give one mode more than is asked for. `springs` are
 /// those of the matrices that the modes are of.
-[[nodiscard]] std::vector<double>
-eigenvalue_sensitivity(const Mesh&, std::span<const Material>, std::span<const SpringPatch> springs,
-                       std::span<const double> frequency_hz, std::span<const double> shapes,
-                       std::size_t count, std::span<const DesignVelocity>, double same = 1e-3);
+[[nodiscard]] std::vector<double> eigenvalue_sensitivity(const Mesh&, std::span<const Material>,
+                                                         std::span<const SpringPatch> springs,
+                                                         const GivenModes&,
+                                                         std::span<const DesignVelocity>);
 
 } // namespace tactus::fem

@@ -130,11 +130,23 @@ void add_gravity(const Mesh& mesh, std::span<const ElasticLaw> laws, std::span<c
   }
 }
 
+/// A solved problem whose displacement is differentiated.
+struct SolvedProblem {
+  SolvedProblem(const Mesh& m, const StaticModel& s, StaticAnalysis& a)
+      : mesh(m), model(s), analysis(a), laws(elastic_laws(m, s.materials)), faces(m, s) {}
+
+  const Mesh& mesh;
+  const StaticModel& model;
+  StaticAnalysis& analysis;
+  std::vector<ElasticLaw> laws;
+  FaceForceDerivative faces;
+};
+
 /// du/dp of a block of parameters, column by column.
-std::vector<double> block_sensitivity(const Mesh& mesh, const StaticModel& model,
-                                      std::span<const ElasticLaw> laws, StaticAnalysis& analysis,
+std::vector<double> block_sensitivity(SolvedProblem& problem,
                                       std::span<const DesignVelocity> velocities,
-                                      const VelocityBlock& block, FaceForceDerivative& faces) {
+                                      const VelocityBlock& block) {
+  auto& [mesh, model, analysis, laws, faces] = problem;
   const std::size_t n = mesh.dofs();
   const auto& u = analysis.solution.displacement;
   std::vector<double> right(n * block.count, 0.0);
@@ -229,11 +241,10 @@ std::vector<double> equivalent_stress(std::span<const Stress> stress, StressMeas
 std::vector<double> displacement_sensitivity(const Mesh& mesh, const StaticModel& model,
                                              StaticAnalysis& analysis,
                                              std::span<const DesignVelocity> velocities) {
-  const auto laws = elastic_laws(mesh, model.materials);
-  FaceForceDerivative faces(mesh, model);
+  SolvedProblem problem(mesh, model, analysis);
   std::vector<double> all;
   for_each_block(mesh, velocities, [&](std::size_t, auto own, const VelocityBlock& block) {
-    const auto some = block_sensitivity(mesh, model, laws, analysis, own, block, faces);
+    const auto some = block_sensitivity(problem, own, block);
     all.insert(all.end(), some.begin(), some.end());
   });
   return all;
@@ -243,15 +254,15 @@ StressSensitivity stress_sensitivity(const Mesh& mesh, const StaticModel& model,
                                      StaticAnalysis& analysis,
                                      std::span<const DesignVelocity> velocities,
                                      const Progress& progress) {
-  const auto laws = elastic_laws(mesh, model.materials);
+  SolvedProblem problem(mesh, model, analysis);
+  const auto& laws = problem.laws;
   const auto& u = analysis.solution.displacement;
   const std::size_t n = mesh.dofs(), elements = mesh.elements.size();
-  FaceForceDerivative faces(mesh, model);
   StressSensitivity sensitivity;
   sensitivity.von_mises.resize(velocities.size() * elements);
   sensitivity.max_shear.resize(velocities.size() * elements);
   for_each_block(mesh, velocities, [&](std::size_t first, auto own, const VelocityBlock& block) {
-    const auto du = block_sensitivity(mesh, model, laws, analysis, own, block, faces);
+    const auto du = block_sensitivity(problem, own, block);
     PointGradients at;
     for (std::size_t e = 0; e < elements; ++e) {
       const Element& element = mesh.elements[e];

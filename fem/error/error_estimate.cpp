@@ -25,6 +25,7 @@ Lanes inner(std::span<const Lanes> a, std::span<const Lanes> b) noexcept {
   return sum;
 }
 
+/// Copies columns to lanes; lanes beyond `width` are zero.
 void spread(std::span<const double> columns, std::size_t n, std::size_t width,
             std::span<Lanes> out) {
   for (std::size_t i = 0; i < n; ++i)
@@ -32,94 +33,161 @@ void spread(std::span<const double> columns, std::size_t n, std::size_t width,
       out[i][c] = c < width ? columns[c * n + i] : 0;
 }
 
+/// Solves S e = r, S = K_WW - K_WV K_VV^-1 K_VW, for up to kBlockColumns modes at once by
+/// preconditioned conjugate gradients.
+class ErrorSolver {
+public:
+  ErrorSolver(const EnrichedSystem& system, ShiftedFactor& factor, std::size_t dofs)
+      : right(system.unknowns()), e(system.unknowns()), system_(system), factor_(factor), n_(dofs),
+        down_(dofs), r_(right), z_(right), p_(right), q_(right), flat_(dofs * kBlockColumns) {}
+
+  std::vector<Lanes> right, e; ///< r on entry, and the solution
+  Lanes eta{};                 ///< r'e of the steps done
+  Lanes added{};               ///< by the last step
+  Lanes ratio{};               ///< of the last step's to that of the one before
+
+  /// Until a step adds less than `settle` of r'e for every column. Returns the number of steps.
+  std::size_t solve(std::size_t width, double settle) {
+    r_ = right;
+    std::fill(e.begin(), e.end(), Lanes{});
+    eta = added = ratio = Lanes{};
+    system_.precondition(r_, z_);
+    p_ = z_;
+    rz_ = inner(r_, z_);
+    for (std::size_t step = 0; step < kMaxSteps; ++step) {
+      multiply(width);
+      if (advance(width, settle))
+        return step + 1;
+      next_direction(width);
+    }
+    return kMaxSteps;
+  }
+
+private:
+  /// q = S p
+  void multiply(std::size_t width) {
+    system_.multiply(p_, q_, down_);
+    for (std::size_t i = 0; i < n_; ++i)
+      for (std::size_t c = 0; c < width; ++c)
+        flat_[c * n_ + i] = down_[i][c];
+    factor_.solve(std::span(flat_).first(n_ * width), flat_, width);
+    spread(flat_, n_, width, down_);
+    system_.subtract_coupling(down_, q_);
+  }
+  /// A step along p. Returns whether every column has settled.
+  bool advance(std::size_t width, double settle) {
+    const Lanes pq = inner(p_, q_);
+    Lanes alpha{};
+    bool done = true;
+    for (std::size_t c = 0; c < width; ++c) {
+      alpha[c] = pq[c] > 0 ? rz_[c] / pq[c] : 0;
+      ratio[c] = added[c] > 0 ? std::min(alpha[c] * rz_[c] / added[c], kMaxRatio) : 0;
+      added[c] = alpha[c] * rz_[c];
+      eta[c] += added[c];
+      done = done && alpha[c] * rz_[c] <= settle * eta[c];
+    }
+    for (std::size_t i = 0; i < e.size(); ++i)
+      for (std::size_t c = 0; c < kBlockColumns; ++c) {
+        e[i][c] += alpha[c] * p_[i][c];
+        r_[i][c] -= alpha[c] * q_[i][c];
+      }
+    return done;
+  }
+  void next_direction(std::size_t width) {
+    system_.precondition(r_, z_);
+    const Lanes next = inner(r_, z_);
+    Lanes beta{};
+    for (std::size_t c = 0; c < width; ++c)
+      beta[c] = rz_[c] > 0 ? next[c] / rz_[c] : 0;
+    rz_ = next;
+    for (std::size_t i = 0; i < p_.size(); ++i)
+      for (std::size_t c = 0; c < kBlockColumns; ++c)
+        p_[i][c] = z_[i][c] + beta[c] * p_[i][c];
+  }
+
+  const EnrichedSystem& system_;
+  ShiftedFactor& factor_;
+  std::size_t n_;
+  std::vector<Lanes> down_, r_, z_, p_, q_;
+  std::vector<double> flat_; ///< down_ in columns
+  Lanes rz_{};
+};
+
+/// Number of elements that share each enriching function.
+std::vector<int> elements_of_functions(const Enrichment& enrichment) {
+  std::vector<int> count(enrichment.count, 0);
+  for (const int f : enrichment.number)
+    ++count[static_cast<std::size_t>(f)];
+  return count;
+}
+
+/// Adds what each element contributes to modes `begin` to `begin + width`: r'e of its functions,
+/// extrapolated to further steps.
+class ErrorShares {
+public:
+  ErrorShares(const Mesh& mesh, const Enrichment& enrichment,
+              std::span<const std::uint8_t> constrained)
+      : mesh_(mesh), enrichment_(enrichment), singular_(singular_elements(mesh, constrained)),
+        elements_of_(elements_of_functions(enrichment)) {}
+
+  void add(const ErrorSolver& solved, const Lanes& lambda, std::size_t begin, std::size_t width,
+           ErrorEstimate& estimate) const {
+    Lanes scale{};
+    for (std::size_t c = 0; c < width; ++c)
+      if (solved.eta[c] > 0)
+        scale[c] =
+            (1 + solved.added[c] * solved.ratio[c] / ((1 - solved.ratio[c]) * solved.eta[c])) /
+            (2 * lambda[c]);
+    for (std::size_t element = 0; element < mesh_.elements.size(); ++element) {
+      const auto functions = enriching_functions(mesh_.elements[element].shape);
+      for (std::size_t a = 0; a < functions.size(); ++a) {
+        const auto f = static_cast<std::size_t>(enrichment_.number[enrichment_.first[element] + a]);
+        for (std::size_t c = 0; c < width; ++c) {
+          double part = 0;
+          for (std::size_t k = 0; k < 3; ++k)
+            part += solved.right[3 * f + k][c] * solved.e[3 * f + k][c];
+          part *= scale[c] / (elements_of_[f] *
+                              (singular_[element] ? kEnrichedShareSingular : kEnrichedShareSmooth));
+          estimate.relative[begin + c] += part;
+          float* to = &estimate.share[((begin + c) * mesh_.elements.size() + element) * 3];
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            to[axis] += static_cast<float>(part * functions[a].share[axis]);
+        }
+      }
+    }
+  }
+
+private:
+  const Mesh& mesh_;
+  const Enrichment& enrichment_;
+  std::vector<std::uint8_t> singular_;
+  std::vector<int> elements_of_;
+};
+
 } // namespace
 
 ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materials,
                               const Matrices& matrices, ShiftedFactor& factor, const Modes& modes,
-                              double settle, const Progress& progress) {
+                              const ErrorSettings& settings) {
   const std::size_t n = matrices.dofs(), count = modes.frequency_hz.size();
   const EnrichedSystem system(mesh, materials, matrices);
-  const std::size_t m = system.unknowns();
+  const ErrorShares shares(mesh, system.functions(), matrices.constrained);
+  ErrorSolver solver(system, factor, n);
   ErrorEstimate estimate;
   estimate.relative.assign(count, 0.0);
   estimate.share.assign(count * mesh.elements.size() * 3, 0.0F);
-  std::vector<Lanes> u(n), down(n), right(m), r(m), z(m), p(m), q(m), e(m);
-  std::vector<double> flat(n * kBlockColumns);
-  const std::vector<std::uint8_t> singular = singular_elements(mesh, matrices.constrained);
-  std::vector<int> elements_of(system.functions().count, 0);
-  for (const int f : system.functions().number)
-    ++elements_of[static_cast<std::size_t>(f)];
+  std::vector<Lanes> u(n);
   for (std::size_t begin = 0; begin < count; begin += kBlockColumns) {
     const std::size_t width = std::min(kBlockColumns, count - begin);
     Lanes lambda{};
     for (std::size_t c = 0; c < width; ++c)
       lambda[c] = std::pow(2 * std::numbers::pi * modes.frequency_hz[begin + c], 2);
     spread(std::span(modes.shapes).subspan(begin * n, width * n), n, width, u);
-    system.residual(materials, u, lambda, right);
-    r = right;
-    std::fill(e.begin(), e.end(), Lanes{});
-    system.precondition(r, z);
-    p = z;
-    Lanes rz = inner(r, z), eta{}, added{}, ratio{};
-    for (std::size_t step = 0; step < kMaxSteps; ++step) {
-      system.multiply(p, q, down);
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t c = 0; c < width; ++c)
-          flat[c * n + i] = down[i][c];
-      factor.solve(std::span(flat).first(n * width), flat, width);
-      spread(flat, n, width, down);
-      system.subtract_coupling(down, q);
-      const Lanes pq = inner(p, q);
-      Lanes alpha{}, beta{};
-      bool done = true;
-      for (std::size_t c = 0; c < width; ++c) {
-        alpha[c] = pq[c] > 0 ? rz[c] / pq[c] : 0;
-        ratio[c] = added[c] > 0 ? std::min(alpha[c] * rz[c] / added[c], kMaxRatio) : 0;
-        added[c] = alpha[c] * rz[c];
-        eta[c] += added[c];
-        done = done && alpha[c] * rz[c] <= settle * eta[c];
-      }
-      for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t c = 0; c < kBlockColumns; ++c) {
-          e[i][c] += alpha[c] * p[i][c];
-          r[i][c] -= alpha[c] * q[i][c];
-        }
-      estimate.iterations = std::max(estimate.iterations, step + 1);
-      if (done)
-        break;
-      system.precondition(r, z);
-      const Lanes next = inner(r, z);
-      for (std::size_t c = 0; c < width; ++c)
-        beta[c] = rz[c] > 0 ? next[c] / rz[c] : 0;
-      rz = next;
-      for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t c = 0; c < kBlockColumns; ++c)
-          p[i][c] = z[i][c] + beta[c] * p[i][c];
-    }
-    Lanes scale{};
-    for (std::size_t c = 0; c < width; ++c)
-      if (eta[c] > 0)
-        scale[c] = (1 + added[c] * ratio[c] / ((1 - ratio[c]) * eta[c])) / (2 * lambda[c]);
-    const Enrichment& w = system.functions();
-    for (std::size_t element = 0; element < mesh.elements.size(); ++element) {
-      const auto functions = enriching_functions(mesh.elements[element].shape);
-      for (std::size_t a = 0; a < functions.size(); ++a) {
-        const auto f = static_cast<std::size_t>(w.number[w.first[element] + a]);
-        for (std::size_t c = 0; c < width; ++c) {
-          double part = 0;
-          for (std::size_t k = 0; k < 3; ++k)
-            part += right[3 * f + k][c] * e[3 * f + k][c];
-          part *= scale[c] / (elements_of[f] *
-                              (singular[element] ? kEnrichedShareSingular : kEnrichedShareSmooth));
-          estimate.relative[begin + c] += part;
-          float* to = &estimate.share[((begin + c) * mesh.elements.size() + element) * 3];
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            to[axis] += static_cast<float>(part * functions[a].share[axis]);
-        }
-      }
-    }
-    if (progress)
-      progress(static_cast<double>(begin + width) / static_cast<double>(count));
+    system.residual(materials, u, lambda, solver.right);
+    estimate.iterations = std::max(estimate.iterations, solver.solve(width, settings.settle));
+    shares.add(solver, lambda, begin, width, estimate);
+    if (settings.progress)
+      settings.progress(static_cast<double>(begin + width) / static_cast<double>(count));
   }
   return estimate;
 }

@@ -14,6 +14,11 @@ struct ErrorEstimate {
   std::size_t iterations = 0; ///< of conjugate gradients, the largest number
 };
 
+struct ErrorSettings {
+  double settle = .05; ///< relative growth of r'e in a step, below which a mode is done
+  Progress progress{};
+};
+
 /// Hierarchical estimate (Bank & Smith 1993; for eigenvalues Neymeyr 2002, Grubisic & Ovall 2009).
 ///
 /// V is the space of the mesh, W the enriching functions of the next degree. The error of a mode in
@@ -30,8 +35,8 @@ struct ErrorEstimate {
 /// 0.41 at an edge of 270 degrees (a = 0.544). So what elements at a singular line add is divided
 /// by 0.5, what others add by 0.78.
 [[nodiscard]] ErrorEstimate estimate_errors(const Mesh&, std::span<const Material>, const Matrices&,
-                                            ShiftedFactor&, const Modes&, double settle = .05,
-                                            const Progress& = {});
+                                            ShiftedFactor&, const Modes&,
+                                            const ErrorSettings& = {});
 
 /// What each interval of a swept shape's grid adds to each mode's error. `constrained`: of
 /// Matrices.

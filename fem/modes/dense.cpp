@@ -18,12 +18,13 @@ std::vector<double> transposed_product(std::span<const double> a, std::size_t p,
   return c;
 }
 
-void add_product(double factor, std::span<const double> a, std::size_t p, std::span<const double> c,
-                 std::size_t q, std::span<double> b, std::size_t n) {
-  const auto rows = static_cast<int>(n), pi = static_cast<int>(p), qi = static_cast<int>(q);
+void add_product(double factor, const Columns& a, const Columns& c, std::span<double> b,
+                 std::size_t n) {
+  const auto rows = static_cast<int>(n), p = static_cast<int>(a.count),
+             q = static_cast<int>(c.count);
   if (p && q)
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, qi, pi, factor, a.data(), rows,
-                c.data(), pi, 1, b.data(), rows);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, q, p, factor, a.values.data(),
+                rows, c.values.data(), p, 1, b.data(), rows);
 }
 
 Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size) {
@@ -43,7 +44,7 @@ double dense_flops_per_second() {
   double best = 1e30; // the first product also wakes the library up
   for (int i = 0; i < 3; ++i) {
     const auto begin = std::chrono::steady_clock::now();
-    add_product(1, a, kSize, b, kSize, c, kSize);
+    add_product(1, {a, kSize}, {b, kSize}, c, kSize);
     best = std::min(
         best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }

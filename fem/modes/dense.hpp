@@ -9,9 +9,14 @@ namespace tactus::fem {
 [[nodiscard]] std::vector<double> transposed_product(std::span<const double> a, std::size_t p,
                                                      std::span<const double> b, std::size_t q,
                                                      std::size_t n);
+/// The columns of a matrix, one after the other.
+struct Columns {
+  std::span<const double> values;
+  std::size_t count;
+};
 /// B += factor A C, A n x p, C p x q, B n x q, column-major.
-void add_product(double factor, std::span<const double> a, std::size_t p, std::span<const double> c,
-                 std::size_t q, std::span<double> b, std::size_t n);
+void add_product(double factor, const Columns& a, const Columns& c, std::span<double> b,
+                 std::size_t n);
 
 struct Eigenpairs {
   std::vector<double> values;  ///< ascending

@@ -96,11 +96,11 @@ public:
     std::vector<double> rotation(width * count), out(n_ * count, 0.0);
     for (std::size_t k = 0; k < count; ++k)
       std::copy_n(&pairs.vectors[(width - 1 - k) * width], width, &rotation[k * width]);
-    add_product(1, std::span(basis_).first(n_ * width), width, rotation, count, out, n_);
+    add_product(1, {std::span(basis_).first(n_ * width), width}, {rotation, count}, out, n_);
     return out;
   }
 
-  /// Keeps the best `count` Ritz vectors and forgets the rest.
+  /// Keeps the best `count` Ritz vectors and drops the rest.
   void restart(const Eigenpairs& pairs, std::size_t count) {
     const std::vector<double> kept = vectors(pairs, count);
     std::copy(kept.begin(), kept.end(), basis_.begin());
@@ -140,12 +140,12 @@ private:
             norm += block[c * n_ + i] * weighted[c * n_ + i];
           first_norm = std::max(first_norm, norm);
         }
-      add_product(-1, deflated_, fixed, transposed_product(deflated_, fixed, weighted, rank, n_),
-                  rank, block, n_);
+      const std::vector<double> on_fixed = transposed_product(deflated_, fixed, weighted, rank, n_);
+      add_product(-1, {deflated_, fixed}, {on_fixed, rank}, block, n_);
       const std::vector<double> on_basis = transposed_product(basis, width, weighted, rank, n_);
-      add_product(-1, basis, width, on_basis, rank, block, n_);
+      add_product(-1, {basis, width}, {on_basis, rank}, block, n_);
       if (coefficients) // on_basis times the coupling so far
-        add_product(1, on_basis, rank, coupling, columns, *coefficients, width);
+        add_product(1, {on_basis, rank}, {coupling, columns}, *coefficients, width);
       matrices_.multiply_mass(std::span(block).first(n_ * rank), weighted, rank);
       const std::vector<double> gram =
           transposed_product(std::span(block).first(n_ * rank), rank, weighted, rank, n_);
@@ -164,13 +164,13 @@ private:
           back[r * left + k] = v * root;
         }
       }
-      add_product(1, std::span(block).first(n_ * rank), rank, rotation, left, rotated, n_);
+      add_product(1, {std::span(block).first(n_ * rank), rank}, {rotation, left}, rotated, n_);
       block = std::move(rotated);
       rotated.assign(n_ * left, 0.0);
-      add_product(1, weighted, rank, rotation, left, rotated, n_);
+      add_product(1, {weighted, rank}, {rotation, left}, rotated, n_);
       weighted = std::move(rotated);
       std::vector<double> product(left * columns, 0.0);
-      add_product(1, back, rank, coupling, columns, product, left);
+      add_product(1, {back, rank}, {coupling, columns}, product, left);
       coupling = std::move(product);
       rank = left;
       if (rank == 0)
@@ -190,13 +190,12 @@ private:
 } // namespace
 
 Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double shift,
-                      std::span<const double> deflated, std::size_t count, double tolerance,
-                      const Progress& progress) {
+                      std::span<const double> deflated, const LanczosSettings& settings) {
   const std::size_t n = matrices.dofs();
   const auto constrained = static_cast<std::size_t>(
       std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));
   const std::size_t possible = n - constrained - deflated.size() / n;
-  count = std::min(count, possible);
+  std::size_t count = std::min(settings.count, possible);
   const std::size_t max_columns = std::min(4 * count + 12 * kBlock, possible + kBlock);
   Lanczos lanczos(matrices, factor, deflated, max_columns + kBlock);
   lanczos.start();
@@ -206,9 +205,9 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
       lanczos.step();
     // Most pairs are found in the last few blocks: solves tell how far it is, pairs that it is
     // done.
-    if (progress)
-      progress(std::min(.95, static_cast<double>(lanczos.solves) /
-                                 static_cast<double>(2 * count + 100)));
+    if (settings.progress)
+      settings.progress(std::min(.95, static_cast<double>(lanczos.solves) /
+                                          static_cast<double>(2 * count + 100)));
     const bool exhausted = lanczos.next_width == 0 || lanczos.width >= possible;
     const bool full = lanczos.width + lanczos.next_width > max_columns;
     if (!(exhausted || full || (lanczos.width >= count + kBlock && blocks % 3 == 0)))
@@ -217,12 +216,12 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
     std::size_t found = 0;
     while (found < std::min(count, lanczos.width)) {
       const std::size_t k = lanczos.width - 1 - found;
-      if (!exhausted && lanczos.residual_norm(pairs, k) > tolerance * pairs.values[k])
+      if (!exhausted && lanczos.residual_norm(pairs, k) > settings.tolerance * pairs.values[k])
         break;
       ++found;
     }
-    if (progress)
-      progress(static_cast<double>(found) / static_cast<double>(count));
+    if (settings.progress)
+      settings.progress(static_cast<double>(found) / static_cast<double>(count));
     if (found == count || exhausted)
       break;
     if (full)

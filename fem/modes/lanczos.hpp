@@ -10,6 +10,12 @@ struct Spectrum {
   std::size_t solves = 0;      ///< right-hand sides solved
 };
 
+struct LanczosSettings {
+  std::size_t count = 0;
+  double tolerance = 1e-8; ///< of ||K u - lambda M u|| relative to lambda ||M u||
+  Progress progress{};
+};
+
 /// The `count` lowest eigenpairs M-orthogonal to `deflated` (M-orthonormal columns), by block
 /// Lanczos on (K + s M)^-1 M with full orthogonalisation and thick restarts: Golub & Underwood
 /// 1977; Grimes, Lewis & Simon 1994; Wu & Simon 2000. A pair counts as found when its residual,
@@ -17,7 +23,6 @@ struct Spectrum {
 /// square of that. Blocks of b vectors find eigenvalues of multiplicity up to b. The start vectors
 /// are always the same.
 [[nodiscard]] Spectrum lowest_modes(const Matrices&, ShiftedFactor&, double shift,
-                                    std::span<const double> deflated, std::size_t count,
-                                    double tolerance = 1e-8, const Progress& progress = {});
+                                    std::span<const double> deflated, const LanczosSettings&);
 
 } // namespace tactus::fem

@@ -73,8 +73,10 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   factor.factorise();
   report("finding modes", 0);
   // A few more than asked for, so that a group of equal frequencies is complete at the end.
-  Spectrum spectrum = lowest_modes(matrices, factor, shift, rigid, settings.count + 4, 1e-8,
-                                   [&](double share) { report("finding modes", share); });
+  Spectrum spectrum = lowest_modes(matrices, factor, shift, rigid,
+                                   {.count = settings.count + 4, .progress = [&](double share) {
+                                      report("finding modes", share);
+                                    }});
   const std::size_t n = matrices.dofs();
   Modes modes;
   modes.rigid = rigid.size() / n;
@@ -209,8 +211,8 @@ void make_canonical(const Mesh& mesh, Modes& modes, double same) {
       if (left < 2 || !concentrate(modes.shapes, n, first + done, left, probe, rotation))
         continue;
       std::vector<double> rotated(n * left, 0.0);
-      add_product(1, std::span(modes.shapes).subspan((first + done) * n, left * n), left, rotation,
-                  left, rotated, n);
+      add_product(1, {std::span(modes.shapes).subspan((first + done) * n, left * n), left},
+                  {rotation, left}, rotated, n);
       std::copy(rotated.begin(), rotated.end(),
                 modes.shapes.begin() + static_cast<std::ptrdiff_t>((first + done) * n));
       ++done;

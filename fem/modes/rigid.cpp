@@ -81,7 +81,8 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
   if (rigid == 0)
     return {};
   std::vector<double> found(n * rigid, 0.0);
-  add_product(1, trial, count, std::span(motions.vectors).first(count * rigid), rigid, found, n);
+  add_product(1, {trial, count}, {std::span(motions.vectors).first(count * rigid), rigid}, found,
+              n);
   for (std::size_t i = 0; i < n; ++i)
     if (m.constrained[i])
       for (std::size_t c = 0; c < rigid; ++c)
@@ -96,7 +97,7 @@ std::vector<double> rigid_motions(const Mesh& mesh, const Matrices& m) {
   for (std::size_t c = 0; c < rigid; ++c)
     for (std::size_t r = 0; r < rigid; ++r)
       rotation[c * rigid + r] /= std::sqrt(gram.values[c]);
-  add_product(1, found, rigid, rotation, rigid, result, n);
+  add_product(1, {found, rigid}, {rotation, rigid}, result, n);
   return result;
 }
 

@@ -66,7 +66,7 @@ SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* give
   } else {
     const auto [c, a] = ball_cells(radius, h, at_least, nullptr);
     const int cells = static_cast<int>(c), out = static_cast<int>(a);
-    grid.line = {divide(0, 1, 1. / cells, cells), divide(0, 1, 1. / out, out), {0, 1}};
+    grid.line = {divide({0, 1, 1. / cells, cells}), divide({0, 1, 1. / out, out}), {0, 1}};
     grid.kept = {{{0, 1}, {0, 1}, {0, 1}}};
     // d ln N / d ln c and d ln N / d ln a where c = a; the third direction is of no use.
     grid.power = {2.25, .75, 1};

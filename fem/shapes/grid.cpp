@@ -59,8 +59,8 @@ void grade_singular(std::vector<double>& line, std::vector<double>& factor,
     const Ends ends{i == 0 || singular(i - 1), i + 1 == factor.size() || singular(i + 1)};
     const double size = line[i + 1] - line[i];
     const bool inside = !ends.low && !ends.high;
-    const auto parts = divide(line[i], line[i + 1], size, 1, inside ? Ends{true, true} : ends,
-                              factor[i] * size, 3);
+    const auto parts = divide(
+        {line[i], line[i + 1], size, 1, inside ? Ends{true, true} : ends, factor[i] * size, 3});
     for (std::size_t p = 1; p < parts.size(); ++p) {
       lines.push_back(parts[p]);
       factors.push_back(1);

@@ -27,16 +27,16 @@ struct Graded {
   double left = 0, even = 0; ///< length and number of the even intervals
 };
 
-Graded grade(double a, double b, double h, int at_least, Ends concave, double smallest,
-             double ratio) {
+Graded grade(const Division& line) {
+  const auto& [a, b, h, min_divisions, concave, smallest, ratio] = line;
   Graded g;
   g.left = b - a;
   const auto grow = [&](std::vector<double>& steps, double share) {
-    double step = smallest, used = 0;
-    while (step < h && used + step < share) {
+    double step = line.smallest, used = 0;
+    while (step < line.h && used + step < share) {
       steps.push_back(step);
       used += step;
-      step *= ratio;
+      step *= line.ratio;
     }
     g.left -= used;
   };
@@ -45,24 +45,22 @@ Graded grade(double a, double b, double h, int at_least, Ends concave, double sm
     grow(g.from_low, share);
   if (concave.high)
     grow(g.from_high, share);
-  g.even =
-      std::max<double>(std::ceil(g.left / h - 1e-9), concave.low || concave.high ? 1 : at_least);
+  g.even = std::max<double>(std::ceil(g.left / h - 1e-9),
+                            concave.low || concave.high ? 1 : min_divisions);
   return g;
 }
 
 } // namespace
 
-double count_divisions(double a, double b, double h, int at_least, Ends concave, double smallest,
-                       double ratio) {
-  const Graded g = grade(a, b, h, at_least, concave, smallest, ratio);
+double count_divisions(const Division& line) {
+  const Graded g = grade(line);
   return g.even + static_cast<double>(g.from_low.size() + g.from_high.size());
 }
 
-std::vector<double> divide(double a, double b, double h, int at_least, Ends concave,
-                           double smallest, double ratio) {
-  const Graded g = grade(a, b, h, at_least, concave, smallest, ratio);
+std::vector<double> divide(const Division& line) {
+  const Graded g = grade(line);
   const int even = static_cast<int>(g.even);
-  std::vector<double> at{a};
+  std::vector<double> at{line.a};
   for (const double step : g.from_low)
     at.push_back(at.back() + step);
   const double begin = at.back();
@@ -70,7 +68,7 @@ std::vector<double> divide(double a, double b, double h, int at_least, Ends conc
     at.push_back(begin + g.left * i / even);
   for (std::size_t i = g.from_high.size(); i-- > 0;)
     at.push_back(at.back() + g.from_high[i]);
-  at.back() = b;
+  at.back() = line.b;
   return at;
 }
 
@@ -94,12 +92,17 @@ struct Cuts {
   }
   template <class Divide>
   auto along(const std::vector<double>& breaks, const std::vector<bool>& concave, std::size_t i,
-             int at_least, Divide&& cut) const {
+             int min_divisions, Divide&& cut) const {
     double smallest = shape.h;
     for (std::size_t k = 0; k + 1 < breaks.size(); ++k)
       smallest = std::min(smallest, breaks[k + 1] - breaks[k]);
-    return cut(breaks[i], breaks[i + 1], shape.h, at_least, Ends{concave[i], concave[i + 1]},
-               smallest / shape.grading, 3);
+    return cut(Division{breaks[i],
+                        breaks[i + 1],
+                        shape.h,
+                        min_divisions,
+                        {concave[i], concave[i + 1]},
+                        smallest / shape.grading,
+                        3});
   }
   template <class Divide> auto along_r(std::size_t i, Divide&& cut) const {
     return along(shape.r, concave_r, i, shape.min_divisions_r, cut);
@@ -228,8 +231,9 @@ Section shell(const Shell& s, const SweepGrid* given) {
   section.grid.kept = {{{0, 1}, {0, 1}, {}}};
   section.grid.line =
       given ? given->line
-            : std::array<std::vector<double>, 3>{
-                  divide(0, 1, 1.0 / s.along, s.along), divide(0, 1, 1.0 / s.layers, s.layers), {}};
+            : std::array<std::vector<double>, 3>{divide({0, 1, 1.0 / s.along, s.along}),
+                                                 divide({0, 1, 1.0 / s.layers, s.layers}),
+                                                 {}};
   const auto first_v = static_cast<int>(section.grid.line[0].size()) - 1;
   section.add_mapped(section.grid.line[0], section.grid.line[1], point, [&](int i, int j) {
     return std::array{i, first_v + j};

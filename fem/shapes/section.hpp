@@ -27,17 +27,22 @@ struct Section {
                   const std::function<std::array<int, 2>(int i, int j)>& number);
 };
 
-/// Coordinates from a to b about `h` apart; towards an end marked concave they shrink
-/// geometrically, by `ratio` a step, down to `smallest`.
+/// Ends of a line at concave edges, where the stress grows without bound.
 struct Ends {
   bool low = false, high = false;
 };
-[[nodiscard]] std::vector<double> divide(double a, double b, double h, int at_least,
-                                         Ends concave = {}, double smallest = 0, double ratio = 2);
-
+/// How a line from a to b is divided: into intervals about `h` long. Towards a concave end they
+/// shrink geometrically, by `ratio` a step, down to `smallest`.
+struct Division {
+  double a, b, h;
+  int min_divisions; ///< without concave ends
+  Ends concave{};
+  double smallest = 0, ratio = 2;
+};
+/// The coordinates of the ends of all intervals, from a to b.
+[[nodiscard]] std::vector<double> divide(const Division&);
 /// The number of intervals that `divide` makes. Needs next to no memory, however small `h` is.
-[[nodiscard]] double count_divisions(double a, double b, double h, int at_least, Ends concave = {},
-                                     double smallest = 0, double ratio = 2);
+[[nodiscard]] double count_divisions(const Division&);
 
 /// What a section's mesh consists of; corners and sides on the axis count once when it turns.
 struct SectionSize {

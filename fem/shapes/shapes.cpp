@@ -196,7 +196,7 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   };
   const auto count = [&](std::size_t direction, double side) {
     return choice.grid ? cells_of(*choice.grid, direction)
-                       : count_divisions(-side / 2, side / 2, h, min_divisions(side));
+                       : count_divisions({-side / 2, side / 2, h, min_divisions(side)});
   };
   const double nx = count(0, x), ny = count(1, y), nz = count(2, z);
   MeshSize size;
@@ -217,8 +217,8 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   size.box = {x, y, z};
   return planned(size, [=, min_divisions_x = min_divisions(x), min_divisions_y = min_divisions(y),
                         min_divisions_z = min_divisions(z), given = grid_of(choice)] {
-    const auto cut = [h](double side, int at_least) {
-      return divide(-side / 2, side / 2, h, at_least);
+    const auto cut = [h](double side, int min_divisions) {
+      return divide({-side / 2, side / 2, h, min_divisions});
     };
     SweepGrid grid;
     grid.line =

@@ -102,9 +102,9 @@ Grid rings(const modal::Surface& surface, const RawSettings& settings, const Gri
 }
 
 /// Force of a striker at 1 m/s, mean of each short step, N.
-std::vector<double> strike_force(const std::shared_ptr<const LoadedTable>& loaded,
-                                 const RawSettings& settings, const Vec3& strike_position,
-                                 double rate) {
+std::vector<double> contact_force(const std::shared_ptr<const LoadedTable>& loaded,
+                                  const RawSettings& settings, const Vec3& strike_position,
+                                  double rate) {
   modal::BodySettings body;
   body.sample_rate = rate;
   body.radiation = modal::Radiation::kNone;
@@ -115,7 +115,7 @@ std::vector<double> strike_force(const std::shared_ptr<const LoadedTable>& loade
   struck_body->set_striker(settings.striker);
   const SurfacePoint at = struck_body->model()->nearest(strike_position);
   if (!struck_body->hit({at, at.normal, 1}))
-    throw InputError("the impact could not start");
+    throw InputError("the strike could not start");
   constexpr std::size_t kBlock = 64;
   std::array<float, kBlock> silence{}, left{}, right{}, contact{};
   std::vector<double> force;
@@ -128,16 +128,8 @@ std::vector<double> strike_force(const std::shared_ptr<const LoadedTable>& loade
   return force;
 }
 
-} // namespace
-
-modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& settings) {
-  if (table.shape.empty())
-    throw InputError("the table has no mode shapes: nothing moves");
-  if (settings.hit_m.empty())
-    throw InputError("no place to strike: give --hit X,Y,Z");
-  const auto loaded = std::make_shared<const LoadedTable>(table);
-  const modal::Surface& surface = loaded->surface;
-  const Vec3 side = unit(settings.side);
+/// Whether most of the body's skin faces `side` or its opposite: a plate.
+bool is_flat(const modal::Surface& surface, const Vec3& side) {
   double seen = 0, flat_area = 0, all = 0;
   for (std::size_t t = 0; t < surface.triangles(); ++t) {
     const Vec3 area = area_of(surface.corners(t));
@@ -145,21 +137,25 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
     seen += std::abs(dot(area, side));
     flat_area += std::abs(dot(area, side)) > .9 * norm(area) ? norm(area) : 0;
   }
-  const bool flat = seen > .6 * all && flat_area > .6 * all;
-  const Grid whole = every_triangle(surface, side, flat);
+  return seen > .6 * all && flat_area > .6 * all;
+}
+
+/// The surface elements whose velocities are computed. `settings.side` has length 1.
+Grid grid_of(const modal::ModalTable& table, const modal::Surface& surface,
+             const RawSettings& settings) {
+  const bool flat = is_flat(surface, settings.side);
+  const Grid whole = every_triangle(surface, settings.side, flat);
   if (whole.point.empty())
     throw InputError("no face of the body looks to --side");
-  RawSettings own = settings;
-  own.side = side;
-  const Grid grid = settings.ring ? rings(surface, own, whole)
-                    : settings.points == 0
-                        ? whole
-                        : coarse_grid(table, surface, side, flat, settings.points, whole);
-  modal::BodySettings body;
-  body.sample_rate = settings.sample_rate;
-  body.radiation = modal::Radiation::kNone;
-  const BodyModel model(loaded, body);
+  if (settings.ring)
+    return rings(surface, settings, whole);
+  if (settings.points == 0)
+    return whole;
+  return coarse_grid(table, surface, settings.side, flat, settings.points, whole);
+}
 
+/// A table of the right size without velocities. Refuses one of more than 3 GB.
+modal::RawTable empty_table(const Grid& grid, const RawSettings& settings) {
   modal::RawTable out;
   out.hits = settings.hit_m.size();
   out.points = grid.point.size();
@@ -176,19 +172,67 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
   for (const SurfacePoint& p : grid.point)
     out.position_m.push_back(p.position);
   out.velocity_m_per_s.resize(out.hits * out.points * out.samples);
+  return out;
+}
 
+/// phi . n of every mode at every point, [point][mode].
+std::vector<float> normal_gains(const BodyModel& model, const Grid& grid) {
   const std::size_t modes = model.audible_modes;
-  std::vector<float> normal(out.points * modes); // phi . n
+  std::vector<float> normal(grid.point.size() * modes);
   std::vector<double> gain(model.mode.size());
-  for (std::size_t p = 0; p < out.points; ++p) {
+  for (std::size_t p = 0; p < grid.point.size(); ++p) {
     model.gains(grid.point[p], grid.point[p].normal, gain);
     for (std::size_t k = 0; k < modes; ++k)
       normal[p * modes + k] = static_cast<float>(-gain[k]);
   }
+  return normal;
+}
+
+/// Modal velocities after a strike at a point, [sample][mode]. `force` has `finer` steps a sample.
+std::vector<float> modal_velocities(const BodyModel& model, const SurfacePoint& at,
+                                    std::span<const double> force, std::size_t finer,
+                                    const RawSettings& settings, std::size_t samples) {
+  const double step = 1 / (settings.sample_rate * static_cast<double>(finer));
+  const std::size_t modes = model.audible_modes;
+  std::vector<float> velocity(samples * modes);
+  std::vector<double> gain(model.mode.size());
+  model.gains(at, at.normal, gain);
+  for (std::size_t k = 0; k < modes; ++k) {
+    const std::complex<double> s = model.rate[k], turn = std::exp(s * step);
+    // z = q' + alpha q + j omega q; a force held for a step adds b F (exp(sT) - 1)/s.
+    const std::complex<double> push = gain[k] * (turn - 1.0) / s;
+    std::complex<double> z = gain[k] * settings.impulse_n_s;
+    for (std::size_t n = 0, fine = 0; n < samples; ++n) {
+      velocity[n * modes + k] = static_cast<float>(z.real() + s.real() / s.imag() * z.imag());
+      for (std::size_t i = 0; i < finer; ++i, ++fine)
+        z = turn * z + (fine < force.size() ? push * force[fine] : 0.0);
+    }
+  }
+  return velocity;
+}
+
+} // namespace
+
+modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& given) {
+  if (table.shape.empty())
+    throw InputError("the table has no mode shapes: nothing moves");
+  if (given.hit_m.empty())
+    throw InputError("no place to strike: give --hit X,Y,Z");
+  RawSettings settings = given;
+  settings.side = unit(given.side);
+  const auto loaded = std::make_shared<const LoadedTable>(table);
+  const modal::Surface& surface = loaded->surface;
+  const Grid grid = grid_of(table, surface, settings);
+  modal::BodySettings body;
+  body.sample_rate = settings.sample_rate;
+  body.radiation = modal::Radiation::kNone;
+  const BodyModel model(loaded, body);
+  modal::RawTable out = empty_table(grid, settings);
+  const std::size_t modes = model.audible_modes;
+  const std::vector<float> normal = normal_gains(model, grid);
   const auto finer =
       static_cast<std::size_t>(std::clamp(std::floor(1e6 / settings.sample_rate), 1.0, 16.0));
   const double step = 1 / (settings.sample_rate * static_cast<double>(finer));
-  std::vector<float> speed(out.samples * modes);
   for (std::size_t h = 0; h < out.hits; ++h) {
     const SurfacePoint at = model.nearest(settings.hit_m[h]);
     if (at.distance > .1 * surface.diagonal())
@@ -196,24 +240,14 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
     out.hit_m.push_back(at.position);
     const std::vector<double> force = settings.impulse_n_s > 0
                                           ? std::vector<double>{}
-                                          : strike_force(loaded, settings, at.position, 1 / step);
-    model.gains(at, at.normal, gain);
-    for (std::size_t k = 0; k < modes; ++k) {
-      const std::complex<double> s = model.rate[k], turn = std::exp(s * step);
-      // z = q' + alpha q + j omega q; a force held for a step adds b F (exp(sT) - 1)/s.
-      const std::complex<double> push = gain[k] * (turn - 1.0) / s;
-      std::complex<double> z = gain[k] * settings.impulse_n_s;
-      for (std::size_t n = 0, fine = 0; n < out.samples; ++n) {
-        speed[n * modes + k] = static_cast<float>(z.real() + s.real() / s.imag() * z.imag());
-        for (std::size_t i = 0; i < finer; ++i, ++fine)
-          z = turn * z + (fine < force.size() ? push * force[fine] : 0.0);
-      }
-    }
+                                          : contact_force(loaded, settings, at.position, 1 / step);
+    const std::vector<float> velocity =
+        modal_velocities(model, at, force, finer, settings, out.samples);
     for (std::size_t p = 0; p < out.points; ++p)
       for (std::size_t n = 0; n < out.samples; ++n) {
         float sum = 0;
         for (std::size_t k = 0; k < modes; ++k)
-          sum += normal[p * modes + k] * speed[n * modes + k];
+          sum += normal[p * modes + k] * velocity[n * modes + k];
         out.velocity_m_per_s[(h * out.points + p) * out.samples + n] = sum;
       }
   }

@@ -147,7 +147,7 @@ std::string raw_usage() {
   return R"(
 modal_fem raw TABLE.modal.npz --hit X,Y,Z ... -o OUT.modal.npz
               adds the surface's velocities after impacts (AudioHaptics' tables) to a table
-              --hit X,Y,Z  mm, once for each place   --side +z  the faces that radiate
+              --hit X,Y,Z  mm, once for each point   --side +z  the faces that radiate
               --grid full|ring  --ring-angle DEGREES  --points N|all (200)
               --seconds S (0.5)  --rate HZ (44100)
               --striker KG,RADIUS_MM,E_PA,NU at 1 m/s (a steel ball of 6 mm)  or  --impulse N_S

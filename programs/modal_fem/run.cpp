@@ -45,8 +45,9 @@ void estimate_in_process(const Solved& body, ErrorEstimate& error, ProgressLine&
   progress.stage("factorising", 0);
   factor.factorise();
   progress.stage("estimating errors", 0);
-  error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, body.modes, kSettle,
-                          [&](double share) { progress.stage("estimating errors", share); });
+  error =
+      estimate_errors(body.mesh, body.materials, *body.matrices, factor, body.modes,
+                      {kSettle, [&](double share) { progress.stage("estimating errors", share); }});
 }
 
 /// The modes and their errors, with progress.
@@ -72,8 +73,9 @@ void find_modes_of(Solved& body, const ModalOptions& options, ErrorEstimate& err
   settings.predict = [&](const FactorCost& cost) { forecast.factor(cost); };
   settings.inspect = [&](const Modes& modes, ShiftedFactor& factor) {
     progress.stage("estimating errors", 0);
-    error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, modes, kSettle,
-                            [&](double share) { progress.stage("estimating errors", share); });
+    error = estimate_errors(
+        body.mesh, body.materials, *body.matrices, factor, modes,
+        {kSettle, [&](double share) { progress.stage("estimating errors", share); }});
   };
   body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
 }

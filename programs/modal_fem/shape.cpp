@@ -17,7 +17,7 @@ ShapeDerivatives shape_derivatives(const DesignSpace& space, const Mesh& moved,
                                    std::span<const Material> materials, const Modes& modes,
                                    std::size_t count, std::vector<double> displacement) {
   return {space.weights.control_points, space.parameters,
-          eigenvalue_sensitivity(moved, materials, {}, modes.frequency_hz, modes.shapes, count,
+          eigenvalue_sensitivity(moved, materials, {}, {modes.frequency_hz, modes.shapes, count},
                                  space.velocities),
           space.trust, std::move(displacement)};
 }

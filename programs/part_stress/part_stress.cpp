@@ -282,13 +282,16 @@ int run(const std::vector<std::string>& words) {
   }
   if (!options.sheet.empty()) {
     progress.stage("writing " + options.sheet, 0);
-    PictureLabels beside{.title = options.name(), .subtitle = {}, .taylor = out.taylor};
+    PictureLabels labels{.title = options.name(),
+                         .subtitle = {},
+                         .parameters = out.parameters,
+                         .taylor = out.taylor};
     const double mass = mass_properties(mesh, model.materials).mass;
-    beside.subtitle =
+    labels.subtitle =
         model.materials[0].name + format(", %.4g kg; %zu %s, %zu unknowns; %s, %.2g s", mass,
                                          mesh.elements.size(), mesh.element_names().c_str(),
                                          mesh.dofs(), out.memory.c_str(), seconds);
-    draw_part(options.sheet, model, space, mesh, out.states, out.parameters, beside);
+    draw_part(options.sheet, model, space, mesh, out.states, labels);
   }
   return 0;
 }

@@ -88,7 +88,8 @@ PictureState picture_of(const Mesh& mesh, const StaticModel& model, const Static
 
 void draw_part(const std::string& picture, const StaticModel& model, const DesignSpace& space,
                const Mesh& start, std::span<const PictureState> states,
-               std::span<const double> parameters, const PictureLabels& labels) {
+               const PictureLabels& labels) {
+  const std::vector<double>& parameters = labels.parameters;
   const Surface skin = surface_of(start);
   std::vector<std::int32_t> triangles, is_free(space.weights.control_points.size(), 0);
   for (const auto& t : skin.triangles)

@@ -17,15 +17,15 @@ struct PictureState {
 [[nodiscard]] PictureState picture_of(const Mesh&, const StaticModel&, const StaticSolution&,
                                       std::vector<double> von_mises_at_elements);
 
-/// What stands beside the pictures.
+/// Texts and numbers beside the pictures.
 struct PictureLabels {
   std::string title, subtitle;
-  std::vector<double> taylor; ///< at the centroids of the moved shape, or empty
+  std::vector<double> parameters{}; ///< of the moved shape; empty: not moved
+  std::vector<double> taylor{};     ///< at the centroids of the moved shape, or empty
 };
 
 /// Draws the sheet: the part before and, with a second state, after its control points moved.
 void draw_part(const std::string& picture, const StaticModel&, const DesignSpace&,
-               const Mesh& start, std::span<const PictureState> states,
-               std::span<const double> parameters, const PictureLabels&);
+               const Mesh& start, std::span<const PictureState> states, const PictureLabels&);
 
 } // namespace tactus::fem

@@ -411,8 +411,8 @@ TEST_CASE("derivatives of eigenvalues are those of a re-solve, pairs too") {
     return find_modes(own, materials, matrices, settings);
   };
   const Modes modes = solve(mesh);
-  const auto slopes = eigenvalue_sensitivity(mesh, materials, springs, modes.frequency_hz,
-                                             modes.shapes, 4, velocities);
+  const auto slopes = eigenvalue_sensitivity(mesh, materials, springs,
+                                             {modes.frequency_hz, modes.shapes, 4}, velocities);
   for (std::size_t p = 0; p < 2; ++p) {
     const double h = 1e-6;
     const Modes up = solve(moved_mesh(mesh, velocities[p], h)),
@@ -427,13 +427,13 @@ TEST_CASE("derivatives of eigenvalues are those of a re-solve, pairs too") {
     }
   }
   CHECK(mentions(refusal([&] {
-                   (void)eigenvalue_sensitivity(mesh, materials, springs, modes.frequency_hz,
-                                                modes.shapes, 5, velocities);
+                   (void)eigenvalue_sensitivity(mesh, materials, springs,
+                                                {modes.frequency_hz, modes.shapes, 5}, velocities);
                  }),
                  "goes on beyond the 5 modes given"));
   CHECK(mentions(refusal([&] {
-                   (void)eigenvalue_sensitivity(mesh, materials, springs, modes.frequency_hz,
-                                                modes.shapes, 6, velocities);
+                   (void)eigenvalue_sensitivity(mesh, materials, springs,
+                                                {modes.frequency_hz, modes.shapes, 6}, velocities);
                  }),
                  "derivatives of 6 modes"));
 }
@@ -454,8 +454,8 @@ TEST_CASE("a square bar's pair of bending modes parts as its two thicknesses do"
   };
   const Modes modes = solve(mesh);
   CHECK(modes.frequency_hz[1] - modes.frequency_hz[0] < 1e-5 * modes.frequency_hz[0]);
-  const auto slopes =
-      eigenvalue_sensitivity(mesh, materials, {}, modes.frequency_hz, modes.shapes, 2, velocities);
+  const auto slopes = eigenvalue_sensitivity(mesh, materials, {},
+                                             {modes.frequency_hz, modes.shapes, 2}, velocities);
   // The sides of the difference are two branches that cross at the square: ascending above it,
   // exchanged below.
   const double h = 2e-6;
@@ -470,9 +470,10 @@ TEST_CASE("a square bar's pair of bending modes parts as its two thicknesses do"
   CHECK(slopes[1] > 3 * std::abs(slopes[0])); // bending across the thicker side stiffens
   // Asked for half a pair, with the other half given but not what follows.
   CHECK(mentions(refusal([&] {
-                   (void)eigenvalue_sensitivity(
-                       mesh, materials, {}, std::span(modes.frequency_hz).first(2),
-                       std::span(modes.shapes).first(2 * mesh.dofs()), 1, velocities);
+                   (void)eigenvalue_sensitivity(mesh, materials, {},
+                                                {std::span(modes.frequency_hz).first(2),
+                                                 std::span(modes.shapes).first(2 * mesh.dofs()), 1},
+                                                velocities);
                  }),
                  "may belong to a group"));
 }

@@ -31,7 +31,7 @@ Estimated estimated(const Mesh& mesh, const Material& material, std::size_t coun
   ModeSettings settings;
   settings.count = count;
   settings.inspect = [&](const Modes& modes, ShiftedFactor& factor) {
-    out.error = estimate_errors(mesh, materials, out.matrices, factor, modes, settle);
+    out.error = estimate_errors(mesh, materials, out.matrices, factor, modes, {settle, {}});
   };
   out.frequency = find_modes(mesh, materials, out.matrices, settings).frequency_hz;
   return out;

@@ -95,10 +95,10 @@ PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t kn
   return 0;
 }
 
-/// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `wanted` of them at least. The factor
-/// goes when it returns: two at once, this one and that of the count, would be the peak.
-PetscErrorCode seek(Mat stiffness, Mat mass, PetscReal shift, const std::vector<Vec>& rigid,
-                    std::vector<Pair>& pairs, PetscInt requested, Counted& counted) {
+/// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `requested` of them at least. The
+/// factor is freed on return, so that it and that of the count are never in memory together.
+PetscErrorCode find_pairs(Mat stiffness, Mat mass, PetscReal shift, const std::vector<Vec>& rigid,
+                          std::vector<Pair>& pairs, PetscInt requested, Counted& counted) {
   report_progress(0, "factorising");
   EPS solver = nullptr;
   ST transform = nullptr;
@@ -216,7 +216,7 @@ PetscErrorCode run(char** words) {
   PetscInt missing = count;
   for (int attempt = 0; attempt < 4 && missing > 0; ++attempt) {
     const std::size_t before = pairs.size();
-    PetscCall(seek(stiffness, mass, shift, rigid, pairs, missing, counted));
+    PetscCall(find_pairs(stiffness, mass, shift, rigid, pairs, missing, counted));
     const bool enough = pairs.size() >= static_cast<std::size_t>(count);
     if (pairs.size() == before && !enough)
       break;
