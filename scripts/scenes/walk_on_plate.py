@@ -68,8 +68,8 @@ def make(scene):
         axis.set_title(name, loc="left")
         for (begin, _, word), end in zip(SHOES, [s[0] for s in SHOES[1:]] + [SECONDS]):
             part = sound[begin * RATE:end * RATE].sum(axis=1)
-            impulses = [atoms[4] for time, atoms in hits if begin <= time < end]
-            rows.append([name, word, len(impulses), f"{numpy.mean(impulses):.2f}", f"{100 * abs(part).max() / 2:.2g}",
+            speeds = [atoms[4] for time, atoms in hits if begin <= time < end]
+            rows.append([name, word, len(speeds), f"{numpy.mean(speeds):.2f}", f"{100 * abs(part).max() / 2:.2g}",
                          f"{centroid(part):.0f}", f"{numpy.load(table)['freq'][0]:.1f}"])
         scene.progress(f"{name}: walked on")
     scene.picture("spectrograms", figure, "a walk of fifteen seconds, three shoes")
