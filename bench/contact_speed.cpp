@@ -1,4 +1,4 @@
-// How dear is a contact? One mass pressed on a body of 8 modes, one surface rubbing it, a body that
+// The cost of a contact: One mass pressed on a body of 8 modes, one surface rubbing it, a body that
 // rings alone, many masses at once, many separate bodies in one list of modes; and STK's ModalBar,
 // four filters without any contact, beside them.
 //

@@ -74,7 +74,7 @@ def four_point_mass(inp, density):
             into = {"*NODE": nodes, "*ELEMENT": elements}.get(line.split(",")[0])
         elif into is not None:
             into.append([float(word) for word in line.split(",")][1:])
-    place, element = numpy.array(nodes), numpy.array(elements, int) - 1
+    position, element = numpy.array(nodes), numpy.array(elements, int) - 1
     edges = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
     slope = numpy.array([[-1, -1, -1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     small = (5 - 5 ** 0.5) / 20
@@ -85,7 +85,7 @@ def four_point_mass(inp, density):
         value = numpy.array([*part * (2 * part - 1), *(4 * part[a] * part[b] for a, b in edges)])
         change = numpy.array([*((4 * part - 1)[:, None] * slope),
                               *(4 * (part[a] * slope[b] + part[b] * slope[a]) for a, b in edges)])
-        volume = numpy.linalg.det(numpy.einsum("ak,eai->eki", change, place[element])) / 24
+        volume = numpy.linalg.det(numpy.einsum("ak,eai->eki", change, position[element])) / 24
         mass += density * volume[:, None, None] * numpy.outer(value, value)
     rows, columns = numpy.repeat(element, 10, axis=1).ravel(), numpy.tile(element, (1, 10)).ravel()
     scalar = coo_matrix((mass.ravel(), (rows, columns))).tocoo()

@@ -68,9 +68,9 @@ class Body:
         self.middle = self.first + self.step / 2
         self.face, self.rim = face, rim
 
-    def velocity(self, place, element):
+    def velocity(self, position, element):
         up = self.normal[element, 1]
-        return numpy.where(abs(up) > .5, up * self.face(place[:, 0]), self.rim(place[:, 1]))
+        return numpy.where(abs(up) > .5, up * self.face(position[:, 0]), self.rim(position[:, 1]))
 
     def rows(self, x, n, k, on_skin):
         """Single layer of the velocity, and double layer of each element, seen from x."""
@@ -95,14 +95,14 @@ class Body:
                 double[i, j] = (d[0] * part).sum() * self.size[j]
         return single.sum(1), double
 
-    def pressure(self, places, n, k):
+    def pressure(self, points, n, k):
         drive = 1j * k * SPEED * DENSITY
         single, double = self.rows(self.middle, n, k, True)
         inside = numpy.array([[.61, .13], [.37, -.29], [.83, .41], [.5, .02], [.7, -.5]]) * [RADIUS, HALF]
         inner_single, inner_double = self.rows(inside, n, k, False)
         matrix = numpy.vstack([numpy.eye(len(self.size)) / 2 - double, -inner_double])
         skin = numpy.linalg.lstsq(matrix, drive * numpy.concatenate([single, inner_single]), rcond=None)[0]
-        single, double = self.rows(numpy.array(places), n, k, False)
+        single, double = self.rows(numpy.array(points), n, k, False)
         return double @ skin + drive * single
 
 
@@ -113,18 +113,18 @@ def main(build, *rings):
                         "--material", "aluminium", "--h", "4", "--modes", "7", "--quiet", "-o", table], check=True,
                        stdout=subprocess.DEVNULL)
         table = numpy.load(table)
-    place, shapes = table["xyz"].astype(float), table["phi"].astype(float)
-    on_ray = (abs(place[:, 1]) < 1e-6) & (place[:, 0] > -1e-9)
-    top, rim = abs(place[:, 2] - HALF) < 1e-7, abs(place[:, 0] - RADIUS) < 1e-6
-    for mode, diameters, places in CASES:
+    position, shapes = table["xyz"].astype(float), table["phi"].astype(float)
+    on_ray = (abs(position[:, 1]) < 1e-6) & (position[:, 0] > -1e-9)
+    top, rim = abs(position[:, 2] - HALF) < 1e-7, abs(position[:, 0] - RADIUS) < 1e-6
+    for mode, diameters, points in CASES:
         shape, hertz = shapes[mode], table["freq"][mode]
         shape = shape / abs(shape[top, 2]).max()
-        face = CubicSpline(*numpy.array(sorted(zip(place[on_ray & top, 0], shape[on_ray & top, 2]))).T)
-        side = CubicSpline(*numpy.array(sorted(zip(place[on_ray & rim, 2], shape[on_ray & rim, 0]))).T)
+        face = CubicSpline(*numpy.array(sorted(zip(position[on_ray & top, 0], shape[on_ray & top, 2]))).T)
+        side = CubicSpline(*numpy.array(sorted(zip(position[on_ray & rim, 2], shape[on_ray & rim, 0]))).T)
         for count in map(int, rings or (16, 32, 64)):
-            p = abs(Body(count, face, side).pressure(places, diameters, 2 * numpy.pi * hertz / SPEED))
+            p = abs(Body(count, face, side).pressure(points, diameters, 2 * numpy.pi * hertz / SPEED))
             print(f"{hertz:9.2f} Hz, {count:3d} rings: " + ", ".join(
-                f"({1e3 * r:.0f}, 0, {1e3 * z:.0f}) {level:.4g}" for (r, z), level in zip(places, p)), flush=True)
+                f"({1e3 * r:.0f}, 0, {1e3 * z:.0f}) {level:.4g}" for (r, z), level in zip(points, p)), flush=True)
 
 
 if __name__ == "__main__":

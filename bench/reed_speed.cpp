@@ -1,4 +1,4 @@
-// How dear is a reed? One greed~ in silence and playing, its parts, eight reeds with their
+// The cost of a reed: One greed~ in silence and playing, its parts, eight reeds with their
 // playability in vector lanes ([greed_gradient~]), and STK's Clarinet, a reed without memory,
 // beside them.
 //

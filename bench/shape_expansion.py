@@ -76,12 +76,12 @@ def main():
                            stdout=subprocess.DEVNULL)
             lines, first, last, names, nodes = read_inp(base)
 
-            def solve(places):
+            def solve(points):
                 moved = folder / "moved.inp"
-                text = [f"{n}, " + ", ".join(f"{c:.12g}" for c in p) for n, p in zip(names, places)]
+                text = [f"{n}, " + ", ".join(f"{c:.12g}" for c in p) for n, p in zip(names, points)]
                 moved.write_text("\n".join([*lines[:first], *text, *lines[last:]]) + "\n")
                 out = folder / "modes.csv"
-                fixed = ["--fix", f"x={places[:, 0].min():.12g}"] if clamped else []
+                fixed = ["--fix", f"x={points[:, 0].min():.12g}"] if clamped else []
                 subprocess.run([program, moved, "--unit", "m", "--modes", str(SOLVED), *fixed,
                                 "--tolerance", "0", "--csv", out, "--quiet"], check=True,
                                stdout=subprocess.DEVNULL)

@@ -106,7 +106,7 @@ def clicks(samples, rate):
     return found
 
 
-def judge(samples, rate, notes, frequency):
+def measure_notes(samples, rate, notes, frequency):
     """One dictionary a note: hz, cents, level_db, speaks_ms (from the onset until half the note's
     level is there; None for slurred notes), fundamental_db, sustained (0.3 s or more)."""
     loud = envelope(samples, rate)

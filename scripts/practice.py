@@ -9,8 +9,8 @@ GAP, HOLD, RISE = 0.15, 0.75, 0.008  # s
 QUIET = 0.01                         # gain far from the soft clip
 
 
-def blow(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
-    """Blows trials (pitch Hz or 0, pressure Pa, reed Hz or 0), each from rest, in one run of Pd.
+def play(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
+    """Plays trials (pitch Hz or 0, pressure Pa, reed Hz or 0), each from rest, in one run of Pd.
 
     Returns a list of (sound, level dB of the second half, speaks ms): the sound of each trial, and
     the time until half of its final level is there (nan in silence)."""
@@ -78,7 +78,7 @@ def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.66, 0.80, 0.02)
     lip = reed_frequency(own)
     pitches = sorted(pitches)
     hz = [frequency(p) for p in pitches]
-    heard = blow(preset, [(f, s * own["P_M"], lip) for s in shares for f in hz],
+    heard = play(preset, [(f, s * own["P_M"], lip) for s in shares for f in hz],
                  ("-tune", 1, "-gain", QUIET))
     for i, share in enumerate(shares):
         these = heard[i * len(hz):(i + 1) * len(hz)]
@@ -109,15 +109,15 @@ def learn_lips(preset, pitches, frequency, tongue_burst, slowest=100):
     pitches = sorted(pitches)
     hz = [frequency(p) for p in pitches]
     flags = ("-tune", 1, "-gain", QUIET, "-tongue_burst", tongue_burst)
-    levels = [level for _, level, _ in blow(preset, [(f, pressure, 0) for f in hz], flags)]
+    levels = [level for _, level, _ in play(preset, [(f, pressure, 0) for f in hz], flags)]
     trims = numpy.clip(numpy.median(levels) - levels, -5, 2)
-    heard = blow(preset, [(f, pressure * 10 ** (d / 20), 0) for f, d in zip(hz, trims)], flags)
+    heard = play(preset, [(f, pressure * 10 ** (d / 20), 0) for f, d in zip(hz, trims)], flags)
     wrong = {f: (off, ms) for f, (sound, _, ms) in zip(hz, heard)
              for off in [1200 * numpy.log2(pitch_of(sound, f) / f)]
              if not (abs(off) < 10 and ms < slowest)}
     if wrong:
         raise RuntimeError(f"{preset}: out of tune or slow to speak: {wrong} (Hz: cents, ms)")
-    loud = blow(preset, [(f, 2 * pressure * 10 ** (d / 20), 0) for f, d in zip(hz, trims)], flags)
+    loud = play(preset, [(f, 2 * pressure * 10 ** (d / 20), 0) for f, d in zip(hz, trims)], flags)
     peak = max(abs(sound[len(sound) // 2:]).max() for sound, *_ in loud)
     return (pressure, reed_frequency(own), dict(zip(pitches, trims.tolist())),
             {p: ms / 1000 for p, (_, _, ms) in zip(pitches, heard)}, float(QUIET * 0.25 / peak))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-import judge
+import comparison
 import recorded_steps
 import targets
 from ensemble import members
@@ -128,7 +128,7 @@ class Aim:
         worlds = [w[:2] for w in members(vectors, labels, MEMBERS, of_error=DOUBT)]
         drawn = np.vstack([v for v, _ in worlds])
         names = np.concatenate([n for _, n in worlds])
-        white = judge.whitening(drawn, names)
+        white = comparison.whitening(drawn, names)
         # Where materials differ from each other, an error counts more: twice as far.
         means = np.array([drawn[names == c].mean(axis=0) @ white for c in targets.MATERIALS])
         _, _, apart = np.linalg.svd(means - means.mean(axis=0), full_matrices=False)
@@ -166,7 +166,7 @@ class Aim:
         parts["prior"] = np.asarray(beyond_prior, float)
         costs = {name: WEIGHTS[name] * float(np.sum(r * r)) for name, r in parts.items()}
         if self.near:
-            costs["stand_ins"] = sum(weight * judge.energy_distance(vectors @ matrix, real)
+            costs["stand_ins"] = sum(weight * comparison.energy_distance(vectors @ matrix, real)
                                      for weight, matrix, real in self.near)
         return sum(costs.values()), costs
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fits recipes to one collection of recordings and judges them by another.
+"""Fits recipes to one collection of recordings and compares them with another.
 
     cross.py --render render_footstep [--minutes 3] [--labels dirt highgrass snow concrete]
 
@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-import judge
+import comparison
 from aims import Aim
 from recordings import recordings
-from second_judge import cells
+from band_classifiers import cells
 from steps import measure, render
 from tune import Fit
 
@@ -99,7 +99,7 @@ def main():
 
     def distances(made, label, source):
         """One for each way to hear; made: {name: vectors}."""
-        return [judge.energy_distance(made[name] / spread[name],
+        return [comparison.energy_distance(made[name] / spread[name],
                                       real[name][(labels == label) & (sources == source)] / spread[name])
                 for name in heard]
 

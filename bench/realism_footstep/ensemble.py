@@ -1,4 +1,4 @@
-"""Many stand-ins for recordings that nobody here has heard: an aid for fits, and no judge.
+"""Many stand-ins for recordings that nobody here has heard: an aid for fits, not for verdicts.
 
 They promise too much: of steps that they named right in 76 %, independent recordings had 63 %. A fit that
 comes near them all comes near what the tables say, and no more than that is claimed.
@@ -17,16 +17,16 @@ The numbers below are set so that members resemble what is known of the eight co
 this file prints both when it is run. Our steps play no part in that."""
 import numpy as np
 
-import judge
+import comparison
 import targets
-from population import KNOWN, PLACES, Population
+from population import KNOWN, INDICES, Population
 from recordings import recordings
 from steps import measure
 from validation import by_features, left_out
 
 COLLECTIONS = 8
 OF_COLLECTION = 0.55  # share of the variance within a material that is its collections'
-COMMON = 0.6          # share of that which all materials of a collection have in common
+COMMON = 0.6          # share common to all materials of a collection
 OF_ERROR = 0.25       # of what the regression misses; the rest is the collection's at hand
 WIDER = 1.65          # than recordings of one or two collections
 TAILS = 8             # degrees of freedom of Student's distribution
@@ -54,7 +54,7 @@ class Member(Population):
     def widen(self):
         """The tables tell the spread of ten features; the others spread more than among the recordings
         at hand by as much as those ten do."""
-        told = [place for place, _ in PLACES.values()]
+        told = [index for index, _ in INDICES.values()]
         rest = [i for i in range(len(self.within)) if i not in told]
         for row in range(len(self.names)):
             factor = np.exp(np.mean(np.log(self.deviation[row, told] / self.within[told])))
@@ -119,9 +119,9 @@ def ratios_left_out(vectors, labels, sources):
     ratios, told = [], []
     for s in sorted(set(sources)):
         out = sources == s
-        classifier = judge.Classifier(vectors[~out], labels[~out])
+        classifier = comparison.Classifier(vectors[~out], labels[~out])
         for c in sorted(set(labels[out]) & set(labels[~out])):
-            ratio, _, apart = judge.compare(classifier, vectors[~out], vectors[out & (labels == c)], c)
+            ratio, _, apart = comparison.compare(classifier, vectors[~out], vectors[out & (labels == c)], c)
             ratios.append(ratio)
             told.append(apart)
     return [np.nanmean(ratios), np.nanmean(told)]

@@ -12,14 +12,14 @@ import targets
 from features import mel_centres
 
 CEPSTRUM = list(range(12))
-# Places of the named features in the vector of features.py, and how they are scaled there.
-PLACES = {"duration_s": (17, np.log), "attack_s": (18, np.log), "crest": (21, np.log),
+# Indices of the named features in the vector of features.py, and how they are scaled there.
+INDICES = {"duration_s": (17, np.log), "attack_s": (18, np.log), "crest": (21, np.log),
           "decay20_s": (23, lambda v: np.log(v + 0.003)),
           "event_density_hz": (24, lambda v: np.log(v + 3)), "centroid_hz": (26, np.log),
           "rolloff85_hz": (28, lambda v: np.log(v + 50)),
           "flatness": (29, lambda v: np.log(v + 1e-3)), "peakiness": (32, lambda v: v),
           "harmonicity": (33, lambda v: 2 * v)}
-KNOWN = CEPSTRUM + [place for place, _ in PLACES.values()]
+KNOWN = CEPSTRUM + [index for index, _ in INDICES.values()]
 RIDGE, SHRINKAGE = 10.0, 0.5
 
 
@@ -53,10 +53,10 @@ class Population:
             profile[25] += (profile[24] - profile[22]) * (hz[25] - hz[24]) / (hz[24] - hz[22])
             mean[row, CEPSTRUM] = dct(profile, norm="ortho")[1:13]
             figures = dict(zip(targets.NAMES, targets.FEATURES[label][1]))
-            for name, (place, scaled) in PLACES.items():
+            for name, (index, scaled) in INDICES.items():
                 median, low, high = (scaled(v) for v in figures[name])
-                mean[row, place] = median
-                deviation[row, place] = max((high - low) / 2.56, 0.1 * self.within[place])
+                mean[row, index] = median
+                deviation[row, index] = max((high - low) / 2.56, 0.1 * self.within[index])
         return mean, deviation
 
     def regress(self, vectors):

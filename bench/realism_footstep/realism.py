@@ -11,7 +11,7 @@ Against the tables of targets.py: of 11 features how many medians lie within the
 and how many dB the mean band profile is off. Against those of recorded_steps.py: two contacts, energy by
 time, and a picture of time by band for each ground. Against the recordings of Debian's minetest-data and
 ardentryst, where they are installed: top-1, top-3, distance and spread ratio, told-apart share, with
-two controls that cheat; then three judges and what they make of collections that they have not heard.
+two controls that cheat; then three classifiers on collections that they were not trained on.
 Writes realism.md, realism.csv and a .png for each ground."""
 import argparse
 import csv
@@ -22,9 +22,9 @@ from pathlib import Path
 
 import numpy as np
 
-import judge
+import comparison
 import targets
-import second_judge
+import band_classifiers
 from features import RATE, VECTOR
 from population import Population
 from recordings import fetch, recordings
@@ -61,12 +61,12 @@ def against_tables(measured):
     return rows
 
 
-def judged(classifier, vectors, label, made):
+def compared(classifier, vectors, label, made):
     """A row of a table: how `made` fares as `label` among the classifier's sounds."""
     ranked = classifier.ranked(made)
     answers = [r[0] for r in ranked]
     common = sorted(sorted(set(answers)), key=lambda a: -answers.count(a))[:3]
-    ratio, spread, told = judge.compare(classifier, vectors, made, label)
+    ratio, spread, told = comparison.compare(classifier, vectors, made, label)
     return {"top1": np.mean([a == label for a in answers]),
             "top3": np.mean([label in r[:3] for r in ranked]), "ratio": ratio, "spread": spread,
             "told": told, "taken": " ".join(f"{a}:{answers.count(a)}" for a in common)}
@@ -79,18 +79,18 @@ def mean_of(rows):
 
 
 def against_recordings(measured, vectors, labels):
-    classifier = judge.Classifier(vectors, labels)
+    classifier = comparison.Classifier(vectors, labels)
     rows = {}
     for label in (c for c in measured if c in set(labels)):
-        rows[label] = judged(classifier, vectors, label, measured[label][0])
-        rows[label]["left_out"] = judge.left_out_ratio(vectors, labels, label)
+        rows[label] = compared(classifier, vectors, label, measured[label][0])
+        rows[label]["left_out"] = comparison.left_out_ratio(vectors, labels, label)
     rows["mean"] = mean_of(rows)
     for label, sounds in controls().items():
-        rows[f"control: {label}"] = judged(classifier, vectors, label, measure(sounds)[0])
+        rows[f"control: {label}"] = compared(classifier, vectors, label, measure(sounds)[0])
     return rows
 
 
-def most_out(measured, vectors, labels):
+def largest_deviations(measured, vectors, labels):
     """Rows of the features in which our medians differ most from the recordings' over all materials
     at once: a fault of the model rather than of a recipe. In units of the recordings' spread."""
     within = Population(vectors, labels).within
@@ -141,12 +141,12 @@ def write_report(folder, tables, taken, measured, courses):
         sounds = [r.sound() for r in taken]
         vectors = measure(sounds)[0]
         labels, sources = (np.array([getattr(r, k) for r in taken]) for k in ("label", "source"))
-        recorded = Recorded(vectors, second_judge.cells(sounds), labels, sources)
+        recorded = Recorded(vectors, band_classifiers.cells(sounds), labels, sources)
         cells = {m: c.levels_db.reshape(len(c.levels_db), -1) for m, c in courses.items()}
         lines += ["", f"{len(taken)} recordings:", "",
                   *table(against_recordings(measured, vectors, labels), COLUMNS), "",
                   "Features most out over all materials, in units of the recordings' spread:", "",
-                  *table(most_out(measured, vectors, labels), {"mean": "mean", "rms": "rms"}), "",
+                  *table(largest_deviations(measured, vectors, labels), {"mean": "mean", "rms": "rms"}), "",
                   "Three judges, and collections that they have not heard:", "",
                   *validation_lines(recorded, {m: v for m, (v, _, _) in measured.items()}, cells)]
     else:
@@ -178,9 +178,9 @@ def played(arguments, label):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    way = parser.add_mutually_exclusive_group(required=True)
-    way.add_argument("--render")
-    way.add_argument("--pd", help="folder of the library")
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("--render")
+    source.add_argument("--pd", help="folder of the library")
     parser.add_argument("--recipes", type=Path, default=ROOT / "data" / "surfaces")
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--out", type=Path, default=Path("."))

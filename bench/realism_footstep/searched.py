@@ -6,7 +6,7 @@ its own it is the recipe's number when the fit begins. What the table does not n
 what a recipe does not have is not searched: numbers that the search may change have to be written down.
 
 To search another number, add a row. The level of [solid] is not searched: the others are set against it.
-Medians and deviations are judged, not measured: wide enough for the shoes, boards and soils one meets."""
+Medians and deviations are estimated by ear, not measured: wide enough for the shoes, boards and soils one meets."""
 from collections import namedtuple
 
 import numpy as np

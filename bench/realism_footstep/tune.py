@@ -29,7 +29,7 @@ from steps import render
 warnings.filterwarnings("ignore")
 REACH, POINTS_PER_NUMBER = 0.06, 2
 DAMPINGS = (2.0, 6.0, 18.0)
-# A candidate for the file is judged by so many times the steps of a search point, from another seed.
+# A candidate for the file is evaluated on so many times the steps of a search point, from another seed.
 CONFIRM, CONFIRM_SEED = 2, 1
 APPROACH_SHARE = 0.9  # of the time
 # Rendered at 22.05 kHz, cells of time and band lie within 1.6 dB rms of rendering at 44.1 kHz, but for
@@ -82,7 +82,7 @@ class Fit:
                                   self.recipe.beyond_prior(point))
 
     def confirm(self, point, name):
-        """Judges a candidate by many steps; keeps and writes it when it is better."""
+        """Evaluates a candidate on many steps; keeps and writes it when it is better."""
         cost, costs = self.cost(point, CONFIRM * self.arguments.steps, CONFIRM_SEED)
         better = cost < self.best
         if better:

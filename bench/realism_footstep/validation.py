@@ -1,20 +1,20 @@
-"""Who judges whom: recordings are split by collection, and no judge hears the collection it judges.
+"""Cross-validation: recordings are split by collection; no classifier is tested on its own collection.
 
-Three judges (judge.py's features; second_judge.py's two) name recordings and steps. A recording is named
+Three classifiers (comparison.py's features; band_classifiers.py's two) name recordings and steps. A recording is named
 with itself left out, and with its whole collection left out; steps are named by all recordings, and by
 each collection alone. Sounds of one collection have microphone, room and shoe in common: naming a sound
 with its own collection at hand says little of the next collection's. So the confidence of a figure is
-the range over judges that each heard one collection only."""
+the range over classifiers trained on one collection each."""
 from dataclasses import dataclass
 
 import numpy as np
 
-import judge
-import second_judge
+import comparison
+import band_classifiers
 
 
 def by_features(train, labels, sounds):
-    return judge.Classifier(train, labels).ranked(sounds)
+    return comparison.Classifier(train, labels).ranked(sounds)
 
 
 @dataclass
@@ -29,8 +29,8 @@ class Recorded:
         return self.features if name == "features" else self.cells
 
 
-def all_judges():
-    return {"features": by_features, **second_judge.judges()}
+def all_classifiers():
+    return {"features": by_features, **band_classifiers.classifiers()}
 
 
 def left_out(rank, vectors, labels, groups):
@@ -52,7 +52,7 @@ def shares(ranked, labels):
     if not kept:
         return np.nan, np.nan, 0
     ranked, labels = zip(*kept)
-    return (*(np.mean(list(judge.hits(ranked, labels, k).values())) for k in (1, 3)), len(kept))
+    return (*(np.mean(list(comparison.hits(ranked, labels, k).values())) for k in (1, 3)), len(kept))
 
 
 def percent(pair):
@@ -60,14 +60,14 @@ def percent(pair):
 
 
 def named(rank, train, labels, made):
-    """Rankings and labels of steps made as {label: vectors}, of labels that the judge knows."""
+    """Rankings and labels of steps made as {label: vectors}, of labels that the classifier knows."""
     known = [c for c in made if c in set(labels)]
     ranked = [r for c in known for r in rank(train, labels, made[c])]
     return ranked, [c for c in known for _ in range(len(made[c]))]
 
 
 def lines(recorded, made_features, made_cells):
-    """Lines of two tables: judges, and grounds. made_*: {label: (steps, figures)}."""
+    """Lines of two tables: classifiers, and surface materials. made_*: {label: (steps, figures)}."""
     labels, collections = recorded.labels, recorded.collections
     several = sorted(c for c in set(labels) if len(set(collections[labels == c])) > 1)
     names = sorted(set(collections))
@@ -76,7 +76,7 @@ def lines(recorded, made_features, made_cells):
              *(f"by {name} alone" for name in names)]
     out = ["| judge, first / among three, % | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
     grounds = {}
-    for name, rank in all_judges().items():
+    for name, rank in all_classifiers().items():
         vectors = recorded.heard_by(name)
         made = made_features if name == "features" else made_cells
         common = {c: made[c] for c in several if c in made}
@@ -95,9 +95,9 @@ def lines(recorded, made_features, made_cells):
             taken = sorted(sorted(set(answers)), key=lambda a: -answers.count(a))[:2]
             grounds.setdefault(label, []).append(
                 f"{percent(shares(own, [label] * len(own)))} ({' '.join(taken)})")
-    out += ["", "| material, first / among three, % (taken for) | " + " | ".join(all_judges()) + " |",
-            "|---" * (len(all_judges()) + 1) + "|"]
+    out += ["", "| material, first / among three, % (taken for) | " + " | ".join(all_classifiers()) + " |",
+            "|---" * (len(all_classifiers()) + 1) + "|"]
     out += [f"| {label} | " + " | ".join(row) + " |" for label, row in grounds.items()]
-    if len(all_judges()) < 3:
+    if len(all_classifiers()) < 3:
         out += ["", "No forest: install Debian's python3-sklearn."]
     return out

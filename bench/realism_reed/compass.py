@@ -41,11 +41,11 @@ class Compass:
     def __init__(self, program: Path, preset: str, keys: list[int], pressures: tuple,
                  options: dict, brief: bool = False):
         self.keys, self.pressures = keys, pressures
-        wishes, self.place = [], {}
+        requests, self.index = [], {}
 
-        def ask(name, key, level, wish):
-            self.place[name, key, level] = len(wishes)
-            wishes.append(wish)
+        def ask(name, key, level, request):
+            self.index[name, key, level] = len(requests)
+            requests.append(request)
 
         for key in keys:
             for level, pressure in enumerate(pressures):
@@ -57,10 +57,10 @@ class Compass:
             ask("swell", key, 0, swell(preset, key, pressures[0], pressures[-1], options=options))
             if not brief:
                 ask("slow", key, 0, slow(preset, key, pressures[1], options=options))
-        self.heard = hear(program, wishes)
+        self.heard = hear(program, requests)
 
     def of(self, name, key, level=0) -> Heard:
-        return self.heard[self.place[name, key, level]]
+        return self.heard[self.index[name, key, level]]
 
     def tuning_rows(self, preset: str) -> list[str]:
         rows = []

@@ -14,7 +14,7 @@ RAMP_S = 0.02  # of the breath
 
 
 @dataclass
-class Wish:
+class Request:
     """One note: breath as points (s, Pa), measured between two times."""
     preset: str
     key: float
@@ -50,42 +50,42 @@ class Heard:
     harmonics: np.ndarray
 
 
-def hear(program: Path, wishes: list[Wish], workers: int = 2) -> list[Heard]:
-    def run(part: list[Wish]) -> list[str]:
+def hear(program: Path, requests: list[Request], workers: int = 2) -> list[Heard]:
+    def run(part: list[Request]) -> list[str]:
         done = subprocess.run([program], input="\n".join(w.line() for w in part), text=True,
                               check=True, capture_output=True)
         return done.stdout.splitlines()
 
-    parts = [wishes[i::workers] for i in range(workers)]
+    parts = [requests[i::workers] for i in range(workers)]
     with ThreadPoolExecutor(workers) as pool:
         lines = list(pool.map(run, parts))
     heard = []
-    for i, wish in enumerate(wishes):
+    for i, request in enumerate(requests):
         v = [float(x) for x in lines[i % workers][i // workers].split()]
-        swell = v[11:14] if wish.swell else (-300.0, 0.0, 0)
+        swell = v[11:14] if request.swell else (-300.0, 0.0, 0)
         heard.append(Heard(*v[:7], v[7] > 0.5, *v[8:11], *swell, np.array(v[-10:])))
     return heard
 
 
-def held(preset: str, key: float, pressure: float, seconds: float = 1.2, **rest) -> Wish:
-    return Wish(preset, key, ((0, 0), (RAMP_S, pressure), (seconds, pressure)), **rest)
+def held(preset: str, key: float, pressure: float, seconds: float = 1.2, **rest) -> Request:
+    return Request(preset, key, ((0, 0), (RAMP_S, pressure), (seconds, pressure)), **rest)
 
 
-def short(preset: str, key: float, pressure: float, seconds: float, **rest) -> Wish:
+def short(preset: str, key: float, pressure: float, seconds: float, **rest) -> Request:
     """Breath that rises over 20 ms and ends `seconds` after its beginning, over 10 ms."""
-    return Wish(preset, key, ((0, 0), (RAMP_S, pressure), (seconds - 0.01, pressure), (seconds, 0),
+    return Request(preset, key, ((0, 0), (RAMP_S, pressure), (seconds - 0.01, pressure), (seconds, 0),
                               (0.5, 0)), (0.1, 0.5), **rest)
 
 
-def swell(preset: str, key: float, soft: float, loud: float, **rest) -> Wish:
+def swell(preset: str, key: float, soft: float, loud: float, **rest) -> Request:
     """From soft to loud in 2 s and back."""
-    return Wish(preset, key, ((0, 0), (RAMP_S, soft), (0.3, soft), (2.3, loud), (4.3, soft)),
+    return Request(preset, key, ((0, 0), (RAMP_S, soft), (0.3, soft), (2.3, loud), (4.3, soft)),
                 (2.0, 2.6), True, **rest)
 
 
-def slow(preset: str, key: float, pressure: float, **rest) -> Wish:
+def slow(preset: str, key: float, pressure: float, **rest) -> Request:
     """2 s from nothing to the pressure, which then stays."""
-    return Wish(preset, key, ((0, 0), (2, pressure), (4, pressure)), (3.2, 4), **rest)
+    return Request(preset, key, ((0, 0), (2, pressure), (4, pressure)), (3.2, 4), **rest)
 
 
 def cores() -> int:

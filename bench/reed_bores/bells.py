@@ -47,9 +47,9 @@ class Bell:
         """Straight walls between corners, the closer the wider the horn opens."""
         ratio = (self.mouth / self.bore) ** (1 / self.exponent)
         end = self.length / (ratio - 1)
-        places = self.length + end - end * ratio ** np.linspace(1, 0, corners)
-        places[0], places[-1] = 0.0, self.length
-        return Beyond([(float(x), float(self.radius(x))) for x in places])
+        positions = self.length + end - end * ratio ** np.linspace(1, 0, corners)
+        positions[0], positions[-1] = 0.0, self.length
+        return Beyond([(float(x), float(self.radius(x))) for x in positions])
 
 
 BELLS = {

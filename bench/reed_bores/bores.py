@@ -49,7 +49,7 @@ class Woodwind:
     apex: float            # from the apex to the reed's end; 0: cylinder
     cutoff: float          # of the lattice, Hz; at its lowest hole where it rises
     chimney: float
-    bell: list[tuple[float, float]]  # (distance from the last hole's place, radius over the bore's)
+    bell: list[tuple[float, float]]  # (distance from the last hole, radius over the bore's)
     cutoff_rise: float = 0.0  # power of the note by which the cut-off rises up the bore,
     cutoff_top: int = 127     # up to this key's hole
     vent: Hole | None = None  # the register vent, from the reed's end
@@ -58,13 +58,13 @@ class Woodwind:
         """Of the tube from the reed's end (of a cone: from its apex) for a note."""
         return SOUND_SPEED / ((2 if self.apex > 0 else 4) * key_frequency(key))
 
-    def place(self, key: float) -> float:
+    def position(self, key: float) -> float:
         """Where the note's first open hole is: an end correction of 2 cm before that."""
         return self.acoustic_length(key) - 0.02
 
-    def radius(self, place: float) -> float:
-        """Of the bore at a place."""
-        return self.input_radius * (place / self.apex if self.apex > 0 else 1)
+    def radius(self, position: float) -> float:
+        """Of the bore at a position."""
+        return self.input_radius * (position / self.apex if self.apex > 0 else 1)
 
     def cutoff_at(self, key: int) -> float:
         """Of the lattice about the hole that a note opens first."""
@@ -72,28 +72,28 @@ class Woodwind:
         return self.cutoff * 2 ** (self.cutoff_rise * octaves)
 
     def hole(self, key: int) -> tuple[float, float]:
-        """Place and radius of the hole that the note opens first."""
-        place = self.place(key)
-        spacing = self.place(key - 1) - place
-        bore = self.radius(place)
+        """Position and radius of the hole that the note opens first."""
+        position = self.position(key)
+        spacing = self.position(key - 1) - position
+        bore = self.radius(position)
         ratio = 0.5
         for _ in range(50):
             thickness = self.chimney + 1.5 * ratio * bore
             ratio = self.cutoff_at(key) / (0.11 * SOUND_SPEED) * np.sqrt(spacing / 2 * thickness)
-        return place, min(ratio, 0.9) * bore
+        return position, min(ratio, 0.9) * bore
 
     def beyond(self, key: int) -> Beyond:
         """What a note's wave meets where its first open hole is; the lowest note's meets the bell."""
         lowest = self.keys[0]
-        start, end = self.place(max(key, lowest)), self.place(lowest)
+        start, end = self.position(max(key, lowest)), self.position(lowest)
         corners = [(0.0, self.radius(start))]
         for distance, ratio in self.bell:
-            place = end + distance
-            corners.append((place - start, self.radius(end) * ratio))
+            position = end + distance
+            corners.append((position - start, self.radius(end) * ratio))
         if corners[1][0] <= 0:
             corners.pop(0)
-        holes = [Hole(place - start, radius, self.chimney)
-                 for place, radius in (self.hole(k) for k in range(key, lowest, -1))]
+        holes = [Hole(position - start, radius, self.chimney)
+                 for position, radius in (self.hole(k) for k in range(key, lowest, -1))]
         return Beyond(corners, holes, start if self.apex > 0 else 0.0)
 
     def fingered(self, closed: list[float]) -> tuple[int, Beyond]:

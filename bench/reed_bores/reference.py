@@ -125,12 +125,12 @@ def bore_mesh(name, beyond, length, vented=False):
     else:
         here = mesh.tube(at, length, along)
     xs, rs = np.array(beyond.corners).T
-    place = 0.0
+    position = 0.0
     stops = sorted({x for x in xs if x > 0} | {h.distance for h in beyond.holes})
     for stop in stops:
-        if stop > place:
-            here = mesh.tube(here, stop - place, lambda x, o=place: np.interp(o + x, xs, rs))
-            place = stop
+        if stop > position:
+            here = mesh.tube(here, stop - position, lambda x, o=position: np.interp(o + x, xs, rs))
+            position = stop
         for hole in (h for h in beyond.holes if h.distance == stop):
             b, a, t = hole.radius, float(np.interp(stop, xs, rs)), hole.height
             ratio = b / a
@@ -152,7 +152,7 @@ def bore_mesh(name, beyond, length, vented=False):
 def line_length(name, key):
     """Of the line in the test, m."""
     wind = WOODWINDS[name]
-    return wind.place(key) - wind.apex
+    return wind.position(key) - wind.apex
 
 
 def peaks_of(name, key, beyond=None, vented=False):

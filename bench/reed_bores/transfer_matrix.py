@@ -54,10 +54,10 @@ def respond(beyond: Beyond, frequency):
     end, radius = beyond.corners[-1]
     # From the far end back to the plane, kept for the way out.
     parts = []
-    places = {0.0, end} | {d for d, _ in beyond.corners if 0 < d < end}
-    places |= {h.distance for h in beyond.holes if 0 <= h.distance < end}
-    places = sorted(places)
-    for left, right in zip(places[:-1], places[1:]):
+    positions = {0.0, end} | {d for d, _ in beyond.corners if 0 < d < end}
+    positions |= {h.distance for h in beyond.holes if 0 <= h.distance < end}
+    positions = sorted(positions)
+    for left, right in zip(positions[:-1], positions[1:]):
         for hole in beyond.holes:
             if hole.distance == left:
                 parts.append(hole)
@@ -94,9 +94,9 @@ def respond(beyond: Beyond, frequency):
     k = np.abs(s) / SOUND_SPEED
     total = 0.0
     sized = []
-    for place, flow, load in flows:
+    for position, flow, load in flows:
         size = np.sqrt(np.maximum(load.real, 0) * DENSITY * SOUND_SPEED / (4 * np.pi))
-        sized.append((place, flow / p * pressure * size))
+        sized.append((position, flow / p * pressure * size))
     for i, (x, one) in enumerate(sized):
         for y, other in sized[i:]:
             share = np.sinc(k * abs(x - y) / np.pi) * (1 if x == y else 2)

@@ -16,7 +16,7 @@ TAPS = [(25, 0, 0.5), (0, 0, 0.5), (46, 60, 0.5), (12, 180, 0.8), (38, 240, 0.3)
         (44, 300, 0.8), (25, 0, 0.25), (5, 90, 1.2)]
 
 
-def least_jerk(begin, end, ms):
+def minimum_jerk(begin, end, ms):
     u = numpy.arange(0, ms, 4)[:, None] / ms
     return begin + (end - begin) * (10 * u ** 3 - 15 * u ** 4 + 6 * u ** 5)
 
@@ -31,7 +31,7 @@ def main():
         above, below = numpy.array([*aim, HIGH]), numpy.array([*aim, DEEP])
         stroke = 1.875 * (HIGH - DEEP) / speed  # ms, since mm/ms = m/s
         for end, ms in ((above, 260), (below, stroke), (below, 40), (above, 1.3 * stroke), (above, 120)):
-            path.append(least_jerk(here, end, max(4, round(ms / 4) * 4)))
+            path.append(minimum_jerk(here, end, max(4, round(ms / 4) * 4)))
             here = end
     rows = numpy.concatenate([*path, here[None]])
     text = "# ms x y z by write_taps.py in mm\n" + "".join(

@@ -17,7 +17,7 @@ PATHS = {"cantilever": [((0, 3), 900, 500), ((0, -3), 1400, 500), ((0, 5), 1600,
                       ((0, 14), 1500, 800), ((0, 0), 1200, 400)]}
 
 
-def least_jerk(begin, end, ms):
+def minimum_jerk(begin, end, ms):
     u = numpy.arange(0, ms, STEP_MS)[:, None] / ms
     return begin + (end - begin) * (10 * u ** 3 - 15 * u ** 4 + 6 * u ** 5)
 
@@ -29,7 +29,7 @@ def main():
         path = [numpy.repeat(here[None], 200 // STEP_MS, axis=0)]
         for corner, ms, rest_ms in corners:
             aim = numpy.array(corner) + draw.normal(0, 0.2, 2)
-            path += [least_jerk(here, aim, ms), numpy.repeat(aim[None], rest_ms // STEP_MS, axis=0)]
+            path += [minimum_jerk(here, aim, ms), numpy.repeat(aim[None], rest_ms // STEP_MS, axis=0)]
             here = aim
         text = "# ms x y z by write_paths.py in mm\n" + "".join(
             f"{STEP_MS * i} {x:.3f} {y:.3f} 0\n" for i, (x, y) in enumerate(numpy.concatenate(path)))

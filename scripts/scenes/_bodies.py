@@ -49,7 +49,7 @@ def ball(radius=BALL["radius"], E=BALL["E"], nu=BALL["nu"], density=BALL["densit
     return f"striker {4 / 3 * numpy.pi * radius ** 3 * density:.9g} {radius:g} {E:g} {nu:g}"
 
 
-def strike(path, blows, seconds, settings=(), gain=0.1, rate=RATE, flags=()):
+def strike(path, strikes, seconds, settings=(), gain=0.1, rate=RATE, flags=()):
     """Render of [modal_impact~] playing the table: "left", "right" in Pa times gain and "contact"
     in N. blows is [(s, message or messages)], such as (0.1, "hit 25 0 6 1.4"); settings are
     messages at time 0."""
@@ -61,7 +61,7 @@ def strike(path, blows, seconds, settings=(), gain=0.1, rate=RATE, flags=()):
             patch.record(name, body[index])
         for message in settings:
             patch.at(0, body, message)
-        for time, messages in blows:
+        for time, messages in strikes:
             for message in [messages] if isinstance(messages, str) else messages:
                 patch.at(1000 * time, body, message)
         return patch.render(seconds, rate, path=[folder], timeout=300)

@@ -36,7 +36,7 @@ def players():
     return found
 
 
-def blow(preset, gesture, gain, rate=RATE):
+def play(preset, gesture, gain, rate=RATE):
     """The voice's sound, from one [greed~]."""
     count = int(gesture.seconds * rate)
     t = numpy.arange(count) / rate
@@ -58,7 +58,7 @@ def blow(preset, gesture, gain, rate=RATE):
 
 def lost(sound, notes):
     """The pitches that were missed: out of tune, or another register."""
-    return {n.pitch for n, j in zip(notes, listening.judge(sound, RATE, notes, score.frequency))
+    return {n.pitch for n, j in zip(notes, listening.measure_notes(sound, RATE, notes, score.frequency))
             if not abs(j["cents"]) < 9 or j["fundamental_db"] < -30}
 
 
@@ -71,7 +71,7 @@ def rehearse(preset, notes, technique, gain, seed):
             technique = dataclasses.replace(technique, level_db={
                 **best[3].level_db, **{p: best[3].level_db.get(p, 0) + change for p in best[0]}})
         gesture = gestures.play(notes, technique, seed, tail=0.6)
-        sound = blow(preset, gesture, gain)
+        sound = play(preset, gesture, gain)
         missed = lost(sound, gesture.notes)
         if best is None or len(missed) < len(best[0]):
             best = missed, gesture, sound, technique

@@ -247,7 +247,7 @@ TRIED = {"mean, range within 0.25 % of the value at hand": Setup("-weights volum
 
 
 def main():
-    """Prints every setup on the judged seeds, for several just noticeable differences; some minutes."""
+    """Prints every setup on the seeds of the evaluation, for several just noticeable differences; some minutes."""
     from _design import Part
     part = Part("lift_arm", 18)
     shapes = Shapes(part)

@@ -1,4 +1,4 @@
-"""The AudioHaptics disk: what the paper measured, the supports tried, and the blow."""
+"""The AudioHaptics disk: what the paper measured, the supports tried, and the impact."""
 import _bodies
 import numpy
 from _bodies import RATE
@@ -49,7 +49,7 @@ def tables(progress=lambda text: None):
 
 
 def drop(path, seconds=3.0, flags=()):
-    """(pressure in Pa at the microphone, contact force in N) of the ball's first blow."""
+    """(pressure in Pa at the microphone, contact force in N) of the ball's first impact."""
     render = _bodies.strike(path, [(0.05, HIT)], seconds, [_bodies.ball(), *LISTENERS], gain=1,
                             flags=flags)
     return render["left"], render["contact"]
@@ -59,12 +59,12 @@ def bounce(path, seconds=4.0):
     """The same with the ball's further blows: each leaves with what the contact gives back."""
     _, contact = drop(path, 0.2)
     back = contact.sum() / RATE / MOMENTUM - 1
-    blows, time, speed = [], 0.05, _bodies.DROP_SPEED
+    strikes, time, speed = [], 0.05, _bodies.DROP_SPEED
     while time < seconds and speed > 0.02:
-        blows.append((time, f"hit 25 0 {TOP} {speed:.5g}"))
+        strikes.append((time, f"hit 25 0 {TOP} {speed:.5g}"))
         speed *= back
         time += 2 * speed / 9.81
-    return _bodies.strike(path, blows, seconds, [_bodies.ball(), *LISTENERS], gain=1)["left"]
+    return _bodies.strike(path, strikes, seconds, [_bodies.ball(), *LISTENERS], gain=1)["left"]
 
 
 def peak_near(sound, frequency_hz, within=0.1):

@@ -1,4 +1,4 @@
-"""Solid or hollow? Blows on two disks that look alike, and a judge that only hears them."""
+"""Solid or hollow? Two disks that look alike are struck, and a classifier that has only the sound tells them apart."""
 import _bodies
 import numpy
 from _bodies import RATE
@@ -7,8 +7,8 @@ DISKS = {"solid": ("disk", "--diameter", 100, "--thickness", 25, "--material", "
          "hollow": ("hollow_disk", "--diameter", 100, "--thickness", 25, "--cavity-diameter", 80,
                     "--cavity-thickness", 13, "--material", "aluminium", "--h", 9)}
 TOP = 12.5       # mm, height of the struck face
-HEARD_S = 0.4    # s of each blow that the judge hears
-NOISE_DB = -30   # white noise of the microphone against the blow's rms
+HEARD_S = 0.4    # s of each strike that the classifier hears
+NOISE_DB = -30   # white noise of the microphone relative to the strike's rms
 FEATURES = ("centroid, octaves", "loudest peak, octaves", "lowest peak, octaves",
             "spread about the centroid, octaves")
 
@@ -17,8 +17,8 @@ def table(name):
     return _bodies.table(*DISKS[name])
 
 
-def blows(count, radii_mm, speeds, distances_mm, generator):
-    """[(x, y, v, listener)] drawn at random: area-uniform places between two radii on the face,
+def draw_strikes(count, radii_mm, speeds, distances_mm, generator):
+    """[(x, y, v, listener)] drawn at random: area-uniform points between two radii on the face,
     speeds uniform in logarithm, listeners in the half space before the face."""
     drawn = []
     for _ in range(count):
@@ -27,17 +27,17 @@ def blows(count, radii_mm, speeds, distances_mm, generator):
         v = numpy.exp(generator.uniform(*numpy.log(speeds)))
         direction = generator.standard_normal(3)
         direction[2] = abs(direction[2])
-        place = generator.uniform(*distances_mm) * direction / numpy.linalg.norm(direction)
-        drawn.append((r * numpy.cos(a), r * numpy.sin(a), v, place + [0, 0, TOP]))
+        listener = generator.uniform(*distances_mm) * direction / numpy.linalg.norm(direction)
+        drawn.append((r * numpy.cos(a), r * numpy.sin(a), v, listener + [0, 0, TOP]))
     return drawn
 
 
 def record(name, drawn, generator):
-    """The sound of each blow, brought to the same rms so that loudness says nothing, with noise."""
+    """The sound of each strike, brought to the same rms so that loudness says nothing, with noise."""
     step = HEARD_S + 0.1
     messages = []
-    for i, (x, y, v, place) in enumerate(drawn):
-        where = " ".join(f"{c:.6g}" for c in place)
+    for i, (x, y, v, listener) in enumerate(drawn):
+        where = " ".join(f"{c:.6g}" for c in listener)
         messages += [(i * step, ("reset", f"listener 1 {where}", f"listener 2 {where}")),
                      (i * step + 0.06, f"hit {x:.6g} {y:.6g} {TOP} {v:.6g}")]
     sound = _bodies.strike(table(name), messages, len(drawn) * step, [_bodies.ball()], gain=1)["left"]
@@ -51,7 +51,7 @@ def record(name, drawn, generator):
 
 
 def features(sound):
-    """What the judge takes from a sound, nothing else: FEATURES."""
+    """The features of a sound that the classifier uses: FEATURES."""
     power = abs(numpy.fft.rfft(sound * numpy.hanning(len(sound)))) ** 2
     f = numpy.fft.rfftfreq(len(sound), 1 / RATE)
     audible = (f > 1000) & (f < 18000)
@@ -65,7 +65,7 @@ def features(sound):
                         0.5 * numpy.log2(spread + 100.0 ** 2)])
 
 
-class Judge:
+class Discriminant:
     """Fisher's linear discriminant between two sets of features, threshold half way."""
 
     def __init__(self, solid, hollow):
@@ -83,34 +83,34 @@ class Judge:
         return float(numpy.concatenate([self.hears_solid(solid), ~self.hears_solid(hollow)]).mean())
 
 
-# Learnt from one half of the world, tried on the other: no place, strength or distance is shared.
+# Learnt from one half of the world, tried on the other: no position, strength or distance is shared.
 LEARNT = {"radii_mm": (5, 30), "speeds": (0.3, 1.2), "distances_mm": (80, 250)}
 TRIED = {"radii_mm": (30, 46), "speeds": (1.2, 3.0), "distances_mm": (250, 600)}
 
 
 def experiment(count=120, seed=1):
     """A dictionary of results: heard and features by disk for both halves, part right in both
-    directions, by single features, and for a judge taught with wrong names."""
+    directions, by single features, and for a discriminant trained on shuffled labels."""
     generator = numpy.random.default_rng(seed)
-    heard = {(half, name): record(name, blows(count, **world, generator=generator), generator)
+    heard = {(half, name): record(name, draw_strikes(count, **world, generator=generator), generator)
              for half, world in (("learnt", LEARNT), ("tried", TRIED)) for name in DISKS}
     seen = {key: numpy.array([features(s) for s in sounds]) for key, sounds in heard.items()}
     found = {"heard": heard, "features": seen}
 
-    def judge(taught, asked, columns=slice(None)):
+    def share_right(taught, asked, columns=slice(None)):
         learnt = [seen[taught, name][:, columns] for name in DISKS]
-        return Judge(*learnt).right(*(seen[asked, name][:, columns] for name in DISKS))
+        return Discriminant(*learnt).right(*(seen[asked, name][:, columns] for name in DISKS))
 
-    found["right"] = {"taught near and gently, asked far and hard": judge("learnt", "tried"),
-                      "taught far and hard, asked near and gently": judge("tried", "learnt")}
-    found["single"] = {FEATURES[k]: (judge("learnt", "tried", slice(k, k + 1)),
-                                     judge("tried", "learnt", slice(k, k + 1)))
+    found["right"] = {"taught near and gently, asked far and hard": share_right("learnt", "tried"),
+                      "taught far and hard, asked near and gently": share_right("tried", "learnt")}
+    found["single"] = {FEATURES[k]: (share_right("learnt", "tried", slice(k, k + 1)),
+                                     share_right("tried", "learnt", slice(k, k + 1)))
                        for k in range(len(FEATURES))}
     mixed = numpy.concatenate([seen["learnt", name] for name in DISKS])
     wrong = []
     for _ in range(50):
         order = generator.permutation(len(mixed))
-        wrong.append(Judge(mixed[order[:count]], mixed[order[count:]]).right(
+        wrong.append(Discriminant(mixed[order[:count]], mixed[order[count:]]).right(
             *(seen["tried", name] for name in DISKS)))
     found["shuffled"] = float(numpy.mean(wrong))
     return found

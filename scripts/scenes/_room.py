@@ -8,7 +8,7 @@ DAMPING_HZ = 3800                     # walls swallow what is above
 WET = 0.22
 
 
-def place(samples, rate, pan=0.0, wet=WET):
+def reverberate(samples, rate, pan=0.0, wet=WET):
     """Stereo (n + 2 s, 2): the samples from pan -1 (left) to 1, and the room around them."""
     patch = Patch()
     dry = patch.signal(numpy.concatenate([samples, numpy.zeros(2 * rate, numpy.float32)]))

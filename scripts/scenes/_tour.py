@@ -18,7 +18,7 @@ STRIKERS = {"steel ball": _bodies.ball(),
             "wooden ball": _bodies.ball(0.012, 1.1e10, 0.3, 700),
             "rubber ball": _bodies.ball(0.016, 2e7, 0.48, 1100),
             "hard rubber ball": _bodies.ball(0.012, 2e8, 0.48, 1200)}
-# name: (modal_fem's words, striker, speed in m/s, places). A place is -1 to 1 along each axis of the
+# name: (modal_fem's words, striker, speed in m/s, points). A point is -1 to 1 along each axis of the
 # box around the body; the vertex nearest to it is struck.
 BODIES = {
     "brass bowl": (("bowl", "--diameter", 160, "--thickness", 3, "--angle", 80, "--material", "brass",
@@ -46,7 +46,7 @@ BODIES = {
     "steel lever (STL)": (("LEVER", "--material", "steel", "--tolerance", 3), "steel ball", 1.0,
                           ((1, 0, 0), (-1, 0.5, 0), (0, 0, 1))),
 }
-TIMES = (0.05, 1.0, 1.95)  # s, of a body's three blows
+TIMES = (0.05, 1.0, 1.95)  # s, of a body's three strikes
 SECONDS = 4.0
 
 
@@ -75,31 +75,31 @@ def table(name):
     return _bodies.table(*(lever() if w == "LEVER" else w for w in words), *AIR, sheet=True)
 
 
-def vertices(path, places):
-    """The vertex nearest to each place in the body's box."""
+def vertices(path, points):
+    """The vertex nearest to each point of -1 to 1 in the body's box."""
     xyz = numpy.load(path)["xyz"].astype(float)
     low, high = xyz.min(0), xyz.max(0)
     return [int(((xyz - ((low + high) / 2 + numpy.array(p) * (high - low) / 2)) ** 2).sum(1).argmin())
-            for p in places]
+            for p in points]
 
 
-def ring(name, blows, seconds):
-    """Stereo in Pa of one body under blows [(s, index of the place, part of its speed)]."""
-    _, striker, speed, places = BODIES[name]
+def ring(name, strikes, seconds):
+    """Stereo in Pa of one body under strikes [(s, index of the point, part of its speed)]."""
+    _, striker, speed, points = BODIES[name]
     path = table(name)
-    struck = vertices(path, places)
-    render = _bodies.strike(path, [(t, f"hitv {struck[place]} {speed * part:.5g}")
-                                   for t, place, part in blows],
+    struck = vertices(path, points)
+    render = _bodies.strike(path, [(t, f"hitv {struck[point]} {speed * part:.5g}")
+                                   for t, point, part in strikes],
                             seconds, [STRIKERS[striker], "radiation body", *LISTENERS], gain=1)
     return numpy.stack([render["left"], render["right"]], axis=1)
 
 
 def visit(name):
-    """The three places of a body, one after the other."""
+    """The three points of a body, one after the other."""
     return ring(name, [(t, i, 1.0) for i, t in enumerate(TIMES)], SECONDS)
 
 
-# A piece of eight bars. Sixteenths of a bar: "1" to "3" names the place, capitals nothing, "." rests;
+# A piece of eight bars. Sixteenths of a bar: "1" to "3" names the point, capitals nothing, "." rests;
 # an accent on each quarter.
 STEP_S = 0.15
 PIECE = {
@@ -125,14 +125,14 @@ def perform():
     seconds = len(ORDER) * 16 * STEP_S + 4
     parts = {}
     for name, bars in PIECE.items():
-        blows = []
+        strikes = []
         for bar, which in enumerate(ORDER):
             for step, sign in enumerate(bars[which]):
                 if sign != ".":
                     when = 0.05 + (16 * bar + step) * STEP_S + 0.004 * generator.random()
                     force = (1.0 if step % 4 == 0 else 0.7) * (0.85 + 0.3 * generator.random())
-                    blows.append((when, int(sign) - 1, force))
-        sound = ring(name, blows, seconds)
+                    strikes.append((when, int(sign) - 1, force))
+        sound = ring(name, strikes, seconds)
         parts[name] = LEVEL[name] * sound / abs(sound).max()
     return parts
 

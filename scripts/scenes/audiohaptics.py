@@ -65,7 +65,7 @@ def draw_take(take):
     return figure
 
 
-def draw_places(take):
+def draw_positions(take):
     """The face with every hit as the screen shows it, and the levels of its modes beside."""
     figure, (face, levels) = plt.subplots(1, 2, figsize=(13, 5.6), constrained_layout=True,
                                           width_ratios=(1, 1.35))
@@ -122,7 +122,7 @@ def make(scene):
     scene.sound("taps_hand", 0.9 * takes["hand"]["sound"] / abs(takes["hand"]["sound"]).max(), RATE,
                 "the same by the loudspeaker on the hand")
     scene.picture("audiohaptics", draw_take(take), "hand, penetration, force and sound")
-    scene.picture("audiohaptics_places", draw_places(take),
+    scene.picture("audiohaptics_places", draw_positions(take),
                   "where the taps fell (rings grow with the root of the speed), and which modes they woke")
     scene.table(["s", "radius, mm", "speed, m/s", "force, N", "first partials, Hz (dB)",
                  "farthest from a mode of the table, Hz"], tap_rows(take), "the taps")

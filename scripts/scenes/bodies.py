@@ -25,7 +25,7 @@ PATCH = "build/tactus/modal_impact~-help.pd"
 def mono_room(parts):
     """The piece in a small room: each body keeps its two ears, the room hears their sum."""
     dry = sum(parts.values())
-    placed = _room.place(dry.sum(axis=1), RATE, wet=0.12)
+    placed = _room.reverberate(dry.sum(axis=1), RATE, wet=0.12)
     wet = placed - numpy.pad(dry.sum(axis=1), (0, len(placed) - len(dry)))[:, None] * 0.5 ** 0.5
     return numpy.pad(dry, ((0, len(placed) - len(dry)), (0, 0))) + wet
 

@@ -144,10 +144,10 @@ def draw_run(part, logs, rows):
     return figure
 
 
-def draw_search(part, ways):
-    """ways: name, colour, peaks along (runs, moves + 1), peaks of the last shapes solved anew, Pa."""
+def draw_search(part, searches):
+    """searches: name, colour, peaks along (runs, moves + 1), peaks of the last shapes solved anew, Pa."""
     figure, axes = plt.subplots(figsize=(10, 5.6), constrained_layout=True)
-    for name, colour, peaks, solved in ways:
+    for name, colour, peaks, solved in searches:
         axes.plot(peaks.T / 1e6, color=colour, linewidth=0.5, alpha=0.4)
         axes.plot(peaks.mean(0) / 1e6, color=colour, linewidth=2.4)
         end = peaks.shape[1] - 0.2
@@ -177,16 +177,16 @@ def search(scene, part, descent):
     scene.progress("design: the arm by descent, solved anew with derivatives at each move")
     peaks, last = descent.result()
     runs.append(("descent", "#4d8f4d", peaks, last, str(numpy.count_nonzero(numpy.diff(peaks[0])))))
-    ways, table = [], []
+    searches, table = [], []
     with part.solver() as solver:
         for name, colour, peaks, last, moves in runs:
             solved = numpy.array([solver.solve(part.spread @ x)[0].max() for x in last])
-            ways.append((name, colour, peaks, solved))
+            searches.append((name, colour, peaks, solved))
             volumes = [shapes.volume(x) / shapes.first_volume - 1 for x in last]
             table.append([name, len(last), moves, f"{solved.mean() / 1e6:.1f} ({solved.min() / 1e6:.1f}..{solved.max() / 1e6:.1f})",
                           f"{100 * (solved.mean() / part.stress.max() - 1):+.1f} %",
                           f"{(solved < part.stress.max()).sum()} of {len(solved)}", f"{numpy.abs(volumes).max():.0e}"])
-    scene.picture("design_search", draw_search(part, ways), "largest stress at equal volume. By feel and at random: by the "
+    scene.picture("design_search", draw_search(part, searches), "largest stress at equal volume. By feel and at random: by the "
                   "series; thin, each of 20 hands, thick, their mean. Descent: solved anew at every move. Dashes: the last "
                   "shapes, solved anew; dotted: the first shape")
     scene.table(["way", "runs", "moves made", "largest stress, MPa: mean (range)", "against the first shape",

@@ -32,20 +32,20 @@ def mix(parts):
     longest = max(len(sound) for sound, _ in parts)
     total = 0
     for sound, pan in parts:
-        total = total + _room.place(numpy.pad(sound, (0, longest - len(sound))), RATE, pan)
+        total = total + _room.reverberate(numpy.pad(sound, (0, longest - len(sound))), RATE, pan)
     return _room.full_scale(total)
 
 
 def in_numbers(voices):
     rows = []
     for preset, channel, _, _, gesture, sound in voices:
-        judged = listening.judge(sound, RATE, gesture.notes, score.frequency)
-        off = [[j["cents"] for j, n in zip(judged, gesture.notes) if n.duration >= least]
+        measured = listening.measure_notes(sound, RATE, gesture.notes, score.frequency)
+        off = [[j["cents"] for j, n in zip(measured, gesture.notes) if n.duration >= least]
                for least in (0.7, 0.3)]
-        speaks = [j["speaks_ms"] for j in judged if j["speaks_ms"] is not None]
-        lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30 for j in judged)
-        uneven = numpy.array([j["level_db"] - d for j, d in zip(judged, gesture.intended_db)])
-        rows.append([f"{preset} {channel % 2 + 1}", len(judged),
+        speaks = [j["speaks_ms"] for j in measured if j["speaks_ms"] is not None]
+        lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30 for j in measured)
+        uneven = numpy.array([j["level_db"] - d for j, d in zip(measured, gesture.intended_db)])
+        rows.append([f"{preset} {channel % 2 + 1}", len(measured),
                      *(f"{max(map(abs, o)):.1f}" for o in off),
                      f"{min(speaks):.0f} to {max(speaks):.0f}", lost,
                      f"{abs(uneven - numpy.median(uneven)).max():.1f}", f"{abs(sound).max():.2f}"])

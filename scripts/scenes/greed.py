@@ -33,7 +33,7 @@ def presets():
     return message["arguments"].split("|")
 
 
-def blow(preset, pressure):
+def play(preset, pressure):
     patch = Patch()
     reed = patch.signal(pressure) >> patch.obj("greed~", "-preset", preset)
     patch.record("sound", reed)
@@ -87,7 +87,7 @@ def make(scene):
     rows = []
     for preset in presets():
         pressure = breath(TOP_PRESSURE.get(preset, 4000))
-        result = blow(preset, pressure)
+        result = play(preset, pressure)
         sound = result["sound"]
         scene.progress(f"{preset}: {len(sound) / RATE:.1f} s of sound in {result.wall_seconds:.1f} s")
         loudest = int(abs(sound[: 3 * RATE]).argmax())

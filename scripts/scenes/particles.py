@@ -50,24 +50,24 @@ def piece(bars=8):
     """Left and right; each player enters a bar after the other."""
     seconds = bars * 4 * BEAT + 2
     patch = Patch()
-    places = {}
-    for number, (preset, (gain, place, shakes)) in enumerate(PIECE.items()):
+    pans = {}
+    for number, (preset, (gain, pan, shakes)) in enumerate(PIECE.items()):
         box = patch.obj("particle~", preset, "-gain", gain, "-seed", number + 1)
         for bar in range(number, bars):
             for beat, energy in shakes:
                 patch.at(1000 * BEAT * (4 * bar + beat), box, f"shake {energy}")
         patch.record(preset, box[0])
-        places[preset] = place
+        pans[preset] = pan
     t = numpy.arange(int(seconds * RATE)) / RATE
     swell = numpy.sin(numpy.pi * t / seconds) ** 2
-    for number, (preset, power, place) in enumerate((("rain", 0.7, -0.8), ("rain", 0.7, 0.8), ("bubbles", 1.5, 0))):
+    for number, (preset, power, pan) in enumerate((("rain", 0.7, -0.8), ("rain", 0.7, 0.8), ("bubbles", 1.5, 0))):
         box = patch.signal(power * swell) >> patch.obj("particle~", preset, "-gain", 0.5, "-seed", 20 + number)
         patch.record(f"bed{number}", box[0])
-        places[f"bed{number}"] = place
+        pans[f"bed{number}"] = pan
     render = patch.render(seconds, RATE, timeout=300)
     stereo = numpy.zeros((len(t), 2))
-    for name, place in places.items():
-        angle = (place + 1) * numpy.pi / 4
+    for name, pan in pans.items():
+        angle = (pan + 1) * numpy.pi / 4
         stereo += numpy.outer(render[name][:len(t)], (numpy.cos(angle), numpy.sin(angle)))
     return stereo / max(1, abs(stereo).max() / 0.9)
 

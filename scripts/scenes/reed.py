@@ -136,20 +136,20 @@ def draw_plane(gesture, result):
     return figure
 
 
-def summary(gesture, sound, judged):
-    sustained = [j for j in judged if j["sustained"]]
+def summary(gesture, sound, measured):
+    sustained = [j for j in measured if j["sustained"]]
     off = numpy.array([j["cents"] for j in sustained])
-    uneven = numpy.array([j["level_db"] - d for j, d in zip(judged, gesture.intended_db)
+    uneven = numpy.array([j["level_db"] - d for j, d in zip(measured, gesture.intended_db)
                           if j["sustained"]])
     uneven -= numpy.median(uneven)
-    speaks = numpy.array([j["speaks_ms"] for j in judged if j["speaks_ms"] is not None])
+    speaks = numpy.array([j["speaks_ms"] for j in measured if j["speaks_ms"] is not None])
     levels = [j["level_db"] for j in sustained]
     times, track = listening.track(sound, RATE, gesture.notes, score.frequency)
     firsts = [track[i] for i in numpy.searchsorted(times, [n.onset for n in gesture.notes])]
     firsts = numpy.array([c for c in firsts if c == c])
     lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30
-               or j["level_db"] < numpy.median(levels) - 20 for j in judged)
-    return [["sustained notes (0.3 s or more)", f"{len(sustained)} of {len(judged)}"],
+               or j["level_db"] < numpy.median(levels) - 20 for j in measured)
+    return [["sustained notes (0.3 s or more)", f"{len(sustained)} of {len(measured)}"],
             ["furthest from the score", f"{abs(off).max():.1f} cents"],
             ["rms of all sustained notes", f"{numpy.sqrt((off ** 2).mean()):.1f} cents"],
             ["rms of all notes' beginnings (0.03 to 0.11 s), furthest",
@@ -162,9 +162,9 @@ def summary(gesture, sound, judged):
             ["peak of [greed~]'s sound (linear to 0.5)", f"{abs(sound).max():.2f}"]]
 
 
-def note_table(gesture, judged):
+def note_table(gesture, measured):
     rows = []
-    for note, j, asked in zip(gesture.notes, judged, gesture.intended_db):
+    for note, j, asked in zip(gesture.notes, measured, gesture.intended_db):
         rows.append([f"{note.onset:.2f}", score.name(note.pitch), f"{note.duration:.2f}",
                      "slurred" if note.slurred else "breath" if note.first else "tongue",
                      f"{j['hz']:.1f}", f"{j['cents']:+.1f}", f"{j['level_db']:.1f}", f"{asked:+.1f}",
@@ -177,9 +177,9 @@ def make(scene):
     result = _reed_patch.render(gesture)
     sound = result["sound"]
     scene.progress(f"{gesture.seconds:.0f} s of the patch in {result.wall_seconds:.1f} s")
-    judged = listening.judge(sound, RATE, gesture.notes, score.frequency)
+    measured = listening.measure_notes(sound, RATE, gesture.notes, score.frequency)
     scene.sound("adagio", _room.full_scale(sound), RATE, "dry, as the patch gives it but for the level; measured below")
-    scene.sound("adagio_room", _room.full_scale(_room.place(sound, RATE)), RATE, "in a small room")
+    scene.sound("adagio_room", _room.full_scale(_room.reverberate(sound, RATE)), RATE, "in a small room")
     figure, axes = plt.subplots(figsize=(12, 4))
     spectrogram(axes, sound, RATE)
     scene.picture("spectrogram", figure, "spectrogram of the dry sound")
@@ -187,14 +187,14 @@ def make(scene):
     scene.picture("gesture", draw_gesture(gesture, result),
                   "what was asked, played, felt: all as the patch had it")
     scene.picture("plane", draw_plane(gesture, result), "where the hand was, over where a note plays")
-    scene.table(["", ""], summary(gesture, sound, judged), "the performance in numbers")
+    scene.table(["", ""], summary(gesture, sound, measured), "the performance in numbers")
     scene.table(["s", "note", "length", "begins", "Hz", "cents", "dB", "asked dB", "speaks ms"],
-                note_table(gesture, judged), "every note; speaks: from the onset to half its level")
+                note_table(gesture, measured), "every note; speaks: from the onset to half its level")
     felt = _reed_patch.render(gesture, SPRING)
     during = numpy.concatenate([numpy.arange(*(int(x * RATE) for x in listening.steady(n)))
                                 for n in gesture.notes if n.duration >= 0.3])
     away = [100 * numpy.percentile(abs(felt[k] - result[k])[during], 99) for k in ("reed-y", "reed-z")]
-    springy = listening.judge(felt["sound"], RATE, gesture.notes, score.frequency)
+    springy = listening.measure_notes(felt["sound"], RATE, gesture.notes, score.frequency)
     off = [abs(j["cents"]) for j in springy if j["sustained"]]
     scene.heading("The same intention with a hand that gives way")
     scene.sound("adagio_spring", _room.full_scale(felt["sound"]), RATE,

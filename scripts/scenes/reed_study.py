@@ -51,32 +51,32 @@ def draw_traces(axes, preset, trace, title):
 
 
 def draw_bars(axes, rows, preset, hand):
-    labels, place = [], 0
+    labels, row = [], 0
     for feel, name in study.NAMES.items():
         for ceiling in (0,) if feel == "off" else (1, 2):
             value, low, high = study.interval(100 - 100 * study.column(
                 rows, "playing", preset=preset, hand=hand, feel=feel, ceiling=ceiling))
-            axes.barh(place, value, color=COLOURS[feel], alpha=0.6 if ceiling == 1 else 1)
-            axes.plot([low, high], [place, place], color="black", linewidth=1.5)
+            axes.barh(row, value, color=COLOURS[feel], alpha=0.6 if ceiling == 1 else 1)
+            axes.plot([low, high], [row, row], color="black", linewidth=1.5)
             if feel == "off":
                 axes.axvline(value / 2, color="black", linestyle=":", linewidth=1)
             labels.append(name.replace(" of the growth map", "")
                           + (f", {ceiling:g} N" if ceiling else ""))
-            place += 1
-    axes.set_yticks(range(place), labels)
+            row += 1
+    axes.set_yticks(range(row), labels)
     axes.invert_yaxis()
     axes.set(xlim=(0, 100), xlabel="time out of the playable region, %", title=study.HANDS[hand])
 
 
 def draw_instruments(axes, rows):
     """Paper and guidance at equal ceilings, six instruments, seeds that were not used before."""
-    for place, preset in enumerate(study.INSTRUMENTS):
+    for row, preset in enumerate(study.INSTRUMENTS):
         for shift, (feel, ceiling) in enumerate((f, c) for c in (1, 2) for f in ("reeds", "guidance")):
             value, low, high = study.time_out(rows, feel, ceiling, preset=preset, hand="searches",
                                               seeds=study.UNSEEN)
-            x = place + 0.2 * (shift - 1.5)
+            x = row + 0.2 * (shift - 1.5)
             axes.bar(x, value, 0.19, color=COLOURS[feel], alpha=0.6 if ceiling == 1 else 1,
-                     label=f"{study.NAMES[feel]}, {ceiling} N" if place == 0 else None)
+                     label=f"{study.NAMES[feel]}, {ceiling} N" if row == 0 else None)
             axes.plot([x, x], [low, high], color="black", linewidth=1.2)
     axes.axhline(0.5, color="black", linestyle=":", linewidth=1)
     axes.set_xticks(range(len(study.INSTRUMENTS)), study.INSTRUMENTS)

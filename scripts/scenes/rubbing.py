@@ -51,8 +51,8 @@ def curve(seconds, points, rate=RATE):
     return numpy.interp(numpy.arange(int(seconds * rate)) / rate, times, values)
 
 
-def place(path, where, along):
-    """The message `rub` at the vertex nearest to a place of -1 to 1 in the body's box."""
+def rub_message(path, where, along):
+    """The message `rub` at the vertex nearest to a point of -1 to 1 in the body's box."""
     xyz = 1000 * numpy.load(path)["xyz"][_tour.vertices(path, [where])[0]]
     return f"rub {xyz[0]:.4f} {xyz[1]:.4f} {xyz[2]:.4f} {along[0]:.4f} {along[1]:.4f} {along[2]:.4f}"
 
@@ -62,7 +62,7 @@ def bell():
     path = _tour.table("bronze bell")
     normal = curve(9, [(0.1, 0), (0.3, 5), (4, 6), (4.1, 0), (4.9, 0), (5, 6), (7.5, 9), (7.6, 0)])
     velocity = curve(9, [(0, 0.07), (4, 0.08), (4.9, 0.08), (9, 0.11)])
-    return path, normal, velocity, [ROSIN, place(path, (1, 0, -1), (0, 1, 0))], []
+    return path, normal, velocity, [ROSIN, rub_message(path, (1, 0, -1), (0, 1, 0))], []
 
 
 def glass():
@@ -84,7 +84,7 @@ def bar():
     path = _tour.table("rosewood bar")
     normal = curve(6, [(0.1, 0), (0.3, 4), (2.4, 4), (2.5, 0), (2.7, 0), (2.8, 5), (5, 5), (5.1, 0)])
     velocity = curve(6, [(0, 0.08), (2.5, 0.1), (2.6, -0.08), (6, -0.1)])
-    return path, normal, velocity, [ROSIN, place(path, (1, 0, 0), (0, 0, 1))], []
+    return path, normal, velocity, [ROSIN, rub_message(path, (1, 0, 0), (0, 0, 1))], []
 
 
 def board():
@@ -92,9 +92,9 @@ def board():
     path = _tour.table("spruce board")
     time = numpy.arange(int(4 * RATE)) / RATE
     velocity = 0.5 * numpy.sin(2 * numpy.pi * time)
-    way = 75 * -numpy.cos(2 * numpy.pi * time)  # mm
+    displacement = 75 * -numpy.cos(2 * numpy.pi * time)  # mm
     top = 1000 * float(numpy.load(path)["xyz"][:, 2].max())
-    moves = [(n / 250, f"rub {way[n * RATE // 250]:.4f} 30 {top:.4f} 1 0 0") for n in range(0, 1000)]
+    moves = [(n / 250, f"rub {displacement[n * RATE // 250]:.4f} 30 {top:.4f} 1 0 0") for n in range(0, 1000)]
     normal = curve(4, [(0.05, 0), (0.1, 3), (3.9, 6), (3.95, 0)])
     return path, normal, velocity, [STICK], moves
 
@@ -145,7 +145,7 @@ def make(scene):
     rows = []
     figure, axes = plt.subplots(len(rendered), 1, figsize=(12, 2.6 * len(rendered)), constrained_layout=True)
     for axis, (name, (sound, normal, velocity, path)) in zip(axes, rendered.items()):
-        scene.sound(name, _room.full_scale(_room.place(sound.sum(axis=1), RATE, wet=0.1), 0.7), RATE,
+        scene.sound(name, _room.full_scale(_room.reverberate(sound.sum(axis=1), RATE, wet=0.1), 0.7), RATE,
                     RUBBED[name].__doc__)
         spectrogram(axis, sound.sum(axis=1), RATE, top_hz=12000)
         axis.set_title(name, loc="left")

@@ -1,4 +1,4 @@
-"""A hand strikes a disk in the servo's scene: position, force and sound of each blow
+"""A hand strikes a disk in the servo's scene: position, force and sound of each contact
 
 `patches/haptic/struck_disk.pd` with the simulated device. A hand on a spring of 500 N/m goes down
 and up over an aluminium disk, 100 mm across and 12 mm thick, 25 mm beside its middle. The contact is
@@ -55,7 +55,7 @@ def draw(sound, rows):
     return figure
 
 
-def draw_blow(rows, still):
+def draw_contact(rows, still):
     """One contact close by, with the vibration and without."""
     figure, axes = plt.subplots(figsize=(12, 4), constrained_layout=True)
     for name, chosen, colour in (("felt", rows, "#c4552d"), ("without vibration", still, "#888888")):
@@ -75,7 +75,7 @@ def make(scene):
     _, still = strike(0)
     scene.sound("struck_disk", sound, RATE, "a hand strikes the disk every 480 ms")
     scene.picture("strike", draw(sound, rows), "handle, force and sound")
-    scene.picture("strike_blow", draw_blow(rows, still),
+    scene.picture("strike_blow", draw_contact(rows, still),
                   "one contact: the scene's spring, and the disk's loudness as 250 Hz on it")
     vibration = numpy.array(column(rows, "fz_n")) - column(still, "fz_n")[:len(rows)]
     scene.table(["blows", "deepest, mm", "largest force, N", "vibration, N RMS in contact"],

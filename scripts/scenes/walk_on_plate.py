@@ -62,14 +62,14 @@ def make(scene):
         render = walk(table)
         sound = numpy.stack([render["left"], render["right"]], axis=1)
         hits = [(ms / 1000, atoms) for ms, atoms in render.logs["body"] if atoms[0] == "hit"]
-        scene.sound(name, _room.full_scale(_room.place(sound.sum(axis=1), RATE, wet=0.15), 0.7), RATE,
+        scene.sound(name, _room.full_scale(_room.reverberate(sound.sum(axis=1), RATE, wet=0.15), 0.7), RATE,
                     f"{name}: " + ", then ".join(word for _, _, word in SHOES))
         spectrogram(axis, sound.sum(axis=1), RATE, top_hz=6000)
         axis.set_title(name, loc="left")
         for (begin, _, word), end in zip(SHOES, [s[0] for s in SHOES[1:]] + [SECONDS]):
             part = sound[begin * RATE:end * RATE].sum(axis=1)
-            blows = [atoms[4] for time, atoms in hits if begin <= time < end]
-            rows.append([name, word, len(blows), f"{numpy.mean(blows):.2f}", f"{100 * abs(part).max() / 2:.2g}",
+            speeds = [atoms[4] for time, atoms in hits if begin <= time < end]
+            rows.append([name, word, len(speeds), f"{numpy.mean(speeds):.2f}", f"{100 * abs(part).max() / 2:.2g}",
                          f"{centroid(part):.0f}", f"{numpy.load(table)['freq'][0]:.1f}"])
         scene.progress(f"{name}: walked on")
     scene.picture("spectrograms", figure, "a walk of fifteen seconds, three shoes")

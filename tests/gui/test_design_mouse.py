@@ -33,7 +33,7 @@ def test_dragging_a_control_point_reshapes_the_beam_against_a_spring(tmp_path):
         desk.wait_for(lambda: last("point"), 60, "the first picture")
         x, y, _ = last("point")
         assert (x, y) == pytest.approx((66.6667, 10), abs=1e-3)
-        drag(desk.ask, desk.place, [pixel(x, y), pixel(x, y + 5)])
+        drag(desk.ask, desk.move_to, [pixel(x, y), pixel(x, y + 5)])
         # The hand of 400 N/m pulls 5 mm up, the spring k(gamma) within 100 and 500 N/m holds against it.
         desk.wait_for(lambda: last("point")[1] > y + 1.8 and last("force")[1] < -0.3, 60, "the point")
         folder = BUILD / "photographs"

@@ -77,8 +77,8 @@ def drawn_size(line):
     sized = {"bng": (1, 1), "tgl": (1, 1), "hsl": (1, 2), "vsl": (1, 2), "hradio": None,
              "vradio": None}
     if kind == "obj" and words and words[0] in sized:
-        places = sized[words[0]]
-        return tuple(int(words[i]) for i in places) if places else None
+        indices = sized[words[0]]
+        return tuple(int(words[i]) for i in indices) if indices else None
     if kind not in ("obj", "msg") or words[:1] in (["cnv"], ["nbx"], ["vu"]):
         return None
     text, _, given = " ".join(words).partition(", f ")

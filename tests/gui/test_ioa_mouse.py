@@ -45,13 +45,13 @@ def photograph():
     return module
 
 
-def drag(ask, place, points, pause=0.02):
+def drag(ask, move_to, points, pause=0.02):
     """Presses at the first point, moves through the others in small steps and lets go."""
-    place(*points[0])
+    move_to(*points[0])
     ask("xdotool", "mousedown", "1")
     for (x0, y0), (x1, y1) in zip(points, points[1:]):
         for k in range(1, 11):
-            place(x0 + (x1 - x0) * k / 10, y0 + (y1 - y0) * k / 10)
+            move_to(x0 + (x1 - x0) * k / 10, y0 + (y1 - y0) * k / 10)
             time.sleep(pause)
     ask("xdotool", "mouseup", "1")
 
@@ -79,10 +79,10 @@ def opened(patch, height, *options):
                             ask("xdotool", "getwindowgeometry", "--shell", window).split())
             bar = int(geometry["HEIGHT"]) - height
 
-            def place(x, y):
+            def move_to(x, y):
                 ask("xdotool", "mousemove", "--sync", "--window", window, str(round(x)),
                     str(round(y) + bar))
-            yield types.SimpleNamespace(ask=ask, words=words, place=place, window=window,
+            yield types.SimpleNamespace(ask=ask, words=words, move_to=move_to, window=window,
                                         wait_for=tools.wait_for)
 
 
@@ -98,7 +98,7 @@ def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
         # x = 0 at 417 and whose z = 0 lies 60 above its lower end at 292.
         desk.ask("import", "-window", desk.window, str(folder / "ioa_drag_before.png"))
         assert not struck()
-        drag(desk.ask, desk.place, [(467, 153), (427, 153), (427, 243)])
+        drag(desk.ask, desk.move_to, [(467, 153), (427, 153), (427, 243)])
         desk.wait_for(struck, 60, "a hit")
         x, y, z = map(float, struck()[0])
         assert abs(x - 5) < 4 and abs(y) < 1 and z == pytest.approx(6)
@@ -131,11 +131,11 @@ def test_dragging_the_finger_onto_the_reed_is_felt_and_ends_the_note(tmp_path):
         def pixel(x, z):
             return 282 + (x + 35) / 70 * 250, 162 + (53.2 - z) / 70 * 248
         desk.wait_for(lambda: (last("level") or -100) > -30 and last("force") == 0, 60, "a note")
-        drag(desk.ask, desk.place, [pixel(15, 40), pixel(15, 20), pixel(15, -14)])
+        drag(desk.ask, desk.move_to, [pixel(15, 40), pixel(15, 20), pixel(15, -14)])
         # The reed is shut, so the hand feels 10 x 300 N/m of its depth over 20: 0.15 N/mm from z = 3 mm on
         # against the 0.5 N/mm between hand and cross.
         y_f = (-14 + 10 * 0.3 * 17 / 20 / (0.5 + 0.15) - 3) / 20
         desk.wait_for(lambda: abs(last("force") + 0.3 * y_f) < 0.02 and last("level") < -60, 60, "silence")
-        drag(desk.ask, desk.place, [pixel(15, -14), pixel(15, 40)])
+        drag(desk.ask, desk.move_to, [pixel(15, -14), pixel(15, 40)])
         desk.wait_for(lambda: last("force") == 0 and last("level") > -30, 60, "the note")
         assert not re.search(r"error|couldn't create", desk.words()), desk.words()

@@ -73,24 +73,24 @@ def drawn(room, seed, count, changed, only):
     return kept  # the caller stops at `count` that count
 
 
-def run(room, changes, count, equivalents, keep=lambda judged: None, known=()):
+def run(room, changes, count, equivalents, keep=lambda tested: None, known=()):
     """[(change, verdict)] until `count` count; kept after each, so that a run can be stopped.
 
     `known`: {change: verdict} of a run before that was stopped.
     """
     known = dict(known)
-    judged, counted = [], 0
+    tested, counted = [], 0
     for change in changes:
         if counted == count:
             break
         begin = time.monotonic()
-        verdict = "equivalent" if equivalents.reason(change) else known.get(change) or room.judge(change)
-        judged.append((change, verdict))
-        keep(judged)
+        verdict = "equivalent" if equivalents.reason(change) else known.get(change) or room.verdict_of(change)
+        tested.append((change, verdict))
+        keep(tested)
         counted += verdict in COUNTED
         print(f"{room.name} {counted}/{count} {NAMES[verdict]}: {change} ({time.monotonic() - begin:.0f} s)", flush=True)
     room.workshop.make(room.targets)
-    return judged
+    return tested
 
 
 def main():
@@ -121,8 +121,8 @@ def main():
     if order.read:
         for path in order.read:
             name, seed, everything, former = load(path)
-            judged = [(c, "equivalent" if v == "missed" and equivalents.reason(c) else v) for c, v in former]
-            results.append((name, seed, everything, judged))
+            tested = [(c, "equivalent" if v == "missed" and equivalents.reason(c) else v) for c, v in former]
+            results.append((name, seed, everything, tested))
     elif order.again:
         for path in order.again:
             name, seed, everything, former = load(path)
@@ -130,8 +130,8 @@ def main():
             now = dict(run(room_of(name), open_ones, len(open_ones), equivalents))
             if not order.everything:  # what tests of objects noticed, they notice still
                 now.update({c: v for c, v in former if v == "all" and now[c] == "missed"})
-            judged = [(c, now.get(c, v)) for c, v in former]
-            results.append((name, seed, everything or order.everything, judged))
+            tested = [(c, now.get(c, v)) for c, v in former]
+            results.append((name, seed, everything or order.everything, tested))
             save(path, *results[-1])
     else:
         changed = lines_changed(order.changed) if order.changed else None
@@ -139,10 +139,10 @@ def main():
             changes = drawn(name, order.seed, order.count, changed, order.only)
             if changes:
                 path = None if order.changed or order.only else order.folder / f"{name}-{order.seed}.json"
-                keep = lambda judged: path and save(path, name, order.seed, order.everything, judged)
+                keep = lambda tested: path and save(path, name, order.seed, order.everything, tested)
                 known = load(path)[3] if order.resume and path and path.exists() else ()
-                judged = run(room_of(name), changes, order.count, equivalents, keep, known)
-                results.append((name, order.seed, order.everything, judged))
+                tested = run(room_of(name), changes, order.count, equivalents, keep, known)
+                results.append((name, order.seed, order.everything, tested))
     print("\n" + report(results))
     if order.record:
         record(order.record, results)

@@ -39,9 +39,9 @@ class Equivalents:
         return None
 
 
-def save(path, room, seed, everything, judged):
+def save(path, room, seed, everything, tested):
     """Results of a room as JSON: [{path, line, column, old, new, kind, text, verdict}]."""
-    changes = [{**vars(change), "text": line_of(change), "verdict": verdict} for change, verdict in judged]
+    changes = [{**vars(change), "text": line_of(change), "verdict": verdict} for change, verdict in tested]
     path.write_text(json.dumps({"room": room, "seed": seed, "everything": everything, "changes": changes}, indent=1))
 
 
@@ -50,26 +50,26 @@ def load(path):
 
     Each change is found again by its line's text, nearest to where it was; what is gone is left out.
     """
-    former, judged = json.loads(Path(path).read_text()), []
+    former, tested = json.loads(Path(path).read_text()), []
     for kept in former["changes"]:
         text, verdict = kept.pop("text"), kept.pop("verdict")
         source = ROOT / kept["path"]
         lines = source.read_text().split("\n") if source.exists() else []
-        places = [i + 1 for i, line in enumerate(lines) if line == text]
-        if not places:
+        matching = [i + 1 for i, line in enumerate(lines) if line == text]
+        if not matching:
             print(f"the source has changed: {Change(**kept)} is left out")
             continue
-        kept["line"] = min(places, key=lambda place: abs(place - kept["line"]))
-        judged.append((Change(**kept), verdict))
-    return former["room"], former["seed"], former["everything"], judged
+        kept["line"] = min(matching, key=lambda line_number: abs(line_number - kept["line"]))
+        tested.append((Change(**kept), verdict))
+    return former["room"], former["seed"], former["everything"], tested
 
 
 def share(part, total):
     return f"{part} ({100 * part / max(total, 1):.0f} %)"
 
 
-def row(room, seed, everything, judged):
-    verdicts = [v for _, v in judged]
+def row(room, seed, everything, tested):
+    verdicts = [v for _, v in tested]
     total, unit = sum(v in COUNTED for v in verdicts), verdicts.count("unit")
     by_all = share(unit + verdicts.count("all"), total) if everything else "not run"
     return (f"| {room} | {seed} | {total} | {share(unit, total)} | {by_all} | {verdicts.count('equivalent')} "
@@ -77,10 +77,10 @@ def row(room, seed, everything, judged):
 
 
 def report(rooms):
-    """The table and the changes that were missed; rooms: [(room, seed, everything, judged)]."""
+    """The table and the changes that were missed; rooms: [(room, seed, everything, tested)]."""
     lines = HEAD + [row(*room) for room in rooms]
     for title, verdict in (("Missed", "missed"), ("Noticed by tests of objects only", "all")):
-        found = [str(c) for *_, judged in rooms for c, v in judged if v == verdict]
+        found = [str(c) for *_, tested in rooms for c, v in tested if v == verdict]
         if found:
             lines += ["", f"{title}:", ""] + [f"- {change}" for change in found]
     return "\n".join(lines) + "\n"

@@ -163,7 +163,7 @@ class Room:
         return any(all(not passes(command, 10 * usual + 20, self.workshop.build) for _ in range(tries))
                    for command, usual, tries in quick + slow)
 
-    def judge(self, change):
+    def verdict_of(self, change):
         """unit, all, missed, or why the change does not count: compiler, same (machine code)."""
         path = self.workshop.source / change.path
         text = path.read_text()

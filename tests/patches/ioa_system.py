@@ -15,10 +15,10 @@ def rows(path, *points):
     return str(path)
 
 
-def taps(path, *places, speed=0.25, start=0.0, high=20.1, deep=3.0):
+def taps(path, *targets, speed=0.25, start=0.0, high=20.1, deep=3.0):
     """A script that taps straight down at each (x, y), mm, with that speed in m/s."""
     points, ms = [], start
-    for x, y in places:
+    for x, y in targets:
         down = (high - deep) / speed
         points += [(ms, x, y, high), (ms + down, x, y, deep), (ms + 2 * down, x, y, high)]
         ms += 2 * down + 50

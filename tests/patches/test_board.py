@@ -54,7 +54,7 @@ def test_a_struck_bar_is_heard_with_its_boards_modes(tmp_path):
     bar = numpy.load(tmp_path / "bar.npz")["freq"][0]
     late = slice(int(.5 * RATE), None)
     assert level(screwed[late], bar, 12) < level(alone[late], bar, 12) - 6
-    # Everything is quiet before the blow, though the body lies there.
+    # Everything is silent before the strike, though the body lies there.
     assert not numpy.any(felt[:int(.1 * RATE) - 64])
 
 
@@ -69,11 +69,11 @@ def test_without_points_of_rest_the_board_is_not_heard(tmp_path):
 
 def test_the_board_is_struck_too_and_shakes_the_bar(tmp_path):
     on_the_bar = ["board board.npz 0 0 -15", "radiation none", "listener 1 20 0 6", MALLET]
-    blow = [(.1, "hit 200 100 -11 1")]
-    shaken = render(tmp_path, [*on_the_bar, OFF_NODE], moves=blow)
+    strike = [(.1, "hit 200 100 -11 1")]
+    shaken = render(tmp_path, [*on_the_bar, OFF_NODE], moves=strike)
     assert abs(sound(shaken, "contact")).max() > 1  # the mallet's force alone
     assert abs(sound(shaken)).max() > 1e-6  # m/s of its modes, through felt
-    assert not numpy.any(sound(render(tmp_path, on_the_bar, moves=blow)))
+    assert not numpy.any(sound(render(tmp_path, on_the_bar, moves=strike)))
 
 
 @pytest.mark.parametrize("messages, words", [

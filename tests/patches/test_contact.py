@@ -20,7 +20,7 @@ def strike(rate, messages, seconds=1.0, arguments=(), press=0):
     return patch.render(seconds, rate=rate)
 
 
-def blows(result):
+def impacts(result):
     return [[a for a in atoms if not isinstance(a, str)] for _, atoms in result.logs["blow"]]
 
 
@@ -29,12 +29,12 @@ def restitution(mu_v):
 
 
 @pytest.mark.parametrize("rate", [44100, 48000, 96000])
-def test_a_blow_on_a_heavy_body_has_the_impulse_of_theory_at_any_rate(rate):
+def test_an_impact_on_a_heavy_body_has_the_impulse_of_theory_at_any_rate(rate):
     speed, mass, loss = 2, 0.02, 0.6
     result = strike(rate, [(10, ["strike", speed])], 0.3,
                     ("-body", 1e5, "-mass", mass, "-dissipation", loss))
-    assert len(blows(result)) == 1
-    _, impulse = blows(result)[0]
+    assert len(impacts(result)) == 1
+    _, impulse = impacts(result)[0]
     expected = mass * speed * (1 + restitution(loss * speed))
     assert impulse == pytest.approx(expected, rel=1e-3)
     # The contact outlet is the same impulse, sample by sample.
@@ -46,8 +46,8 @@ def test_on_a_rigid_wall_a_mass_rebounds_as_theory_says_and_nothing_sounds(expon
     speed, mass, loss, stiffness = 1.5, 0.02, 0.3, 1e7
     result = strike(48000, [(0, "modes none"), (10, ["strike", speed])], 0.3,
                     ("-mass", mass, "-dissipation", loss, "-stiffness", stiffness, "-exponent", exponent))
-    assert len(blows(result)) == 1
-    duration, impulse = blows(result)[0]
+    assert len(impacts(result)) == 1
+    duration, impulse = impacts(result)[0]
     assert impulse == pytest.approx(mass * speed * (1 + restitution(loss * speed)), rel=1e-3)
     # Without loss: the integral of the motion, sqrt(pi) Gamma(1 + b)/Gamma(1/2 + b) 2 x/v, b = 1/(a + 1).
     b = 1 / (exponent + 1)
@@ -57,8 +57,8 @@ def test_on_a_rigid_wall_a_mass_rebounds_as_theory_says_and_nothing_sounds(expon
     assert not numpy.any(result["sound"])
     again = strike(48000, [(0, "modes none"), (0, "dissipation 0"), (10, ["strike", speed])], 0.3,
                    ("-mass", mass, "-stiffness", stiffness, "-exponent", exponent))
-    assert blows(again)[0][0] / 1000 == pytest.approx(elastic, rel=5e-3)
-    assert blows(again)[0][1] == pytest.approx(2 * mass * speed, rel=1e-3)
+    assert impacts(again)[0][0] / 1000 == pytest.approx(elastic, rel=5e-3)
+    assert impacts(again)[0][1] == pytest.approx(2 * mass * speed, rel=1e-3)
 
 
 def test_a_body_after_a_wall_sounds_again():
@@ -83,7 +83,7 @@ def test_a_struck_bar_rings_at_its_frequency_and_decays_in_its_time():
 def test_a_dropped_ball_bounces_as_high_as_its_restitution_says():
     result = strike(48000, [(0, "gravity 9.81"), (10, "drop 100")], 1.0,
                     ("-body", 1e5, "-mass", 0.01, "-dissipation", 0.05, "-stiffness", 1e9))
-    impulses = [impulse for _, impulse in blows(result)]
+    impulses = [impulse for _, impulse in impacts(result)]
     speed = math.sqrt(2 * 9.81 * 0.1)
     for impulse in impulses[:3]:
         e = restitution(0.05 * speed)
@@ -110,8 +110,8 @@ def test_a_rubbed_body_speaks_with_the_pitch_of_theory():
     sound = numpy.asarray(result["sound"], dtype=float)[-22050:]
     sound = sound - sound.mean()
     up = numpy.nonzero((sound[:-1] < 0) & (sound[1:] >= 0))[0]
-    places = up - sound[up] / (sound[up + 1] - sound[up])
-    assert 44100 * (len(up) - 1) / (places[-1] - places[0]) == pytest.approx(600.798, rel=1e-3)
+    crossings = up - sound[up] / (sound[up + 1] - sound[up])
+    assert 44100 * (len(up) - 1) / (crossings[-1] - crossings[0]) == pytest.approx(600.798, rel=1e-3)
 
 
 def test_nothing_rubs_without_a_normal_force_and_sliding_has_the_dynamic_coefficient():

@@ -166,12 +166,12 @@ def test_a_published_force_curve_through_worn_sensors_gives_every_step_in_time()
     assert result["force"].max() == pytest.approx(987, rel=0.2)
 
 
-def landing_force(way, t, weight):
+def landing_force(gait, t, weight):
     """Force in N under the part that lands first, t s after its onset: from docs/footstep.md, without a
     heel's transient. The impact is half a sine of 30 ms with the impulse mass times speed."""
     mass, speed, level, rise, power = {"walk": (.063, .5, 1.13, .147, 1.3), "slow": (.063, .21, 1.02, .26, 1.3),
                                        "sneak": (.037, .1, 1, .37, 2), "stairs": (.017, .25, 1.03, .23, 1.5),
-                                       "run": (.053, 1, 2, .13, 1)}[way]
+                                       "run": (.053, 1, 2, .13, 1)}[gait]
     peak = mass * speed / 9.81 * numpy.pi / 2 / .03
     impact = peak * numpy.sin(numpy.pi * t / .03) * ((t > 0) & (t < .03))
     flank = level * numpy.sin(.5 * numpy.pi * numpy.clip(t / rise, 0, 1)) ** power
@@ -179,18 +179,18 @@ def landing_force(way, t, weight):
 
 
 @pytest.mark.parametrize("weight", [350, 1100])
-@pytest.mark.parametrize("way", ["walk", "slow", "sneak", "stairs", "run"])
-def test_from_sensors_a_step_is_heard_and_felt_within_6_ms_of_its_force(way, weight):
+@pytest.mark.parametrize("gait", ["walk", "slow", "sneak", "stairs", "run"])
+def test_from_sensors_a_step_is_heard_and_felt_within_6_ms_of_its_force(gait, weight):
     onsets = numpy.arange(.5, 9, .9)
     t = numpy.arange(10 * RATE) / RATE
-    force = sum(landing_force(way, t - onset, weight) for onset in onsets)
+    force = sum(landing_force(gait, t - onset, weight) for onset in onsets)
     random = numpy.random.RandomState(3)
     noisy = force * (1 + .01 * random.randn(len(t))) + .001 * weight * random.randn(len(t))
     still = .001 * weight * random.randn(len(t))
-    inputs = [still, noisy] if way == "stairs" else [noisy, still]
+    inputs = [still, noisy] if gait == "stairs" else [noisy, still]
     patch, box = foot("concrete", "-source", "sensors", "-weight", weight, "-room", 0, inputs=inputs)
     result = patch.render(10)
-    part, drive = ("ball", "ball") if way == "stairs" else ("heel", "heel")
+    part, drive = ("ball", "ball") if gait == "stairs" else ("heel", "heel")
     found = events(result, part)
     assert len(found) == len(onsets)  # none missed, none made up
     for name, limit in (("sound", .006), (drive, .006)):
@@ -345,10 +345,10 @@ def landings(result, part="heel", side=None):
             if atoms[0] == "step" and atoms[2] == part and (side is None or atoms[1] == side)]
 
 
-@pytest.mark.parametrize("way, ball_first", [("walk", False), ("run", False), ("sneak", False),
+@pytest.mark.parametrize("gait, ball_first", [("walk", False), ("run", False), ("sneak", False),
                                              ("upstairs", True), ("downstairs", True)])
-def test_every_way_of_walking_carries_the_weight_and_sounds(way, ball_first):
-    patch, box = foot("gravel", "-feet", 2, "-variation", 0, "-gait", way, "-weight", 800)
+def test_every_gait_carries_the_weight_and_sounds(gait, ball_first):
+    patch, box = foot("gravel", "-feet", 2, "-variation", 0, "-gait", gait, "-weight", 800)
     patch.at(0, box, "walk 1")
     result = patch.render(16)
     heels, balls = landings(result, side="left"), landings(result, "ball", "left")
@@ -364,8 +364,8 @@ def test_every_way_of_walking_carries_the_weight_and_sounds(way, ball_first):
 
 
 def test_sneaking_is_softer_than_walking_and_walking_softer_than_running():
-    def level(way):
-        patch, box = foot("concrete", "-feet", 2, "-gait", way, "-gain", .3)
+    def level(gait):
+        patch, box = foot("concrete", "-feet", 2, "-gait", gait, "-gain", .3)
         patch.at(0, box, "walk 1")
         result = patch.render(10)
         return 10 * numpy.log10((numpy.asarray(result["sound"], float) ** 2).mean()), result
@@ -499,7 +499,7 @@ def test_on_the_map_one_walks_to_another_ground_by_a_click():
     assert centroid(sound[int(4.5 * RATE):]) > 2 * centroid(sound[:2 * RATE])
 
 
-def test_one_walks_on_a_table_of_modes_a_blow_for_each_heel_and_ball_where_it_lands(tmp_path):
+def test_a_walk_on_a_modal_table_strikes_it_where_each_heel_and_ball_lands(tmp_path):
     table = closed_form_bar(length=1.2, width=.4, thickness=.02, young=1.1e10, density=450)
     for name in ("plank", "mine"):  # of the first, the patch's own may be found instead
         numpy.savez(tmp_path / f"{name}.modal.npz", **table)
@@ -524,7 +524,7 @@ def test_one_walks_on_a_table_of_modes_a_blow_for_each_heel_and_ball_where_it_la
     assert set(heels) == {-495, -225, 45, 315}
     assert set(xs) - set(heels) == {-315, -45, 225, 495}  # each ball 18 cm before its heel
     assert abs(len(heels) / len(hits) - .5) < .1
-    # Each blow is heard where it falls, at the table's frequencies.
+    # Each strike is heard where it lands, at the table's frequencies.
     for ms, _ in hits[1:-2]:
         n = int(ms * RATE / 1000)
         assert abs(sound[n:n + 960]).max() > 3 * abs(sound[n - 48:n]).max() or abs(sound[n:n + 960]).max() > .01

@@ -30,7 +30,7 @@ def played(tmp_path, **exchanged):
     return result
 
 
-def places(result):
+def positions(result):
     return [pytest.approx(h[2:5], abs=1e-3) for h in of(result, "lab", "hit")]
 
 
@@ -52,14 +52,14 @@ def test_the_first_system_is_felt_heard_and_seen(first):
 @pytest.mark.parametrize("sensor", ["ioa_sdd_mouse", "ioa_sdd_script"])
 def test_device_another_sensor_driver(first, tmp_path, sensor):
     result = played(tmp_path, sdd=sensor if sensor == "ioa_sdd_mouse" else [sensor])
-    assert [h[2:5] for h in of(first, "lab", "hit")] == places(result)
+    assert [h[2:5] for h in of(first, "lab", "hit")] == positions(result)
     assert abs(result["lab.left"]).max() == pytest.approx(abs(first["lab.left"]).max(), rel=0.02)
 
 
 @needs_disk
 def test_device_the_motors_become_a_file(first, tmp_path):
     result = played(tmp_path, ddd="ioa_ddd_file")
-    assert [h[2:5] for h in of(first, "lab", "hit")] == places(result)
+    assert [h[2:5] for h in of(first, "lab", "hit")] == positions(result)
     assert all(not any(f) for f in result.force)  # nothing is felt
     assert numpy.array_equal(result["lab.left"], first["lab.left"])
 

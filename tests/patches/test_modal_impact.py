@@ -48,7 +48,7 @@ def struck(folder, *arguments, block=64):
     return patch, box
 
 
-def test_a_blow_rings_at_the_tables_frequencies_and_has_the_balls_impulse(tmp_path):
+def test_an_impact_rings_at_the_tables_frequencies_and_has_the_balls_impulse(tmp_path):
     patch, box = struck(tmp_path)
     patch.at(100, box, "hit 30 40 0 1")
     result = patch.render(1.5, path=[tmp_path])
@@ -69,8 +69,8 @@ def test_two_more_listeners_come_out_right_of_the_info_outlet(tmp_path):
         patch.record("third", box[4])
         patch.record("fourth", box[5])
         # Listeners 2 and 4 at one place, where the even mode along x is still.
-        for i, place in enumerate(["30 40 100", "0 40 100", "-30 40 100", "0 40 100"]):
-            patch.at(10, box, f"listener {i + 1} {place}")
+        for i, position in enumerate(["30 40 100", "0 40 100", "-30 40 100", "0 40 100"]):
+            patch.at(10, box, f"listener {i + 1} {position}")
         patch.at(100, box, "hit 30 40 0 1")
         return patch.render(0.5, path=[tmp_path])
     four, two = play(4), play(2)
@@ -168,7 +168,7 @@ def test_misuse_is_one_sentence_and_changes_nothing(tmp_path, message, sentence)
     assert abs(result["left"]).max() > 0
 
 
-def test_a_gain_of_creation_holds_from_the_first_blow(tmp_path):
+def test_a_gain_of_creation_holds_from_the_first_strike(tmp_path):
     def play(gain):
         patch, box = struck(tmp_path, "-gain", gain)
         patch.at(1.4, box, "hit 30 40 0 1")
@@ -198,9 +198,9 @@ def test_a_moving_listener_never_clicks(tmp_path, every, doppler, jumps):
     random = numpy.random.default_rng(2)
     for i in range(int(400 / every)):
         t = every * i / 1000
-        place = (random.uniform([-2000, -2000, -900], [2000, 2000, 1100]) if jumps
+        position = (random.uniform([-2000, -2000, -900], [2000, 2000, 1100]) if jumps
                  else [400 * numpy.cos(2 * t), 100, 300 + 500 * t])
-        patch.at(100 + every * i, box, "listener 1 " + " ".join(f"{x:.3f}" for x in place))
+        patch.at(100 + every * i, box, "listener 1 " + " ".join(f"{x:.3f}" for x in position))
     sound = patch.render(0.5, path=[tmp_path])["left"][int(0.1 * RATE):int(0.5 * RATE)]
     assert far_from_tones(sound, [401], 1000 if jumps else 200) < -60
 
@@ -245,7 +245,7 @@ def test_the_module_needs_neither_finite_elements_nor_meshers_nor_hdf5():
 
 
 @pytest.mark.parametrize("block", [1, 16, 1024, 4096])
-def test_any_block_size_gives_the_same_blow(tmp_path, block):
+def test_any_block_size_gives_the_same_impact(tmp_path, block):
     def play(size):
         patch, box = struck(tmp_path, block=size)
         patch.at(0, box, "hit 30 40 0 1")
@@ -293,7 +293,7 @@ def test_the_help_patchs_hammer_strikes_at_the_speed_it_is_thrown_with():
 
 
 def strikes(folder, block, times, message, arguments=(), rate=RATE, seconds=0.6):
-    """Contact force and sound of blows at these logical ms, from a window of that block size; the
+    """Contact force and sound of strikes at these logical ms, from a window of that block size; the
     first sample recorded is the block's whose end comes first after time 0."""
     table(folder / "square.modal.npz")
     patch = Patch()
@@ -311,7 +311,7 @@ TIMES = [7.3, 31.07, 90, 90.4, 111.11, 200.02]
 
 
 @pytest.mark.parametrize("message", ["hit 30 40 0 .2", "hitv 40 .2", "hitf 20 .2 .3 .2", "bang"])
-def test_blows_land_at_the_samples_of_their_messages_in_any_block_size(tmp_path, message):
+def test_strikes_land_at_the_samples_of_their_messages_in_any_block_size(tmp_path, message):
     results = {}
     for block in (1, 16, 64, 256, 4096):
         result = strikes(tmp_path, block, TIMES, message)
@@ -331,7 +331,7 @@ def test_blows_land_at_the_samples_of_their_messages_in_any_block_size(tmp_path,
 
 
 @pytest.mark.parametrize("block", ["64 1 2", "64 1 0.5", "512 1 4", "1024 4 1"])
-def test_blows_land_at_their_samples_in_windows_at_another_rate(tmp_path, block):
+def test_strikes_land_at_their_samples_in_windows_at_another_rate(tmp_path, block):
     size, overlap, rate = (float(x) for x in block.split())
     factor = rate * overlap
     result = strikes(tmp_path, block, TIMES, "hit 30 40 0 .2", seconds=1)

@@ -24,7 +24,7 @@ def disk():
 
 
 def ring_at(path, sound_from, seen_at, seconds=3.0):
-    """The velocity at one place after a blow at another."""
+    """The velocity at one point after a strike at another."""
     render = _bodies.strike(path, [(0.05, f"hit {sound_from} 0.5")], seconds,
                             ["hardness 1e9 1.5 0", f"listener 1 {seen_at}", f"listener 2 {seen_at}"],
                             gain=1, flags=("-radiation", "none"))
@@ -51,7 +51,7 @@ def test_the_paper_s_ball_gives_the_disk_the_impulse_of_the_coupled_equations(di
     assert contact.sum() / RATE == pytest.approx(18.19e-3, rel=0.01)
 
 
-def test_a_blow_on_a_nodal_line_leaves_its_mode_silent(disk):
+def test_a_strike_on_a_nodal_line_leaves_its_mode_silent(disk):
     body = numpy.load(disk)
     pair = body["freq"][0]
     # The pair's first mode moves most at the far end of x, so its partner's nodal line runs there;
@@ -62,18 +62,18 @@ def test_a_blow_on_a_nodal_line_leaves_its_mode_silent(disk):
     assert level(on, body["freq"][2]) > level(off, body["freq"][2]) - 20
 
 
-def test_where_one_pushes_and_where_one_looks_can_change_places(disk, tmp_path):
+def test_force_and_pickup_points_are_reciprocal(disk, tmp_path):
     # The same force at one vertex and the velocity at another: reciprocity of a linear body. The
     # ball would not do: the body gives way differently at both places, so the forces differ.
     xyz = numpy.load(disk)["xyz"].astype(float)
     top = numpy.flatnonzero(abs(xyz[:, 2] - 0.006) < 1e-6)
-    places = [xyz[top[(numpy.hypot(xyz[top, 0] - x, xyz[top, 1] - y)).argmin()]]
+    points = [xyz[top[(numpy.hypot(xyz[top, 0] - x, xyz[top, 1] - y)).argmin()]]
               for x, y in ((0.025, 0.0), (-0.02, 0.03))]
     (tmp_path / "body.modal.npz").symlink_to(disk)
     force = numpy.zeros(RATE)
     force[4800:4820] = 100 * numpy.hanning(20)  # N
     heard = []
-    for push, look in (places, places[::-1]):
+    for push, look in (points, points[::-1]):
         patch = Patch()
         body = patch.obj("modal_impact~", "body.modal.npz", "-sync", 1, "-gain", 1, "-radiation", "none")
         patch.signal(force) >> body
@@ -104,7 +104,7 @@ def test_the_free_disk_has_nothing_at_the_supported_disk_s_first_peak(disk):
 
 
 @pytest.mark.slow
-def test_a_blind_judge_tells_a_solid_disk_from_a_hollow_one():
+def test_a_classifier_tells_a_solid_disk_from_a_hollow_one_by_sound():
     found = _hollow.experiment(count=40, seed=7)
     assert min(found["right"].values()) >= 0.97
     assert 0.3 < found["shuffled"] < 0.7  # taught wrongly it only guesses

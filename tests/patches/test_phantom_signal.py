@@ -61,12 +61,12 @@ def test_positions_are_the_ticks_joined_by_straight_lines_one_period_late(tmp_pa
     ticks = numpy.array([row["x_mm"] for row in rows])
     heard = (result["x"] - 0.5) * 100
     # Sample 48 k is tick k's position before, sample 48 (k + 1) its own: one period late.
-    places = heard[48 * numpy.arange(1, 400)]
-    start = min(range(6), key=lambda s: numpy.abs(ticks[s:s + 399] - places).max())
-    assert places == pytest.approx(ticks[start:start + 399], abs=1e-4)
+    positions = heard[48 * numpy.arange(1, 400)]
+    start = min(range(6), key=lambda s: numpy.abs(ticks[s:s + 399] - positions).max())
+    assert positions == pytest.approx(ticks[start:start + 399], abs=1e-4)
     between = heard[48 * 100:48 * 101]
     assert between == pytest.approx(
-        numpy.linspace(places[99], places[100], 48, endpoint=False), abs=1e-4)
+        numpy.linspace(positions[99], positions[100], 48, endpoint=False), abs=1e-4)
     speed = numpy.array([row["vx_m_per_s"] for row in rows])
     assert result["vx"][48 * numpy.arange(1, 400)] == pytest.approx(speed[start:start + 399],
                                                                     abs=1e-5)

@@ -121,8 +121,8 @@ def test_the_gradient_of_one_object_is_that_of_five_reeds():
     delta, y, z = 0.01, 0.6, 0.42
     patch = Patch()
     gradient(patch, y, z)
-    places = [(y, z), (y + delta, z), (y - delta, z), (y, z + delta), (y, z - delta)]
-    for index, (at_y, at_z) in enumerate(places):
+    points = [(y, z), (y + delta, z), (y - delta, z), (y, z + delta), (y, z - delta)]
+    for index, (at_y, at_z) in enumerate(points):
         reed = patch.obj("greed~", "-preset", "trumpet")
         patch.obj("sig~", 8000 * at_y) >> reed
         patch.obj("sig~", 80 * (900 / 80) ** at_z) >> reed[1]

@@ -159,28 +159,28 @@ def test_the_patch_renders_the_same_bits_each_time():
 def tune():
     played = _reed_patch.gesture()
     sound = _reed_patch.render(played)["sound"]
-    return played, sound, listening.judge(sound, RATE, played.notes, score.frequency)
+    return played, sound, listening.measure_notes(sound, RATE, played.notes, score.frequency)
 
 
 def test_every_sustained_note_of_the_tune_is_within_ten_cents(tune):
-    played, _, judged = tune
+    played, _, measured = tune
     off = {f"{n.onset:.2f} s {score.name(n.pitch)}": j["cents"]
-           for n, j in zip(played.notes, judged) if j["sustained"]}
+           for n, j in zip(played.notes, measured) if j["sustained"]}
     assert len(off) > 40
     assert not {note: cents for note, cents in off.items() if not abs(cents) <= 10}
 
 
 def test_no_note_of_the_tune_is_lost_and_the_level_is_what_the_score_asks(tune):
-    played, _, judged = tune
-    uneven = numpy.array([j["level_db"] - asked for j, asked in zip(judged, played.intended_db)])
+    played, _, measured = tune
+    uneven = numpy.array([j["level_db"] - asked for j, asked in zip(measured, played.intended_db)])
     uneven -= numpy.median(uneven)
     assert abs(uneven).max() < 2
-    assert all(abs(j["cents"]) < 30 and j["fundamental_db"] > -30 for j in judged)
+    assert all(abs(j["cents"]) < 30 and j["fundamental_db"] > -30 for j in measured)
 
 
 def test_tongued_notes_speak_at_once_and_nothing_clicks(tune):
-    played, sound, judged = tune
-    late = [j["speaks_ms"] for j in judged if j["speaks_ms"] is not None]
+    played, sound, measured = tune
+    late = [j["speaks_ms"] for j in measured if j["speaks_ms"] is not None]
     assert len(late) > 8 and max(late) < 60
     assert listening.clicks(sound, RATE) == []
     assert 0.1 < abs(sound).max() < 0.5  # where [greed~]'s soft clip is still linear
@@ -198,16 +198,16 @@ def test_a_click_put_into_the_tune_would_be_heard(tune):
 
 @pytest.fixture(scope="module")
 def fanfare():
-    """(voice, notes, sound, judged) of each player."""
+    """(voice, notes, sound, measured) of each player."""
     return [(f"{preset} {channel}", played.notes, sound.astype(float),
-             listening.judge(sound, RATE, played.notes, score.frequency))
+             listening.measure_notes(sound, RATE, played.notes, score.frequency))
             for preset, channel, _, _, played, sound in _brass.perform()]
 
 
 def test_the_fanfare_loses_no_note_and_all_are_in_tune(fanfare):
-    for voice, notes, sound, judged in fanfare:
+    for voice, notes, sound, measured in fanfare:
         assert abs(sound).max() < 0.5, voice  # where [greed~]'s soft clip is still linear
-        for note, j in zip(notes, judged):
+        for note, j in zip(notes, measured):
             where = f"{voice} {note.onset:.2f} s {score.name(note.pitch)}"
             assert abs(j["cents"]) < 10, where
             assert j["fundamental_db"] > -30 and j["level_db"] > -50, where
@@ -221,9 +221,9 @@ def test_no_sample_step_of_the_fanfare_is_twice_the_largest_of_its_held_tones(fa
 
 
 def test_the_dynamics_of_the_score_are_heard_in_the_fanfare(fanfare):
-    for voice, notes, _, judged in fanfare:
+    for voice, notes, _, measured in fanfare:
         softest, loudest = (choice(n.velocity for n in notes) for choice in (min, max))
-        levels = [numpy.mean([j["level_db"] for n, j in zip(notes, judged) if n.velocity == v])
+        levels = [numpy.mean([j["level_db"] for n, j in zip(notes, measured) if n.velocity == v])
                   for v in (softest, loudest)]
         assert levels[1] - levels[0] >= 20 * math.log10(loudest / softest), voice
 

@@ -26,11 +26,11 @@ def rubbed(folder, table, normal, velocity, settings, rate=48000, moves=(), expe
 def bowed(folder, force, rate=48000):
     """Velocity under the bow over the last 0.4 s of 1.2."""
     time = numpy.arange(int(1.2 * rate)) / rate
-    place = (BETA - .5) * LENGTH
+    position = (BETA - .5) * LENGTH
     render = rubbed(folder, closed_form_string(hz=HZ), force * numpy.clip(time / .05, 0, 1),
                     SPEED * numpy.clip(time / .05, 0, 1),
-                    ["radiation none", f"listener 1 {place} 0.5 0", "friction 0.8 0.3 0.1 0.5 1000000 5 0",
-                     f"rub {place} 0 0.5 0 1 0"], rate)
+                    ["radiation none", f"listener 1 {position} 0.5 0", "friction 0.8 0.3 0.1 0.5 1000000 5 0",
+                     f"rub {position} 0 0.5 0 1 0"], rate)
     return numpy.asarray(render["left"], float)[int(.8 * rate):], render
 
 
@@ -92,7 +92,7 @@ def test_friction_takes_hold_and_lets_go(tmp_path):
     assert abs(friction[(time > .2) & (time < .29)].mean() / 1 - 1) < .02
 
 
-def test_a_surface_slides_on_to_another_place(tmp_path):
+def test_a_surface_slides_on_to_another_position(tmp_path):
     """Over half the string, a hundred places a second: the force goes on without gaps."""
     time = numpy.arange(48000) / 48000
     moves = [(n / 100, f"rub {-60 + 1.2 * n} 0 0.5 0 1 0") for n in range(100)]

@@ -31,15 +31,15 @@ def both(tmp_path_factory):
     return [struck(tmp_path_factory.mktemp("disk"), felt) for felt in (1, 0)]
 
 
-def blows(z):
+def impacts(z):
     """Ticks in which the handle passes the disk's upper face, 6 mm high, downwards."""
     inside = z < 6
     return [n for n in numpy.flatnonzero(inside[1:] & ~inside[:-1]) + 1 if n > 50]
 
 
-def test_every_blow_sounds_within_two_blocks(both):
+def test_every_impact_sounds_within_two_blocks(both):
     sound, ticks = both[0]
-    found = blows(ticks["z_mm"])
+    found = impacts(ticks["z_mm"])
     assert len(found) == 4
     for n in found:
         sample = int(ticks["ms"][n] * 48)
@@ -50,7 +50,7 @@ def test_every_blow_sounds_within_two_blocks(both):
 
 def test_the_disk_sounds_at_its_own_frequencies(both):
     sound, ticks = both[0]
-    begin = int(ticks["ms"][blows(ticks["z_mm"])[1]] * 48)
+    begin = int(ticks["ms"][impacts(ticks["z_mm"])[1]] * 48)
     part = sound[begin + 480:begin + 480 + 16384] * numpy.hanning(16384)
     spectrum = abs(numpy.fft.rfft(part))
     loudest = numpy.argmax(spectrum) * 48000 / 16384
@@ -59,7 +59,7 @@ def test_the_disk_sounds_at_its_own_frequencies(both):
 
 def test_what_sounds_is_felt_as_250_hz_while_the_hand_touches(both):
     (_, felt), (_, still) = both
-    begin = blows(felt["z_mm"])[1]
+    begin = impacts(felt["z_mm"])[1]
     contact = slice(begin + 10, begin + 90)
     for ticks, low, high in ((felt, 0.3, 2), (still, 0, 0.01)):
         force = ticks["fz_n"][contact]
@@ -70,6 +70,6 @@ def test_what_sounds_is_felt_as_250_hz_while_the_hand_touches(both):
     assert abs(felt["fz_n"][away][60:]).max() == 0
 
 
-def test_the_vibration_does_not_disturb_the_blow(both):
+def test_the_vibration_does_not_disturb_the_impact(both):
     (_, felt), (_, still) = both
     assert abs(felt["z_mm"] - still["z_mm"])[200:].max() < 0.2

@@ -48,7 +48,7 @@ def fem_bar():
 def reference(name, loss):
     ours = StruckReference(body(name), loss)
     away = numpy.linalg.norm(ours.centre - numpy.array(PLACES[name]), axis=1)
-    return ours, ours.place(away.argmin())
+    return ours, ours.excite_at(away.argmin())
 
 
 def whole_samples(ours, listener, rate):
@@ -72,8 +72,8 @@ def play(folder, name, listener, seconds, *arguments, hit=None, force=None, rate
     box = patch.obj("modal_impact~", "body.npz", "-sync", 1, "-gain", .1, "-cull", 200, *arguments)
     patch.record("sound", box[0])
     patch.record("contact", box[2])
-    _, place = reference(name, LOSS)
-    point = " ".join(f"{x:.9g}" for x in place)
+    _, position = reference(name, LOSS)
+    point = " ".join(f"{x:.9g}" for x in position)
     for message in (f"loss {loss}", "listener 1 " + " ".join(f"{x * 1000:.9g}" for x in listener),
                     f"striker {STRIKER['mass']} {STRIKER['radius']} {young} {STRIKER['poisson']}",
                     f"point {point}", *messages):
@@ -136,7 +136,7 @@ def test_a_constant_force_falls_silent(tmp_path, name, radiation):
 def test_a_slow_force_gives_the_slow_acceleration(tmp_path, name):
     # 10 N at 20 Hz; a strong loss, so that nothing but the driven motion is left after a second.
     loss, ours = .05, StruckReference(body(name), .05)
-    ours.place(numpy.linalg.norm(ours.centre - numpy.array(PLACES[name]), axis=1).argmin())
+    ours.excite_at(numpy.linalg.norm(ours.centre - numpy.array(PLACES[name]), axis=1).argmin())
     listener = numpy.array((.1, .02, .3))
     t = numpy.arange(2 * 48000) / 48000
     sound, _ = play(tmp_path, name, listener, 2, loss=loss, force=10 * numpy.sin(40 * numpy.pi * t))
@@ -199,14 +199,14 @@ def test_level_over_damping_is_what_the_surface_gives(tmp_path, name, listener, 
             table = closed_form_bar(young=.05e9, density=1100)
         reference_body = StruckReference(table, loss)
         away = numpy.linalg.norm(reference_body.centre - numpy.array(PLACES[name]), axis=1)
-        reference_body.place(away.argmin())
-        ear, delay = whole_samples(reference_body, listener, rate)
-        sound, contact = play(tmp_path, name, ear, .5, hit=1,
+        reference_body.excite_at(away.argmin())
+        pickup, delay = whole_samples(reference_body, listener, rate)
+        sound, contact = play(tmp_path, name, pickup, .5, hit=1,
                               messages=[*messages, f"loss {loss}"])
         sound = sound[numpy.flatnonzero(contact)[0]:][:16384]
         s, chosen, size = line(16384, rate, beta)
         force, step = reference_body.strike(**STRIKER, young=2e11, speed=1, rate=rate, steps=64)
-        pressure = reference_body.pressure_per_force(ear, s) * transform(force, step, s)
+        pressure = reference_body.pressure_per_force(pickup, s) * transform(force, step, s)
         pressure *= numpy.exp(s * (1 / rate - delay))
         true.append(peak_and_energy(pressure, rate, beta, chosen, size))
         ours.append(peak_and_energy(spectrum(sound, rate, beta), rate, beta, chosen, size))

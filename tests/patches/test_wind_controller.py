@@ -115,8 +115,8 @@ def reading(sound, start, end, key):
 
     def at(seconds):
         middle = int(seconds * RATE)
-        places = numpy.arange(middle - half, middle + half + 1)
-        return (sound[places] * numpy.exp(turn * places)) @ window
+        samples = numpy.arange(middle - half, middle + half + 1)
+        return (sound[samples] * numpy.exp(turn * samples)) @ window
 
     phases = numpy.unwrap(numpy.angle([at(s) for s in numpy.arange(start, end, 0.0005)]))
     cycles = (phases[-1] - phases[0]) / (2 * math.pi) / (0.0005 * (len(phases) - 1))

@@ -18,7 +18,7 @@ echo "$file" >> "$(dirname "$0")/checked"
 """
 
 
-@pytest.fixture(name="tidy")
+@pytest.fixture(name="run_tidy")
 def in_small_checkout(tmp_path, monkeypatch, capsys):
     """A function that runs the script on a checkout of two sources: (status, names checked, output)."""
     loader = importlib.machinery.SourceFileLoader("tidy", str(SCRIPT))
@@ -61,38 +61,38 @@ def commit(root):
         subprocess.run(["git", "-C", str(root), *words], check=True)
 
 
-def test_a_clean_file_is_checked_once_and_again_when_its_header_changes(tidy):
-    assert tidy()[:2] == (0, {"a.cpp", "b.cpp"})
-    assert tidy()[:2] == (0, set())
-    (tidy.root / "core/a.hpp").write_text("int a(int);\n")
-    assert tidy()[:2] == (0, {"a.cpp"})
-    (tidy.root / ".clang-tidy").write_text("Checks: others\n")
-    assert tidy()[:2] == (0, {"a.cpp", "b.cpp"})
+def test_a_clean_file_is_checked_once_and_again_when_its_header_changes(run_tidy):
+    assert run_tidy()[:2] == (0, {"a.cpp", "b.cpp"})
+    assert run_tidy()[:2] == (0, set())
+    (run_tidy.root / "core/a.hpp").write_text("int a(int);\n")
+    assert run_tidy()[:2] == (0, {"a.cpp"})
+    (run_tidy.root / ".clang-tidy").write_text("Checks: others\n")
+    assert run_tidy()[:2] == (0, {"a.cpp", "b.cpp"})
 
 
-def test_a_finding_fails_every_time(tidy):
-    (tidy.root / "core/b.cpp").write_text("bad\n")
+def test_a_finding_fails_every_time(run_tidy):
+    (run_tidy.root / "core/b.cpp").write_text("bad\n")
     for checked in ({"a.cpp", "b.cpp"}, {"b.cpp"}):
-        status, names, output = tidy()
+        status, names, output = run_tidy()
         assert (status, names) == (1, checked) and "bad" in output
 
 
 @pytest.mark.skipif(not shutil.which("git"), reason="git is missing")
-def test_only_what_changed_is_checked_with_the_user_of_a_changed_header(tidy):
-    commit(tidy.root)
-    (tidy.root / "core/a.hpp").write_text("int a(int);\n")
-    assert tidy("--changed", "HEAD")[:2] == (0, {"a.cpp"})
-    assert tidy("--changed", "HEAD")[:2] == (0, set())
-    (tidy.root / "core/b.cpp").write_text("bad\n")
-    assert tidy("--changed", "HEAD")[:2] == (1, {"b.cpp"})
+def test_only_what_changed_is_checked_with_the_user_of_a_changed_header(run_tidy):
+    commit(run_tidy.root)
+    (run_tidy.root / "core/a.hpp").write_text("int a(int);\n")
+    assert run_tidy("--changed", "HEAD")[:2] == (0, {"a.cpp"})
+    assert run_tidy("--changed", "HEAD")[:2] == (0, set())
+    (run_tidy.root / "core/b.cpp").write_text("bad\n")
+    assert run_tidy("--changed", "HEAD")[:2] == (1, {"b.cpp"})
 
 
-def test_a_limit_names_what_is_left_and_goes_on_there(tidy):
-    status, names, output = tidy("--limit", "1")
+def test_a_limit_names_what_is_left_and_goes_on_there(run_tidy):
+    status, names, output = run_tidy("--limit", "1")
     assert (status, names) == (0, {"a.cpp"}) and "1 files are left" in output and "b.cpp" in output
-    assert tidy("--limit", "1")[:2] == (0, {"b.cpp"})
+    assert run_tidy("--limit", "1")[:2] == (0, {"b.cpp"})
 
 
-def test_without_history_it_says_that_it_checks_nothing(tidy):
-    status, names, output = tidy("--changed")
+def test_without_history_it_says_that_it_checks_nothing(run_tidy):
+    status, names, output = run_tidy("--changed")
     assert (status, names) == (0, set()) and "no history" in output

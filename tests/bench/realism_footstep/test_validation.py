@@ -1,8 +1,8 @@
-"""A second judge, and judges that have not heard the collection they judge."""
+"""The band classifiers, and cross-validation by collection."""
 import numpy
 import pytest
-from second_judge import discriminant, judges, shrunk_covariance
-from validation import Recorded, all_judges, left_out, lines, named, shares
+from band_classifiers import discriminant, classifiers, shrunk_covariance
+from validation import Recorded, all_classifiers, left_out, lines, named, shares
 
 RANDOM = numpy.random.RandomState(7)
 
@@ -43,9 +43,9 @@ def collections_of_two_labels(apart):
     return vectors, labels, collections
 
 
-@pytest.mark.parametrize("name", list(all_judges()))
+@pytest.mark.parametrize("name", list(all_classifiers()))
 def test_a_collection_left_out_shows_what_one_sound_left_out_hides(name):
-    rank = all_judges()[name]
+    rank = all_classifiers()[name]
     vectors, labels, collections = collections_of_two_labels(5.0)
     one = shares(left_out(rank, vectors, labels, numpy.arange(40) % 5), labels)
     whole = shares(left_out(rank, vectors, labels, collections), labels)
@@ -53,7 +53,7 @@ def test_a_collection_left_out_shows_what_one_sound_left_out_hides(name):
     assert whole[0] < 0.6
 
 
-def test_a_label_that_nobody_else_has_is_not_judged():
+def test_a_label_of_one_collection_only_is_not_classified():
     vectors, labels, collections = collections_of_two_labels(5.0)
     labels = numpy.where((collections == "x") & (labels == "b"), "c", labels)
     ranked = left_out(discriminant, vectors, labels, collections)
@@ -67,17 +67,17 @@ def test_shares_are_means_over_labels_not_over_sounds():
     assert numpy.isnan(shares([None], ["a"])[0])
 
 
-def test_steps_of_a_ground_that_the_judge_has_not_heard_are_left_out():
+def test_steps_of_a_material_unknown_to_the_classifier_are_left_out():
     vectors, labels, _ = collections_of_two_labels(5.0)
     ranked, truth = named(discriminant, vectors, labels, {"b": vectors[:2], "z": vectors[:3]})
     assert truth == ["b", "b"] and len(ranked) == 2
 
 
-def test_the_report_has_a_row_for_every_judge_and_ground():
+def test_the_report_has_a_row_for_every_classifier_and_material():
     vectors, labels, collections = (v[::5] for v in collections_of_two_labels(5.0))
     recorded = Recorded(vectors, vectors, labels, collections)
     made = {"a": vectors[:2], "b": vectors[2:4]}
     text = "\n".join(lines(recorded, made, made))
-    assert all(f"| {name} |" in text for name in all_judges())
+    assert all(f"| {name} |" in text for name in all_classifiers())
     assert "| a |" in text and "| b |" in text
-    assert ("python3-sklearn" in text) == (len(judges()) < 2)
+    assert ("python3-sklearn" in text) == (len(classifiers()) < 2)

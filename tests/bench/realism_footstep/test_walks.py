@@ -3,7 +3,7 @@ import numpy
 import pytest
 import targets
 from ensemble import Member, members, named_right
-from population import PLACES
+from population import INDICES
 from walks import contacts, onsets, patch_text
 
 RATE = 22050
@@ -49,10 +49,10 @@ def test_members_differ_from_each_other_and_keep_the_tables_means():
     for vectors, labels, sources in worlds:
         assert len(vectors) == len(labels) == len(sources) == sum(
             count for count, _ in targets.FEATURES.values())
-        place, scaled = PLACES["centroid_hz"]
+        index, scaled = INDICES["centroid_hz"]
         for label in ("wood", "snow"):
             median = scaled(dict(zip(targets.NAMES, targets.FEATURES[label][1]))["centroid_hz"][0])
-            assert vectors[labels == label][:, place].mean() == pytest.approx(median, abs=0.01)
+            assert vectors[labels == label][:, index].mean() == pytest.approx(median, abs=0.01)
     assert abs(worlds[0][0] - worlds[1][0]).max() > 0.5
 
 

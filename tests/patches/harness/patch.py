@@ -54,16 +54,16 @@ class Canvas:
         self.boxes.append(line)
         return Node(self, len(self.boxes) - 1)
 
-    def _place(self):
+    def _coordinates(self):
         return f"{20 + 30 * len(self.boxes)} {20 + 24 * (len(self.boxes) % 24)}"
 
     def obj(self, *words):
         """A box: obj("greed~", "-f_r", 2800) or obj("greed~ -f_r 2800")."""
-        return self._add(f"#X obj {self._place()} {escape(' '.join(atom(w) for w in words))};")
+        return self._add(f"#X obj {self._coordinates()} {escape(' '.join(atom(w) for w in words))};")
 
     def msg(self, text):
         """A message box; commas, semicolons and $1 mean what they mean in Pd."""
-        return self._add(f"#X msg {self._place()} {escape(text)};")
+        return self._add(f"#X msg {self._coordinates()} {escape(text)};")
 
     def sub(self, name, block=None):
         """A sub-patch, drawn into the canvas returned; its .node is the box here.
@@ -143,15 +143,15 @@ class Canvas:
         # numbers: Pd prints six digits.
         fork, length = self.obj("t b a a a"), self.obj("t f f")
         packed, write = self.obj("list prepend 0"), self.obj("array set", table)
-        place, advance, here = self.obj("f"), self.obj("+"), self.obj("t f f")
+        start, advance, here = self.obj("f"), self.obj("+"), self.obj("t f f")
         line >> fork
         fork[3] >> self.obj("print", f"harness-log.{label}")
         fork[2] >> self.obj("list length") >> length
         length[1] >> packed[1]
         length >> advance
-        advance >> self.obj("+ 1") >> place[1]
+        advance >> self.obj("+ 1") >> start[1]
         fork[1] >> packed >> write
-        fork >> place >> here
+        fork >> start >> here
         here[1] >> advance[1]
         here >> write[1]
 

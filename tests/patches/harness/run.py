@@ -1,4 +1,4 @@
-"""Runs Pd without a screen or sound card and judges what it says.
+"""Runs Pd without a screen or sound card and checks what it prints.
 
 Pd leaves with status 0 whatever went wrong and runs for ever when a patch is missing, so every
 line it prints is read, a time limit set and each recording demanded. Recording goes through

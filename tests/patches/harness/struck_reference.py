@@ -162,8 +162,8 @@ class StruckReference:
         self.normal = cross / (2 * self.area[:, None])
         self.centre = corner.mean(1)
 
-    def place(self, triangle):
-        """The middle of a triangle as the place of a push inwards."""
+    def excite_at(self, triangle):
+        """Takes the middle of a triangle as the point of an inward force; returns it in mm."""
         self.at, self.out = self.centre[triangle], self.normal[triangle]
         self.b = -numpy.einsum("kvd,d->k", self.phi[:, self.tri[triangle]], self.out) / 3
         self.linear = -self.out / self.mass * self.free

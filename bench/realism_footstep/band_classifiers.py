@@ -1,7 +1,7 @@
-"""A second opinion on steps: what band sounds when, and two classifiers that share nothing with judge.py.
+"""A second opinion on steps: what band sounds when, and two classifiers that share nothing with comparison.py.
 
 A sound is the level of each of 20 bands in each of 7 windows of time after its onset (time_course.py),
-over the whole, so that level does not count. Judges: linear discriminants whose common covariance is
+over the whole, so that level does not count. Classifiers: linear discriminants whose common covariance is
 shrunk as Ledoit & Wolf (J. Multivar. Anal. 88, 2004) say, and a random forest (Breiman, Machine Learning
 45, 2001; Debian: python3-sklearn), which is left out where it is not installed."""
 import numpy as np
@@ -51,7 +51,7 @@ def forest(train, labels, sounds, trees=300):
     return order(list(made.classes_), made.predict_proba(sounds))
 
 
-def judges():
+def classifiers():
     """{name: function of (train, labels, sounds)} of those at hand."""
     found = {"bands in time, discriminant": discriminant}
     try:
