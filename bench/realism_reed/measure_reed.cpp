@@ -75,11 +75,11 @@ bool play(std::istringstream& line) {
     top = std::max(top, level);
   std::printf("%.2f %.1f %.1f %.1f %.5g %.5g %.1f %d %.4f %.4f %.5g", note.cents,
               note.inharmonic_db, note.inharmonic_hz, note.first_db, note.rms, note.bore_rms,
-              note.centroid_hz, note.right() ? 1 : 0, test::time_to(r, bore, 0.5 * note.rms),
+              note.centroid_hz, note.in_register() ? 1 : 0, test::time_to(r, bore, 0.5 * note.rms),
               test::time_to(r, bore, 0.1 * note.rms), top);
   if (swelling != 0) {
     const test::SwellMeasure swell = test::measure_swell(r, bore);
-    std::printf(" %.1f %.2f %d", swell.inharmonic_db, swell.cents, swell.wrong);
+    std::printf(" %.1f %.2f %d", swell.inharmonic_db, swell.cents, swell.wrong_register);
   }
   for (const double h : note.harmonics)
     std::printf(" %.1f", h);
