@@ -121,7 +121,7 @@ def main():
                        for steps in (before, after)]
             figures.append(distances({name: v[first] for name, v in real.items()}, label, other))
             rows.append((label, fitted, other, *np.transpose(figures).ravel()))
-    print("| material | fitted to | judged by | "
+    print("| material | fitted to | compared with | "
           + " | ".join(f"{name}: {whose}" for name in heard
                        for whose in ("neutral", "fitted", "the first's recordings")) + " |")
     print("|---" * 9 + "|")

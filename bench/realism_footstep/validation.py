@@ -74,7 +74,7 @@ def lines(recorded, made_features, made_cells):
     heads = ["recordings, one left out", "recordings, their collection left out", "ours, by all",
              f"ours of {', '.join(several)}: by all",
              *(f"by {name} alone" for name in names)]
-    out = ["| judge, first / among three, % | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
+    out = ["| classifier, first / among three, % | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
     grounds = {}
     for name, rank in all_classifiers().items():
         vectors = recorded.heard_by(name)

@@ -64,7 +64,7 @@ public:
       "greed_gradient~",
       "a reed and the slope of its playability in one object",
       "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
-      "reed frequency and one on each side of it, judged as by playability~; their differences "
+      "reed frequency and one on each side of it, estimated as by playability~; their differences "
       "are the slope that guides the hand. Costs a third more than one greed~. In mode growth the "
       "slope comes from linear theory and leads also out of silence, in mode guide the force pulls "
       "to the nearest note and leaves the hand alone there. Both need a map, made in a thread of "

@@ -1,4 +1,4 @@
-// Tables with sound, as the player reads them: multipoles, and velocities after a blow.
+// Tables with sound, as the player reads them: multipoles, and velocities after a strike.
 #include "core/modal/radiation/radiation.hpp"
 #include "core/modal/radiation/raw_radiation.hpp"
 #include "fem/io/modal_table.hpp"
@@ -33,7 +33,7 @@ struct Body {
     if (radiates)
       sound = radiate(solved.mesh, solved.modes, {.triangles = kTriangles});
     for (std::size_t v = 0; v < surface_of(solved.mesh).node.size(); ++v)
-      yields.push_back(1e-15f * static_cast<float>(v)); // too little for the blows below
+      yields.push_back(1e-15f * static_cast<float>(v)); // too little for the strikes below
     const Material material = find_material("aluminium");
     const std::string path = "raw_test.modal.npz";
     write_table(path,

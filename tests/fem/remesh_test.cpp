@@ -1,4 +1,4 @@
-// Renewed triangle surfaces: the same body, better triangles.
+// Remeshed triangle surfaces: the same body, better triangles.
 #include "fem/mesh/remesh.hpp"
 
 #include "fem/mesh/crossing.hpp"

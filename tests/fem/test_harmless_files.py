@@ -80,9 +80,9 @@ def test_a_script_inside_a_body_runs_nothing(name, tmp_path):
     lines = body.splitlines(keepends=True)
     for script in SCRIPTS[:2]:
         flat = script.replace("\n", " ").replace('"', "'")
-        places = [script + body, body + script, body.replace("NAME", flat), body.replace("NAME", script.strip()),
-                  *("".join(lines[:i]) + script + "".join(lines[i:]) for i in (1, len(lines) // 2))]
-        for content in places:
+        contents = [script + body, body + script, body.replace("NAME", flat), body.replace("NAME", script.strip()),
+                    *("".join(lines[:i]) + script + "".join(lines[i:]) for i in (1, len(lines) // 2))]
+        for content in contents:
             try_all(tmp_path, [(name, content)])
 
 

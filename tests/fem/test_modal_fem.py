@@ -206,7 +206,7 @@ def test_two_bodies_in_one_file_and_a_truncated_file_are_refused(tmp_path):
     assert "promises 24 triangles" in refusal("cut.stl", folder=tmp_path)
 
 
-def test_every_fault_of_a_surface_is_named_with_its_place(tmp_path):
+def test_every_fault_of_a_surface_is_named_with_its_position(tmp_path):
     write_stl(tmp_path / "hole.stl", cube_triangles(10)[1:-1])
     said = refusal("hole.stl", folder=tmp_path)
     assert "open at triangle" in said and "mm" in said and "6 such edges" in said
