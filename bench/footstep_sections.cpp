@@ -93,7 +93,7 @@ Energy walk(const std::string& text, double speed, double seconds) {
   tactus::bench::WalkingFoot foot(recipe, {speed}, kRate, 3);
   Energy heard;
   for (double n = 0; n < seconds * kRate; ++n) {
-    const double sound = foot.next().heard;
+    const double sound = foot.next().pressure_pa;
     if (foot.heel_lands())
       heard.contact();
     heard.add(sound);

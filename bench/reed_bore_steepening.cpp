@@ -138,7 +138,7 @@ public:
     const double return_delay = inside ? reach + 3 : 0; // samples; the rest of the delay is way out
     line_.read(trip_.delay - return_delay, lead, reach, wave.data(), kBlock);
     {
-      RoundTripFilter<double>::BlockFilter filter(filter_, trip_, path_.returning_share());
+      RoundTripFilter<double>::BlockFilter filter(filter_, trip_, path_.reflected_weight());
       for (int i = 0; i < kBlock; ++i)
         wave[index(i)] = filter(wave[index(i)], sound[i]);
     }

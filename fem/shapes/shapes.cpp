@@ -217,8 +217,8 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   size.box = {x, y, z};
   return planned(size, [=, min_divisions_x = min_divisions(x), min_divisions_y = min_divisions(y),
                         min_divisions_z = min_divisions(z), given = grid_of(choice)] {
-    const auto cut = [h](double side, int min_divisions) {
-      return divide({-side / 2, side / 2, h, min_divisions});
+    const auto cut = [h](double side, int divisions) {
+      return divide({-side / 2, side / 2, h, divisions});
     };
     SweepGrid grid;
     grid.line =
