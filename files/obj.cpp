@@ -117,7 +117,8 @@ void read_obj(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh
   if (text.find('\\') != std::string_view::npos)
     text = whole_lines = joined(text);
   ObjReader reader(limits, mesh);
-  for_each_line(text, [&](std::size_t number, Words words) { return reader.line(number, words); });
+  for_each_line(text,
+                [&](std::size_t number, const Words& words) { return reader.line(number, words); });
   reader.end();
 }
 

@@ -50,7 +50,7 @@ inline constexpr std::array kInlets{
 inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "sound", "", "velocity of the body times gain, within +-1"},
     Port{Port::Kind::kSignal, "contact", "N", "force between mass and body"},
-    Port{Port::Kind::kControl, "blow", "", "after each contact: duration in ms, impulse in N s"},
+    Port{Port::Kind::kControl, "impact", "", "after each contact: duration in ms, impulse in N s"},
 };
 
 } // namespace contact_impact
@@ -144,7 +144,7 @@ public:
   }
   void dump(Host& host) {
     body_.post_info(host);
-    host.info({"blows", static_cast<double>(body_.exciter(0).impact_count)});
+    host.info({"impacts", static_cast<double>(body_.exciter(0).impact_count)});
   }
 
 private:

@@ -1,4 +1,4 @@
-"""Struck bodies for scenes: tables from modal_fem, kept between runs, and blows in headless Pd."""
+"""Struck bodies for scenes: tables from modal_fem, kept between runs, and strikes in headless Pd."""
 import hashlib
 import pathlib
 import subprocess

@@ -73,4 +73,4 @@ def make(scene):
                          f"{centroid(part):.0f}", f"{numpy.load(table)['freq'][0]:.1f}"])
         scene.progress(f"{name}: walked on")
     scene.picture("spectrograms", figure, "a walk of fifteen seconds, three shoes")
-    scene.table(["floor", "shoe", "blows", "mean m/s", "loudest, Pa", "centroid, Hz", "first mode, Hz"], rows)
+    scene.table(["floor", "shoe", "strikes", "mean m/s", "loudest, Pa", "centroid, Hz", "first mode, Hz"], rows)

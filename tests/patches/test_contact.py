@@ -9,7 +9,7 @@ from harness import Patch
 
 
 def strike(rate, messages, seconds=1.0, arguments=(), press=0):
-    """Sound, force and blows (duration in ms, impulse in N s)."""
+    """Sound, force and impacts (duration in ms, impulse in N s)."""
     patch = Patch()
     voice = patch.obj("sig~", press) >> patch.obj("contact_impact~", *arguments)
     for time, message in messages:
