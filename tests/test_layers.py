@@ -27,7 +27,7 @@ HOMES = {
     "doctest/.*|benchmark/.*": r"-",
 }
 STANDARD = re.compile(r"[a-z_0-9]+")  # <vector>; <unistd.h> has a point
-INSTRUCTIONS = {"immintrin.h", "xmmintrin.h", "arm_neon.h"}
+INSTRUCTIONS = {"immintrin.h", "emmintrin.h", "xmmintrin.h", "arm_neon.h"}
 FILES = {"fstream", "filesystem", "iostream", "syncstream"}
 READS = re.compile(r"\b(fopen|freopen|fread|fwrite|fgets|fputs|tmpfile|FILE)\b")
 INCLUDE = re.compile(r"^\s*#\s*include\s*([<\"])([^>\"]+)[>\"]", re.M)
