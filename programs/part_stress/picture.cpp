@@ -99,6 +99,20 @@ std::array<double, 8> numbers_of(const PictureState& s) {
           s.volume};
 }
 
+/// Draws the sheet from the arrays, which stand in a file beside it meanwhile.
+void draw_arrays(const std::string& picture, const NpzWriter& npz) {
+  const std::string between = picture + ".npz.partial";
+  struct Remover {
+    const std::string& path;
+    ~Remover() {
+      std::error_code error;
+      std::filesystem::remove(path, error);
+    }
+  } const remover{between};
+  write_npz(between, npz);
+  draw_sheet("stress_sheet.py", between, picture);
+}
+
 } // namespace
 
 PictureState picture_of(const Mesh& mesh, const StaticModel& model, const StaticSolution& solution,
@@ -172,16 +186,7 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
   npz.add("is_free", is_free, {c});
   npz.add("taylor", labels.taylor, {labels.taylor.size()});
   npz.add("solved", states.back().at_elements, {states.back().at_elements.size()});
-  const std::string between = picture + ".npz.partial";
-  struct Remover {
-    const std::string& path;
-    ~Remover() {
-      std::error_code error;
-      std::filesystem::remove(path, error);
-    }
-  } const remover{between};
-  write_npz(between, npz);
-  draw_sheet("stress_sheet.py", between, picture);
+  draw_arrays(picture, npz);
 }
 
 } // namespace tactus::fem
