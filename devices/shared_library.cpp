@@ -8,6 +8,13 @@
 
 namespace tactus::devices {
 
+std::string SharedLibrary::joined(std::span<const char* const> names) {
+  std::string text;
+  for (const char* name : names)
+    text += std::string(text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 #ifndef _WIN32
 bool SharedLibrary::load(std::span<const char* const> names) {
   handle_ = nullptr;

@@ -21,6 +21,8 @@ public:
   bool load(std::span<const char* const> names);
   [[nodiscard]] bool loaded() const noexcept { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
+  /// The names as an error text lists them, with commas between.
+  [[nodiscard]] static std::string joined(std::span<const char* const> names);
   /// The name that loaded.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
@@ -35,6 +37,24 @@ private:
 
   void* handle_ = nullptr;
   std::string name_, error_;
+};
+
+/// Finds the functions that a driver cannot do without.
+class RequiredSymbols {
+public:
+  explicit RequiredSymbols(SharedLibrary& library) noexcept : library_(library) {}
+
+  /// Sets the function pointer.
+  template <class Function> void operator()(const char* name, Function*& function) noexcept {
+    if (!library_.symbol(name, function) && !missing_)
+      missing_ = name;
+  }
+  /// The first one that the library lacks, or null.
+  [[nodiscard]] const char* missing() const noexcept { return missing_; }
+
+private:
+  SharedLibrary& library_;
+  const char* missing_ = nullptr;
 };
 
 } // namespace tactus::devices

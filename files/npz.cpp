@@ -70,6 +70,50 @@ bool multiply(std::size_t& product, std::size_t by) {
   return true;
 }
 
+/// Reads the directory's entry at `at`, which moves behind it; empty, else what is wrong.
+std::string read_entry(std::span<const std::byte> file, std::size_t end, std::size_t& at,
+                       Member& member) {
+  if (at > end || end - at < kCentralEntry || number_at(file, at, 4) != 0x02014b50)
+    return "the archive's directory is damaged";
+  const std::size_t name_size = number_at(file, at + 28, 2);
+  const std::size_t skip = name_size + number_at(file, at + 30, 2) + number_at(file, at + 32, 2);
+  if (end - at - kCentralEntry < skip || name_size > kMaxNameLength)
+    return "the archive's directory is damaged";
+  member = {{},
+            number_at(file, at + 10, 2),
+            number_at(file, at + 16, 4),
+            number_at(file, at + 20, 4),
+            number_at(file, at + 24, 4),
+            number_at(file, at + 42, 4)};
+  for (std::size_t i = 0; i < name_size; ++i)
+    member.name += static_cast<char>(file[at + kCentralEntry + i]);
+  at += kCentralEntry + skip;
+  const bool plain = std::all_of(member.name.begin(), member.name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '.' || c == '-';
+  });
+  if (!plain || member.name.find("..") != std::string::npos || member.name.empty())
+    return "a member's name is not a plain name";
+  return {};
+}
+
+/// Reads a .npy member's header and finds its numbers; empty, else what is wrong.
+std::string read_array(std::span<const std::byte> bytes, const std::string& name, NpzArray& array) {
+  array.name = name.substr(0, name.size() - 4);
+  std::size_t header = 0;
+  if (std::string refusal = read_npy_header(bytes, array, header); !refusal.empty())
+    return "array '" + array.name + "' " + refusal;
+  std::size_t size = array.item_bytes;
+  for (const std::size_t extent : array.shape)
+    if (!multiply(size, extent))
+      return "array '" + array.name + "' claims more elements than there can be";
+  if (size != bytes.size() - header)
+    return "array '" + array.name + "' is " + std::to_string(bytes.size() - header) +
+           " bytes long where its shape asks for " + std::to_string(size);
+  array.bytes = bytes.subspan(header);
+  return {};
+}
+
 template <class T> T element(const std::byte* from, bool swap) {
   std::array<std::byte, sizeof(T)> raw;
   std::memcpy(raw.data(), from, sizeof(T));
@@ -182,45 +226,17 @@ std::string NpzFile::open(std::span<const std::byte> file) {
   std::size_t at = directory;
   std::vector<NpzArray> found;
   for (std::size_t m = 0; m < members; ++m) {
-    if (at > end || end - at < kCentralEntry || number_at(file, at, 4) != 0x02014b50)
-      return "the archive's directory is damaged";
-    const std::size_t name_size = number_at(file, at + 28, 2);
-    const std::size_t skip = name_size + number_at(file, at + 30, 2) + number_at(file, at + 32, 2);
-    if (end - at - kCentralEntry < skip || name_size > kMaxNameLength)
-      return "the archive's directory is damaged";
-    Member member{{},
-                  number_at(file, at + 10, 2),
-                  number_at(file, at + 16, 4),
-                  number_at(file, at + 20, 4),
-                  number_at(file, at + 24, 4),
-                  number_at(file, at + 42, 4)};
-    for (std::size_t i = 0; i < name_size; ++i)
-      member.name += static_cast<char>(file[at + kCentralEntry + i]);
-    at += kCentralEntry + skip;
-    const bool plain = std::all_of(member.name.begin(), member.name.end(), [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-             c == '_' || c == '.' || c == '-';
-    });
-    if (!plain || member.name.find("..") != std::string::npos || member.name.empty())
-      return "a member's name is not a plain name";
+    Member member;
+    if (std::string refusal = read_entry(file, end, at, member); !refusal.empty())
+      return refusal;
     std::span<const std::byte> bytes;
     if (std::string refusal = member_bytes(file, member, bytes); !refusal.empty())
       return refusal;
     if (!member.name.ends_with(".npy"))
       continue;
     NpzArray array;
-    array.name = member.name.substr(0, member.name.size() - 4);
-    std::size_t header = 0;
-    if (std::string refusal = read_npy_header(bytes, array, header); !refusal.empty())
-      return "array '" + array.name + "' " + refusal;
-    std::size_t size = array.item_bytes;
-    for (const std::size_t extent : array.shape)
-      if (!multiply(size, extent))
-        return "array '" + array.name + "' claims more elements than there can be";
-    if (size != bytes.size() - header)
-      return "array '" + array.name + "' is " + std::to_string(bytes.size() - header) +
-             " bytes long where its shape asks for " + std::to_string(size);
-    array.bytes = bytes.subspan(header);
+    if (std::string refusal = read_array(bytes, member.name, array); !refusal.empty())
+      return refusal;
     if (std::any_of(found.begin(), found.end(),
                     [&](const NpzArray& other) { return other.name == array.name; }))
       return "array '" + array.name + "' is there twice";

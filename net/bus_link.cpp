@@ -147,6 +147,7 @@ void BusLink::listen(int port, const std::string& address) {
   start(std::make_shared<Listener>(settings(), port, address));
 }
 
+// One piece: the class of the worker's thread, which nothing else uses, and its start.
 void BusLink::connect(const std::string& host, int port) {
   class Caller final : public Worker {
   public:

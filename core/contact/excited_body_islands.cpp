@@ -20,6 +20,19 @@ void scatter(std::span<const std::uint32_t> modes, const double* from, ModeArray
     to[modes[k]] = from[k];
 }
 
+/// Copies the modes' numbers behind the `skip` leading lanes; the other lanes get `elsewhere`.
+void gather_lanes(std::span<const std::uint32_t> modes, std::size_t skip, const double* from,
+                  double elsewhere, std::span<double> lanes) noexcept {
+  double* const destination = lanes.data() + skip;
+  std::fill(lanes.data(), destination, elsewhere);
+  if (contiguous(modes))
+    std::copy_n(from + modes.front(), modes.size(), destination);
+  else
+    std::transform(modes.begin(), modes.end(), destination,
+                   [&](std::uint32_t k) { return from[k]; });
+  std::fill(destination + modes.size(), lanes.data() + lanes.size(), elsewhere);
+}
+
 } // namespace
 
 /// Divides all exciters in use into islands, and lists the single contacts.
@@ -117,14 +130,7 @@ ExcitedBody::Group ExcitedBody::pack(std::size_t island, std::size_t level_index
   const std::span<const std::size_t> slots = islands_.slots(island);
   const std::span<const std::uint32_t> modes = islands_.modes(island);
   const auto gather = [&](double* part, const double* from, double elsewhere) {
-    double* const destination = part + p.skip;
-    std::fill(part, destination, elsewhere);
-    if (contiguous(modes))
-      std::copy_n(from + modes.front(), modes.size(), destination);
-    else
-      std::transform(modes.begin(), modes.end(), destination,
-                     [&](std::uint32_t k) { return from[k]; });
-    std::fill(destination + modes.size(), part + p.lanes, elsewhere);
+    gather_lanes(modes, p.skip, from, elsewhere, {part, p.lanes});
   };
   shapes_.clear();
   for (std::size_t c = 0; c < slots.size(); ++c)

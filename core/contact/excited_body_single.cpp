@@ -6,6 +6,24 @@
 /// Single contacts: alone in their island, on at most kFewModes modes. Scalar code, all in
 /// registers.
 namespace tactus::contact {
+namespace {
+
+/// The step's force and mean approach velocity; no force where the contact does not act.
+void solve_single_force(ContactTerm& t, double mobility) noexcept {
+  t.force = 0;
+  t.mean = t.free;
+  t.acts = t.law.slope_ns_per_m > ContactSystem::kMinSlope;
+  if (!t.acts)
+    return;
+  t.solve(mobility);
+  if (t.force < 0 && !t.may_be_negative) {
+    t.acts = false;
+    t.force = 0;
+    t.mean = t.free;
+  }
+}
+
+} // namespace
 
 /// State of one mode of a single contact, its shape at the contact point, and the external force.
 struct ExcitedBody::SingleMode {
@@ -108,23 +126,10 @@ void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcep
       body_free += state[k].shape * (level.mean_real[modes[k]] * state[k].real +
                                      level.mean_imaginary[modes[k]] * state[k].imaginary);
     e.enter_step(t, body_free, mobility - own_mobility, h);
-    const auto solve = [&] {
-      t.force = 0;
-      t.mean = t.free;
-      t.acts = t.law.slope_ns_per_m > ContactSystem::kMinSlope;
-      if (!t.acts)
-        return;
-      t.solve(mobility);
-      if (t.force < 0 && !t.may_be_negative) {
-        t.acts = false;
-        t.force = 0;
-        t.mean = t.free;
-      }
-    };
-    solve();
+    solve_single_force(t, mobility);
     if (e.kind == Exciter::Kind::kFriction) {
       e.refine(t);
-      solve();
+      solve_single_force(t, mobility);
     }
     for (std::size_t k = 0; k < modes.size(); ++k) {
       const std::uint32_t i = modes[k];

@@ -9,10 +9,6 @@ namespace {
 
 constexpr std::size_t kLeaf = 4;
 
-Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// Barycentric weights of the triangle's point nearest to p, by its Voronoi regions (Ericson,
 /// Real-Time Collision Detection, 2005, section 5.1.5).
 std::array<double, 3> nearest_weights(const std::array<Vec3, 3>& t, const Vec3& p) noexcept {

@@ -47,10 +47,6 @@ Vec3 to_base(const Leg& leg, double u, double v, double w) noexcept {
   return {u * leg.cos_phi - v * leg.sin_phi, u * leg.sin_phi + v * leg.cos_phi, w};
 }
 
-Vec3 cross(const Vec3& p, const Vec3& q) noexcept {
-  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-}
-
 double determinant(const std::array<Vec3, 3>& rows) noexcept {
   return dot(rows[0], cross(rows[1], rows[2]));
 }

@@ -23,18 +23,12 @@ std::vector<const char*> file_names() {
 std::string DhdLibrary::load() {
   const std::vector<const char*> names = file_names();
   if (!library_.load(names)) {
-    std::string tried;
-    for (const char* name : names)
-      tried += std::string(tried.empty() ? "" : ", ") + name;
-    return "Force Dimension's library is not here (tried " + tried + ": " + library_.error() +
+    return "Force Dimension's library is not here (tried " + SharedLibrary::joined(names) + ": " +
+           library_.error() +
            "); get the SDK from www.forcedimension.com/software/sdk and put its libdhd where the "
            "system finds libraries, or set TACTUS_LIBDHD to its path";
   }
-  const char* missing = nullptr;
-  const auto need = [&](const char* name, auto*& function) {
-    if (!library_.symbol(name, function) && !missing)
-      missing = name;
-  };
+  RequiredSymbols need(library_);
   need("dhdGetDeviceCount", device_count);
   need("dhdOpenID", open_id);
   need("dhdClose", close);
@@ -44,7 +38,7 @@ std::string DhdLibrary::load() {
   need("dhdSetForce", set_force);
   need("dhdEnableForce", enable_force);
   need("dhdErrorGetLastStr", last_error);
-  if (missing) {
+  if (const char* missing = need.missing()) {
     return library_.name() + " has no function " + missing +
            "; it is not version 3 of Force Dimension's SDK: install that, or "
            "set TACTUS_LIBDHD to the path of its libdhd";

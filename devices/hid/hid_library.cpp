@@ -20,20 +20,16 @@ std::string HidLibrary::load(Transport transport) {
   if (!loaded)
     return "hidapi cannot be loaded (" + library_.error() +
            "): install Debian's libhidapi-hidraw0, or hidapi from github.com/libusb/hidapi";
-  const char* missing = nullptr;
-  const auto find = [&](const char* name, auto& function) {
-    if (!library_.symbol(name, function))
-      missing = name;
-  };
-  find("hid_init", init);
-  find("hid_enumerate", enumerate);
-  find("hid_free_enumeration", free_enumeration);
-  find("hid_open_path", open_path);
-  find("hid_close", close);
-  find("hid_read_timeout", read_timeout);
-  find("hid_write", write);
+  RequiredSymbols need(library_);
+  need("hid_init", init);
+  need("hid_enumerate", enumerate);
+  need("hid_free_enumeration", free_enumeration);
+  need("hid_open_path", open_path);
+  need("hid_close", close);
+  need("hid_read_timeout", read_timeout);
+  need("hid_write", write);
   library_.symbol("hid_get_report_descriptor", get_report_descriptor);
-  if (missing)
+  if (const char* missing = need.missing())
     return library_.name() + " has no " + missing + ": install hidapi 0.8 or newer";
   if (init() != 0)
     return library_.name() + " does not start: is /dev there?";

@@ -38,18 +38,12 @@ int severity(Code code) noexcept {
 std::string HdLibrary::load() {
   const std::vector<const char*> names = file_names();
   if (!library_.load(names)) {
-    std::string tried;
-    for (const char* name : names)
-      tried += std::string(tried.empty() ? "" : ", ") + name;
-    return "the OpenHaptics library is not here (tried " + tried + ": " + library_.error() +
+    return "the OpenHaptics library is not here (tried " + SharedLibrary::joined(names) + ": " +
+           library_.error() +
            "); install 3D Systems' Touch device driver and OpenHaptics from "
            "support.3dsystems.com, or set PHANTOM_LIBHD to the path of libHD";
   }
-  const char* missing = nullptr;
-  const auto need = [&](const char* name, auto*& function) {
-    if (!library_.symbol(name, function) && !missing)
-      missing = name;
-  };
+  RequiredSymbols need(library_);
   need("hdInitDevice", init_device);
   need("hdDisableDevice", disable_device);
   need("hdMakeCurrentDevice", make_current_device);
@@ -69,7 +63,7 @@ std::string HdLibrary::load() {
   need("hdCheckCalibration", check_calibration);
   library_.symbol("hdUpdateCalibration", update_calibration);
   library_.symbol("hdSetSchedulerRate", set_scheduler_rate);
-  if (missing) {
+  if (const char* missing = need.missing()) {
     return library_.name() + " has no function " + missing +
            "; it is not OpenHaptics 3.4 or newer: install that, or set "
            "PHANTOM_LIBHD to the path of its libHD";

@@ -47,6 +47,37 @@ double decay_time(double frequency_hz, double loss_factor) noexcept {
 
 namespace {
 
+void add_shape(NpzWriter& npz, const ShapeDerivatives& shape, std::size_t modes) {
+  std::vector<double> points, rows;
+  for (const Vector3& p : shape.control_points)
+    points.insert(points.end(), {p.x, p.y, p.z});
+  for (const auto& [control, axis, low, high] : shape.parameters)
+    rows.insert(rows.end(), {static_cast<double>(control), static_cast<double>(axis), low, high});
+  npz.add("control_points", points, {shape.control_points.size(), 3});
+  npz.add("parameters", rows, {shape.parameters.size(), 4});
+  npz.add("trust", std::span(&shape.trust, 1), {});
+  npz.add("domega2_dp", shape.by_parameter, {shape.parameters.size(), modes});
+  if (!shape.displacement.empty())
+    npz.add("displacement", shape.displacement, {shape.parameters.size()});
+}
+
+void add_radiation(NpzWriter& npz, const ModeRadiation& r, std::size_t modes) {
+  const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
+  npz.add("alpha_rad", r.decay_rate, {modes});
+  npz.add("mp_lmax", r.max_degree, {modes});
+  npz.add("mp_off", r.offset, {modes + 1});
+  npz.add("mp_scales", r.ratios, {r.ratios.size()});
+  npz.add("mp_coef", r.coefficients, {r.coefficients.size()});
+  npz.add("mp_center", middle, {3});
+  npz.add("mp_rref", std::span(&r.reference_radius, 1), {});
+  if (const ModeRadiation::Band& band = r.band; !band.frequency_hz.empty()) {
+    npz.add("mp_band_freq", band.frequency_hz, {band.frequency_hz.size()});
+    npz.add("mp_band_lmax", band.max_degree, {modes});
+    npz.add("mp_band_off", band.offset, {modes + 1});
+    npz.add("mp_band_coef", band.coefficients, {band.coefficients.size()});
+  }
+}
+
 NpzWriter arrays_of(const ModalTable& t) {
   const Surface skin = surface_of(t.mesh);
   const std::size_t n = t.mesh.dofs(), modes = t.modes.frequency_hz.size();
@@ -85,35 +116,10 @@ NpzWriter arrays_of(const ModalTable& t) {
     npz.add("dlnf_dnu", t.poisson_slope, {modes});
   if (!t.residual.empty())
     npz.add("resid", t.residual, {vertices});
-  if (const ShapeDerivatives& shape = t.shape; !shape.parameters.empty()) {
-    std::vector<double> points, rows;
-    for (const Vector3& p : shape.control_points)
-      points.insert(points.end(), {p.x, p.y, p.z});
-    for (const auto& [control, axis, low, high] : shape.parameters)
-      rows.insert(rows.end(), {static_cast<double>(control), static_cast<double>(axis), low, high});
-    npz.add("control_points", points, {shape.control_points.size(), 3});
-    npz.add("parameters", rows, {shape.parameters.size(), 4});
-    npz.add("trust", std::span(&shape.trust, 1), {});
-    npz.add("domega2_dp", shape.by_parameter, {shape.parameters.size(), modes});
-    if (!shape.displacement.empty())
-      npz.add("displacement", shape.displacement, {shape.parameters.size()});
-  }
-  if (const ModeRadiation& r = t.radiation; !r.empty()) {
-    const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
-    npz.add("alpha_rad", r.decay_rate, {modes});
-    npz.add("mp_lmax", r.max_degree, {modes});
-    npz.add("mp_off", r.offset, {modes + 1});
-    npz.add("mp_scales", r.ratios, {r.ratios.size()});
-    npz.add("mp_coef", r.coefficients, {r.coefficients.size()});
-    npz.add("mp_center", middle, {3});
-    npz.add("mp_rref", std::span(&r.reference_radius, 1), {});
-    if (const ModeRadiation::Band& band = r.band; !band.frequency_hz.empty()) {
-      npz.add("mp_band_freq", band.frequency_hz, {band.frequency_hz.size()});
-      npz.add("mp_band_lmax", band.max_degree, {modes});
-      npz.add("mp_band_off", band.offset, {modes + 1});
-      npz.add("mp_band_coef", band.coefficients, {band.coefficients.size()});
-    }
-  }
+  if (!t.shape.parameters.empty())
+    add_shape(npz, t.shape, modes);
+  if (!t.radiation.empty())
+    add_radiation(npz, t.radiation, modes);
   return npz;
 }
 

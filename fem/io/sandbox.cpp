@@ -113,6 +113,7 @@ private:
   std::vector<sock_filter> code_;
 };
 
+// One piece: a table of the system calls.
 bool install_filter() {
   if (kArchitecture == 0)
     return false;

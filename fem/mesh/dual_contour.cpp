@@ -124,6 +124,45 @@ Vector3 meeting_point(const std::vector<Cut>& cuts, const Vector3& low, double s
   return p;
 }
 
+/// Adds a point for each sheet of the surface in a cell. Returns each edge's point, -1 without.
+std::array<int, 12> add_points(Triangles& out, const RayGrid& grid,
+                               const std::vector<std::uint8_t>& inside, bool sharp,
+                               const std::array<int, 3>& cell, const std::array<int, 12>& sheet) {
+  std::array<int, 12> points{};
+  points.fill(-1);
+  for (int s = 0; s < 12; ++s) {
+    if (sheet[at(s)] != s)
+      continue;
+    std::vector<Cut> cuts;
+    for (int e = 0; e < 12; ++e)
+      if (sheet[at(e)] == s) {
+        const CellEdge& edge = kEdges[at(e)];
+        cuts.push_back(cut_of(
+            grid, inside,
+            {cell[0] + (edge.from & 1), cell[1] + (edge.from >> 1 & 1), cell[2] + (edge.from >> 2)},
+            edge.axis));
+        if (!sharp)
+          cuts.back().normal = {};
+        points[at(e)] = static_cast<int>(out.points.size());
+      }
+    out.points.push_back(meeting_point(cuts, grid.point(cell), grid.spacing()));
+  }
+  return points;
+}
+
+/// Adds a quadrangle as two triangles, cut along the diagonal that bends less.
+void add_quadrangle(Triangles& out, const std::array<int, 4>& quad) {
+  const auto p = [&](std::size_t n) { return out.points[at(quad[n])]; };
+  const auto bend = [&](std::size_t a) { // between the halves at the diagonal from a
+    const Vector3 n = cross(p((a + 1) % 4) - p(a), p((a + 2) % 4) - p(a)),
+                  m = cross(p((a + 2) % 4) - p(a), p((a + 3) % 4) - p(a));
+    return dot(n, m) / std::max(length(n) * length(m), 1e-300);
+  };
+  const std::size_t a = bend(0) >= bend(1) ? 0 : 1;
+  out.triangles.push_back({quad[a], quad[a + 1], quad[a + 2]});
+  out.triangles.push_back({quad[a], quad[a + 2], quad[(a + 3) % 4]});
+}
+
 } // namespace
 
 Triangles dual_contour(const RayGrid& grid, const std::vector<std::uint8_t>& inside, bool sharp) {
@@ -151,27 +190,8 @@ Triangles dual_contour(const RayGrid& grid, const std::vector<std::uint8_t>& ins
         const int corners = corners_of(i, j, k);
         if (corners == 0 || corners == 255)
           continue;
-        const auto& sheet = sheets[at(corners)];
-        std::array<int, 12> points{};
-        points.fill(-1);
-        for (int s = 0; s < 12; ++s) {
-          if (sheet[at(s)] != s)
-            continue;
-          std::vector<Cut> cuts;
-          for (int e = 0; e < 12; ++e)
-            if (sheet[at(e)] == s) {
-              const CellEdge& edge = kEdges[at(e)];
-              cuts.push_back(
-                  cut_of(grid, inside,
-                         {i + (edge.from & 1), j + (edge.from >> 1 & 1), k + (edge.from >> 2)},
-                         edge.axis));
-              if (!sharp)
-                cuts.back().normal = {};
-              points[at(e)] = static_cast<int>(out.points.size());
-            }
-          out.points.push_back(meeting_point(cuts, grid.point({i, j, k}), grid.spacing()));
-        }
-        points_of[grid.index(i, j, k)] = points;
+        points_of[grid.index(i, j, k)] =
+            add_points(out, grid, inside, sharp, {i, j, k}, sheets[at(corners)]);
       }
   // Four cells around each grid edge from inside to outside: a quadrangle.
   for (int axis = 0; axis < 3; ++axis) {
@@ -196,15 +216,7 @@ Triangles dual_contour(const RayGrid& grid, const std::vector<std::uint8_t>& ins
           // Cells with falling u, then v turn to the left about the axis.
           if (!starts_inside)
             std::swap(quad[1], quad[3]);
-          const auto p = [&](std::size_t n) { return out.points[at(quad[n])]; };
-          const auto bend = [&](std::size_t a) { // between the halves at the diagonal from a
-            const Vector3 n = cross(p((a + 1) % 4) - p(a), p((a + 2) % 4) - p(a)),
-                          m = cross(p((a + 2) % 4) - p(a), p((a + 3) % 4) - p(a));
-            return dot(n, m) / std::max(length(n) * length(m), 1e-300);
-          };
-          const std::size_t a = bend(0) >= bend(1) ? 0 : 1;
-          out.triangles.push_back({quad[a], quad[a + 1], quad[a + 2]});
-          out.triangles.push_back({quad[a], quad[a + 2], quad[(a + 3) % 4]});
+          add_quadrangle(out, quad);
         }
   }
   return out;

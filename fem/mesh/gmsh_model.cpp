@@ -87,25 +87,25 @@ Mesh import_mesh(double unit, bool face_sets) {
 
 namespace {
 
-/// Triangles of the surface mesh, turned outward with the volumes' boundaries.
+/// A triangle of the surface mesh.
 struct Facet {
   std::array<std::size_t, 3> node;
 };
 
-} // namespace
+using Positions = std::unordered_map<std::size_t, Vector3>; ///< by the node's tag
 
-std::vector<double> concave_curves() {
-  std::unordered_map<std::size_t, Vector3> position;
+Positions node_positions() {
+  Positions position;
   std::vector<std::size_t> tags;
   std::vector<double> xyz, parameters;
   gmsh::model::mesh::getNodes(tags, xyz, parameters);
   for (std::size_t i = 0; i < tags.size(); ++i)
     position[tags[i]] = {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]};
-  std::map<std::array<std::size_t, 2>, std::vector<std::size_t>> far_corners; // by oriented use
-  gmsh::vectorpair volumes;
-  gmsh::model::getEntities(volumes, 3);
-  if (volumes.size() != 1)
-    return {}; // inner faces between regions would look like edges
+  return position;
+}
+
+/// The facets of the volumes' boundary, turned outward.
+std::vector<Facet> boundary_facets(const gmsh::vectorpair& volumes, Positions& position) {
   std::vector<Facet> facets;
   double whole = 0;
   gmsh::vectorpair faces;
@@ -121,10 +121,22 @@ std::vector<double> concave_curves() {
       facets.push_back(f);
     }
   }
-  std::map<std::array<std::size_t, 2>, std::vector<std::array<std::size_t, 3>>> at_edge;
-  for (Facet& f : facets) {
-    if (whole < 0)
+  if (whole < 0)
+    for (Facet& f : facets)
       std::swap(f.node[0], f.node[1]);
+  return facets;
+}
+
+} // namespace
+
+std::vector<double> concave_curves() {
+  Positions position = node_positions();
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  if (volumes.size() != 1)
+    return {}; // inner faces between regions would look like edges
+  std::map<std::array<std::size_t, 2>, std::vector<std::array<std::size_t, 3>>> at_edge;
+  for (const Facet& f : boundary_facets(volumes, position)) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t a = f.node[k], b = f.node[(k + 1) % 3];
       at_edge[{std::min(a, b), std::max(a, b)}].push_back(f.node);

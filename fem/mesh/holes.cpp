@@ -31,10 +31,41 @@ double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
   return off;
 }
 
+/// An open edge's end and its triangle, by the edge's start; against the triangles' turn.
+using OpenEdges = std::map<int, std::pair<int, std::size_t>>;
+
+/// The vertices of the ring from `start` on, whose edges are taken out of `next`.
+std::vector<int> take_ring(OpenEdges& next, int start) {
+  std::vector<int> ring;
+  for (auto step = next.find(start); step != next.end(); step = next.find(ring.back())) {
+    if (ring.empty())
+      ring.push_back(start);
+    const int to = step->second.first;
+    next.erase(step);
+    if (to == start)
+      break;
+    ring.push_back(to);
+  }
+  return ring;
+}
+
+/// Adds a ring's ears as triangles, in the group of the triangle `beside`.
+void add_patch(Triangles& t, const std::vector<int>& ring,
+               const std::vector<std::array<int, 3>>& patch, std::size_t beside) {
+  for (const auto& ear : patch) {
+    std::array<int, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k)
+      triangle[k] = ring[static_cast<std::size_t>(ear[k])];
+    t.triangles.push_back(triangle);
+    if (!t.group.empty())
+      t.group.push_back(t.group[beside]);
+  }
+}
+
 } // namespace
 
 std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_share) {
-  std::map<int, std::pair<int, std::size_t>> next; // along a ring, against its triangles
+  OpenEdges next;
   double skin = 0;
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     skin += .5 * length(t.normal(i));
@@ -51,17 +82,8 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
   while (!next.empty()) {
     const int start = next.begin()->first;
     const std::size_t beside = next.begin()->second.second;
-    std::vector<int> ring;
+    const std::vector<int> ring = take_ring(next, start);
     std::vector<Vector3> corners;
-    for (auto step = next.find(start); step != next.end(); step = next.find(ring.back())) {
-      if (ring.empty())
-        ring.push_back(start);
-      const int to = step->second.first;
-      next.erase(step);
-      if (to == start)
-        break;
-      ring.push_back(to);
-    }
     Hole hole;
     for (const int v : ring) {
       corners.push_back(t.points[static_cast<std::size_t>(v)]);
@@ -74,16 +96,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
     const auto at = [&](int i) { return corners[static_cast<std::size_t>(i)]; };
     for (const auto& [a, b, c] : patch)
       hole.area += .5 * length(cross(at(b) - at(a), at(c) - at(a)));
-    const auto close = [&, ring, patch, beside] {
-      for (const auto& ear : patch) {
-        std::array<int, 3> triangle{};
-        for (std::size_t k = 0; k < 3; ++k)
-          triangle[k] = ring[static_cast<std::size_t>(ear[k])];
-        t.triangles.push_back(triangle);
-        if (!t.group.empty())
-          t.group.push_back(t.group[beside]);
-      }
-    };
+    const auto close = [&t, ring, patch, beside] { add_patch(t, ring, patch, beside); };
     hole.closed =
         !patch.empty() && hole.extent <= extent_share * size && hole.area <= area_share * skin;
     if (hole.closed) {

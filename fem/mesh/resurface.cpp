@@ -204,6 +204,30 @@ Resurfaced united(const Triangles& t, double finer) {
   return out;
 }
 
+namespace {
+
+/// Where the ball's centre gets from the border of the grid on: points as far from the triangles as
+/// its squared radius.
+std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<float>& far,
+                                       float square) {
+  std::vector<std::uint8_t> centre(grid.count(), 0);
+  std::vector<std::size_t> front{0};
+  centre[0] = 1;
+  while (!front.empty()) {
+    const std::size_t i = front.back();
+    front.pop_back();
+    for_each_neighbour(grid, i, [&](std::size_t j, bool) {
+      if (!centre[j] && far[j] >= square) {
+        centre[j] = 1;
+        front.push_back(j);
+      }
+    });
+  }
+  return centre;
+}
+
+} // namespace
+
 Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   const double largest = bounding_box(t.points).largest();
   const double spacing = affordable(t, std::min(gap / 4, largest / 80));
@@ -223,25 +247,13 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
     for_each_neighbour(grid, i, [&](std::size_t, bool crossed) { marked[i] |= crossed; });
   const auto far = squared_distance(grid, marked, static_cast<int>(std::ceil(reach)));
   const auto square = static_cast<float>(reach * reach);
-  // Centres of the ball, from the border of the grid on.
-  std::vector<std::uint8_t> centre(grid.count(), 0);
-  std::vector<std::size_t> front{0};
-  centre[0] = 1;
-  while (!front.empty()) {
-    const std::size_t i = front.back();
-    front.pop_back();
-    for_each_neighbour(grid, i, [&](std::size_t j, bool) {
-      if (!centre[j] && far[j] >= square) {
-        centre[j] = 1;
-        front.push_back(j);
-      }
-    });
-  }
+  const std::vector<std::uint8_t> centre = ball_centres(grid, far, square);
   // All that the ball covers; then, up to the triangles, points with more free ways to the outside
   // than ways through triangles, so that a crack lets nothing in.
   const double cover = reach + 2;
   const auto away = squared_distance(grid, centre, static_cast<int>(std::ceil(cover)));
   std::vector<std::uint8_t> inside(grid.count());
+  std::vector<std::size_t> front;
   for (std::size_t i = 0; i < inside.size(); ++i) {
     inside[i] = away[i] >= square;
     if (inside[i] && away[i] <= static_cast<float>(cover * cover))

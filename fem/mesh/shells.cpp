@@ -180,6 +180,23 @@ std::size_t drop_flat_shells(Triangles& t, double thickness) {
   return dropped;
 }
 
+namespace {
+
+/// The shell that bounds each shell's body: itself, or of a cavity the deepest shell around it.
+std::vector<int> outer_shells(const std::vector<std::vector<int>>& around) {
+  std::vector<int> outer(around.size(), -1);
+  for (int s = 0; s < static_cast<int>(around.size()); ++s) {
+    outer[at(s)] = s;
+    if (around[at(s)].size() % 2 == 1)
+      for (const int q : around[at(s)])
+        if (around[at(q)].size() + 1 == around[at(s)].size())
+          outer[at(s)] = q;
+  }
+  return outer;
+}
+
+} // namespace
+
 std::vector<Triangles> separate_bodies(const Triangles& t) {
   const auto boxes = shell_boxes(t);
   const auto volumes = shell_volumes(t);
@@ -200,16 +217,8 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
     for (int q = 0; q < t.shells; ++q)
       if (q != s && fits(s, q) && inside(sample[at(s)], t, members[at(q)]))
         around[at(s)].push_back(q);
-  // The body of a cavity is the shell around it that lies deepest.
-  std::vector<int> outer(at(t.shells), -1), cavity_index(at(t.shells), 0),
-      cavities(at(t.shells), 0);
-  for (int s = 0; s < t.shells; ++s) {
-    outer[at(s)] = s;
-    if (around[at(s)].size() % 2 == 1)
-      for (const int q : around[at(s)])
-        if (around[at(q)].size() + 1 == around[at(s)].size())
-          outer[at(s)] = q;
-  }
+  const std::vector<int> outer = outer_shells(around);
+  std::vector<int> cavity_index(at(t.shells), 0), cavities(at(t.shells), 0);
   for (int s = 0; s < t.shells; ++s)
     if (outer[at(s)] != s)
       cavity_index[at(s)] = ++cavities[at(outer[at(s)])];

@@ -82,7 +82,26 @@ FactorCost predict_factor(const MeshSize& size) {
 }
 
 namespace {
+
 constexpr double kMeshNode = 24, kMeshElement = 104, kMatrixPair = 88; // bytes
+
+/// The times of factor and whole, on one core; `factor` is the matrix's.
+void add_seconds(Cost& cost, const Workload& work, const FactorCost& factor) {
+  const MeshSize& mesh = work.mesh;
+  const double pairs = mesh.node_pairs;
+  const double panels = work.acoustic_triangles, unknowns = panels / 2;
+  // Measured on one core: half of the dense speed in the factor, 1.5 Gentries/s in a solve, a
+  // microsecond a node pair to assemble, 60 ns a pair of panels.
+  const double solves = 2.5 * work.modes + 40;
+  const double solutions = work.solutions > 0 ? work.solutions : work.modes;
+  cost.factor_seconds = factor.operations / (.5 * work.flops_per_second);
+  cost.seconds = 1e-6 * pairs + (1 + work.residual) * cost.factor_seconds +
+                 2 * solves * factor.entries / 3e9 + 4e-9 * mesh.dofs() * solves * solves;
+  if (panels > 0)
+    cost.seconds += solutions * (6e-8 * panels * panels + 8. / 3 * unknowns * unknowns * unknowns /
+                                                              (.5 * work.flops_per_second));
+}
+
 } // namespace
 
 double bytes_of_results(const MeshSize& mesh, double modes) {
@@ -143,16 +162,7 @@ Cost predict_cost(const Workload& work, const std::optional<FactorCost>& exact) 
   // The skin is coarsened before the air is solved.
   stage(assembled + shapes + air + 700 * mesh.skin_triangles * (panels > 0), "the air around it");
 
-  // Measured on one core: half of the dense speed in the factor, 1.5 Gentries/s in a solve, a
-  // microsecond a node pair to assemble, 60 ns a pair of panels.
-  const double solves = 2.5 * work.modes + 40;
-  const double solutions = work.solutions > 0 ? work.solutions : work.modes;
-  cost.factor_seconds = factor.operations / (.5 * work.flops_per_second);
-  cost.seconds = 1e-6 * pairs + (1 + work.residual) * cost.factor_seconds +
-                 2 * solves * factor.entries / 3e9 + 4e-9 * mesh.dofs() * solves * solves;
-  if (panels > 0)
-    cost.seconds += solutions * (6e-8 * panels * panels + 8. / 3 * unknowns * unknowns * unknowns /
-                                                              (.5 * work.flops_per_second));
+  add_seconds(cost, work, factor);
   return cost;
 }
 

@@ -48,6 +48,42 @@ std::vector<std::size_t> spread_out(const std::vector<Vector3>& points, std::siz
   return chosen;
 }
 
+/// Takes from a force what accelerates the body as a whole, to which nothing yields; `heavy` are
+/// the rigid motions times the mass.
+void remove_rigid_part(std::span<const double> rigid, std::span<const double> heavy,
+                       std::span<double> force) {
+  const std::size_t n = force.size();
+  for (std::size_t r = 0; r < rigid.size(); r += n) {
+    double along = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      along += rigid[r + i] * force[i];
+    for (std::size_t i = 0; i < n; ++i)
+      force[i] -= along * heavy[r + i];
+  }
+}
+
+/// Means of the four nearest of the chosen vertices, weighted by the inverse square of distance.
+std::vector<float> interpolated(const std::vector<Vector3>& points,
+                                const std::vector<std::size_t>& chosen,
+                                const std::vector<double>& deflections, double radius) {
+  std::vector<float> everywhere;
+  for (const Vector3& p : points) {
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t c = 0; c < chosen.size(); ++c)
+      near.emplace_back(length(p - points[chosen[c]]), c);
+    const std::size_t count = std::min<std::size_t>(4, near.size());
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+    double sum = 0, weights = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double weight = 1 / (near[i].first * near[i].first + 1e-6 * radius * radius);
+      sum += weight * deflections[near[i].second];
+      weights += weight;
+    }
+    everywhere.push_back(static_cast<float>(sum / weights));
+  }
+  return everywhere;
+}
+
 } // namespace
 
 PushPatch push_patch(const Mesh& mesh, const Surface& skin, std::size_t vertex, double radius) {
@@ -104,13 +140,7 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
         for (std::size_t k = 0; k < 3; ++k)
           if (!matrices.constrained[3 * patches[c].node[i] + k])
             f[3 * patches[c].node[i] + k] = patches[c].force[i][static_cast<int>(k)];
-      for (std::size_t r = 0; r < rigid.size(); r += n) { // accelerates as a whole, does not yield
-        double along = 0;
-        for (std::size_t i = 0; i < n; ++i)
-          along += rigid[r + i] * f[i];
-        for (std::size_t i = 0; i < n; ++i)
-          f[i] -= along * heavy[r + i];
-      }
+      remove_rigid_part(rigid, heavy, {f, n});
     }
     factor.solve(push, moved, columns);
     if (progress)
@@ -133,22 +163,7 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
     }
   }
 
-  std::vector<float> everywhere;
-  for (const Vector3& p : points) {
-    std::vector<std::pair<double, std::size_t>> near;
-    for (std::size_t c = 0; c < chosen.size(); ++c)
-      near.emplace_back(length(p - points[chosen[c]]), c);
-    const std::size_t count = std::min<std::size_t>(4, near.size());
-    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
-    double sum = 0, weights = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double weight = 1 / (near[i].first * near[i].first + 1e-6 * radius * radius);
-      sum += weight * deflections[near[i].second];
-      weights += weight;
-    }
-    everywhere.push_back(static_cast<float>(sum / weights));
-  }
-  return everywhere;
+  return interpolated(points, chosen, deflections, radius);
 }
 
 } // namespace tactus::fem

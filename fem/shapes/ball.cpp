@@ -58,19 +58,25 @@ MeshSize size_of_ball(double radius, double h, int at_least, const SweepGrid* gi
   return size;
 }
 
+namespace {
+
+SweepGrid ball_grid(double radius, double h, int at_least) {
+  SweepGrid grid;
+  const auto [c, a] = ball_cells(radius, h, at_least, nullptr);
+  const int cells = static_cast<int>(c), out = static_cast<int>(a);
+  grid.line = {divide({0, 1, 1. / cells, cells}), divide({0, 1, 1. / out, out}), {0, 1}};
+  grid.kept = {{{0, 1}, {0, 1}, {0, 1}}};
+  // d ln N / d ln c and d ln N / d ln a where c = a; the third direction is of no use.
+  grid.power = {2.25, .75, 1};
+  return grid;
+}
+
+} // namespace
+
 SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* given) {
   SweptBody body;
-  SweepGrid& grid = body.grid;
-  if (given) {
-    grid = *given;
-  } else {
-    const auto [c, a] = ball_cells(radius, h, at_least, nullptr);
-    const int cells = static_cast<int>(c), out = static_cast<int>(a);
-    grid.line = {divide({0, 1, 1. / cells, cells}), divide({0, 1, 1. / out, out}), {0, 1}};
-    grid.kept = {{{0, 1}, {0, 1}, {0, 1}}};
-    // d ln N / d ln c and d ln N / d ln a where c = a; the third direction is of no use.
-    grid.power = {2.25, .75, 1};
-  }
+  body.grid = given ? *given : ball_grid(radius, h, at_least);
+  const SweepGrid& grid = body.grid;
   const std::vector<double>& out = grid.line[1];
   std::vector<double> across; // the first direction's lines and their mirror images
   for (auto u = grid.line[0].rbegin(); u != grid.line[0].rend() - 1; ++u)

@@ -138,8 +138,8 @@ void add_slots(Plan& plan, const LiftArm& arm) {
   }
 }
 
-/// Refuses what cannot be built.
-Plan plan_of(const LiftArm& arm) {
+/// Refuses dimensions that no arm has.
+void check_dimensions(const LiftArm& arm) {
   const std::array<std::pair<const char*, double>, 8> lengths{{{"length", arm.length},
                                                                {"rise", arm.rise},
                                                                {"depth", arm.depth},
@@ -157,6 +157,27 @@ Plan plan_of(const LiftArm& arm) {
   if (!(arm.lift_position > 0 && arm.lift_position < 1))
     throw InputError(
         format("lift_arm: lift_position is %.4g, expected between 0 and 1", arm.lift_position));
+}
+
+/// Counter-clockwise from the hub's upper point of contact.
+Outline outline_of(const Plan& plan, const Vector3& hub, const Vector3& rod) {
+  const auto turn = [](double from, double to) {
+    const double t = std::fmod(to - from, 2 * kPi);
+    return t < 0 ? t + 2 * kPi : t;
+  };
+  const double hub_up = angle_of(hub - plan.upper.centre),
+               hub_low = angle_of(plan.lower.centre - hub);
+  const double rod_low = angle_of(plan.lower.centre - rod),
+               rod_up = angle_of(rod - plan.upper.centre);
+  return {{plan.hub_end, hub_up, turn(hub_up, hub_low)},
+          {plan.lower, hub_low + kPi, -turn(rod_low, hub_low)},
+          {plan.rod_end, rod_low, turn(rod_low, rod_up)},
+          {plan.upper, rod_up, turn(rod_up, hub_up)}};
+}
+
+/// Refuses what cannot be built.
+Plan plan_of(const LiftArm& arm) {
+  check_dimensions(arm);
   Plan plan;
   const double half = arm.length / 2;
   const double radius = (half * half + arm.rise * arm.rise) / (2 * arm.rise);
@@ -202,19 +223,7 @@ Plan plan_of(const LiftArm& arm) {
   require(plan.upper.radius - length(lift - plan.upper.centre) >= clear &&
               length(lift - plan.lower.centre) - plan.lower.radius >= clear,
           "lift_eye diameter", arm.lift_eye.diameter, "a boss and fillet within the plate");
-  // Counter-clockwise from the hub's upper point of contact.
-  const auto turn = [](double from, double to) {
-    const double t = std::fmod(to - from, 2 * kPi);
-    return t < 0 ? t + 2 * kPi : t;
-  };
-  const double hub_up = angle_of(hub - plan.upper.centre),
-               hub_low = angle_of(plan.lower.centre - hub);
-  const double rod_low = angle_of(plan.lower.centre - rod),
-               rod_up = angle_of(rod - plan.upper.centre);
-  plan.outline = {{plan.hub_end, hub_up, turn(hub_up, hub_low)},
-                  {plan.lower, hub_low + kPi, -turn(rod_low, hub_low)},
-                  {plan.rod_end, rod_low, turn(rod_low, rod_up)},
-                  {plan.upper, rod_up, turn(rod_up, hub_up)}};
+  plan.outline = outline_of(plan, hub, rod);
   if (arm.slot_width > 0)
     add_slots(plan, arm);
   return plan;

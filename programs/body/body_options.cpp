@@ -89,6 +89,7 @@ double BodyReader::number(double low, double high) {
   return fem::number(option(), value(), low, high);
 }
 
+// One piece: a table of the options.
 void BodyReader::take() {
   const std::string& name = option();
   if (name == "--unit") {

@@ -70,8 +70,8 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
   }
   if (interrupted())
     error = "interrupted";
-  const std::string text = report(options.device.driver, identity, session.device().caps(), options,
-                                  force_limit_n, findings, error, drivers);
+  const std::string text =
+      report(options, {identity, session.device().caps()}, force_limit_n, findings, error, drivers);
   std::ofstream file(options.report);
   file << text;
   file.close();

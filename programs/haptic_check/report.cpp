@@ -99,13 +99,14 @@ Choice first_ready() {
   return {};
 }
 
-std::string report(const std::string& driver, const haptic::Identity& identity,
-                   const haptic::Caps& caps, const Options& options, double force_limit_n,
+std::string report(const Options& options, const DeviceDescription& device, double force_limit_n,
                    const std::vector<Finding>& findings, const std::string& error,
                    const std::vector<std::string>& drivers) {
+  const auto& [identity, caps] = device;
   std::string text = "haptic_check report\n" + machine() + "\n";
-  text += "device: " + driver + ", " + identity.vendor + (identity.vendor.empty() ? "" : " ") +
-          identity.model + (identity.serial.empty() ? "" : ", has a serial number") + "\n";
+  text += "device: " + options.device.driver + ", " + identity.vendor +
+          (identity.vendor.empty() ? "" : " ") + identity.model +
+          (identity.serial.empty() ? "" : ", has a serial number") + "\n";
   const haptic::Vec3 low = caps.workspace_min * 1e3, high = caps.workspace_max * 1e3;
   add(text,
       "axes %d in, %d out; peak %.2f N, continuous %.2f N, stiffness %.0f N/m, damping %.1f "

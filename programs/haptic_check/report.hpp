@@ -17,9 +17,14 @@ struct Choice {
 };
 [[nodiscard]] Choice first_ready();
 
+/// What the device tells of itself.
+struct DeviceDescription {
+  haptic::Identity identity;
+  haptic::Caps caps;
+};
+
 /// The text to paste into an issue. Names no serial number.
-[[nodiscard]] std::string report(const std::string& driver, const haptic::Identity& identity,
-                                 const haptic::Caps& caps, const Options& options,
+[[nodiscard]] std::string report(const Options& options, const DeviceDescription& device,
                                  double force_limit_n, const std::vector<Finding>& findings,
                                  const std::string& error, const std::vector<std::string>& drivers);
 

@@ -87,6 +87,33 @@ void Session::drain(Recording& recording) {
   scene_.collect();
 }
 
+void Session::record(const Plan& plan, Recording& recording) {
+  haptic::Exchange& exchange = servo_.exchange();
+  const double start_s = devices::ServoThread::now_s();
+  LiveLine line;
+  int troubled = 0;
+  while (!interrupted()) {
+    const double now_s = devices::ServoThread::now_s();
+    if (now_s - start_s >= plan.seconds)
+      break;
+    send_heartbeat();
+    drain(recording);
+    exchange.reports.read();
+    const haptic::Report& report = exchange.reports.latest();
+    std::string trouble = device_->trouble();
+    troubled = trouble.empty() ? 0 : troubled + 1;
+    if (troubled >= kTroubleDebounce)
+      recording.trouble = std::move(trouble);
+    recording.latched = recording.latched || report.latched;
+    if (plan.line)
+      line.show(plan.line(report), now_s);
+    if (plan.done && plan.done(report))
+      break;
+    std::this_thread::sleep_for(Milliseconds(5));
+  }
+  line.end();
+}
+
 Recording Session::run(const Plan& plan, std::string& error) {
   Recording recording;
   recording.records.reserve(static_cast<std::size_t>(plan.seconds / plan.period_s) + 1024);
@@ -116,29 +143,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
     exchange.tracing = false;
     return recording;
   }
-  const double start_s = devices::ServoThread::now_s();
-  LiveLine line;
-  int troubled = 0;
-  while (!interrupted()) {
-    const double now_s = devices::ServoThread::now_s();
-    if (now_s - start_s >= plan.seconds)
-      break;
-    send_heartbeat();
-    drain(recording);
-    exchange.reports.read();
-    const haptic::Report& report = exchange.reports.latest();
-    std::string trouble = device_->trouble();
-    troubled = trouble.empty() ? 0 : troubled + 1;
-    if (troubled >= kTroubleDebounce)
-      recording.trouble = std::move(trouble);
-    recording.latched = recording.latched || report.latched;
-    if (plan.line)
-      line.show(plan.line(report), now_s);
-    if (plan.done && plan.done(report))
-      break;
-    std::this_thread::sleep_for(Milliseconds(5));
-  }
-  line.end();
+  record(plan, recording);
   exchange.tracing = false;
   drain(recording);
   recording.scheduling = thread_.scheduling();

@@ -73,6 +73,8 @@ private:
   void fade_out() noexcept;
   void send_heartbeat() noexcept;
   void drain(Recording& recording);
+  /// Records while the servo runs, until the plan's time is over or it is done.
+  void record(const Plan& plan, Recording& recording);
 
   std::unique_ptr<haptic::Backend> device_;
   haptic::SimulatedDevice* simulated_;

@@ -46,6 +46,7 @@ FixedRegion read_fixed_region(const std::string& option, const std::string& word
 
 } // namespace
 
+// One piece: a table of the options.
 ModalOptions read_options(const std::vector<std::string>& words) {
   ModalOptions options;
   BodyReader reader(options, words, known_shapes(), "modal_fem");

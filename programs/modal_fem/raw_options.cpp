@@ -49,11 +49,14 @@ modal::Vec3 direction(const std::string& word) {
   throw InputError("--side " + word + ": expected +x, -x, +y, -y, +z or -z");
 }
 
-} // namespace
-
-int run_raw(const std::vector<std::string>& words) {
+struct RawOptions {
   RawSettings settings;
   std::string input, output;
+};
+
+RawOptions read_raw_options(const std::vector<std::string>& words) {
+  RawOptions options;
+  auto& [settings, input, output] = options;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& option = words[i];
     const auto value = [&]() -> const std::string& {
@@ -103,13 +106,11 @@ int run_raw(const std::vector<std::string>& words) {
   check_output("-o", output);
   if (settings.ring && settings.points == 0)
     throw InputError("--points all: rings need a number");
-  const std::string text = read_bytes(input);
-  const auto bytes = std::as_bytes(std::span(text));
-  modal::ModalTable table;
-  if (const std::string refusal = files::read_modal_table(bytes, table); !refusal.empty())
-    throw InputError(input + ": " + refusal);
-  const modal::RawTable raw = make_raw(table, settings);
+  return options;
+}
 
+/// The arrays of a table but for the raw_ ones, which are made anew.
+NpzWriter copy_without_raw(const std::string& input, std::span<const std::byte> bytes) {
   files::NpzFile archive;
   if (const std::string refusal = archive.open(bytes); !refusal.empty())
     throw InputError(input + ": " + refusal);
@@ -124,6 +125,21 @@ int run_raw(const std::vector<std::string>& words) {
         (a.item_bytes == 1 ? "|" : "<") + std::string(1, a.kind) + std::to_string(a.item_bytes);
     npz.add_bytes(a.name, kind.c_str(), a.bytes, a.shape);
   }
+  return npz;
+}
+
+} // namespace
+
+int run_raw(const std::vector<std::string>& words) {
+  const auto [settings, input, output] = read_raw_options(words);
+  const std::string text = read_bytes(input);
+  const auto bytes = std::as_bytes(std::span(text));
+  modal::ModalTable table;
+  if (const std::string refusal = files::read_modal_table(bytes, table); !refusal.empty())
+    throw InputError(input + ": " + refusal);
+  const modal::RawTable raw = make_raw(table, settings);
+
+  NpzWriter npz = copy_without_raw(input, bytes);
   const auto flat = [](const std::vector<modal::Vec3>& hit_positions) {
     std::vector<float> out;
     for (const modal::Vec3& p : hit_positions)

@@ -173,6 +173,7 @@ std::vector<Output> PartOptions::outputs() const {
   return all;
 }
 
+// One piece: a table of the options.
 PartOptions read_options(const std::vector<std::string>& words) {
   PartOptions options;
   options.default_material = "steel";

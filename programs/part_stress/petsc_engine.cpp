@@ -44,6 +44,21 @@ double norm(std::span<const double> x) {
   return std::sqrt(sum);
 }
 
+/// ||f - K u|| by ||f||: what comes back is checked, not believed. Refuses too large a residual.
+double checked_residual(const Matrices& m, const std::vector<double>& u,
+                        const std::vector<double>& right) {
+  std::vector<double> left(m.dofs());
+  m.multiply_stiffness(u, left, 1);
+  for (std::size_t i = 0; i < left.size(); ++i)
+    left[i] = right[i] - left[i];
+  const double size = norm(right), residual = size > 0 ? norm(left) / size : norm(left);
+  if (!(residual <= 10 * kPetscTolerance))
+    throw InputError(format("--engine petsc failed: its solution leaves a residual of %.1e of the "
+                            "load, expected %.0e",
+                            residual, kPetscTolerance));
+  return residual;
+}
+
 } // namespace
 
 void check_petsc() { check_engine(kPetsc); }
@@ -96,16 +111,7 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
   for (std::size_t i = 0; i < n; ++i)
     if (m.constrained[i])
       u[i] = 0;
-  // What comes back is checked, not believed.
-  std::vector<double> left(n);
-  m.multiply_stiffness(u, left, 1);
-  for (std::size_t i = 0; i < n; ++i)
-    left[i] = right[i] - left[i];
-  const double size = norm(right), residual = size > 0 ? norm(left) / size : norm(left);
-  if (!(residual <= 10 * kPetscTolerance))
-    throw InputError(format("--engine petsc failed: its solution leaves a residual of %.1e of the "
-                            "load, expected %.0e",
-                            residual, kPetscTolerance));
+  const double residual = checked_residual(m, u, right);
   progress.notify(format("PETSc: %d iterations to %.1e; ", iterations, residual) +
                   process_list_text(processes));
   return completed(system, std::move(u));

@@ -6,6 +6,7 @@
 #include "files/json.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 namespace tactus::fem {
@@ -66,6 +67,52 @@ std::vector<Arrow> arrows_of(const Mesh& mesh, const StaticModel& model) {
   return arrows;
 }
 
+/// Nodes of the skin that are fixed, and those on springs; x, y, z in turn, m.
+std::vector<double> constrained_points(const Mesh& start, const StaticModel& model,
+                                       const Surface& skin) {
+  std::vector<double> constrained;
+  for (const FixedPatch& patch : model.fixed)
+    for (const int n : patch.nodes)
+      if (std::binary_search(skin.node.begin(), skin.node.end(), n)) {
+        const Vector3& p = start.nodes[static_cast<std::size_t>(n)];
+        constrained.insert(constrained.end(), {p.x, p.y, p.z});
+      }
+  for (const SpringPatch& patch : model.springs)
+    for (const Vector3& p : positions(start, nodes_of_faces(start, patch.faces)))
+      constrained.insert(constrained.end(), {p.x, p.y, p.z});
+  return constrained;
+}
+
+/// Largest stress and its place, largest and mean stress of the elements, largest displacement,
+/// volume.
+std::array<double, 8> numbers_of(const PictureState& s) {
+  double sum = 0;
+  for (const double x : s.at_elements)
+    sum += x;
+  return {*std::max_element(s.von_mises.begin(), s.von_mises.end()),
+          s.peak.x,
+          s.peak.y,
+          s.peak.z,
+          *std::max_element(s.at_elements.begin(), s.at_elements.end()),
+          sum / static_cast<double>(s.at_elements.size()),
+          s.max_displacement,
+          s.volume};
+}
+
+/// Draws the sheet from the arrays, which stand in a file beside it meanwhile.
+void draw_arrays(const std::string& picture, const NpzWriter& npz) {
+  const std::string between = picture + ".npz.partial";
+  struct Remover {
+    const std::string& path;
+    ~Remover() {
+      std::error_code error;
+      std::filesystem::remove(path, error);
+    }
+  } const remover{between};
+  write_npz(between, npz);
+  draw_sheet("stress_sheet.py", between, picture);
+}
+
 } // namespace
 
 PictureState picture_of(const Mesh& mesh, const StaticModel& model, const StaticSolution& solution,
@@ -107,13 +154,8 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
       vertices.insert(vertices.end(), {p.x, p.y, p.z});
       stresses.push_back(s.von_mises[static_cast<std::size_t>(n)]);
     }
-    double sum = 0;
-    for (const double x : s.at_elements)
-      sum += x;
-    numbers.insert(numbers.end(),
-                   {*std::max_element(s.von_mises.begin(), s.von_mises.end()), s.peak.x, s.peak.y,
-                    s.peak.z, *std::max_element(s.at_elements.begin(), s.at_elements.end()),
-                    sum / static_cast<double>(s.at_elements.size()), s.max_displacement, s.volume});
+    const auto row = numbers_of(s);
+    numbers.insert(numbers.end(), row.begin(), row.end());
   }
   std::string arrows;
   std::vector<double> arrow_rows;
@@ -121,16 +163,7 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
     arrows += (arrows.empty() ? "" : ", ") + files::quoted_json(a.words);
     arrow_rows.insert(arrow_rows.end(), {a.at.x, a.at.y, a.at.z, a.force.x, a.force.y, a.force.z});
   }
-  std::vector<double> constrained;
-  for (const FixedPatch& patch : model.fixed)
-    for (const int n : patch.nodes)
-      if (std::binary_search(skin.node.begin(), skin.node.end(), n)) {
-        const Vector3& p = start.nodes[static_cast<std::size_t>(n)];
-        constrained.insert(constrained.end(), {p.x, p.y, p.z});
-      }
-  for (const SpringPatch& patch : model.springs)
-    for (const Vector3& p : positions(start, nodes_of_faces(start, patch.faces)))
-      constrained.insert(constrained.end(), {p.x, p.y, p.z});
+  const std::vector<double> constrained = constrained_points(start, model, skin);
   const std::string meta = "{\"title\": " + files::quoted_json(labels.title) +
                            ", \"subtitle\": " + files::quoted_json(labels.subtitle) +
                            ", \"arrows\": [" + arrows + "]" +
@@ -153,16 +186,7 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
   npz.add("is_free", is_free, {c});
   npz.add("taylor", labels.taylor, {labels.taylor.size()});
   npz.add("solved", states.back().at_elements, {states.back().at_elements.size()});
-  const std::string between = picture + ".npz.partial";
-  struct Remover {
-    const std::string& path;
-    ~Remover() {
-      std::error_code error;
-      std::filesystem::remove(path, error);
-    }
-  } const remover{between};
-  write_npz(between, npz);
-  draw_sheet("stress_sheet.py", between, picture);
+  draw_arrays(picture, npz);
 }
 
 } // namespace tactus::fem

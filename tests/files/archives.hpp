@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <random>
 #include <span>
 #include <string>
 #include <string_view>
@@ -108,6 +109,30 @@ inline Member& named(std::vector<Member>& members, std::string_view name) {
     if (m.name == name)
       return m;
   return members.emplace_back(Member{std::string(name), "<f8", {}, {}});
+}
+
+/// One to four random changes: bytes replaced, a bit flipped, bytes erased or put in. Never empty.
+inline std::string damaged(std::string file, std::mt19937& random) {
+  for (unsigned n = 1 + random() % 4; n-- > 0;) {
+    const std::size_t at = random() % file.size();
+    switch (random() % 4) {
+    case 0:
+      file[at] = static_cast<char>(random());
+      break;
+    case 1:
+      file[at] = static_cast<char>(file[at] ^ 1 << random() % 8);
+      break;
+    case 2:
+      file.erase(at, random() % 9);
+      break;
+    default:
+      file.insert(at, std::string(random() % 9, static_cast<char>(random())));
+      break;
+    }
+    if (file.empty())
+      file = "x";
+  }
+  return file;
 }
 
 } // namespace tactus::test

@@ -319,26 +319,7 @@ TEST_CASE("twenty thousand damaged files crash nothing and keep the old table") 
   ModalTable table;
   std::size_t refused = 0;
   for (int round = 0; round < 20000; ++round) {
-    std::string bad = good;
-    for (unsigned n = 1 + random() % 4; n-- > 0;) {
-      const std::size_t at = random() % bad.size();
-      switch (random() % 4) {
-      case 0:
-        bad[at] = static_cast<char>(random());
-        break;
-      case 1:
-        bad[at] = static_cast<char>(bad[at] ^ 1 << random() % 8);
-        break;
-      case 2:
-        bad.erase(at, random() % 9);
-        break;
-      default:
-        bad.insert(at, std::string(random() % 9, static_cast<char>(random())));
-        break;
-      }
-      if (bad.empty())
-        bad = "x";
-    }
+    const std::string bad = damaged(good, random);
     refused += read_modal_table(bytes_of(bad), table).empty() ? 0 : 1;
   }
   CHECK(refused > 15000);

@@ -4,10 +4,6 @@
 
 namespace tactus::haptic {
 
-inline Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// a - (a . u) u with u = along/|along|: the part of a perpendicular to `along`.
 inline Vec3 without_component(const Vec3& a, const Vec3& along) noexcept {
   const double length = norm(along);

@@ -71,8 +71,7 @@ template <class Set> class BankLanes final : public BankKernel {
   }
 
   /// The input of a tile's modes in leaps l to l + Leaps, before the gains: sum of p^(15 - j) F[j].
-  // Seven arguments, as step() and add_output() below: always inlined, so that they stay in
-  // registers.
+  // Seven arguments, as add_output() below: always inlined, so that they stay in registers.
   template <std::size_t Leaps>
   [[gnu::always_inline]] static void
   gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
@@ -96,6 +95,7 @@ template <class Set> class BankLanes final : public BankKernel {
 
   /// Stores a block's states at the beginning (or in the middle) of each leap in `states`, times
   /// `weight` if there is one, and moves the block to the end of the last leap.
+  // Seven arguments: a call for a whole block of poles, whose loops take far longer than the call.
   template <std::size_t Leaps>
   [[gnu::noinline]] static void step(const BankView& bank, std::uint32_t block,
                                      std::span<const BankDrive> drives, const Folded& folded,

@@ -14,10 +14,6 @@ constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: modes above i
 constexpr double kNepersIn60dB = 6.907755278982137;
 constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
 
-Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// A loss curve's value, interpolated linearly in the logarithms of both axes.
 double on_curve(const std::vector<std::array<double, 2>>& curve, double frequency) {
   if (curve.empty())

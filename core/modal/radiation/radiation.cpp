@@ -13,10 +13,6 @@ namespace {
 constexpr double kMaxFrequencyRatio = 0.45; // of the sample rate: the surface is resolved up to it
 constexpr double kNearest = 1e-4;           // m, to a source: closer the integral means nothing
 
-Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 } // namespace
 
 void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {

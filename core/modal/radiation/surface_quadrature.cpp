@@ -28,10 +28,6 @@ constexpr std::array kSeven{
 
 using Weights = std::array<double, 3>;
 
-Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 struct Accuracy {
   Vec3 listener;
   double wavenumber, nearest;

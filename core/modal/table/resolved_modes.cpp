@@ -29,27 +29,27 @@ std::string share_refusal(std::span<const ModeShare> shares, std::size_t before,
   return {};
 }
 
-/// Coefficients [row][offset[K]] of spherical waves, mode by mode those of the modes before.
-void map_waves(std::span<const ModeShare> shares, std::size_t rows,
-               std::span<const std::int32_t> degree_before,
-               std::span<const std::int64_t> offset_before,
-               std::span<const std::complex<float>> before, std::vector<std::int32_t>& degree,
-               std::vector<std::int64_t>& offset, std::vector<std::complex<float>>& coefficients) {
+/// Coefficients [row][offset[K]] of spherical waves of a table or its band, mode by mode those of
+/// the modes before.
+template <class Waves>
+void map_waves(std::span<const ModeShare> shares, std::size_t rows, const Waves& before,
+               Waves& now) {
   for (const ModeShare& s : shares)
-    degree[s.now] = std::max(degree[s.now], degree_before[s.before]);
-  for (const std::int64_t d : degree)
-    offset.push_back(offset.back() + (d + 1) * (d + 1));
-  const auto total = static_cast<std::size_t>(offset.back()),
-             total_before = static_cast<std::size_t>(offset_before.back());
-  coefficients.assign(rows * total, {});
+    now.highest_degree[s.now] =
+        std::max(now.highest_degree[s.now], before.highest_degree[s.before]);
+  for (const std::int64_t d : now.highest_degree)
+    now.offset.push_back(now.offset.back() + (d + 1) * (d + 1));
+  const auto total = static_cast<std::size_t>(now.offset.back()),
+             total_before = static_cast<std::size_t>(before.offset.back());
+  now.coefficients.assign(rows * total, {});
   for (const ModeShare& s : shares) {
-    const auto from = static_cast<std::size_t>(offset_before[s.before]),
-               count = static_cast<std::size_t>(offset_before[s.before + 1]) - from,
-               to = static_cast<std::size_t>(offset[s.now]);
+    const auto from = static_cast<std::size_t>(before.offset[s.before]),
+               count = static_cast<std::size_t>(before.offset[s.before + 1]) - from,
+               to = static_cast<std::size_t>(now.offset[s.now]);
     for (std::size_t row = 0; row < rows; ++row)
       for (std::size_t c = 0; c < count; ++c)
-        coefficients[row * total + to + c] +=
-            static_cast<float>(s.share) * before[row * total_before + from + c];
+        now.coefficients[row * total + to + c] +=
+            static_cast<float>(s.share) * before.coefficients[row * total_before + from + c];
   }
 }
 
@@ -70,15 +70,12 @@ void map_radiation(const ModalTable& before, std::span<const ModeShare> shares, 
   kept.reference_radius_m = old.reference_radius_m;
   kept.highest_degree.assign(now.modes(), 0);
   kept.offset = {0};
-  map_waves(shares, old.scales.size(), old.highest_degree, old.offset, old.coefficients,
-            kept.highest_degree, kept.offset, kept.coefficients);
+  map_waves(shares, old.scales.size(), old, kept);
   if (!old.band.empty()) {
     kept.band.frequency_hz = old.band.frequency_hz;
     kept.band.highest_degree.assign(now.modes(), 0);
     kept.band.offset = {0};
-    map_waves(shares, old.band.frequency_hz.size(), old.band.highest_degree, old.band.offset,
-              old.band.coefficients, kept.band.highest_degree, kept.band.offset,
-              kept.band.coefficients);
+    map_waves(shares, old.band.frequency_hz.size(), old.band, kept.band);
   }
   now.multipoles = std::move(kept);
 }

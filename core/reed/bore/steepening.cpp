@@ -58,6 +58,7 @@ void Steepening::rebase(double& potential) noexcept {
   potential = 0;
 }
 
+// One piece: the loops hand arrays of a run to each other, which stay on the stack.
 void Steepening::run(double* wave, int count, double lead) noexcept {
   if (count < 1 || count > kMaxRun || grid_.empty())
     return;

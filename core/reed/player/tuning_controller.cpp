@@ -159,14 +159,11 @@ void TuningController::track_pitch(const double* bore_pressure, int count) noexc
   sample_count_ += count;
 }
 
-void TuningController::update() noexcept {
-  if (sample_count_ == 0)
-    return;
+void TuningController::smooth_period() noexcept {
   const std::complex<double> sum(even_.real + odd_.real, even_.imaginary + odd_.imaginary);
   const std::complex<double> demodulated = phase_ * sum / static_cast<double>(kPeriod);
   phase_ *= phase_step_;
   phase_ /= std::sqrt(std::norm(phase_));
-  const std::complex<double> before = twice_smoothed_;
   smoothed_ = demodulated + pole_ * (smoothed_ - demodulated);
   twice_smoothed_ = smoothed_ + pole_ * (twice_smoothed_ - smoothed_);
   smoothed_pitch_rate_ = pitch_rate_ + pole_ * (smoothed_pitch_rate_ - pitch_rate_);
@@ -180,6 +177,13 @@ void TuningController::update() noexcept {
   mean_power_ = power + power_pole_ * (mean_power_ - power);
   even_ = odd_ = {};
   sample_count_ = 0;
+}
+
+void TuningController::update() noexcept {
+  if (sample_count_ == 0)
+    return;
+  const std::complex<double> before = twice_smoothed_;
+  smooth_period();
   const double amplitude = 2 * std::sqrt(std::norm(twice_smoothed_));
   if (!(amplitude < 1e9)) {
     const double saved_trim = trim_;

@@ -73,6 +73,8 @@ private:
   static constexpr std::size_t kCount = 240;
 
   void select_note(double frequency_hz, bool leap) noexcept;
+  /// Demodulates and smooths the period's sums and clears them.
+  void smooth_period() noexcept;
   void adjust_trim(double difference) noexcept;
   void restart_smoothing() noexcept;
   void count_off_target(bool off_target) noexcept;

@@ -95,19 +95,27 @@ PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t kn
   return 0;
 }
 
-/// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `requested` of them at least. The
-/// factor is freed on return, so that it and that of the count are never in memory together.
-PetscErrorCode find_pairs(Mat stiffness, Mat mass, PetscReal shift, const std::vector<Vec>& rigid,
-                          std::vector<Pair>& pairs, PetscInt requested, Counted& counted) {
+/// K x = lambda M x of a body with those rigid motions; the search starts at -shift.
+struct Problem {
+  Mat stiffness = nullptr, mass = nullptr;
+  PetscReal shift = 0;
+  std::vector<Vec> rigid{};
+};
+
+/// Adds converged pairs M-orthogonal to `pairs` and the rigid motions, `requested` of them at
+/// least. The factor is freed on return, so that it and that of the count are never in memory
+/// together.
+PetscErrorCode find_pairs(const Problem& problem, std::vector<Pair>& pairs, PetscInt requested,
+                          Counted& counted) {
   report_progress(0, "factorising");
   EPS solver = nullptr;
   ST transform = nullptr;
   KSP linear = nullptr;
   PetscCall(EPSCreate(PETSC_COMM_WORLD, &solver));
-  PetscCall(EPSSetOperators(solver, stiffness, mass));
+  PetscCall(EPSSetOperators(solver, problem.stiffness, problem.mass));
   PetscCall(EPSSetProblemType(solver, EPS_GHEP));
   PetscCall(EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE));
-  PetscCall(EPSSetTarget(solver, -shift));
+  PetscCall(EPSSetTarget(solver, -problem.shift));
   PetscCall(EPSSetTolerances(solver, 1e-10, 500));
   PetscCall(EPSMonitorSet(solver, monitor, &counted, nullptr));
   PetscCall(EPSGetST(solver, &transform));
@@ -116,7 +124,7 @@ PetscErrorCode find_pairs(Mat stiffness, Mat mass, PetscReal shift, const std::v
   PetscCall(prepare_factor(linear));
   PetscCall(EPSSetFromOptions(solver));
 
-  std::vector<Vec> deflated = rigid;
+  std::vector<Vec> deflated = problem.rigid;
   for (const Pair& pair : pairs)
     deflated.push_back(pair.vector);
   if (!deflated.empty())
@@ -130,10 +138,10 @@ PetscErrorCode find_pairs(Mat stiffness, Mat mass, PetscReal shift, const std::v
   const std::size_t known = pairs.size();
   for (PetscInt k = 0; k < found; ++k) {
     Pair pair{};
-    PetscCall(MatCreateVecs(mass, &pair.vector, nullptr));
+    PetscCall(MatCreateVecs(problem.mass, &pair.vector, nullptr));
     PetscCall(EPSGetEigenpair(solver, k, &pair.value, nullptr, pair.vector, nullptr));
     bool is_new = false;
-    PetscCall(is_fresh(mass, pairs, known, pair.vector, is_new));
+    PetscCall(is_fresh(problem.mass, pairs, known, pair.vector, is_new));
     if (is_new)
       pairs.push_back(pair);
     else
@@ -183,6 +191,28 @@ PetscErrorCode write(const std::vector<Pair>& pairs, const char* values, const c
   return 0;
 }
 
+/// The matrices and the rigid motions, of the files that the command line names.
+PetscErrorCode read_matrices(char** words, Problem& problem) {
+  PetscViewer source = nullptr;
+  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
+  for (Mat* matrix : {&problem.stiffness, &problem.mass}) {
+    PetscCall(MatCreate(PETSC_COMM_WORLD, matrix));
+    PetscCall(MatSetType(*matrix, MATAIJ));
+    PetscCall(MatLoad(*matrix, source));
+    PetscCall(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  }
+  PetscCall(PetscViewerDestroy(&source));
+  if (!problem.rigid.empty()) {
+    PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[2], FILE_MODE_READ, &source));
+    for (Vec& motion : problem.rigid) {
+      PetscCall(MatCreateVecs(problem.stiffness, &motion, nullptr));
+      PetscCall(VecLoad(motion, source));
+    }
+    PetscCall(PetscViewerDestroy(&source));
+  }
+  return 0;
+}
+
 PetscErrorCode run(char** words) {
   PetscInt count = 0, rigid_count = 0;
   PetscReal shift = 0;
@@ -191,32 +221,16 @@ PetscErrorCode run(char** words) {
   PetscCall(PetscOptionsStringToReal(words[7], &shift));
 
   report_progress(0, "reading the matrices");
-  Mat stiffness = nullptr, mass = nullptr;
-  PetscViewer source = nullptr;
-  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
-  for (Mat* matrix : {&stiffness, &mass}) {
-    PetscCall(MatCreate(PETSC_COMM_WORLD, matrix));
-    PetscCall(MatSetType(*matrix, MATAIJ));
-    PetscCall(MatLoad(*matrix, source));
-    PetscCall(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
-  }
-  PetscCall(PetscViewerDestroy(&source));
-  std::vector<Vec> rigid(static_cast<std::size_t>(rigid_count));
-  if (rigid_count > 0) {
-    PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[2], FILE_MODE_READ, &source));
-    for (Vec& motion : rigid) {
-      PetscCall(MatCreateVecs(stiffness, &motion, nullptr));
-      PetscCall(VecLoad(motion, source));
-    }
-    PetscCall(PetscViewerDestroy(&source));
-  }
+  Problem problem{.shift = shift};
+  problem.rigid.resize(static_cast<std::size_t>(rigid_count));
+  PetscCall(read_matrices(words, problem));
 
   Counted counted{.requested = static_cast<double>(count)};
   std::vector<Pair> pairs;
   PetscInt missing = count;
   for (int attempt = 0; attempt < 4 && missing > 0; ++attempt) {
     const std::size_t before = pairs.size();
-    PetscCall(find_pairs(stiffness, mass, shift, rigid, pairs, missing, counted));
+    PetscCall(find_pairs(problem, pairs, missing, counted));
     const bool enough = pairs.size() >= static_cast<std::size_t>(count);
     if (pairs.size() == before && !enough)
       break;
@@ -228,7 +242,7 @@ PetscErrorCode run(char** words) {
     std::size_t last = 0;
     const PetscReal sigma = gap_above(pairs, static_cast<std::size_t>(count), last);
     PetscInt below = 0;
-    PetscCall(count_below(stiffness, mass, sigma, below));
+    PetscCall(count_below(problem.stiffness, problem.mass, sigma, below));
     missing = below - rigid_count - static_cast<PetscInt>(last + 1);
   }
   if (missing != 0)
@@ -239,10 +253,10 @@ PetscErrorCode run(char** words) {
   PetscCall(write(pairs, words[3], words[4]));
   for (Pair& pair : pairs)
     PetscCall(VecDestroy(&pair.vector));
-  for (Vec& motion : rigid)
+  for (Vec& motion : problem.rigid)
     PetscCall(VecDestroy(&motion));
-  PetscCall(MatDestroy(&stiffness));
-  PetscCall(MatDestroy(&mass));
+  PetscCall(MatDestroy(&problem.stiffness));
+  PetscCall(MatDestroy(&problem.mass));
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   double own = 1024. * static_cast<double>(usage.ru_maxrss), max_bytes = 0;

@@ -40,12 +40,8 @@ PetscErrorCode monitor(KSP, PetscInt iteration, PetscReal residual, void* contex
   return 0;
 }
 
-PetscErrorCode run(char** words) {
-  Goal goal;
-  PetscCall(PetscOptionsStringToReal(words[4], &goal.tolerance));
-
-  report_progress(0, "reading the equations");
-  Mat stiffness = nullptr;
+/// K, f, the start and the nodes, of the files that the command line names.
+PetscErrorCode read_equations(char** words, Mat& stiffness, Vec& load, Vec& solution, Vec& nodes) {
   PetscViewer source = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
   PetscCall(MatCreate(PETSC_COMM_WORLD, &stiffness));
@@ -54,13 +50,43 @@ PetscErrorCode run(char** words) {
   PetscCall(MatLoad(stiffness, source));
   PetscCall(PetscViewerDestroy(&source));
   PetscCall(MatSetOption(stiffness, MAT_SPD, PETSC_TRUE));
-  Vec load = nullptr, solution = nullptr, nodes = nullptr;
   PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[2], FILE_MODE_READ, &source));
   for (Vec* vector : {&load, &solution, &nodes}) {
     PetscCall(MatCreateVecs(stiffness, vector, nullptr));
     PetscCall(VecLoad(*vector, source));
   }
   PetscCall(PetscViewerDestroy(&source));
+  return 0;
+}
+
+/// Each process's largest memory, bytes, and its processor time, s.
+PetscErrorCode print_processes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  const double own[2]{1024. * static_cast<double>(usage.ru_maxrss),
+                      seconds(usage.ru_utime) + seconds(usage.ru_stime)};
+  int ranks = 0;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  std::vector<double> all(2 * static_cast<std::size_t>(ranks));
+  MPI_Gather(own, 2, MPI_DOUBLE, all.data(), 2, MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+  for (int k = 0; k < ranks; ++k)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "process %d %.0f %.3f\n", k,
+                          all[2 * static_cast<std::size_t>(k)],
+                          all[2 * static_cast<std::size_t>(k) + 1]));
+  return 0;
+}
+
+PetscErrorCode run(char** words) {
+  Goal goal;
+  PetscCall(PetscOptionsStringToReal(words[4], &goal.tolerance));
+
+  report_progress(0, "reading the equations");
+  Mat stiffness = nullptr;
+  Vec load = nullptr, solution = nullptr, nodes = nullptr;
+  PetscCall(read_equations(words, stiffness, load, solution, nodes));
 
   report_progress(0, "building the levels");
   MatNullSpace rigid = nullptr;
@@ -111,23 +137,7 @@ PetscErrorCode run(char** words) {
     PetscCall(VecDestroy(vector));
   PetscCall(MatDestroy(&stiffness));
   PetscCall(PetscPrintf(PETSC_COMM_WORLD, "iterations %d\n", static_cast<int>(iterations)));
-
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  const double own[2]{1024. * static_cast<double>(usage.ru_maxrss),
-                      seconds(usage.ru_utime) + seconds(usage.ru_stime)};
-  int ranks = 0;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  std::vector<double> all(2 * static_cast<std::size_t>(ranks));
-  MPI_Gather(own, 2, MPI_DOUBLE, all.data(), 2, MPI_DOUBLE, 0, PETSC_COMM_WORLD);
-  for (int k = 0; k < ranks; ++k)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "process %d %.0f %.3f\n", k,
-                          all[2 * static_cast<std::size_t>(k)],
-                          all[2 * static_cast<std::size_t>(k) + 1]));
-  return 0;
+  return print_processes();
 }
 
 } // namespace

@@ -1,9 +1,9 @@
+#include "tests/devices/cancelled_opening.hpp"
 #include "tests/devices/force_dimension/fake.hpp"
 
 #include <doctest/doctest.h>
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <string>
@@ -229,19 +229,7 @@ TEST_CASE("a device that is open in this program is refused to another, and goes
 TEST_CASE("an opening that waits between its tries is cancelled") {
   const Fake fake("none");
   const auto device = make();
-  std::string sentence;
-  std::atomic<bool> opened{false};
-  std::thread opening([&] {
-    sentence = device->open();
-    opened = true;
-  });
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  while (!opened) {
-    device->cancel();
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  opening.join();
-  CHECK(sentence.find("cancelled") != std::string::npos);
+  CHECK(cancelled_opening(*device).find("cancelled") != std::string::npos);
 }
 
 TEST_CASE(

@@ -19,10 +19,6 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// Nearest point of a segment.
 Vec3 on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   const double along = dot(p - a, b - a) / dot(b - a, b - a);
