@@ -118,7 +118,7 @@ def test_a_servo_that_stands_still_is_told_until_it_goes_on(tmp_path):
         live.tell_phantom("open")
         live.wait_for(r"^info: status sched driver")
         hang(tmp_path, "hdEndFrame")
-        live.wait_for(r"^info: trouble openhaptics .*servo\\? stands\\? still")
+        live.wait_for(r"^info: trouble openhaptics .*servo\\? has\\? stopped")
         hang(tmp_path)
         live.wait_for(r"^info: trouble openhaptics -$")
         live.end()
