@@ -67,7 +67,7 @@ std::vector<Entry> catalogue(HidLibrary& library, bool all) {
   std::vector<Entry> entries;
   hid_device_info* list = library.enumerate(0, 0);
   for (const hid_device_info* info = list; info; info = info->next) {
-    const bool silent = info->usage_page == 0; // this transport does not tell usages
+    const bool silent = info->usage_page == 0; // this transport reports no usages
     const bool six = is_usage(*info, Usage::kMultiAxis) ||
                      (silent && is_known_space_mouse(info->vendor_id, info->product_id));
     const bool stick = is_usage(*info, Usage::kJoystick) || is_usage(*info, Usage::kGamepad);

@@ -205,7 +205,7 @@ const char* name_of(int signal_number) {
 
 std::string printable_value(double value) { return format("%.3g", value); }
 
-/// What the parent says of its child's death.
+/// Error texts for a child process that ended without a mesh.
 class ChildErrors {
 public:
   ChildErrors(const std::string& file, const ChildLimits& limits)

@@ -27,7 +27,7 @@ class Cursor {
 public:
   explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
 
-  /// A number of things of `size` bytes each that follow.
+  /// Reads a count of items of `size` bytes each; the items follow it.
   std::size_t count(std::size_t size) {
     std::uint64_t value = 0;
     take(&value, 1);
@@ -115,7 +115,7 @@ Mesh mesh_from_bytes(std::string_view bytes) {
     cursor.take(words.data(), words.size());
     cursor.require(words[0] >= 0 && words[0] <= static_cast<int>(Shape::wedge15) && words[1] >= 0 &&
                    static_cast<std::size_t>(words[1]) < mesh.regions.size());
-    // No more intervals than elements have axes: they are indices later.
+    // Intervals are indices of elements later, at most three an element.
     for (std::size_t axis = 2; axis < words.size(); ++axis)
       cursor.require(
           words[axis] == -1 ||

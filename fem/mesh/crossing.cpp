@@ -7,8 +7,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Whether the segment p q cuts the triangle a b c in their insides. Triangles that lie in one
-/// plane but for rounding do not.
+/// Whether an interior point of segment p q lies in the interior of triangle a b c. False when
+/// segment and triangle are coplanar up to rounding.
 bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b,
           const Vector3& c) {
   const double size = std::max({length(q - p), length(b - a), length(c - a)});
@@ -23,8 +23,8 @@ bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b
   return turn != 0 && turn == side(p, q, b, c) && turn == side(p, q, c, a);
 }
 
-/// Whether two triangles with a common edge lie on each other, within 0.01 degrees: there is no
-/// room for an element between them.
+/// Whether two triangles with a common edge enclose an angle below 0.01 degrees, too small for an
+/// element between them.
 bool folded(const Triangles& t, std::size_t i, std::size_t j) {
   constexpr double kFlat = 1.5e-8; // 1 - cos(0.01 degrees)
   const Vector3 n = t.normal(i), m = t.normal(j);

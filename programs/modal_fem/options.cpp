@@ -7,7 +7,7 @@
 namespace tactus::fem {
 namespace {
 
-/// PLACE[:xyz] or, for springs, PLACE:STIFFNESS[:xyz]
+/// Parses PLACE[:xyz] or, for springs, PLACE:STIFFNESS[:xyz].
 FixedRegion read_fixed_region(const std::string& option, const std::string& words, double unit) {
   FixedRegion fixed_region;
   fixed_region.words = option.substr(2) + " " + words;

@@ -25,8 +25,8 @@ std::vector<float> singles(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-/// One request: moves the nodes, solves there, answers. Whether a new factor would pay before the
-/// next one. Refuses by exception.
+/// Handles one request: moves the nodes, solves, answers. Returns whether a new factorisation
+/// before the next request would save time. Throws InputError when it refuses the request.
 bool answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
   const std::size_t expected = 2 * sizeof(std::uint32_t) + parameters * sizeof(double);
   if (request.size() != expected)
@@ -86,13 +86,13 @@ bool request_waits() {
   return ::poll(&input, 1, 0) != 0;
 }
 
-/// Between two requests nobody waits: the next one is preconditioned from this shape.
+/// Factorises the present shape while no request waits; the next solve is preconditioned by it.
 void refactor(Reanalysis& part) {
   try {
     Refactorisation job = part.refactorisation();
     job.run();
     part.adopt(std::move(job));
-  } catch (const InputError&) { // the old factor serves on; the request has its answer
+  } catch (const InputError&) { // the old factor stays; the answer has been sent
   }
 }
 

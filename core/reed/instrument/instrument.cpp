@@ -14,7 +14,7 @@ template <class S> void copy_output(const double* value, S* out, std::size_t cou
     out[i] = static_cast<S>(std::abs(value[i]) < 1e-30 ? 0.0 : value[i]);
 }
 
-constexpr double kHighestFrequency = 1e6; // Hz, above all that the model takes
+constexpr double kHighestFrequency = 1e6; // Hz, above the range of every parameter
 
 /// A control that is not finite leaves the last good value. All values below 0 mean the same.
 void update_control(double& last_good, double value) noexcept {
@@ -110,7 +110,7 @@ template <class S> void Instrument::process(const Controls<S>& in, const Outputs
     if (bank_.until_control() == 0) {
       update_control(reed_frequency_, static_cast<double>(in.reed_frequency[done]));
       update_control(bore_frequency_, static_cast<double>(in.bore_frequency[done]));
-      // The lips follow the breath, not what the tongue lets through.
+      // The lips' tension follows the mouth pressure before the tongue closes the channel.
       bank_.control(reed_frequency_, bore_frequency_, std::max(0.0, last_pressure_));
       update_gain();
     }

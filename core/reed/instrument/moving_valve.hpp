@@ -26,9 +26,9 @@ public:
   /// omega_r at the end of this control period, rad/s.
   [[nodiscard]] const V& omega() const noexcept { return omega_to_; }
 
-  /// Valve at rest, jet and lumped elements still.
+  /// Sets deflection, velocity and all flows to 0.
   void reset() noexcept { state_ = {}; }
-  /// The air still; the valve keeps deflection and velocity.
+  /// Sets pressures and flows to 0; the valve keeps deflection and velocity.
   void clear_air() noexcept {
     const V deflection = state_.deflection(), velocity = state_.velocity();
     state_ = {};
@@ -41,7 +41,8 @@ public:
                      &state_.base_velocity, &state_.base_pressure, &state_.pending_flow})
       change(*value);
   }
-  /// False when pressure, jet or valve are no numbers or beyond all physics in any lane.
+  /// False when bore pressure, jet flow or valve velocity is NaN or above 1e9, 1e6, 1e9 in any
+  /// lane.
   [[nodiscard]] bool is_bounded() const noexcept {
     const auto beyond = [](const V& value, double limit) {
       return simd::any(!(simd::absolute(value) < V(limit)));
@@ -133,7 +134,7 @@ private:
     state_.move(
         simd::minimum(simd::maximum(target, low), high),
         simd::select((target < low) | (target > high), V(0.0), V(turn) * state_.velocity()));
-    // A cone's flow goes on; a cup's, C dp/dt, grows with the cup.
+    // The flow through an inertance is kept; that into a compliance C is C dp/dt, so scales with C.
     if (!(constants_.inertance_rate > 0) || !(old.inertance_rate > 0))
       state_.inertance_flow = V(0.0);
     if (constants_.compliance_rate != old.compliance_rate)

@@ -133,7 +133,7 @@ bool can_interpolate(const Parameters& a, const Parameters& b) noexcept {
       a.sweep != b.sweep || a.tune != b.tune || a.correct_pitch != b.correct_pitch ||
       a.tube != b.tube || oversampling_of(a) != oversampling_of(b))
     return false;
-  // Another rest of the valve is only another force on it, and other losses not even that.
+  // These may differ by more and still glide: a rest position acts as a force, losses as a factor.
   constexpr double kAngle = 0.1;
   constexpr double kNearSlope = 0.05;
   constexpr double kLosses = 10;
