@@ -19,7 +19,7 @@ using footstep::Recipe;
 using footstep::recipe_keys;
 using footstep::RecipeKey;
 
-constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kSpaces = " \t\r";
 constexpr double kDefaultRoomLevel = -10; // dB, of a section [room] without a level
 constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
                                                     "bubbles", "rustle",   "room"};
@@ -28,11 +28,11 @@ std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
   line = line.substr(0, line.find('#'));
   for (;;) {
-    const auto begin = line.find_first_not_of(kBlanks);
+    const auto begin = line.find_first_not_of(kSpaces);
     if (begin == line.npos)
       return words;
     line.remove_prefix(begin);
-    const auto end = std::min(line.find_first_of(kBlanks), line.size());
+    const auto end = std::min(line.find_first_of(kSpaces), line.size());
     words.push_back(line.substr(0, end));
     line.remove_prefix(end);
   }

@@ -3,6 +3,7 @@
 #include "core/haptic/device/force_timeout.hpp"
 #include "net/backoff.hpp"
 #include "net/bus_topic.hpp"
+#include "net/clock.hpp"
 #include "net/osc.hpp"
 #include "net/remote_wire.hpp"
 #include "net/tcp_server.hpp"
@@ -21,12 +22,10 @@ using Notice = BusExchange::Notice;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kConnect_s = 2, kCloseTimeout_s = 0.2;
+constexpr double kLinkConnect_s = 2, kCloseTimeout_s = 0.2;
 constexpr int kSilentAttempts = 2;   ///< to connect, before it is told
 constexpr double kPortInUse_s = 0.5; ///< for a link that has just ended to let go of its port
-constexpr auto kPollInterval = std::chrono::milliseconds(5);
-
-double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
+constexpr auto kLinkPollInterval = std::chrono::milliseconds(5);
 
 /// Threads whose owners have gone, until they have ended: at the end of the program at the latest.
 class Retired {
@@ -81,7 +80,7 @@ protected:
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
     while (!stop_ && Clock::now() < until) {
       node_.advance(now_s()); // what is sent meanwhile has nobody to go to
-      std::this_thread::sleep_for(kPollInterval);
+      std::this_thread::sleep_for(kLinkPollInterval);
     }
     return !stop_;
   }
@@ -177,7 +176,7 @@ void BusLink::connect(const std::string& host, int port) {
     std::string run_session() {
       ready_once_ = false;
       Wire wire(stop_);
-      if (std::string failure = wire.connect(host_, port_, kConnect_s); !failure.empty())
+      if (std::string failure = wire.connect(host_, port_, kLinkConnect_s); !failure.empty())
         return failure;
       const auto id = *node_.connect(host_, now_s());
       wire.receive([this, id](std::span<const std::uint8_t> bytes) {

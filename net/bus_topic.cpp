@@ -33,8 +33,8 @@ BusTopic bus_topic(std::string_view name) noexcept {
 }
 
 bool is_topic_name(std::string_view name) noexcept {
-  constexpr std::size_t kMaxName = 32;
-  return !name.empty() && name.size() <= kMaxName &&
+  constexpr std::size_t kMaxTopicName = 32;
+  return !name.empty() && name.size() <= kMaxTopicName &&
          std::all_of(name.begin(), name.end(), [](char c) {
            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                   c == '_' || c == '-';

@@ -1,11 +1,11 @@
 #include "net/client.hpp"
 
+#include "net/units.hpp"
+
 namespace tactus::net {
 namespace {
 
 using haptic::Vec3;
-
-constexpr double kMm_per_m = 1e3;
 
 Message& add_mm(Message& message, const Vec3& position_m) {
   for (int axis = 0; axis < 3; ++axis)

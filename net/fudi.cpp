@@ -77,9 +77,9 @@ std::string_view add_word(const Word& word, Message& message) noexcept {
   return {};
 }
 
-class Writer {
+class FudiWriter {
 public:
-  explicit Writer(std::span<char> out) noexcept : out_(out) {}
+  explicit FudiWriter(std::span<char> out) noexcept : out_(out) {}
 
   void raw(std::string_view text) noexcept {
     for (const char c : text)
@@ -156,7 +156,7 @@ std::string_view decode_fudi(std::span<char> text, Message& message, bool& found
 }
 
 std::size_t encode_fudi(const Message& message, std::span<char> out) noexcept {
-  Writer writer(out);
+  FudiWriter writer(out);
   if (message.address() == Address::kTopic) {
     writer.raw("bus ");
     writer.word(message.name());

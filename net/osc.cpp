@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::string_view kPrefix = "/hap/", kBusPrefix = "/bus/";
 
-class Reader {
+class OscReader {
 public:
-  explicit Reader(std::span<const std::uint8_t> packet) noexcept : packet_(packet) {}
+  explicit OscReader(std::span<const std::uint8_t> packet) noexcept : packet_(packet) {}
 
   [[nodiscard]] std::size_t left() const noexcept { return packet_.size() - at_; }
 
@@ -46,9 +46,9 @@ private:
   std::size_t at_ = 0;
 };
 
-class Writer {
+class OscWriter {
 public:
-  explicit Writer(std::span<std::uint8_t> out) noexcept : out_(out) {}
+  explicit OscWriter(std::span<std::uint8_t> out) noexcept : out_(out) {}
 
   void string(std::string_view head, std::string_view tail = {}) noexcept {
     bytes(head);
@@ -77,7 +77,7 @@ private:
   std::size_t size_ = 0;
 };
 
-std::string_view decode_argument(char tag, Reader& reader, Message& message) noexcept {
+std::string_view decode_argument(char tag, OscReader& reader, Message& message) noexcept {
   constexpr std::string_view kMissing = "the packet ends inside its arguments";
   std::uint32_t word = 0;
   std::string_view text;
@@ -110,7 +110,7 @@ std::string_view decode_argument(char tag, Reader& reader, Message& message) noe
 
 std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& message) noexcept {
   message = Message{};
-  Reader reader(packet);
+  OscReader reader(packet);
   std::string_view address, tags;
   if (!reader.string(address))
     return "the address is not terminated";
@@ -137,7 +137,7 @@ std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& messa
 }
 
 std::size_t encode_osc(const Message& message, std::span<std::uint8_t> out) noexcept {
-  Writer writer(out);
+  OscWriter writer(out);
   writer.string(message.address() == Address::kTopic ? kBusPrefix : kPrefix, message.name());
   std::array<char, Message::kMaxArguments + 1> tags{','};
   for (std::size_t i = 0; i < message.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include "net/backoff.hpp"
 #include "net/client.hpp"
+#include "net/clock.hpp"
 #include "net/remote_wire.hpp"
 #include "net/token_file.hpp"
 
@@ -33,8 +34,6 @@ constexpr double kRepeat_s = 0.1;    ///< of a force that stays
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
 constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
-
-double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
 /// A whole number from 1 to 65535; 0 when the text is none.
 int port_of(const std::string& text) noexcept {

@@ -2,6 +2,7 @@
 
 #include "core/haptic/device/force_timeout.hpp"
 #include "net/client.hpp"
+#include "net/clock.hpp"
 
 #include <boost/asio/connect.hpp>
 
@@ -23,8 +24,8 @@ using Endpoints = std::vector<tcp::endpoint>;
 
 namespace {
 
-constexpr auto kPollInterval = std::chrono::milliseconds(20);
-constexpr auto kTick = std::chrono::milliseconds(1);
+constexpr auto kWirePollInterval = std::chrono::milliseconds(20);
+constexpr auto kWireTick = std::chrono::milliseconds(1);
 
 Clock::time_point after(double seconds) {
   return Clock::now() +
@@ -56,7 +57,7 @@ std::string look_up(const std::string& host, int port, Clock::time_point until,
       return "stopped";
     if (Clock::now() > until)
       return "the name " + host + " is not found in time";
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(kWireTick);
   }
   endpoints = lookup->found;
   return lookup->error ? lookup->error.message() : std::string();
@@ -77,7 +78,7 @@ std::string Wire::connect(const std::string& host, int port, double timeout_s) {
   asio::async_connect(socket, endpoints,
                       [&outcome](Error failed, const tcp::endpoint&) { outcome = failed; });
   while (!outcome && !stop && Clock::now() < until)
-    context.run_one_until(std::min(until, Clock::now() + kPollInterval));
+    context.run_one_until(std::min(until, Clock::now() + kWirePollInterval));
   if (!outcome) {
     socket.close(error);
     while (!outcome && context.run_one() > 0) {
@@ -152,15 +153,15 @@ void Wire::exchange_datagrams(Client& client) {
     if (error == asio::error::would_block || error == asio::error::try_again)
       break;
     if (!error)
-      client.receive_datagram({bytes.data(), size}, haptic::ForceTimeout::now_s());
+      client.receive_datagram({bytes.data(), size}, now_s());
   }
-  if (const auto probe = client.datagrams().probe(haptic::ForceTimeout::now_s()))
+  if (const auto probe = client.datagrams().probe(now_s()))
     datagrams.send(asio::buffer(probe->bytes.data(), probe->size), 0, error);
 }
 
 void Wire::run() {
   bool due = false;
-  timer.expires_after(kTick);
+  timer.expires_after(kWireTick);
   timer.async_wait([&due](Error) { due = true; });
   while (!due && context.run_one() > 0) {
   }

@@ -1,13 +1,13 @@
 #include "net/server.hpp"
 
+#include "net/units.hpp"
+
 #include <cmath>
 
 namespace tactus::net {
 namespace {
 
 using haptic::Vec3;
-
-constexpr double kM_per_mm = 1e-3;
 
 std::optional<RenderMode> mode_of(std::string_view word) noexcept {
   if (word == "spring")

@@ -1,11 +1,11 @@
 #include "net/server.hpp"
 
+#include "net/units.hpp"
+
 namespace tactus::net {
 namespace {
 
 using haptic::Vec3;
-
-constexpr double kM_per_mm = 1e-3;
 
 /// N numbers and nothing else.
 template <std::size_t N>

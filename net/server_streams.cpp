@@ -1,11 +1,11 @@
 #include "net/server.hpp"
 
+#include "net/units.hpp"
+
 namespace tactus::net {
 namespace {
 
 using haptic::Vec3;
-
-constexpr double kMm_per_m = 1e3;
 
 } // namespace
 

@@ -1,6 +1,7 @@
 #include "net/tcp_server.hpp"
 
 #include "core/haptic/device/force_timeout.hpp"
+#include "net/clock.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -21,8 +22,6 @@ using Error = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
 constexpr auto kTick = std::chrono::milliseconds(1);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);

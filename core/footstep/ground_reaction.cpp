@@ -9,8 +9,7 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kGravity = 9.81;          // m/s^2
+using std::numbers::pi;
 constexpr double kMaxTransient = 0.6;      // weights
 constexpr double kDefaultSpeed = 1.4;      // m/s
 constexpr double kShareShape = 0.8;        // the heel's share is 1/2 at 63 % of its fall
@@ -51,7 +50,7 @@ template <class Row, std::size_t N> Row between(const std::array<Row, N>& rows, 
 } // namespace
 
 double Landing::peak(double speed) const noexcept {
-  return mass * speed / kGravity * 0.5 * kPi / kImpactTime;
+  return mass * speed / kGravity * 0.5 * pi / kImpactTime;
 }
 
 Track heel_share_track(double heel_at, double ball_at, double release_at, double highest) noexcept {
@@ -86,7 +85,7 @@ void GroundReaction::set_walk(const Shape& shape) noexcept {
   const double outer = shape.first_at * shape.first + (1 - shape.second_at) * shape.second;
   // Mean height of the flanks: 2 / pi for a sine, 1/2 for its square.
   const double height = (1 / (2 * shape.duty) - inner - landing_mean()) / outer;
-  const double sine_share = std::clamp((height - 0.5) / (2 / kPi - 0.5), 0.0, 1.0);
+  const double sine_share = std::clamp((height - 0.5) / (2 / pi - 0.5), 0.0, 1.0);
   const auto up = [&](Track& track) {
     track.to(shape.first, shape.first_at, sine_share)
         .to(shape.valley, shape.valley_at - shape.first_at);
@@ -122,7 +121,7 @@ void GroundReaction::set_run(double speed, double shoe) noexcept {
     max_heel_share_ = 0.2;
   }
   const double mean = stride_s_ / (2 * stance_s_);
-  const double peak = 0.5 * kPi * (mean - landing_mean());
+  const double peak = 0.5 * pi * (mean - landing_mean());
   load_ = first_half_ = Track(0);
   second_half_ = Track(peak);
   first_half_.to(peak, 0.5, 1);
@@ -216,9 +215,9 @@ double GroundReaction::force(double x) const noexcept {
   };
   for (const Landing* landing : {&heel_, &ball_})
     if (const double u = within(landing->at, Landing::kImpactTime); u > 0 && u < 1)
-      weights += landing->peak(landing->speed_m_per_s) * std::sin(kPi * u);
+      weights += landing->peak(landing->speed_m_per_s) * std::sin(pi * u);
   if (const double u = within(heel_.at, kTransientTime); transient_ > 0 && u < 1) {
-    const double sine = std::sin(kPi * u);
+    const double sine = std::sin(pi * u);
     weights += transient_ * sine * sine;
   }
   return weight_n_ * weights;

@@ -8,6 +8,9 @@ namespace tactus::footstep {
 enum class Style { kWalk, kRun, kSneak, kUpstairs, kDownstairs };
 inline constexpr int kStyles = 5;
 
+/// m/s^2, between a walker's weight and mass.
+inline constexpr double kGravity = 9.81;
+
 /// A walking person.
 struct Walker {
   double speed_m_per_s = 1.4; ///< on level ground; stairs and sneaking reduce it

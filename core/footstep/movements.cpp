@@ -7,8 +7,7 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kGravity = 9.81;       // m/s^2
+using std::numbers::pi;
 constexpr double kStandingShare = 0.6;  // of the load under the heels while standing
 constexpr double kShift = 0.7;          // s, duration of the shift of the weight to one foot
 constexpr double kFree = 0.6;           // share of kShift after which the other foot is free
@@ -73,7 +72,7 @@ FootfallPair set_off(const GroundReaction& reaction) noexcept {
     // From rest to the take-off speed of each flight, g flight / 2.
     const double rise = 0.7 * stance_s, fall = 0.5 * stance_s;
     const double peak =
-        (0.5 * reaction.flight_s() + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
+        (0.5 * reaction.flight_s() + 0.5 * rise + fall) / (0.5 * rise + 2 / pi * fall);
     load.to(peak, rise).to(0, fall, 1);
     pair.next_start_s = load.duration_s() + reaction.flight_s();
   } else {
@@ -111,7 +110,7 @@ FootfallPair halt(const GroundReaction& reaction) noexcept {
     for (const Footfall::Impact& one : last.impacts)
       landings += one.impulse() / std::max(weight_n, 1e-9);
     const double peak =
-        (0.5 * reaction.flight_s() - landings + 0.5 * fall + rise) / (0.5 * fall + 2 / kPi * rise);
+        (0.5 * reaction.flight_s() - landings + 0.5 * fall + rise) / (0.5 * fall + 2 / pi * rise);
     load.to(peak, rise, 1).to(level, fall);
   } else {
     level = reaction.second_half().at(0);
@@ -181,7 +180,7 @@ Jump jump(double height_m, double weight_n) noexcept {
   const double crouch = 0.3 * quick, rise = 0.2 * quick, fall = 0.28 * quick;
   constexpr double kUnweighted = 0.6;
   const double momentum = 0.5 * kUnweighted * crouch + speed / kGravity; // weight * s
-  const double peak = (momentum + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
+  const double peak = (momentum + 0.5 * rise + fall) / (0.5 * rise + 2 / pi * fall);
   Track push_off(1);
   push_off.to(1, crouch, 0, -kUnweighted).to(peak, rise).to(0, fall, 1);
   result.push_off.load = push_off.scaled(half, 1);
@@ -196,9 +195,9 @@ Jump jump(double height_m, double weight_n) noexcept {
   const double highest = 1 + 5.5 * std::sqrt(height); // of both feet, weights
   const double legs = std::min(2.0, highest);
   const double ball = 2 * Landing{0, speed, kBallMass}.peak(speed); // of both feet
-  const double at_heel = 0.5 * (1 - std::cos(kPi * (kHeelAt + 0.5 * kHeelTime) / kLegsRise));
+  const double at_heel = 0.5 * (1 - std::cos(pi * (kHeelAt + 0.5 * kHeelTime) / kLegsRise));
   const double heel = std::max(0.0, highest - legs * at_heel);
-  const double impulse = speed / kGravity - ball * 2 / kPi * Landing::kImpactTime -
+  const double impulse = speed / kGravity - ball * 2 / pi * Landing::kImpactTime -
                          heel * 0.5 * kHeelTime - (0.5 * legs - 1) * kLegsRise;
   const double absorb = impulse / (0.5 * (legs - 1));
   Footfall& landing = result.landing;

@@ -6,7 +6,7 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 } // namespace
 
@@ -42,13 +42,13 @@ double Track::value(const Piece& piece, double time_s) noexcept {
   const double left = (piece.end_s - time_s) / piece.duration_s;
   if (piece.from != piece.to) {
     const bool rises = piece.to > piece.from;
-    const double sine = std::sin(0.5 * kPi * (rises ? 1 - left : left));
+    const double sine = std::sin(0.5 * pi * (rises ? 1 - left : left));
     const double part = sine * (piece.sine_share + (1 - piece.sine_share) * sine);
     value = rises ? piece.from + (piece.to - piece.from) * part
                   : piece.to + (piece.from - piece.to) * part;
   }
   if (piece.hump != 0) {
-    const double sine = std::sin(kPi * left);
+    const double sine = std::sin(pi * left);
     value += piece.hump * sine * sine;
   }
   return value;
@@ -59,7 +59,7 @@ double Track::integral() const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     const Piece& p = pieces_[i];
     // Mean of the part between the ends: 1/2 for the square of a sine, 2 / pi for a sine.
-    const double part = 0.5 + (2 / kPi - 0.5) * p.sine_share;
+    const double part = 0.5 + (2 / pi - 0.5) * p.sine_share;
     const double low = p.to > p.from ? p.from : p.to, high = p.to > p.from ? p.to : p.from;
     sum += p.duration_s * (low + (high - low) * part + 0.5 * p.hump);
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
 constexpr std::array<std::uint8_t, 4> kWelcome{0x0a, 0x44, 0x2c, 0x0d};
-constexpr std::array<std::uint8_t, 1> kBegin{0x41};
+constexpr std::array<std::uint8_t, 1> kBeginDownload{0x41};
 constexpr int kRestarts = 4, kGreetings = 25, kMaxUploads = 10, kMaxProbes = 10;
 constexpr double kWelcome_s = 0.05, kDrain_s = 0.005;
 constexpr double kEcho_s = 0.5, kProbe_s = 0.05, kClearToSend_s = 0.1;
@@ -67,9 +67,9 @@ Step begin_upload(Link& link, std::string& problem) {
     if (link.clear_to_send())
       break;
   }
-  if (!link.send(kBegin) || !link.receive(answer, kBegin.size(), kEcho_s))
+  if (!link.send(kBeginDownload) || !link.receive(answer, kBeginDownload.size(), kEcho_s))
     return gone(link, problem);
-  if (answer.size() == 1 && answer[0] == kBegin[0])
+  if (answer.size() == 1 && answer[0] == kBeginDownload[0])
     return Step::kDone;
   problem = "the Falcon's boot loader did not take the firmware's speed";
   return Step::kFailed;

@@ -12,8 +12,6 @@ using namespace modal_impact;
 
 namespace {
 
-constexpr double kMillimetre = 0.001;
-constexpr double kFarthest = 1e6;        // mm
 constexpr double kGapWarningRatio = 0.1; // of the diagonal of both
 
 bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.number) <= kFarthest; }

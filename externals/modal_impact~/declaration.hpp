@@ -9,6 +9,9 @@
 /// The parameters, messages, inlets and outlets of [modal_impact~].
 namespace tactus::modal_impact {
 
+inline constexpr double kMillimetre = 0.001; ///< m, the unit of positions in messages
+inline constexpr double kFarthest = 1e6;     ///< mm, the largest coordinate of a position
+
 inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "body", "none"};
 inline constexpr std::array<std::string_view, 2> kContacts{"coupled", "pulse"};
 inline constexpr std::array<std::string_view, 2> kResolveModes{"auto", "off"};

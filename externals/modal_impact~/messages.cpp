@@ -13,8 +13,6 @@ using namespace modal_impact;
 
 namespace {
 
-constexpr double kMillimetre = 0.001;
-constexpr double kFarthest = 1e6;             // mm
 constexpr double kFastest = 50;               // m/s
 constexpr double kDistanceWarningRatio = 0.1; // of its diagonal
 

@@ -7,9 +7,11 @@
 
 /// ModalImpact: messages that change the shape of the body.
 namespace tactus::modal {
+
+using namespace modal_impact;
+
 namespace {
 
-constexpr double kMillimetre = 0.001;
 constexpr std::size_t kMaxListed = 128; // control points that info lists
 
 } // namespace

@@ -42,10 +42,11 @@ std::size_t NodeGraph::find(std::int64_t at_row, std::int64_t column) const noex
 namespace {
 
 /// Vectors that pass through the matrix together: it is read from memory once for all of them.
-constexpr std::size_t kBlockColumns = 8;
-template <std::size_t Width> using Lanes = std::array<double, Width>;
+constexpr std::size_t kPassColumns = 8;
+template <std::size_t Width> using ColumnLanes = std::array<double, Width>;
 
-template <std::size_t Width> void add(Lanes<Width>& y, double a, const Lanes<Width>& x) noexcept {
+template <std::size_t Width>
+void add(ColumnLanes<Width>& y, double a, const ColumnLanes<Width>& x) noexcept {
   for (std::size_t c = 0; c < Width; ++c)
     y[c] += a * x[c];
 }
@@ -59,7 +60,7 @@ void multiply(const NodeGraph& graph, std::span<const std::uint8_t> constrained,
               const Block& block) {
   const std::size_t n = 3 * graph.node_count();
   const auto skipped = [&](std::size_t i) { return !constrained.empty() && constrained[i]; };
-  std::vector<Lanes<Width>> in(n), out(n);
+  std::vector<ColumnLanes<Width>> in(n), out(n);
   for (std::size_t first = 0; first < columns; first += Width) {
     const std::size_t width = std::min(Width, columns - first);
     for (std::size_t i = 0; i < n; ++i) {
@@ -89,7 +90,7 @@ void multiply_any(const NodeGraph& graph, std::span<const std::uint8_t> constrai
   if (columns == 1)
     multiply<1>(graph, constrained, x, y, columns, block);
   else
-    multiply<kBlockColumns>(graph, constrained, x, y, columns, block);
+    multiply<kPassColumns>(graph, constrained, x, y, columns, block);
 }
 
 auto stiffness_block(std::span<const double> stiffness) {

@@ -11,7 +11,7 @@ namespace {
 /// Of what is left of a solution without the newer ones: below that it is their rounding.
 constexpr double kMinRemainder = 1e-9;
 
-double dot(std::span<const double> a, std::span<const double> b) {
+double inner_product(std::span<const double> a, std::span<const double> b) {
   return Eigen::Map<const Eigen::VectorXd>(a.data(), static_cast<Eigen::Index>(a.size()))
       .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<Eigen::Index>(b.size())));
 }
@@ -24,7 +24,7 @@ void PastSolutions::add(std::span<const double> u) {
     double change = 0;
     for (std::size_t i = 0; i < u.size(); ++i)
       change += (u[i] - kept_[0][i]) * (u[i] - kept_[0][i]);
-    if (!(std::sqrt(change) > kMinRemainder * std::sqrt(dot(u, u))))
+    if (!(std::sqrt(change) > kMinRemainder * std::sqrt(inner_product(u, u))))
       kept_.erase(kept_.begin());
   }
   kept_.insert(kept_.begin(), std::vector(u.begin(), u.end()));
@@ -42,15 +42,15 @@ void PastSolutions::start(const Matrices& m, std::span<const double> b, std::spa
     if (u.size() != n)
       continue;
     std::vector<double> own = u;
-    const double size = std::sqrt(dot(own, own));
+    const double size = std::sqrt(inner_product(own, own));
     for (int pass = 0; pass < 2; ++pass)
       for (std::size_t k = 0; k < count; ++k) {
         const auto other = std::span(basis).subspan(k * n, n);
-        const double share = dot(other, own);
+        const double share = inner_product(other, own);
         for (std::size_t i = 0; i < n; ++i)
           own[i] -= share * other[i];
       }
-    const double left = std::sqrt(dot(own, own));
+    const double left = std::sqrt(inner_product(own, own));
     if (!(left > kMinRemainder * size))
       continue;
     for (double& value : own)

@@ -9,12 +9,12 @@ namespace tactus::fem {
 namespace {
 
 /// Parameters that pass through the elements together: the geometry is worked out once for all.
-constexpr std::size_t kBlockColumns = 8;
+constexpr std::size_t kBlockParameters = 8;
 
 /// The velocities of up to eight parameters at every node.
 struct VelocityBlock {
   std::size_t count = 0;
-  std::vector<std::array<Vector3, kBlockColumns>> of_node;
+  std::vector<std::array<Vector3, kBlockParameters>> of_node;
   std::vector<std::uint8_t> moves; ///< [node], a bit a parameter
 
   VelocityBlock(std::size_t nodes, std::span<const DesignVelocity> velocities)
@@ -166,8 +166,9 @@ std::vector<double> block_sensitivity(SolvedProblem& problem,
 
 template <class Work>
 void for_each_block(const Mesh& mesh, std::span<const DesignVelocity> velocities, Work&& work) {
-  for (std::size_t first = 0; first < velocities.size(); first += kBlockColumns) {
-    const auto own = velocities.subspan(first, std::min(kBlockColumns, velocities.size() - first));
+  for (std::size_t first = 0; first < velocities.size(); first += kBlockParameters) {
+    const auto own =
+        velocities.subspan(first, std::min(kBlockParameters, velocities.size() - first));
     work(first, own, VelocityBlock(mesh.nodes.size(), own));
   }
 }

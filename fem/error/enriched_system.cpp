@@ -9,11 +9,11 @@ namespace tactus::fem {
 namespace {
 
 /// Shape and enriching functions at the quadrature points of a shape.
-struct Tabulated {
+struct EnrichedShape {
   std::vector<ShapeValues> nodal, enriching;
   std::vector<double> weight;
 
-  explicit Tabulated(Shape shape) {
+  explicit EnrichedShape(Shape shape) {
     for (const QuadraturePoint& q : mass_points(shape)) {
       evaluate(shape, q.at, nodal.emplace_back());
       evaluate_enrichment(shape, q.at, enriching.emplace_back());
@@ -22,15 +22,15 @@ struct Tabulated {
   }
 };
 
-const Tabulated& tabulated(Shape shape) {
-  static const std::array<Tabulated, 5> tables{Tabulated(Shape::tet4), Tabulated(Shape::tet10),
-                                               Tabulated(Shape::hex8), Tabulated(Shape::hex20),
-                                               Tabulated(Shape::wedge15)};
+const EnrichedShape& enriched_shape(Shape shape) {
+  static const std::array<EnrichedShape, 5> tables{
+      EnrichedShape(Shape::tet4), EnrichedShape(Shape::tet10), EnrichedShape(Shape::hex8),
+      EnrichedShape(Shape::hex20), EnrichedShape(Shape::wedge15)};
   return tables[static_cast<std::size_t>(shape)];
 }
 
 /// Rows of B' for the displacement component i: where the slopes x, y, z stand in Voigt's order.
-constexpr std::array<std::array<std::array<std::size_t, 2>, 3>, 3> kStrain{
+constexpr std::array<std::array<std::array<std::size_t, 2>, 3>, 3> kStrainRows{
     {{{{0, 0}, {5, 1}, {4, 2}}}, {{{1, 1}, {5, 0}, {3, 2}}}, {{{2, 2}, {4, 0}, {3, 1}}}}};
 
 /// k += w B_a' C B_b with the stresses of b, C B_b, given: [component][Voigt].
@@ -38,7 +38,7 @@ using Stresses = std::array<std::array<double, 6>, 3>;
 Stresses stresses(const Vector3& g, const ElasticLaw& law, double weight) noexcept {
   Stresses s{};
   for (std::size_t j = 0; j < 3; ++j)
-    for (const auto& [row, slope] : kStrain[j])
+    for (const auto& [row, slope] : kStrainRows[j])
       for (std::size_t v = 0; v < 6; ++v)
         s[j][v] += weight * law.matrix[v][row] * g[static_cast<int>(slope)];
   return s;
@@ -84,7 +84,7 @@ EnrichedSystem::EnrichedSystem(const Mesh& mesh, std::span<const Material> mater
 
 void EnrichedSystem::integrate(std::size_t index, const ElasticLaw& law) {
   const Element& e = mesh_.elements[index];
-  const Tabulated& table = tabulated(e.shape);
+  const EnrichedShape& table = enriched_shape(e.shape);
   const std::size_t w = enriching_functions(e.shape).size();
   const auto v = static_cast<std::size_t>(node_count(e.shape));
   const auto nodes = mesh_.nodes_of(e);
@@ -192,7 +192,7 @@ void EnrichedSystem::residual(std::span<const Material> materials, std::span<con
   subtract_coupling(u, y);
   for (std::size_t index = 0; index < mesh_.elements.size(); ++index) {
     const Element& e = mesh_.elements[index];
-    const Tabulated& table = tabulated(e.shape);
+    const EnrichedShape& table = enriched_shape(e.shape);
     const auto nodes = mesh_.nodes_of(e);
     const double density = materials[static_cast<std::size_t>(e.region)].density;
     std::array<double, kMaxNodes * kMaxEnriching> mass{};

@@ -8,6 +8,9 @@
 
 namespace tactus::fem {
 
+/// A vertex, triangle or shell number as an index of the standard library's containers.
+[[nodiscard]] constexpr std::size_t at(int i) noexcept { return static_cast<std::size_t>(i); }
+
 /// A surface of triangles. Files give an unconnected soup; weld() and find_shells() (fem/mesh) make
 /// closed shells of it, oriented outward.
 struct Triangles {

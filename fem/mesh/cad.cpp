@@ -16,7 +16,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kMaxVolumeChange = .01; ///< of the mesh against the solids
+constexpr double kMaxSolidVolumeChange = .01; ///< of the mesh against the solids
 
 /// Fillets the one volume's concave curves; returns those that are left to be graded: none.
 std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,
@@ -258,7 +258,7 @@ private:
     if (choice_.sizes && !choice_.sizes->straight && has_straight_sides(mesh))
       throw InputError(path_ + ": curved sides turn inside out on a finer mesh");
     const double whole = unit_ * unit_ * unit_ * volume_of(volumes_of_model());
-    if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxVolumeChange)
+    if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxSolidVolumeChange)
       throw InputError(
           path_ + format(": the mesh has %+.2f %% of the solid's volume too much", 100 * change));
     return mesh;

@@ -8,8 +8,6 @@
 namespace tactus::fem {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2); edge e runs along axis e / 4 from the
 /// corner that has the two bits of e % 4 in the other axes.
 struct CellEdge {

@@ -8,8 +8,6 @@
 namespace tactus::fem {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// For each side of each triangle the neighbour across it, or -1 where the surface is open.
 std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
   std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});

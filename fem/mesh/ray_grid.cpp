@@ -5,8 +5,6 @@
 namespace tactus::fem {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Twice the signed area of p, a, b in the plane of axes u and v; exactly the opposite if a and b
 /// change places, so that a line between two neighbours meets one of them.
 double area(double pu, double pv, const Vector3& a, const Vector3& b, int u, int v) {

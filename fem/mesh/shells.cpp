@@ -11,8 +11,6 @@
 namespace tactus::fem {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 std::vector<Box> shell_boxes(const Triangles& t) {
   std::vector<std::vector<Vector3>> corners(at(t.shells));
   for (std::size_t i = 0; i < t.triangles.size(); ++i)

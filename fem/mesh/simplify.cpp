@@ -14,7 +14,6 @@ namespace tactus::fem {
 namespace {
 
 using Corners = std::array<int, 3>;
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Area-weighted sum of squared distances to planes, as a symmetric form in a point, and the area.
 struct Quadric {

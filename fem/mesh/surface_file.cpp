@@ -18,8 +18,8 @@ namespace {
 constexpr double kHoleArea = .05, kHoleExtent = .4; ///< shares of the body that are closed
 constexpr double kAllHolesArea = .1;                ///< of the skin, together
 constexpr double kSheet = .003; ///< thickness of the body, below which a capped surface is a sheet
-constexpr double kMaxVolumeChange = .01; ///< of a surface made anew
-constexpr double kClosedGap = 2e-4;      ///< of the body, between pieces that are one
+constexpr double kMaxSkinVolumeChange = .01; ///< of a surface made anew
+constexpr double kClosedGap = 2e-4;          ///< of the body, between pieces that are one
 
 using Notify = std::function<void(const std::string&)>;
 
@@ -84,7 +84,7 @@ Triangles unite(const Triangles& t, const std::string& reason, const Notify& not
                        format(": %.3g %% of its volume is inside out; repair the surface, or "
                               "take --shrink-wrap SIZE",
                               100 * made.inverted / made.volume));
-    if (std::abs(made.volume_change) > kMaxVolumeChange)
+    if (std::abs(made.volume_change) > kMaxSkinVolumeChange)
       continue;
     notify(reason +
            format(": its outer skin was taken anew at %.3g mm, volume ", 1e3 * made.spacing) +

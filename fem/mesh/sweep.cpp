@@ -176,7 +176,7 @@ Mesh sweep(const Prism& prism, std::span<const double> levels, const SweepChoice
 
 namespace {
 
-constexpr double kMaxVolumeChange = .01; ///< of the mesh against the solid
+constexpr double kMaxSweptVolumeChange = .01; ///< of the mesh against the solid
 
 /// The shares of the height between equal layers.
 std::vector<double> even_levels(double height, double h) {
@@ -219,7 +219,7 @@ std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadr
   Mesh mesh = sweep(*prism, levels,
                     {.quadrilaterals = quadrilaterals, .curved = choice.curved, .unit = unit});
   check(mesh);
-  if (const double change = volume(mesh) / solid - 1; std::abs(change) > kMaxVolumeChange)
+  if (const double change = volume(mesh) / solid - 1; std::abs(change) > kMaxSweptVolumeChange)
     throw InputError(
         format("the swept mesh has %+.2f %% of the solid's volume too much", 100 * change));
   return mesh;

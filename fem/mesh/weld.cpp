@@ -11,8 +11,6 @@
 namespace tactus::fem {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Keeps the triangles for which keep(i) holds, with their groups.
 template <class Keep> std::size_t keep_triangles(Triangles& t, Keep&& keep) {
   std::size_t kept = 0;

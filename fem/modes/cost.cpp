@@ -1,5 +1,7 @@
 #include "fem/modes/cost.hpp"
 
+#include "fem/modes/lanczos.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,7 +9,7 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kBlock = 8; // columns solved at once, as in lowest_modes
+constexpr auto kBlock = static_cast<double>(kLanczosBlock);
 
 /// Nested dissection of a block: halves across the longest side, down to one element. `touching`
 /// counts the block's ends, along each direction, that lie on older separators.

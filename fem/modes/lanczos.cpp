@@ -8,8 +8,6 @@
 namespace tactus::fem {
 namespace {
 
-constexpr std::size_t kBlock = 8;
-
 /// xorshift64*: the same start everywhere.
 double random_unit(std::uint64_t& state) {
   state ^= state >> 12;
@@ -37,17 +35,17 @@ public:
 
   void start() {
     std::uint64_t state = 0x9E3779B97F4A7C15ULL;
-    next.assign(n_ * kBlock, 0.0);
+    next.assign(n_ * kLanczosBlock, 0.0);
     for (double& x : next)
       x = random_unit(state);
-    for (std::size_t c = 0; c < kBlock; ++c)
+    for (std::size_t c = 0; c < kLanczosBlock; ++c)
       for (std::size_t i = 0; i < n_; ++i)
         if (matrices_.constrained[i])
           next[c * n_ + i] = 0;
-    weighted_.resize(n_ * kBlock);
-    matrices_.multiply_mass(next, weighted_, kBlock);
-    apply(next, kBlock); // smooths the noise
-    next_width = orthonormalise(next, kBlock, nullptr);
+    weighted_.resize(n_ * kLanczosBlock);
+    matrices_.multiply_mass(next, weighted_, kLanczosBlock);
+    apply(next, kLanczosBlock); // smooths the noise
+    next_width = orthonormalise(next, kLanczosBlock, nullptr);
   }
 
   /// Appends the next block and makes the one after it.
@@ -196,8 +194,9 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
       std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));
   const std::size_t possible = n - constrained - deflated.size() / n;
   std::size_t count = std::min(settings.count, possible);
-  const std::size_t max_columns = std::min(4 * count + 12 * kBlock, possible + kBlock);
-  Lanczos lanczos(matrices, factor, deflated, max_columns + kBlock);
+  const std::size_t max_columns =
+      std::min(4 * count + 12 * kLanczosBlock, possible + kLanczosBlock);
+  Lanczos lanczos(matrices, factor, deflated, max_columns + kLanczosBlock);
   lanczos.start();
   Eigenpairs pairs;
   for (int blocks = 0; count > 0; ++blocks) {
@@ -210,7 +209,7 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
                                           static_cast<double>(2 * count + 100)));
     const bool exhausted = lanczos.next_width == 0 || lanczos.width >= possible;
     const bool full = lanczos.width + lanczos.next_width > max_columns;
-    if (!(exhausted || full || (lanczos.width >= count + kBlock && blocks % 3 == 0)))
+    if (!(exhausted || full || (lanczos.width >= count + kLanczosBlock && blocks % 3 == 0)))
       continue;
     pairs = lanczos.ritz();
     std::size_t found = 0;
@@ -225,7 +224,7 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
     if (found == count || exhausted)
       break;
     if (full)
-      lanczos.restart(pairs, std::min(count + 2 * kBlock, lanczos.width));
+      lanczos.restart(pairs, std::min(count + 2 * kLanczosBlock, lanczos.width));
     if (blocks > 2000)
       throw InputError("the modes do not converge after " + std::to_string(lanczos.solves) +
                        " solves: the mesh is badly shaped");

@@ -3,6 +3,9 @@
 
 namespace tactus::fem {
 
+/// Vectors that are solved for together.
+inline constexpr std::size_t kLanczosBlock = 8;
+
 /// Eigenpairs of K u = lambda M u, lambda ascending.
 struct Spectrum {
   std::vector<double> lambda;  ///< rad^2/s^2

@@ -16,11 +16,11 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kMillimetre = 1e-3;
 /// Of the corner between two perpendicular walls, less a quarter disk of radius 1: the area, and
 /// its first moment about a wall.
-constexpr double kCornerArea = 1 - kPi / 4, kCornerMoment = 5. / 6 - kPi / 4;
+constexpr double kCornerArea = 1 - pi / 4, kCornerMoment = 5. / 6 - pi / 4;
 
 struct Circle {
   Vector3 centre;
@@ -104,9 +104,9 @@ Outline slot_between(const Circle& centreline, double width, double first, doubl
   const double half = width / 2, sweep = first - second;
   const Vector3 o = centreline.centre;
   return {{{o, centreline.radius + half}, second, sweep},
-          {{on(centreline, first), half}, first, kPi},
+          {{on(centreline, first), half}, first, pi},
           {{o, centreline.radius - half}, first, -sweep},
-          {{on(centreline, second), half}, second + kPi, kPi}};
+          {{on(centreline, second), half}, second + pi, pi}};
 }
 
 void add_slots(Plan& plan, const LiftArm& arm) {
@@ -162,15 +162,15 @@ void check_dimensions(const LiftArm& arm) {
 /// Counter-clockwise from the hub's upper point of contact.
 Outline outline_of(const Plan& plan, const Vector3& hub, const Vector3& rod) {
   const auto turn = [](double from, double to) {
-    const double t = std::fmod(to - from, 2 * kPi);
-    return t < 0 ? t + 2 * kPi : t;
+    const double t = std::fmod(to - from, 2 * pi);
+    return t < 0 ? t + 2 * pi : t;
   };
   const double hub_up = angle_of(hub - plan.upper.centre),
                hub_low = angle_of(plan.lower.centre - hub);
   const double rod_low = angle_of(plan.lower.centre - rod),
                rod_up = angle_of(rod - plan.upper.centre);
   return {{plan.hub_end, hub_up, turn(hub_up, hub_low)},
-          {plan.lower, hub_low + kPi, -turn(rod_low, hub_low)},
+          {plan.lower, hub_low + pi, -turn(rod_low, hub_low)},
           {plan.rod_end, rod_low, turn(rod_low, rod_up)},
           {plan.upper, rod_up, turn(rod_up, hub_up)}};
 }
@@ -281,7 +281,7 @@ PlateCurves curves_of_plate(const Plan& plan, double thickness) {
     bool boss = false;
     for (std::size_t k = 0; k < 3; ++k)
       boss |= length(centre - plan.pins[k].centre) < 1e-6 &&
-              std::abs(around * kMillimetre / (2 * kPi * plan.boss_radius[k]) - 1) < 1e-6;
+              std::abs(around * kMillimetre / (2 * pi * plan.boss_radius[k]) - 1) < 1e-6;
     (boss ? found.bosses : found.outline).push_back(tag);
   }
   return found;
@@ -390,12 +390,11 @@ double volume(const LiftArm& arm) {
   double sum = t * area(plan.outline);
   for (const Outline& slot : plan.slots)
     sum -= t * area(slot);
-  sum -= 2 * (kCornerArea * e * e * perimeter(plan.outline) - 2 * kPi * kCornerMoment * e * e * e);
+  sum -= 2 * (kCornerArea * e * e * perimeter(plan.outline) - 2 * pi * kCornerMoment * e * e * e);
   for (std::size_t k = 0; k < 3; ++k) {
     const double radius = plan.boss_radius[k], bore = plan.pins[k].radius;
-    sum += kPi * radius * radius * (plan.pins[k].width - t) -
-           kPi * bore * bore * plan.pins[k].width +
-           2 * 2 * kPi * (radius * kCornerArea * f * f + kCornerMoment * f * f * f);
+    sum += pi * radius * radius * (plan.pins[k].width - t) - pi * bore * bore * plan.pins[k].width +
+           2 * 2 * pi * (radius * kCornerArea * f * f + kCornerMoment * f * f * f);
   }
   return sum;
 }

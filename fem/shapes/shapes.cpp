@@ -17,7 +17,7 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kRequired = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 using Dimensions = std::map<std::string, double>;
 
@@ -32,7 +32,7 @@ double layers_of(const MeshChoice& choice, double default_value) {
 /// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
 /// images.
 double sectors_for(double radius, double h) {
-  return std::max(16.0, 4 * std::ceil(2 * kPi * radius / h / 4 - 1e-9));
+  return std::max(16.0, 4 * std::ceil(2 * pi * radius / h / 4 - 1e-9));
 }
 
 /// The size of a section's mesh turned about the axis. Node pairs by inclusion and exclusion: those
@@ -91,7 +91,7 @@ SweptBody turn(Section section, double number) {
   body.grid.uniform[2] = 4;
   body.grid.line[2].clear();
   for (int i = 0; i <= sectors; ++i)
-    body.grid.line[2].push_back(2 * kPi * i / sectors);
+    body.grid.line[2].push_back(2 * pi * i / sectors);
   return body;
 }
 
@@ -111,7 +111,7 @@ ShapePlan solid_of_revolution(Rectangles shape, const MeshChoice& choice, double
   for (std::size_t i = 0; i + 1 < shape.r.size(); ++i)
     for (std::size_t j = 0; j + 1 < shape.z.size(); ++j)
       if (shape.solid[i][j])
-        size.volume += kPi * (shape.r[i + 1] * shape.r[i + 1] - shape.r[i] * shape.r[i]) *
+        size.volume += pi * (shape.r[i + 1] * shape.r[i + 1] - shape.r[i] * shape.r[i]) *
                        (shape.z[j + 1] - shape.z[j]);
   const double wide = 2 * shape.r.back();
   size.box = {wide, wide, shape.z.back() - shape.z.front()};
@@ -134,7 +134,7 @@ ShapePlan shell_of_revolution(Shell s, const MeshChoice& choice, double largest)
     low = std::min(low, b.z);
     high = std::max(high, b.z);
     thickest = std::max(thickest, s.thickness(double(i) / kSamples));
-    solid += kPi * (a.r + b.r) * step * s.thickness((i + .5) / kSamples);
+    solid += pi * (a.r + b.r) * step * s.thickness((i + .5) / kSamples);
   }
   const double default_value =
       std::max(thickest < .05 * largest ? 1.0 : 2.0, std::ceil(thickest / h));
@@ -264,15 +264,15 @@ ShapePlan hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
   return shell_of_revolution(
       {.middle =
            [m](double u) {
-             return Meridian{u == 0 || u == 1 ? 0 : m * std::sin(kPi * u), -m * std::cos(kPi * u)};
+             return Meridian{u == 0 || u == 1 ? 0 : m * std::sin(pi * u), -m * std::cos(pi * u)};
            },
        .thickness = [t](double) { return t; }},
       choice, 2 * r);
 }
 
 ShapePlan bowl(const Dimensions& d, const MeshChoice& choice) {
-  const double r = d.at("diameter") / 2, t = d.at("thickness"), angle = d.at("angle") * kPi / 180;
-  require(t < r && angle > 0 && angle < kPi, "bowl",
+  const double r = d.at("diameter") / 2, t = d.at("thickness"), angle = d.at("angle") * pi / 180;
+  require(t < r && angle > 0 && angle < pi, "bowl",
           "a thickness below the radius, 0 < angle < 180");
   const double m = r - t / 2;
   return shell_of_revolution(

@@ -8,10 +8,10 @@
 namespace tactus::haptic {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
+using std::numbers::pi;
 
 // Whole periods are removed before the product with 2 pi, so that the sine is exact after hours.
-double phase_of(double turns) noexcept { return kTwoPi * (turns - std::floor(turns)); }
+double phase_of(double turns) noexcept { return 2 * pi * (turns - std::floor(turns)); }
 
 } // namespace
 
@@ -36,12 +36,12 @@ PathPoint LinePath::at(double time_s) const noexcept {
   const double phase = phase_of(time_s / period_s);
   const Vec3 displacement = to - from;
   return {from + displacement * (0.5 * (1.0 - std::cos(phase))),
-          displacement * (0.5 * std::sin(phase) * kTwoPi / period_s), 0};
+          displacement * (std::sin(phase) * pi / period_s), 0};
 }
 
 PathPoint CirclePath::at(double time_s) const noexcept {
   const double phase = phase_of(time_s / period_s);
-  const double speed = radius_m * kTwoPi / period_s;
+  const double speed = radius_m * 2 * pi / period_s;
   PathPoint point;
   point.position = centre;
   point.position[first] += radius_m * std::cos(phase);
@@ -56,7 +56,7 @@ PathPoint LissajousPath::at(double time_s) const noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     const double phase = phase_of(frequency_hz[axis] * time_s);
     point.position[axis] = centre[axis] + amplitude[axis] * std::sin(phase);
-    point.velocity[axis] = amplitude[axis] * kTwoPi * frequency_hz[axis] * std::cos(phase);
+    point.velocity[axis] = amplitude[axis] * 2 * pi * frequency_hz[axis] * std::cos(phase);
   }
   return point;
 }

@@ -7,7 +7,7 @@
 namespace tactus::haptic {
 namespace {
 constexpr double kMinDepth_m = 1e-9; // a smaller depth of contact is rounding
-constexpr double kTwoPi = 2 * std::numbers::pi;
+using std::numbers::pi;
 } // namespace
 
 void EffectModel::begin() noexcept { started_ = has_mass_ = has_friction_anchor_ = false; }
@@ -38,7 +38,7 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
     sum += friction(*now.friction, x);
   if (now.texture) {
     const auto& texture = *now.texture;
-    const double phase = kTwoPi * dot(x, texture.direction) / texture.wavelength_m;
+    const double phase = 2 * pi * dot(x, texture.direction) / texture.wavelength_m;
     sum += limited(texture.direction * (texture.amplitude_n * std::sin(phase)), kMaxEffect_n);
   }
   if (now.relief)
@@ -105,9 +105,9 @@ Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
   if (!(depth > kMinDepth_m) || !(contact_force > 0))
     return {};
   const Vec3 along = relief.direction - normal * dot(relief.direction, normal);
-  const double phase = kTwoPi * dot(position, along) / relief.wavelength_m;
+  const double phase = 2 * pi * dot(position, along) / relief.wavelength_m;
   const double height = 0.5 * relief.depth_m * (std::cos(phase) - 1);
-  const double slope = -0.5 * relief.depth_m * kTwoPi / relief.wavelength_m * std::sin(phase);
+  const double slope = -relief.depth_m * pi / relief.wavelength_m * std::sin(phase);
   const double modulated_force = contact_force * std::max(0.0, depth + height) / depth;
   return limited(normal * (modulated_force - contact_force) - along * (modulated_force * slope),
                  kMaxEffect_n);

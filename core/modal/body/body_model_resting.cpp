@@ -8,7 +8,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kGravity = 9.80665; // m/s^2
+constexpr double kStandardGravity = 9.80665; // m/s^2
 constexpr double kMinAlignment =
     0.1; // |sum of the directions| over their number: below it there is no common upward direction
 
@@ -73,7 +73,8 @@ void BodyModel::find_resting_contacts() {
   RigidGain load{};
   if (loaded->table.free && mass_kg > 0 && norm(up) > kMinAlignment * static_cast<double>(count))
     for (int axis = 0; axis < 3; ++axis)
-      load[static_cast<std::size_t>(axis)] = -up[axis] / norm(up) * std::sqrt(mass_kg) * kGravity;
+      load[static_cast<std::size_t>(axis)] =
+          -up[axis] / norm(up) * std::sqrt(mass_kg) * kStandardGravity;
   const RestEquilibrium equilibrium(rigid, load,
                                     settings.rest.pressing_n / static_cast<double>(count));
   if (!equilibrium.balanced) {

@@ -14,7 +14,8 @@ constexpr double kHighDecay = 0.3;    // Np a sample, the least, of modes too hi
 constexpr double kSilentDecay = 9;    // Np after which a mode is cut off
 constexpr std::size_t kHighTail = 30; // samples: kSilentDecay at kHighDecay
 
-double legendre(std::size_t degree, double x) noexcept {
+/// The Legendre polynomial of a degree up to 3.
+double low_legendre(std::size_t degree, double x) noexcept {
   switch (degree) {
   case 0:
     return 1;
@@ -36,7 +37,7 @@ std::array<Complex, kGauss> exponential_moments(Complex s) noexcept {
       const double v = (static_cast<double>(panel) + BandLimit::kNode[1 + m]) / kPanels;
       const Complex part = BandLimit::kGaussWeight[m] / kPanels * std::exp(s * (1 - v));
       for (std::size_t j = 0; j < kGauss; ++j)
-        sum[j] += legendre(j, 2 * v - 1) * part;
+        sum[j] += low_legendre(j, 2 * v - 1) * part;
     }
   if (std::abs(s) > 0.1) // the mean in closed form: it cancels the bank's against constant forces
     sum[0] = (std::exp(s) - 1.0) / s;
@@ -153,7 +154,7 @@ void DirectKernels::integrate_motion(Complex pole, const std::array<Complex, 4>&
   for (std::size_t m = 0; m < kGauss; ++m)
     for (std::size_t j = 0; j < kGauss; ++j)
       response[m] += static_cast<double>(2 * j + 1) * BandLimit::kGaussWeight[m] *
-                     legendre(j, 2 * BandLimit::kNode[1 + m] - 1) * shape[j];
+                     low_legendre(j, 2 * BandLimit::kNode[1 + m] - 1) * shape[j];
   motion_[0] = 0;
   for (std::size_t n = 0; n < taps_; ++n) {
     const double* gamma = pressure_.data() + n * kNodes + 1;
@@ -226,7 +227,7 @@ void DirectKernels::add_rigid(const Arrivals& arrivals, std::size_t motion,
     for (std::size_t n = 0; n < taps_; ++n) {
       double sum = 0;
       for (std::size_t m = 0; m < kGauss; ++m)
-        sum += BandLimit::kGaussWeight[m] * legendre(j, 2 * BandLimit::kNode[1 + m] - 1) *
+        sum += BandLimit::kGaussWeight[m] * low_legendre(j, 2 * BandLimit::kNode[1 + m] - 1) *
                pressure[n * kNodes + 1 + m];
       rigid_moments_.push_back(static_cast<float>(static_cast<double>(2 * j + 1) * sum));
     }

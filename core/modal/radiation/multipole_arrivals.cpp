@@ -12,11 +12,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kDecay = 9;      // length of a sphere's transients in units of a/c
 constexpr double kBandDecay = 20; // of a body with edges and cavities
 constexpr double kMaxPhaseStep =
-    2 * kPi * 0.6; // rad a sample: the end of BandLimit's transition band
+    2 * pi * 0.6; // rad a sample: the end of BandLimit's transition band
 
 /// h_l' by the recursion h_l' = h_(l-1) - (l + 1)/x h_l.
 Complex slope(const std::vector<Complex>& h, std::size_t l, double x) {
@@ -75,7 +75,7 @@ public:
       return;
     }
     const double c = scene_.sound_speed_m_per_s;
-    const double ratio = omega * scene_.size / (2 * kPi * table_.frequency_hz[motion]);
+    const double ratio = omega * scene_.size / (2 * pi * table_.frequency_hz[motion]);
     const std::vector<Complex> sums = direction_.sums(motion, ratio);
     const double x = omega / c * radius_;
     const auto h = spherical_hankel(sums.size(), x);
@@ -101,7 +101,7 @@ private:
   static constexpr int kPlain = -1000;
   static constexpr double kTravelRadii =
       0.5; ///< radii whose travel time is taken out between samples
-  [[nodiscard]] double turn() const noexcept { return 2 * kPi / static_cast<double>(period_); }
+  [[nodiscard]] double turn() const noexcept { return 2 * pi / static_cast<double>(period_); }
 
   static void add(double amount, const std::vector<double>& kernel, std::span<double> to) {
     for (std::size_t i = 0; i < std::min(kernel.size(), to.size()); ++i)
@@ -127,7 +127,7 @@ private:
     std::vector<double> x(count);
     std::vector<std::vector<Complex>> velocity(count);
     for (std::size_t i = 0; i < count; ++i) {
-      x[i] = 2 * kPi * band.frequency_hz[i] / c * table_.multipoles.reference_radius_m;
+      x[i] = 2 * pi * band.frequency_hz[i] / c * table_.multipoles.reference_radius_m;
       velocity[i] = direction_.band_sums(motion, i);
       const auto h = spherical_hankel(degrees, x[i]);
       for (std::size_t l = 0; l < degrees; ++l) {
@@ -158,7 +158,7 @@ private:
     const std::size_t count = std::min(period_ / 28, transfer.size());
     const auto shape = [&](std::size_t q, double t) { // t in samples from the kernel's beginning
       const double u = t / static_cast<double>(samples_);
-      return 0.5 * (1 - std::cos(2 * kPi * u)) * std::cos(kPi * static_cast<double>(q) * u);
+      return 0.5 * (1 - std::cos(2 * pi * u)) * std::cos(pi * static_cast<double>(q) * u);
     };
     std::array<std::array<double, kSmooth + 1>, kSmooth> equation{};
     for (std::size_t i = 0; i < count; ++i) {
@@ -382,8 +382,8 @@ std::array<RigidDipole, 3> rigid_dipoles(double mass_kg, const std::array<Vec3, 
                ((square[i] + lambda) *
                 std::sqrt((square[0] + lambda) * (square[1] + lambda) * (square[2] + lambda)));
     }
-    const double added = 4.0 / 3 * kPi * product * alpha / (2 - alpha);
-    dipoles[i] = {axis[i], std::cbrt((volume_m3 + added) / (2 * kPi))};
+    const double added = 4.0 / 3 * pi * product * alpha / (2 - alpha);
+    dipoles[i] = {axis[i], std::cbrt((volume_m3 + added) / (2 * pi))};
   }
   return dipoles;
 }

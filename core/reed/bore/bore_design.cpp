@@ -12,7 +12,7 @@ namespace tactus::reed {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kMinLength = 5e-3; // m
 // Nepers per section. The limit keeps the poles apart, by a factor of two or more in frequency. A
 // bore so long and narrow that it would need more reflects nothing audible.
@@ -88,20 +88,20 @@ void BoreDesign::set_geometry(const Parameters& parameters) noexcept {
   rate_ = 0;
   air_ = air_at(parameters.temperature);
   impedance_ =
-      air_.density * air_.sound_speed / (kPi * parameters.input_radius * parameters.input_radius);
+      air_.density * air_.sound_speed / (pi * parameters.input_radius * parameters.input_radius);
 }
 
 void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcept {
   set_geometry(parameters);
   rate_ = internal_rate;
-  const double low = 2 * kPi * kLowestPole;
-  const double high = 2 * kPi * std::min(0.4 * rate_, kHighestPole);
+  const double low = 2 * pi * kLowestPole;
+  const double high = 2 * pi * std::min(0.4 * rate_, kHighestPole);
   spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
   const SectionWeights share = section_weights_at(rate_);
   for (std::size_t k = 0; k < frequency_.size(); ++k) {
     const double q = low * std::exp(spacing_ * static_cast<double>(k));
     frequency_[k] = q;
-    weight_[k] = share[k] * spacing_ / kPi * std::sqrt(q);
+    weight_[k] = share[k] * spacing_ / pi * std::sqrt(q);
   }
   open_end_ = DigitalOpenEnd::of(parameters.end_radius / air_.sound_speed * rate_, 1 / rate_);
   set_end(end_);
@@ -198,7 +198,7 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
     transit += 2 * end_->extra_length / air_.sound_speed;
 
   // The delay corrects the phase of the filters at the lowest resonance.
-  const double omega = 2 * kPi * std::min(ideal_frequency(length), 0.1 * rate_);
+  const double omega = 2 * pi * std::min(ideal_frequency(length), 0.1 * rate_);
   const Complex s(0, omega), back = std::exp(-s / rate_);
   Complex filters = 1;
   for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)

@@ -12,10 +12,10 @@ namespace tactus::reed {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTwoPi = 2 * std::numbers::pi;
+using std::numbers::pi;
 
 /// Frequencies of the response, Hz: dense where resonances are.
-constexpr std::size_t kPoints = 132;
+constexpr std::size_t kMagnitudes = 132;
 constexpr double frequency(std::size_t i) {
   if (i < 80)
     return 10 + 25 * static_cast<double>(i); // to 1985
@@ -26,20 +26,20 @@ constexpr double frequency(std::size_t i) {
 /// Frequencies far above the cut-off, where R is taken as 0, with a small weight in the fit. Hz.
 constexpr std::array<double, 4> kHighFrequencies{12e3, 20e3, 40e3, 80e3};
 constexpr double kHighFrequencyWeight = 3e-3;
-static_assert(kPoints + kHighFrequencies.size() <= kMaxResponsePoints);
+static_assert(kMagnitudes + kHighFrequencies.size() <= kMaxResponsePoints);
 
 /// Minimum phase that belongs to magnitudes at frequency(i), by the real cepstrum on the circle
 /// tan(theta/2) = f/1500 Hz. The magnitude is proportional to f towards 0 Hz and constant beyond
 /// the last frequency.
 class MinimumPhase {
 public:
-  explicit MinimumPhase(const std::array<double, kPoints>& magnitude) noexcept {
+  explicit MinimumPhase(const std::array<double, kMagnitudes>& magnitude) noexcept {
     // Cepstrum of magnitude/|i f/(i f + f_c)|; the phase of the divisor is added in at().
     for (std::size_t n = 0; n <= kHalf; ++n) {
-      const double theta = std::numbers::pi * (static_cast<double>(n) + 0.5) / (kHalf + 1.0);
+      const double theta = pi * (static_cast<double>(n) + 0.5) / (kHalf + 1.0);
       const double f = std::clamp(kScale * std::tan(theta / 2), frequency(0), 8000.0);
       std::size_t i = 0;
-      while (i + 2 < kPoints && frequency(i + 1) < f)
+      while (i + 2 < kMagnitudes && frequency(i + 1) < f)
         ++i;
       const double share = (f - frequency(i)) / (frequency(i + 1) - frequency(i));
       const auto log_magnitude = [&](std::size_t k) {
@@ -70,14 +70,14 @@ private:
 bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
                   Termination& fingering) noexcept {
   const HoleLattice lattice(instrument, closed);
-  std::array<ResponsePoint, kPoints + kHighFrequencies.size()> reflected;
-  std::array<ResponsePoint, kPoints> radiated;
-  std::array<double, kPoints> magnitude;
+  std::array<ResponsePoint, kMagnitudes + kHighFrequencies.size()> reflected;
+  std::array<ResponsePoint, kMagnitudes> radiated;
+  std::array<double, kMagnitudes> magnitude;
   const double cutoff = instrument.cutoff_at(lattice.key());
   double loudest = 0;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const double f = frequency(i), omega = kTwoPi * f;
-    const double spacing = i + 1 < kPoints ? frequency(i + 1) - f : 200;
+  for (std::size_t i = 0; i < kMagnitudes; ++i) {
+    const double f = frequency(i), omega = 2 * pi * f;
+    const double spacing = i + 1 < kMagnitudes ? frequency(i + 1) - f : 200;
     const HoleLattice::Response response = lattice.at(omega);
     const double cube = std::pow(f / cutoff, 3);
     reflected[i] = {omega, response.reflected, std::sqrt(spacing / (f + 200)) / (0.1 + cube)};
@@ -85,17 +85,17 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
     loudest = std::max(loudest, response.radiated);
   }
   for (std::size_t i = 0; i < kHighFrequencies.size(); ++i)
-    reflected[kPoints + i] = {kTwoPi * kHighFrequencies[i], 0.0, kHighFrequencyWeight};
+    reflected[kMagnitudes + i] = {2 * pi * kHighFrequencies[i], 0.0, kHighFrequencyWeight};
   const MinimumPhase phase(magnitude);
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const double f = frequency(i), spacing = i + 1 < kPoints ? frequency(i + 1) - f : 200;
-    radiated[i] = {kTwoPi * f, std::polar(magnitude[i], phase.at(f)),
+  for (std::size_t i = 0; i < kMagnitudes; ++i) {
+    const double f = frequency(i), spacing = i + 1 < kMagnitudes ? frequency(i + 1) - f : 200;
+    radiated[i] = {2 * pi * f, std::polar(magnitude[i], phase.at(f)),
                    std::sqrt(spacing) / (magnitude[i] + 0.02 * loudest) / (1 + f / 4000)};
   }
   Termination found;
   found.key = lattice.key();
-  if (!fit_poles(reflected, -1, 2.8 * kTwoPi * cutoff, found.reflection) ||
-      !fit_poles(radiated, 0, 4 * kTwoPi * cutoff, found.radiation))
+  if (!fit_poles(reflected, -1, 5.6 * pi * cutoff, found.reflection) ||
+      !fit_poles(radiated, 0, 8 * pi * cutoff, found.radiation))
     return false;
   // |R| <= 1 at every frequency.
   const double scale = std::min(1.0, (1 - 1e-9) / largest_response(-1, found.reflection));

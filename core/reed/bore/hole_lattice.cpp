@@ -11,7 +11,7 @@ namespace tactus::reed {
 namespace {
 
 using Complex = HoleLattice::Complex;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kSliceLength = 4e-3;   // m, of a cone
 constexpr double kMinHoleRadius = 2e-4; // m, about the boundary layers: a narrower hole is closed
 
@@ -22,7 +22,7 @@ struct Tube {
   Complex cosh, z_sinh, sinh_over_z; // cosh, Z sinh, sinh/Z
 
   Tube(Complex s, const Air& air, double radius, double length) {
-    const double area = kPi * square(radius);
+    const double area = pi * square(radius);
     const Complex boundary_layer = 2.0 * std::sqrt(kKinematicViscosity / s) / radius;
     const double thermal_factor = (kHeatCapacityRatio - 1) / std::sqrt(kPrandtlNumber);
     const Complex series = s * air.density / area * (1.0 + boundary_layer);
@@ -40,7 +40,7 @@ struct Tube {
 /// Impedance of an unflanged opening.
 Complex opening(Complex s, const Air& air, double radius) {
   const Complex r = OpenEnd::reflection(s * radius / air.sound_speed);
-  return air.density * air.sound_speed / (kPi * square(radius)) * (1.0 + r) / (1.0 - r);
+  return air.density * air.sound_speed / (pi * square(radius)) * (1.0 + r) / (1.0 - r);
 }
 
 /// sin(x)/x
@@ -115,7 +115,7 @@ HoleLattice::PressureFlow HoleLattice::across_hole(Complex s, const OpenHole& ho
                                                    PressureFlow state, Source& source) noexcept {
   const Air air = air_at(20);
   const Complex series_impedance =
-      s * air.density * hole.series_length / (2 * kPi * square(hole.bore));
+      s * air.density * hole.series_length / (2 * pi * square(hole.bore));
   state.pressure += series_impedance * state.flow;
   const Complex load = opening(s, air, hole.radius);
   const Tube chimney(s, air, hole.radius, hole.height);
@@ -135,7 +135,7 @@ double HoleLattice::radiated_pressure(double omega, Complex scale, const Sources
   for (std::size_t i = 0; i < count; ++i) {
     amplitudes[i] =
         scale * sources[i].flow *
-        std::sqrt(std::max(sources[i].resistance, 0.0) * air.density * air.sound_speed / (4 * kPi));
+        std::sqrt(std::max(sources[i].resistance, 0.0) * air.density * air.sound_speed / (4 * pi));
     total += std::norm(amplitudes[i]);
     for (std::size_t j = 0; j < i; ++j)
       total += 2 *
@@ -160,7 +160,7 @@ HoleLattice::Response HoleLattice::at(double omega) const noexcept {
   }
 
   const double radius = instrument_.radius(start_);
-  const double characteristic_admittance = kPi * square(radius) / (air.density * air.sound_speed);
+  const double characteristic_admittance = pi * square(radius) / (air.density * air.sound_speed);
   const Complex wavefront_curvature =
       instrument_.apex > 0 ? air.sound_speed / (s * start_) : Complex(0);
   const Complex admittance = state.flow / state.pressure / characteristic_admittance;

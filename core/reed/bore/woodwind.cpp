@@ -13,7 +13,7 @@ constexpr double kWidestHole = 0.9;      // of the bore's radius
 constexpr double kBenade = 0.11;         // f_c = 0.11 c (b/a) sqrt(1/(s t_e)),
 constexpr double kOuterCorrection = 1.5; // t_e = t + 1.5 b, s half the distance to the next hole
 
-constexpr Woodwind kClarinet{
+constexpr Woodwind kClarinetHoles{
     .lowest_key = 50,
     .highest_key = 70,
     .input_radius = 7.5e-3,
@@ -24,28 +24,28 @@ constexpr Woodwind kClarinet{
     .bell_corners = 5,
     .vent = {0.11, 1.5e-3, 12e-3},
     .overblow_interval = 19};
-constexpr Woodwind kSaxophone{.lowest_key = 44,
-                              .highest_key = 76,
-                              .input_radius = 6.2e-3,
-                              .apex = 0.2,
-                              .cutoff = 800,
-                              .chimney = 4e-3,
-                              .cutoff_rise = 0.5,
-                              .cutoff_top = 59,
-                              .bell = {{{0, 1}, {0.06, 1.48}}},
-                              .bell_corners = 2,
-                              .vent = {0.16, 1.5e-3, 4e-3},
+constexpr Woodwind kSaxophoneHoles{.lowest_key = 44,
+                                   .highest_key = 76,
+                                   .input_radius = 6.2e-3,
+                                   .apex = 0.2,
+                                   .cutoff = 800,
+                                   .chimney = 4e-3,
+                                   .cutoff_rise = 0.5,
+                                   .cutoff_top = 59,
+                                   .bell = {{{0, 1}, {0.06, 1.48}}},
+                                   .bell_corners = 2,
+                                   .vent = {0.16, 1.5e-3, 4e-3},
+                                   .overblow_interval = 12};
+constexpr Woodwind kOboeHoles{.lowest_key = 58,
+                              .highest_key = 88,
+                              .input_radius = 3e-3,
+                              .apex = 0.1,
+                              .cutoff = 1500,
+                              .chimney = 5e-3,
+                              .bell = {{{0, 1}, {0.04, 1.1}, {0.08, 1.4}}},
+                              .bell_corners = 3,
+                              .vent = {0.12, 0.6e-3, 5e-3},
                               .overblow_interval = 12};
-constexpr Woodwind kOboe{.lowest_key = 58,
-                         .highest_key = 88,
-                         .input_radius = 3e-3,
-                         .apex = 0.1,
-                         .cutoff = 1500,
-                         .chimney = 5e-3,
-                         .bell = {{{0, 1}, {0.04, 1.1}, {0.08, 1.4}}},
-                         .bell_corners = 3,
-                         .vent = {0.12, 0.6e-3, 5e-3},
-                         .overblow_interval = 12};
 
 } // namespace
 
@@ -75,11 +75,11 @@ Woodwind::Hole Woodwind::tone_hole(std::size_t index) const noexcept {
 const Woodwind* woodwind(BoreEnd end) noexcept {
   switch (end) {
   case BoreEnd::kClarinet:
-    return &kClarinet;
+    return &kClarinetHoles;
   case BoreEnd::kSaxophone:
-    return &kSaxophone;
+    return &kSaxophoneHoles;
   case BoreEnd::kOboe:
-    return &kOboe;
+    return &kOboeHoles;
   case BoreEnd::kOpen:
   case BoreEnd::kTrumpet:
   case BoreEnd::kTrombone:

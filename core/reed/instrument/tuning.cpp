@@ -17,7 +17,7 @@ namespace tactus::reed {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kPlayingReeds = 1.5;    // usual mouth pressure over the threshold, reeds
 constexpr double kPlayingLips = 2.5;     // lips
 constexpr double kShortestTube = 0.05;   // m, that lips play on
@@ -34,11 +34,11 @@ class NeutralOscillation {
 public:
   NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
                      const Fingering& fingering)
-      : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
+      : parameters_(p), theory_(p, p.length), s_(0, 2 * pi * frequency),
         reed_frequency_(reed_frequency) {
     bore_.set_geometry(p);
     bore_.set_end(fingering.end);
-    const double area = kPi * p.input_radius * p.input_radius;
+    const double area = pi * p.input_radius * p.input_radius;
     const Air& air = bore_.air();
     lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
     if (p.shape == BoreShape::kCone)
@@ -69,9 +69,9 @@ public:
       loss = parameters_.scalar_reflection > 0 ? 0 : wall_loss(parameters_, length, speed);
       const double friction = loss * std::sqrt(omega / 2);
       const auto length_at_turn = [&](double n) {
-        return (2 * kPi * n - phase - friction) * speed / (2 * omega);
+        return (2 * pi * n - phase - friction) * speed / (2 * omega);
       };
-      const double turn = (nominal_length_ * 2 * omega / speed + phase + friction) / (2 * kPi);
+      const double turn = (nominal_length_ * 2 * omega / speed + phase + friction) / (2 * pi);
       length = length_at_turn(std::round(turn));
       if (length < 5e-3)
         length = length_at_turn(std::round(turn) + 1);
@@ -207,20 +207,20 @@ double tuned_length(const Parameters& parameters, double bore_frequency, double 
 
 double round_trip_turns(const Parameters& parameters, double bore_frequency,
                         double length) noexcept {
-  const double omega = 2 * kPi * aimed_frequency(parameters, bore_frequency);
+  const double omega = 2 * pi * aimed_frequency(parameters, bore_frequency);
   const double speed = air_at(parameters.temperature).sound_speed;
   const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
-  return (2 * omega * length / speed + loss * std::sqrt(omega / 2)) / (2 * kPi);
+  return (2 * omega * length / speed + loss * std::sqrt(omega / 2)) / (2 * pi);
 }
 
 double length_from_turns(const Parameters& parameters, double bore_frequency,
                          double turns) noexcept {
-  const double omega = 2 * kPi * aimed_frequency(parameters, bore_frequency);
+  const double omega = 2 * pi * aimed_frequency(parameters, bore_frequency);
   const double speed = air_at(parameters.temperature).sound_speed;
   double length = parameters.length;
   for (int i = 0; i < 6; ++i) {
     const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
-    length = std::max(5e-3, (2 * kPi * turns - loss * std::sqrt(omega / 2)) * speed / (2 * omega));
+    length = std::max(5e-3, (2 * pi * turns - loss * std::sqrt(omega / 2)) * speed / (2 * omega));
   }
   return length;
 }

@@ -12,7 +12,7 @@ namespace tactus::reed {
 namespace {
 
 using Complex = LinearStability::Complex;
-constexpr double kTwoPi = 2 * std::numbers::pi;
+using std::numbers::pi;
 constexpr int kNewtonSteps = 40;
 constexpr int kScanPoints = 4096;
 constexpr double kHighestPressure = 50e3;
@@ -40,7 +40,7 @@ struct LinearStability::Valve {
 LinearStability::LinearStability(const Parameters& parameters, double length_m,
                                  const Termination* end) noexcept
     : parameters_(parameters), air_(air_at(parameters.temperature)), length_(length_m), end_(end) {
-  const double area = std::numbers::pi * square(parameters.input_radius);
+  const double area = pi * square(parameters.input_radius);
   characteristic_impedance_ = air_.density * air_.sound_speed / area;
   inertance_ =
       parameters.shape == BoreShape::kCone ? air_.density * parameters.apex_distance / area : 0;
@@ -52,7 +52,7 @@ LinearStability::LinearStability(const Parameters& parameters, double length_m,
 Equilibrium LinearStability::equilibrium(double mouth_pressure,
                                          double reed_frequency_hz) const noexcept {
   const Parameters& p = parameters_;
-  const double stiffness = p.mass * square(kTwoPi * reed_frequency_hz);
+  const double stiffness = p.mass * square(2 * pi * reed_frequency_hz);
   const double rest = p.arm_length * p.rest_angle;
   const bool stopped = p.type != ValveType::kSwinging;
   // The bore's resistance to steady flow: 0, unless R_0 < 1 replaces the losses.
@@ -147,7 +147,7 @@ LinearStability::Valve LinearStability::valve_at(const Equilibrium& state,
   v.swept = p.sweep ? v.pressure : 0;
   v.bernoulli = side * p.flow_length * p.width * state.jet_velocity;
   v.mass = p.mass;
-  v.frequency = kTwoPi * reed_frequency_hz;
+  v.frequency = 2 * pi * reed_frequency_hz;
   v.damping = v.frequency / p.quality;
   return v;
 }
@@ -200,8 +200,7 @@ LinearStability::Value LinearStability::characteristic(Complex s, const Valve& v
 }
 
 Mode LinearStability::refine(Complex start, const Valve& valve) const noexcept {
-  const double max_step =
-      std::max(std::numbers::pi * air_.sound_speed / length_ / 8, std::abs(start.imag()) / 8);
+  const double max_step = std::max(pi * air_.sound_speed / length_ / 8, std::abs(start.imag()) / 8);
   Complex s = start;
   for (int i = 0; i < kNewtonSteps; ++i) {
     const Value f = characteristic(s, valve);
@@ -215,14 +214,14 @@ Mode LinearStability::refine(Complex start, const Valve& valve) const noexcept {
     if (s.imag() < 0)
       s = std::conj(s);
     if (size < 1e-10 * std::abs(s))
-      return {s.real(), s.imag() / kTwoPi, s.imag() > 0};
+      return {s.real(), s.imag() / (2 * pi), s.imag() > 0};
   }
   return {};
 }
 
 Mode LinearStability::mode_near(double mouth_pressure, double reed_frequency_hz,
                                 double frequency_hz) const noexcept {
-  return refine({0, kTwoPi * frequency_hz},
+  return refine({0, 2 * pi * frequency_hz},
                 valve_at(equilibrium(mouth_pressure, reed_frequency_hz), reed_frequency_hz));
 }
 
@@ -230,18 +229,18 @@ Mode LinearStability::bore_resonance_near(double frequency_hz) const noexcept {
   Valve closed_valve; // no opening: only Y_in remains, times a jet factor without zeros nearby
   closed_valve.free = false;
   closed_valve.jet = 1e6;
-  return refine({0, kTwoPi * frequency_hz}, closed_valve);
+  return refine({0, 2 * pi * frequency_hz}, closed_valve);
 }
 
 Mode LinearStability::dominant_mode(double mouth_pressure,
                                     double reed_frequency_hz) const noexcept {
   const Valve valve = valve_at(equilibrium(mouth_pressure, reed_frequency_hz), reed_frequency_hz);
-  const double spacing = std::numbers::pi * air_.sound_speed / length_;
+  const double spacing = pi * air_.sound_speed / length_;
   const double highest = std::max(2 * valve.frequency, 5 * spacing);
   Mode best;
   const auto consider = [&](Complex start) {
     const Mode mode = refine(start, valve);
-    const double frequency = kTwoPi * mode.frequency_hz;
+    const double frequency = 2 * pi * mode.frequency_hz;
     if (mode.found && frequency > kMinFrequencyRatio * highest && frequency < 1.2 * highest &&
         (!best.found || mode.growth_rate > best.growth_rate))
       best = mode;
@@ -271,7 +270,7 @@ Mode LinearStability::dominant_mode(double mouth_pressure,
 
 double LinearStability::highest_pressure(double reed_frequency_hz) const noexcept {
   const Parameters& p = parameters_;
-  const double stiffness = p.mass * square(kTwoPi * reed_frequency_hz);
+  const double stiffness = p.mass * square(2 * pi * reed_frequency_hz);
   const double rest = p.arm_length * p.rest_angle;
   const double end = p.type == ValveType::kClosed ? 0 : p.displacement_limit;
   const double pressure = stiffness * (end - rest) / (p.width * p.mouth_length);

@@ -7,7 +7,7 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+using std::numbers::pi;
 constexpr double kMaxError = 0.28; // four semitones, as relative frequency
 constexpr double kLimit = 0.25;
 constexpr double kInTune = 0.006;    // ten cents, within which a correction is confirmed
@@ -107,7 +107,7 @@ void TuningController::set_target(double frequency_hz) noexcept {
   select_note(frequency_hz, leap);
   frequency_ = frequency_hz;
   // exp(-i omega k) for one measurement, by doubling.
-  const double omega = kTwoPi * frequency_hz / sample_rate_;
+  const double omega = 2 * pi * frequency_hz / sample_rate_;
   cosine_[0] = 1;
   sine_[0] = 0;
   double c = std::cos(omega), s = std::sin(omega);
@@ -123,8 +123,8 @@ void TuningController::set_target(double frequency_hz) noexcept {
   phase_step_ = {c, -s};
   // Two poles at an eighth of the pitch leave 1/64 of what lies a pitch away.
   const double corner = std::clamp(frequency_hz / 8, 2.0, 100.0);
-  pole_ = 1 / (1 + kTwoPi * corner * kPeriod / sample_rate_);
-  smoothing_delay_ = 2 / (kTwoPi * corner);
+  pole_ = 1 / (1 + 2 * pi * corner * kPeriod / sample_rate_);
+  smoothing_delay_ = 2 / (2 * pi * corner);
   time_constant_ = std::max(1.5 * smoothing_delay_, 0.012);
   response_pole_ = 1 / (1 + frequency_hz * kPeriod / (2 * sample_rate_));
   if (leap) {
@@ -204,7 +204,7 @@ void TuningController::update() noexcept {
   }
   const double period = kPeriod / sample_rate_;
   const double measured_error =
-      std::arg(twice_smoothed_ * std::conj(before)) / (kTwoPi * frequency_ * period);
+      std::arg(twice_smoothed_ * std::conj(before)) / (2 * pi * frequency_ * period);
   if (!(std::abs(measured_error) < kMaxError)) {
     count_off_target(true);
     return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/footstep/gait.hpp"
+#include "core/footstep/ground_reaction.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,8 +15,6 @@
 
 /// Plays a gait and keeps what it does.
 namespace tactus::footstep {
-
-inline constexpr double kGravity = 9.81; // m/s^2
 
 struct Event {
   double t;

@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::array kStylesToTest{Style::kWalk, Style::kRun, Style::kSneak, Style::kUpstairs,
                                    Style::kDownstairs};
-constexpr double kGravity = 9.81;
 
 GroundReaction reaction_of(Style style, double speed, double shoe = 0, double weight = 700) {
   GroundReaction reaction;
