@@ -1,6 +1,7 @@
 #include "externals/phantom/scene_shape.hpp"
 
 #include "core/haptic/scene/triangle_mesh.hpp"
+#include "core/utf8_path.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "files/mesh_file.hpp"
 
@@ -91,7 +92,7 @@ ShapeChoice mesh(Words words, const Host& host) {
     scale = v[0];
   }
   const std::string found = host.find_file(words[0].word);
-  std::ifstream stream(found, std::ios::binary);
+  std::ifstream stream(utf8_path(found), std::ios::binary);
   if (found.empty() || !stream)
     return refused(std::string(words[0].word) + ": no such file");
   std::ostringstream bytes;
