@@ -6,7 +6,8 @@ set(CMAKE_C_COMPILER ${triplet}-gcc-posix)
 set(CMAKE_CXX_COMPILER ${triplet}-g++-posix)
 set(CMAKE_RC_COMPILER ${triplet}-windres)
 set(CMAKE_DLLTOOL ${triplet}-dlltool)
-# Windows 10: sockets, wide paths and UTF-8 as it has them.
+# Windows 10: sockets, wide paths and UTF-8 as it has them. (libstdc++ asks for
+# C99 formats of numbers by itself: 1e-05, not msvcrt's 1e-005.)
 set(CMAKE_C_FLAGS_INIT "-D_WIN32_WINNT=0x0A00")
 # GCC does not keep the stack aligned to 32 bytes on Win64 (its bug 54412): vector moves must not ask
 # for it. -Wa,-mbig-obj: templates of Boost make more sections than the usual format counts.
