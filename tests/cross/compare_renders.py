@@ -44,9 +44,13 @@ def compare_sound(ours, theirs):
 
 
 def numbers_and_words(text):
-    words = text.split()
-    numbers = [float(w) for w in words if re.fullmatch(r"[-+.\deinf]+|nan", w) and any(c.isdigit() for c in w)]
-    return numbers, [w for w in words if not (re.fullmatch(r"[-+.\dein]+", w) and any(c.isdigit() for c in w))]
+    numbers, words = [], []
+    for word in text.split():
+        try:
+            numbers.append(float(word))
+        except ValueError:
+            words.append(word)
+    return numbers, words
 
 
 def compare_messages(ours, theirs):

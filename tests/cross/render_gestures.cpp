@@ -4,6 +4,7 @@
 // FOLDER/NAME.txt, what left the control outlets and what was refused.
 #include "tests/pd/host.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -69,11 +70,12 @@ const Declaration* declaration_of(const std::string& object) {
   return nullptr;
 }
 
-void write_messages(std::ostream& out) {
+/// Times from the gesture's begin, to a microsecond: the host's clock runs on.
+void write_messages(std::ostream& out, double begin_ms) {
   for (int i = 0; i < host_error_count(); ++i)
     out << "error: " << host_error(i) << '\n';
   for (const Sent& message : sent()) { // forgets the errors, too
-    out << message.ms << ' ' << message.outlet << ' ' << message.selector;
+    out << std::round(1e3 * (message.ms - begin_ms)) / 1e3 << ' ' << message.outlet << ' ' << message.selector;
     for (const MessageAtom& atom : message.atoms)
       atom.is_word ? out << ' ' << atom.text : out << ' ' << atom.number;
     out << '\n';
@@ -100,6 +102,7 @@ bool render(const Gesture& gesture, const std::string& stem) {
     return false;
   box.dsp(kRate, kFrames);
   const Buffers inputs = plausible_inputs(*declaration, kRate, kSamples);
+  const double begin_ms = host_now();
   Buffers outputs;
   std::size_t next = 0;
   for (std::size_t begin = 0; begin < kSamples; begin += kFrames) {
@@ -112,7 +115,7 @@ bool render(const Gesture& gesture, const std::string& stem) {
     for (std::size_t i = 0; i < block.size(); ++i)
       outputs[i].insert(outputs[i].end(), block[i].begin(), block[i].end());
   }
-  write_messages(text);
+  write_messages(text, begin_ms);
   std::ofstream sound(stem + ".f64", std::ios::binary);
   for (const auto& signal : outputs)
     sound.write(reinterpret_cast<const char*>(signal.data()),
