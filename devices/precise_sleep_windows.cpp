@@ -11,8 +11,8 @@
 
 namespace tactus::devices {
 
-// A sleep otherwise ends with the system's tick, up to 15.6 ms late. Timers of high resolution exist
-// since Windows 10 1803; older systems' are as fine as their tick.
+// A sleep otherwise ends with the system's tick, up to 15.6 ms late. Timers of high resolution
+// exist since Windows 10 1803; older systems' are as fine as their tick.
 PreciseSleep::PreciseSleep() noexcept
     : timer_(CreateWaitableTimerExW(nullptr, nullptr, CREATE_WAITABLE_TIMER_HIGH_RESOLUTION,
                                     TIMER_ALL_ACCESS)) {

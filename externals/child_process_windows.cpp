@@ -57,11 +57,11 @@ public:
     std::array<wchar_t, 96> name{};
     std::swprintf(name.data(), name.size(), L"\\\\.\\pipe\\tactus-%lu-%u", GetCurrentProcessId(),
                   ++number);
-    pipe_ = Handle(CreateNamedPipeW(
-        name.data(),
-        (child_reads ? PIPE_ACCESS_OUTBOUND : PIPE_ACCESS_INBOUND) | FILE_FLAG_OVERLAPPED |
-            FILE_FLAG_FIRST_PIPE_INSTANCE,
-        PIPE_TYPE_BYTE | PIPE_REJECT_REMOTE_CLIENTS, 1, kPipeBytes, kPipeBytes, 0, nullptr));
+    pipe_ = Handle(CreateNamedPipeW(name.data(),
+                                    (child_reads ? PIPE_ACCESS_OUTBOUND : PIPE_ACCESS_INBOUND) |
+                                        FILE_FLAG_OVERLAPPED | FILE_FLAG_FIRST_PIPE_INSTANCE,
+                                    PIPE_TYPE_BYTE | PIPE_REJECT_REMOTE_CLIENTS, 1, kPipeBytes,
+                                    kPipeBytes, 0, nullptr));
     event_ = Handle(CreateEventW(nullptr, TRUE, FALSE, nullptr));
     if (!pipe_ || !event_)
       return Handle();
@@ -86,8 +86,8 @@ public:
     DWORD count = 0;
     if (bytes.empty() || !pipe_ || !finished(count))
       return 0;
-    buffer_.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(
-                                                      std::min<std::size_t>(bytes.size(), kPipeBytes)));
+    buffer_.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(
+                                                      bytes.size(), kPipeBytes)));
     begin();
     const auto size = static_cast<DWORD>(buffer_.size());
     under_way_ = WriteFile(pipe_.get(), buffer_.data(), size, nullptr, &transfer_) ||

@@ -75,7 +75,8 @@ void write_messages(std::ostream& out, double begin_ms) {
   for (int i = 0; i < host_error_count(); ++i)
     out << "error: " << host_error(i) << '\n';
   for (const Sent& message : sent()) { // forgets the errors, too
-    out << std::round(1e3 * (message.ms - begin_ms)) / 1e3 << ' ' << message.outlet << ' ' << message.selector;
+    out << std::round(1e3 * (message.ms - begin_ms)) / 1e3 << ' ' << message.outlet << ' '
+        << message.selector;
     for (const MessageAtom& atom : message.atoms)
       atom.is_word ? out << ' ' << atom.text : out << ' ' << atom.number;
     out << '\n';
