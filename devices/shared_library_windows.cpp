@@ -1,5 +1,5 @@
-#include "core/utf8_path.hpp"
 #include "devices/shared_library.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,11 +1,11 @@
-#include "core/utf8_path.hpp"
 #include "externals/child_process.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
+#include <cwchar>
 #include <system_error>
 #include <utility>
 

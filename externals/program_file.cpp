@@ -1,6 +1,6 @@
 #include "externals/program_file.hpp"
 
-#include "core/utf8_path.hpp"
+#include "files/utf8_path.hpp"
 
 namespace tactus {
 

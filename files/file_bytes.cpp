@@ -1,6 +1,6 @@
 #include "files/file_bytes.hpp"
 
-#include "core/utf8_path.hpp"
+#include "files/utf8_path.hpp"
 
 #include <fstream>
 

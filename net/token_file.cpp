@@ -1,6 +1,6 @@
 #include "net/token_file.hpp"
 
-#include "core/utf8_path.hpp"
+#include "files/utf8_path.hpp"
 #include "net/token.hpp"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "devices/falcon/falcon.hpp"
 
-#include "core/utf8_path.hpp"
 #include "devices/falcon/boot.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <charconv>

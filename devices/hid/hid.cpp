@@ -1,7 +1,7 @@
 #include "devices/hid/hid.hpp"
 
-#include "core/utf8_path.hpp"
 #include "devices/thread_priority.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "externals/footstep~/surface_store.hpp"
 
-#include "core/utf8_path.hpp"
 #include "files/recipe.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <fstream>

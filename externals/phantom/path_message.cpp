@@ -1,8 +1,8 @@
 #include "externals/phantom/path_message.hpp"
 
-#include "core/utf8_path.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "files/path_file.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 #include "externals/phantom/scene_shape.hpp"
 
 #include "core/haptic/scene/triangle_mesh.hpp"
-#include "core/utf8_path.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "files/mesh_file.hpp"
+#include "files/utf8_path.hpp"
 
 #include <fstream>
 #include <sstream>

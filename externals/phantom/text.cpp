@@ -1,8 +1,8 @@
 #include "externals/phantom/text.hpp"
 
 #include "core/declaration_text.hpp"
-#include "core/utf8_path.hpp"
 #include "externals/phantom/numbers.hpp"
+#include "files/utf8_path.hpp"
 
 #include <charconv>
 #include <fstream>

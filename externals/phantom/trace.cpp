@@ -1,6 +1,6 @@
 #include "externals/phantom/trace.hpp"
 
-#include "core/utf8_path.hpp"
+#include "files/utf8_path.hpp"
 
 #include <cerrno>
 #include <cstring>

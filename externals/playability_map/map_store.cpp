@@ -1,6 +1,6 @@
 #include "externals/playability_map/map_store.hpp"
 
-#include "core/utf8_path.hpp"
+#include "files/utf8_path.hpp"
 
 #include <fstream>
 #include <iomanip>

@@ -1,6 +1,6 @@
-#include "core/utf8_path.hpp"
 #include "externals/child_process.hpp"
 #include "externals/program_file.hpp"
+#include "files/utf8_path.hpp"
 
 #include <chrono>
 #include <cstdio>
