@@ -1,20 +1,16 @@
 #include "devices/servo_thread.hpp"
 
+#include "devices/precise_sleep.hpp"
 #include "devices/scoped_signal_mask.hpp"
 #include "devices/thread_priority.hpp"
 
 #include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <system_error>
 
-#ifdef __linux__
-#include <ctime>
-#endif
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -29,22 +25,6 @@ using Steady = std::chrono::steady_clock;
 struct MonotonicClock final : haptic::Clock {
   double now_s() noexcept override { return ServoThread::now_s(); }
 };
-
-void sleep_until(double time_s) noexcept {
-  const double left_s = time_s - ServoThread::now_s();
-  if (left_s <= 0)
-    return;
-#ifdef __linux__
-  timespec until{};
-  const double whole = std::floor(time_s);
-  until.tv_sec = static_cast<time_t>(whole);
-  until.tv_nsec = static_cast<long>((time_s - whole) * 1e9);
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
-#else
-  std::this_thread::sleep_for(std::chrono::duration<double>(left_s));
-#endif
-}
 
 } // namespace
 
@@ -178,6 +158,7 @@ void ServoThread::run(Run& run) noexcept {
   _mm_setcsr(_mm_getcsr() | 0x8040); // denormals are zero
 #endif
   MonotonicClock clock;
+  PreciseSleep sleep;
   double period_s = 0;
   while (!run.stopping.load(std::memory_order_acquire)) {
     if (const double wanted_s = run.period_s.load(std::memory_order_relaxed);
@@ -185,7 +166,7 @@ void ServoThread::run(Run& run) noexcept {
       period_s = wanted_s;
       run.servo.start(clock, period_s);
     }
-    sleep_until(run.servo.deadline_s());
+    sleep.until(run.servo.deadline_s());
     run.servo.wake(clock);
   }
   run.released = run.servo.release();

@@ -33,6 +33,8 @@ public:
   }
 
 private:
+  /// One library, or null after a reason. shared_library_posix.cpp, shared_library_windows.cpp.
+  [[nodiscard]] static void* open(const char* name, std::string& error);
   [[nodiscard]] void* address(const char* symbol_name) const noexcept;
 
   void* handle_ = nullptr;

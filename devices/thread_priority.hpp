@@ -10,7 +10,8 @@ enum class Scheduling { kRealTime, kNice, kOther };
 constexpr int kServoPriority = 60, kDeviceThreadPriority = 61;
 
 /// Raises the calling thread: SCHED_FIFO if the system allows it, else a lower nice value, else the
-/// default scheduling with a short timer slack.
+/// default scheduling with a short timer slack. On Windows the highest priority of a normal
+/// program, told as nice.
 Scheduling raise_thread_priority(int priority) noexcept;
 
 } // namespace tactus::devices

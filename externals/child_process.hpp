@@ -4,7 +4,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <sys/types.h>
 #include <vector>
 
 namespace tactus {
@@ -12,7 +11,7 @@ namespace tactus {
 /// A program that runs as a child: bytes to its stdin and from its stdout, none of which blocks;
 /// what it says on stderr is kept for an error. The destructor kills and reaps it. It sees the end
 /// of its stdin when this process ends, however that happens. Not safe for use by two threads at
-/// once.
+/// once. child_process_posix.cpp, child_process_windows.cpp.
 class ChildProcess {
 public:
   /// Runs a program: words[0] is its path. Null after a reason.
@@ -34,14 +33,10 @@ public:
   [[nodiscard]] std::string end(double grace_s);
 
 private:
-  ChildProcess() = default;
-  void read_errors();
-  [[nodiscard]] bool has_ended(int options);
+  struct Process; ///< of the system
+  explicit ChildProcess(std::unique_ptr<Process> process);
 
-  pid_t child_ = -1; ///< -1: reaped
-  int status_ = 0;
-  int stream_ = -1, errors_ = -1;
-  std::string stderr_tail_; ///< the end of its stderr
+  std::unique_ptr<Process> process_;
 };
 
 } // namespace tactus

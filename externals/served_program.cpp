@@ -3,11 +3,7 @@
 #include "core/declaration_text.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <dlfcn.h>
-#include <filesystem>
 #include <new>
-#include <unistd.h>
 #include <utility>
 
 namespace tactus {
@@ -20,40 +16,7 @@ namespace {
 constexpr std::uint64_t kMaxSentence = 4096;
 constexpr double kEndGrace_s = 0.1;
 
-bool can_run(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
-}
-
-/// The folder of the module that this code is part of.
-std::filesystem::path own_folder() {
-  Dl_info found{};
-  static const char here = 0;
-  if (::dladdr(&here, &found) == 0 || !found.dli_fname)
-    return {};
-  return std::filesystem::path(found.dli_fname).parent_path();
-}
-
 } // namespace
-
-std::string find_program(const char* usual, const std::string& given) {
-  if (given.find('/') != std::string::npos)
-    return can_run(given) ? given : std::string();
-  const std::string name = given.empty() ? usual : given;
-  if (const auto beside = own_folder() / name; given.empty() && can_run(beside))
-    return beside.string();
-  const char* path = std::getenv("PATH");
-  std::string_view left = path ? path : "";
-  while (!left.empty()) {
-    const std::string_view folder = left.substr(0, left.find(':'));
-    left.remove_prefix(std::min(left.size(), folder.size() + 1));
-    // An empty entry means the current folder. It is skipped: no program is run from a patch's
-    // folder.
-    if (const auto here = std::filesystem::path(folder) / name; !folder.empty() && can_run(here))
-      return here.string();
-  }
-  return {};
-}
 
 std::string printable_line(std::string_view text) {
   std::string line(text.substr(0, 300));

@@ -18,10 +18,6 @@
 
 namespace tactus {
 
-/// The path of a program: beside the module that this code is part of, else in PATH; or the `given`
-/// program instead, a path if it has a slash. Empty if there is none that can be run.
-[[nodiscard]] std::string find_program(const char* name, const std::string& given);
-
 /// A child's text as one line of at most 300 bytes, control characters replaced by spaces.
 [[nodiscard]] std::string printable_line(std::string_view text);
 

@@ -1,12 +1,14 @@
 #include "files/file_bytes.hpp"
 
+#include "files/utf8_path.hpp"
+
 #include <fstream>
 
 namespace tactus::files {
 
 std::string read_file(const std::string& path, std::vector<std::byte>& bytes) {
   constexpr std::streamoff kMaxBytes = std::streamoff{2} << 30;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  std::ifstream file(utf8_path(path), std::ios::binary | std::ios::ate);
   if (!file)
     return "it cannot be opened";
   const std::streamoff size = file.tellg();

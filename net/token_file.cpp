@@ -1,5 +1,6 @@
 #include "net/token_file.hpp"
 
+#include "files/utf8_path.hpp"
 #include "net/token.hpp"
 
 #include <filesystem>
@@ -12,8 +13,8 @@ TokenFile read_token_file(const std::string& path) {
   TokenFile read;
   namespace fs = std::filesystem;
   std::error_code failed;
-  const fs::file_status status = fs::status(path, failed);
-  std::ifstream file(path, std::ios::binary);
+  const fs::file_status status = fs::status(utf8_path(path), failed);
+  std::ifstream file(utf8_path(path), std::ios::binary);
   if (failed || !fs::is_regular_file(status) || !file) {
     read.error = "the token file " + path + " cannot be read";
     return read;

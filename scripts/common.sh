@@ -60,14 +60,15 @@ set_up() {
 # The compiler's own list of what a file reads tells ccache enough: no second look at a new file.
 export CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
-# build PRESET LABEL: configures where needed, builds, shows progress; the log on failure
+# build PRESET LABEL CMAKE-ARGUMENTS...: configures where needed, builds, shows progress; the log on failure
 build() {
-  local folder log
-  case $1 in release | library) folder=$root/build ;; *) folder=$root/build-$1 ;; esac
+  local folder log preset=$1 label=$2
+  shift 2
+  case $preset in release | library) folder=$root/build ;; *) folder=$root/build-$preset ;; esac
   log=$folder/build.log
   mkdir -p "$folder"
-  say "Building $2"
-  if ! (cd "$root" && cmake --preset "$1") >"$log" 2>&1; then
+  say "Building $label"
+  if ! (cd "$root" && cmake --preset "$preset" "$@") >"$log" 2>&1; then
     tail -n 30 "$log" >&2
     return 1
   fi

@@ -15,6 +15,7 @@ import argparse
 import hashlib
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -68,14 +69,14 @@ def captured(text):
     return re.sub(r"(#X obj -?\d+ -?\d+) dac~[^;,]*", r"\1 hash_renders_dac~", text)
 
 
-def hash_patch(patch, folder, stage, seconds):
+def hash_patch(patch, folder, stage, seconds, pd=("pd",)):
     """The hash of `seconds` of a patch's sound, rendered headless from a copy in `folder`."""
     sound = folder / "sound.wav"
     sound.unlink(missing_ok=True)
     (folder / "driver.pd").write_text(DRIVER.format(
         milliseconds=1000 * seconds, samples=int(seconds * RATE), sound=sound))
     try:
-        subprocess.run(["pd", "-nogui", "-batch", "-noprefs", "-r", str(RATE), "-path", str(stage),
+        subprocess.run([*pd, "-nogui", "-batch", "-noprefs", "-r", str(RATE), "-path", str(stage),
                         "-open", str(patch), "-open", str(folder / "driver.pd")],
                        cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL, timeout=120 + 10 * seconds, check=False)
@@ -84,7 +85,7 @@ def hash_patch(patch, folder, stage, seconds):
     return hashlib.sha256(sound.read_bytes()).hexdigest() if sound.exists() else "no sound file"
 
 
-def hash_patches(stage, seconds):
+def hash_patches(stage, seconds, pd=("pd",), only=""):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         copies = {}
@@ -99,7 +100,9 @@ def hash_patches(stage, seconds):
                 file.write_text(captured(text), errors="surrogateescape")
         patches = sorted(copies[stage].glob("*-help.pd")) + sorted(copies[ROOT / "patches"].rglob("*.pd"))
         for patch in patches:
-            digest = hash_patch(patch, folder, copies[stage], seconds)
+            if only not in patch.name:
+                continue
+            digest = hash_patch(patch, folder, copies[stage], seconds, pd)
             yield "patch", str(patch.relative_to(folder)), digest
 
 
@@ -132,6 +135,9 @@ def main():
     parser.add_argument("--stage", type=pathlib.Path, default=ROOT / "build/tactus")
     parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "out")
     parser.add_argument("--seconds", type=float, default=4)
+    parser.add_argument("--pd", type=shlex.split, default=["pd"], metavar="COMMAND",
+                        help="another system's Pd under its emulator (docs/cross_build.md)")
+    parser.add_argument("--only", default="", metavar="WORD", help="patches with this in their name")
     parser.add_argument("--compare", nargs=2, metavar=("BEFORE", "AFTER"))
     parser.add_argument("--varying", metavar="BEFORE_AGAIN")
     arguments = parser.parse_args()
@@ -142,7 +148,7 @@ def main():
     if not arguments.table:
         parser.error("give the table to write, or --compare")
     with open(arguments.table, "w") as table:
-        for row in [*hash_patches(arguments.stage.resolve(), arguments.seconds), *hash_scenes(arguments.scenes)]:
+        for row in [*hash_patches(arguments.stage.resolve(), arguments.seconds, arguments.pd, arguments.only), *hash_scenes(arguments.scenes)]:
             table.write("\t".join(row) + "\n")
             table.flush()
 

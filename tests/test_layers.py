@@ -9,7 +9,7 @@ ROOMS = {
     "core": {"core"},
     "files": {"files", "core"},
     "fem": {"fem", "files", "core"},
-    "devices": {"devices", "core"},
+    "devices": {"devices", "files", "core"},
     "net": {"net", "files", "core"},
     "pd": {"pd", "core"},
     "externals": {"externals", "devices", "net", "files", "core"},

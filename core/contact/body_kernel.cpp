@@ -9,13 +9,9 @@ const DenseKernel* avx2_dense_kernel() noexcept;
 
 namespace {
 
-[[nodiscard]] bool has_avx2() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
-  return __builtin_cpu_supports("avx2") != 0;
-#else
-  return false;
+[[nodiscard]] bool has_avx2() noexcept { return __builtin_cpu_supports("avx2") != 0; }
 #endif
-}
 
 } // namespace
 

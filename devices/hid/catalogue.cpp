@@ -101,7 +101,7 @@ std::vector<Entry> catalogue(HidLibrary& library, bool all) {
 }
 
 std::optional<ReportDescriptor> describe(HidLibrary& library, hid_device* device,
-                                         const std::string& path) {
+                                         [[maybe_unused]] const std::string& path) {
   constexpr std::size_t kMaxBytes = 4096; // as the kernel and hidapi allow
   std::vector<std::uint8_t> bytes;
   if (library.get_report_descriptor) {

@@ -1,6 +1,7 @@
 #include "devices/hid/hid.hpp"
 
 #include "devices/thread_priority.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <array>
@@ -87,7 +88,7 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
     return entry.identity.model + " has no axis: choose another device";
   table_ = AxisTable::default_for(axes_);
   if (!settings.table.empty()) {
-    std::ifstream in(settings.table);
+    std::ifstream in(utf8_path(settings.table));
     if (!in)
       return "the axis table " + settings.table + " cannot be read: check its path";
     const std::string text{std::istreambuf_iterator<char>(in), {}};

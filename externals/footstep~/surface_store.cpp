@@ -1,6 +1,7 @@
 #include "externals/footstep~/surface_store.hpp"
 
 #include "files/recipe.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -12,7 +13,7 @@ namespace {
 constexpr std::streamsize kMaxBytes = 100000;
 
 bool read_text(const std::string& path, std::string& text) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(utf8_path(path), std::ios::binary);
   text.resize(static_cast<std::size_t>(kMaxBytes) + 1);
   file.read(text.data(), kMaxBytes + 1);
   const std::streamsize size = file.gcount();

@@ -3,6 +3,7 @@
 #include "core/modal/table/resolved_modes.hpp"
 #include "core/serve/modal_fem.hpp"
 #include "externals/normal_priority.hpp"
+#include "externals/program_file.hpp"
 #include "files/resolved_modes.hpp"
 
 #include <algorithm>

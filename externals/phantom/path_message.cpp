@@ -2,6 +2,7 @@
 
 #include "externals/phantom/numbers.hpp"
 #include "files/path_file.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <array>
@@ -87,7 +88,7 @@ PathChoice arrays(Words words, const Host& host) {
 
 PathChoice file(std::string_view name, const Host& host) {
   const std::string found = host.find_file(name);
-  std::ifstream stream(found, std::ios::binary);
+  std::ifstream stream(utf8_path(found), std::ios::binary);
   if (found.empty() || !stream)
     return {{}, "no such file; or use line, circle, lissajous or array"};
   std::ostringstream text;

@@ -3,6 +3,7 @@
 #include "core/haptic/scene/triangle_mesh.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "files/mesh_file.hpp"
+#include "files/utf8_path.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -91,7 +92,7 @@ ShapeChoice mesh(Words words, const Host& host) {
     scale = v[0];
   }
   const std::string found = host.find_file(words[0].word);
-  std::ifstream stream(found, std::ios::binary);
+  std::ifstream stream(utf8_path(found), std::ios::binary);
   if (found.empty() || !stream)
     return refused(std::string(words[0].word) + ": no such file");
   std::ostringstream bytes;

@@ -1,12 +1,18 @@
 #include "externals/phantom/trace.hpp"
 
+#include "files/utf8_path.hpp"
+
 #include <cerrno>
 #include <cstring>
 
 namespace tactus::phantom {
 
 std::string Trace::open(const std::string& path) {
+#ifdef _WIN32
+  file_.reset(_wfopen(utf8_path(path).c_str(), L"wb")); // the same bytes as elsewhere
+#else
   file_.reset(std::fopen(path.c_str(), "w"));
+#endif
   if (!file_)
     return std::strerror(errno);
   std::fputs("tick,ms,x_mm,y_mm,z_mm,vx_m_per_s,vy_m_per_s,vz_m_per_s,fx_n,fy_n,fz_n,energy_j,"

@@ -1,5 +1,7 @@
 #include "externals/playability_map/map_store.hpp"
 
+#include "files/utf8_path.hpp"
+
 #include <fstream>
 #include <iomanip>
 #include <limits>
@@ -32,7 +34,7 @@ const std::vector<double>* MapStore::find(const std::string& key) const noexcept
 }
 
 std::string MapStore::write(const std::string& path) const {
-  std::ofstream file(path);
+  std::ofstream file(utf8_path(path));
   file << kHeading << '\n' << std::setprecision(std::numeric_limits<double>::max_digits10);
   for (const auto& [key, nodes] : maps_) {
     file << key << '\n' << nodes.size() << '\n';
@@ -44,7 +46,7 @@ std::string MapStore::write(const std::string& path) const {
 }
 
 std::string MapStore::read(const std::string& path) {
-  std::ifstream file(path);
+  std::ifstream file(utf8_path(path));
   std::string line;
   if (!file || !std::getline(file, line))
     return "cannot read " + path;

@@ -32,14 +32,15 @@ NAMES = {
     "csignal": "raise signal",
     "cstddef": "byte max_align_t nullptr_t ptrdiff_t size_t to_integer",
     "cstdint": "int16_t int32_t int64_t int8_t intptr_t uint16_t uint32_t uint64_t uint8_t uintptr_t",
-    "cstdio": "FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf fwrite perror printf "
-              "puts remove rename size_t snprintf sscanf vsnprintf",
+    "cstdio": "FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf fwrite getchar perror printf "
+              "putchar puts remove rename size_t snprintf sscanf vsnprintf",
     "cstdlib": "abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc size_t strtod "
                "strtol strtoul strtoull system",
     "cstring": "memcmp memcpy memmove memset size_t strcmp strerror strlen strncmp",
+
     "cctype": "isalnum isalpha isdigit isspace tolower toupper",
     "ctime": "clock clock_t gmtime size_t strftime time time_t",
-    "cwchar": "size_t",
+    "cwchar": "size_t swprintf",
     "deque": "deque",
     "exception": "exception exception_ptr current_exception",
     "filesystem": "filesystem",
@@ -71,9 +72,9 @@ NAMES = {
     "sstream": "istringstream ostringstream stringstream",
     "stdexcept": "invalid_argument logic_error out_of_range runtime_error",
     "stop_token": "stop_token stop_source",
-    "string": "getline stod stoi stoul string to_string wstring",
-    "string_view": "string_view",
-    "system_error": "errc error_code system_error generic_category",
+    "string": "getline stod stoi stoul string to_string u8string wstring",
+    "string_view": "string_view wstring_view",
+    "system_error": "errc error_code system_error generic_category system_category",
     "thread": "jthread this_thread thread",
     "tuple": "tie tuple tuple_size_v",
     "type_traits": "conditional_t decay_t enable_if_t false_type is_same_v is_trivially_copyable_v "

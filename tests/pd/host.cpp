@@ -2,8 +2,6 @@
 
 #include "tests/pd/probe/probe~.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>

@@ -111,6 +111,7 @@ TEST_CASE("names are ASCII, and the ids in hexadecimal where there is none") {
   CHECK(entries[1].product == 0x0a9f);
 }
 
+#ifdef __linux__
 TEST_CASE("permission is asked of the kernel's files alone") {
   Library library;
   devices.push_back(info("/nowhere/hidraw0", 1, 1, 1, 4));
@@ -120,6 +121,7 @@ TEST_CASE("permission is asked of the kernel's files alone") {
   devices[0].path = const_cast<char*>("/dev/null");
   CHECK(catalogue(library).at(0).problem == "");
 }
+#endif
 
 TEST_CASE("the six-axis controllers that are known by their ids") { // docs/devices/hid.md
   for (const int id :

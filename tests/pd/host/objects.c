@@ -1,7 +1,6 @@
 /* Symbols, classes, objects, inlets and outlets. */
 #include "internal.h"
 
-#include <dlfcn.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -144,19 +143,6 @@ t_outlet* outlet_new(t_object* owner, t_symbol* type) {
   out->type = type;
   out->index = o->outlet_count;
   return o->outlets[o->outlet_count++] = out;
-}
-
-const char* host_load(const char* file, const char* setup) {
-  void* module = dlopen(file, RTLD_NOW | RTLD_LOCAL);
-  if (!module)
-    return dlerror();
-  void* symbol = dlsym(module, setup);
-  if (!symbol)
-    return dlerror();
-  void (*function)(void);
-  memcpy(&function, &symbol, sizeof function);
-  function();
-  return 0;
 }
 
 static int to_pd(int count, const host_atom* from, t_atom* to) {

@@ -148,7 +148,8 @@ t_glist* canvas_getcurrent(void) { return (t_glist*)(void*)folder; }
 
 void canvas_makefilename(const t_glist* canvas, const char* file, char* result, int size) {
   (void)canvas;
-  const char* format = file[0] == '/' ? "%.0s%s" : "%s/%s";
+  const int absolute = file[0] == '/' || (file[0] && file[1] == ':'); /* of Windows: c:/ */
+  const char* format = absolute ? "%.0s%s" : "%s/%s";
   if (snprintf(result, (size_t)size, format, folder, file) >= size)
     result[size - 1] = 0;
 }

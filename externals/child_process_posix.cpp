@@ -80,9 +80,29 @@ struct Surroundings {
   Surroundings& operator=(const Surroundings&) = delete;
 };
 
+std::string last_line(const std::string& text) {
+  const std::size_t last = text.find_last_not_of("\r\n");
+  if (last == std::string::npos)
+    return {};
+  const std::size_t before = text.find_last_of("\r\n", last); // npos + 1 is 0
+  return text.substr(before + 1, last - before);
+}
+
 bool set_nonblocking(int descriptor) { return ::fcntl(descriptor, F_SETFL, O_NONBLOCK) == 0; }
 
 } // namespace
+
+struct ChildProcess::Process {
+  pid_t child = -1; ///< -1: reaped
+  int status = 0;
+  int stream = -1, errors = -1;
+  std::string stderr_tail; ///< the end of its stderr
+
+  void read_errors();
+  [[nodiscard]] bool has_ended(int options);
+};
+
+ChildProcess::ChildProcess(std::unique_ptr<Process> process) : process_(std::move(process)) {}
 
 std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words,
                                                   std::string& refusal) {
@@ -106,23 +126,21 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
     arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   const Surroundings surroundings(child_end.get(), child_stderr.get());
-  std::unique_ptr<ChildProcess> child(new ChildProcess);
-  if (const int error = ::posix_spawn(&child->child_, words[0].c_str(), &surroundings.files,
+  auto process = std::make_unique<Process>();
+  if (const int error = ::posix_spawn(&process->child, words[0].c_str(), &surroundings.files,
                                       &surroundings.attributes, arguments.data(), environ);
-      error != 0) {
-    child->child_ = -1;
+      error != 0)
     return failed((words[0] + " does not start").c_str(), error);
-  }
-  child->stream_ = parent_end.release();
-  child->errors_ = errors.release();
-  return child;
+  process->stream = parent_end.release();
+  process->errors = errors.release();
+  return std::unique_ptr<ChildProcess>(new ChildProcess(std::move(process)));
 }
 
 ChildProcess::~ChildProcess() { static_cast<void>(end(0)); }
 
 std::size_t ChildProcess::send(std::span<const std::byte> bytes) {
   for (;;) {
-    const ssize_t count = ::send(stream_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t count = ::send(process_->stream, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (count >= 0)
       return static_cast<std::size_t>(count);
     if (errno != EINTR)
@@ -131,12 +149,12 @@ std::size_t ChildProcess::send(std::span<const std::byte> bytes) {
 }
 
 bool ChildProcess::receive(std::vector<std::byte>& into, std::size_t limit) {
-  read_errors();
+  process_->read_errors();
   constexpr std::size_t kPiece = 1 << 18;
   while (limit > 0) {
     const std::size_t before = into.size(), piece = std::min(limit, kPiece);
     into.resize(before + piece);
-    const ssize_t count = ::recv(stream_, into.data() + before, piece, 0);
+    const ssize_t count = ::recv(process_->stream, into.data() + before, piece, 0);
     const int error = errno;
     into.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     if (count == 0 || (count < 0 && error != EINTR && error != EAGAIN))
@@ -149,54 +167,53 @@ bool ChildProcess::receive(std::vector<std::byte>& into, std::size_t limit) {
 }
 
 void ChildProcess::wait(double seconds) {
-  std::array<pollfd, 1> watched{{{stream_, POLLIN, 0}}};
+  std::array<pollfd, 1> watched{{{process_->stream, POLLIN, 0}}};
   static_cast<void>(::poll(watched.data(), 1, static_cast<int>(std::ceil(1e3 * seconds))));
 }
 
-void ChildProcess::read_errors() {
+void ChildProcess::Process::read_errors() {
   std::array<char, 1024> piece{};
   for (int i = 0; i < 64; ++i) { // bounded: it may write without end
-    const ssize_t count = ::read(errors_, piece.data(), piece.size());
+    const ssize_t count = ::read(errors, piece.data(), piece.size());
     if (count <= 0)
       return;
-    stderr_tail_.append(piece.data(), static_cast<std::size_t>(count));
-    if (stderr_tail_.size() > kMaxStderrBytes)
-      stderr_tail_.erase(0, stderr_tail_.size() - kMaxStderrBytes);
+    stderr_tail.append(piece.data(), static_cast<std::size_t>(count));
+    if (stderr_tail.size() > kMaxStderrBytes)
+      stderr_tail.erase(0, stderr_tail.size() - kMaxStderrBytes);
   }
 }
 
 /// True once it has ended: a process that somebody else has reaped is gone too.
-bool ChildProcess::has_ended(int options) {
+bool ChildProcess::Process::has_ended(int options) {
   pid_t found = 0;
   do
-    found = ::waitpid(child_, &status_, options);
+    found = ::waitpid(child, &status, options);
   while (found < 0 && errno == EINTR);
   return found != 0;
 }
 
 std::string ChildProcess::end(double grace_s) {
-  if (child_ >= 0) {
-    ::shutdown(stream_, SHUT_RDWR);
-    bool ended = has_ended(WNOHANG);
+  Process& p = *process_;
+  if (p.child >= 0) {
+    ::shutdown(p.stream, SHUT_RDWR);
+    bool ended = p.has_ended(WNOHANG);
     for (; !ended && grace_s > 0; grace_s -= 1e-3) {
       ::usleep(1000);
-      ended = has_ended(WNOHANG);
+      ended = p.has_ended(WNOHANG);
     }
     if (!ended) {
-      ::kill(child_, SIGKILL);
-      static_cast<void>(has_ended(0));
+      ::kill(p.child, SIGKILL);
+      static_cast<void>(p.has_ended(0));
     }
-    child_ = -1;
-    read_errors();
-    ::close(stream_);
-    ::close(errors_);
+    p.child = -1;
+    p.read_errors();
+    ::close(p.stream);
+    ::close(p.errors);
   }
-  if (const std::size_t last = stderr_tail_.find_last_not_of("\r\n"); last != std::string::npos) {
-    const std::size_t before = stderr_tail_.find_last_of("\r\n", last); // npos + 1 is 0
-    return stderr_tail_.substr(before + 1, last - before);
-  }
-  return WIFSIGNALED(status_) ? "signal " + std::to_string(WTERMSIG(status_))
-                              : "status " + std::to_string(WEXITSTATUS(status_));
+  if (const std::string line = last_line(p.stderr_tail); !line.empty())
+    return line;
+  return WIFSIGNALED(p.status) ? "signal " + std::to_string(WTERMSIG(p.status))
+                               : "status " + std::to_string(WEXITSTATUS(p.status));
 }
 
 } // namespace tactus

@@ -1,0 +1,19 @@
+# Libraries that are headers alone, or of which only the headers are used. A cross compiler does not
+# look into the system's folder, and must not: its neighbours there are another system's. So it gets
+# links to these, in a folder of the build.
+if(NOT CMAKE_CROSSCOMPILING)
+  return()
+endif()
+set(header_links ${CMAKE_BINARY_DIR}/headers/include)
+file(MAKE_DIRECTORY ${header_links})
+foreach(library boost nlohmann libusb-1.0 hidapi doctest)
+  if(EXISTS /usr/include/${library})
+    file(CREATE_LINK /usr/include/${library} ${header_links}/${library} SYMBOLIC)
+  endif()
+endforeach()
+include_directories(SYSTEM ${header_links})
+set(CMAKE_REQUIRED_INCLUDES ${header_links})
+if(WIN32) # Boost.Asio's sockets; a module that has none imports nothing of them
+  link_libraries(ws2_32 mswsock)
+  set(CMAKE_REQUIRED_LIBRARIES ws2_32 mswsock)
+endif()

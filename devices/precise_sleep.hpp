@@ -1,0 +1,21 @@
+#pragma once
+
+namespace tactus::devices {
+
+/// Lets the calling thread sleep until a time of std::chrono::steady_clock, as precisely as the
+/// system can. One for a thread.
+class PreciseSleep {
+public:
+  PreciseSleep() noexcept;
+  ~PreciseSleep();
+  PreciseSleep(const PreciseSleep&) = delete;
+  PreciseSleep& operator=(const PreciseSleep&) = delete;
+
+  /// Returns at once when the time has passed.
+  void until(double time_s) noexcept;
+
+private:
+  void* timer_ = nullptr; ///< of Windows
+};
+
+} // namespace tactus::devices

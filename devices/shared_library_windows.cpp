@@ -1,0 +1,77 @@
+#include "devices/shared_library.hpp"
+#include "files/utf8_path.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <windows.h>
+
+namespace tactus::devices {
+namespace {
+
+/// The folder of the module that this code is part of; empty if it cannot be told.
+std::filesystem::path own_folder() {
+  static const char here = 0;
+  HMODULE module = nullptr;
+  if (!GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
+                              GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
+                          reinterpret_cast<LPCWSTR>(&here), &module))
+    return {};
+  std::wstring name(32768, L'\0'); // the longest path
+  name.resize(GetModuleFileNameW(module, name.data(), static_cast<DWORD>(name.size())));
+  return std::filesystem::path(name).parent_path();
+}
+
+/// Where a library is looked for by its name: beside the module, in the folders of the program and
+/// of the system, and in PATH, where vendors' installers add theirs. Not in the current folder,
+/// which Windows alone would also take: no code is run from a patch's folder.
+std::vector<std::filesystem::path> candidates(const std::filesystem::path& name) {
+  std::vector<std::filesystem::path> found;
+  if (name.is_absolute())
+    return {name};
+  found.push_back(own_folder() / name);
+  found.push_back(name); // the loader's default folders
+  const wchar_t* path = _wgetenv(L"PATH");
+  std::wstring_view left = path ? path : L"";
+  while (!left.empty()) {
+    const std::wstring_view folder = left.substr(0, left.find(L';'));
+    left.remove_prefix(std::min(left.size(), folder.size() + 1));
+    if (const std::filesystem::path here(folder); here.is_absolute())
+      found.push_back(here / name);
+  }
+  return found;
+}
+
+} // namespace
+
+void* SharedLibrary::open(const char* name, std::string& error) {
+  DWORD reason = ERROR_MOD_NOT_FOUND;
+  for (const std::filesystem::path& path : candidates(utf8_path(name))) {
+    std::error_code failed;
+    if (path.is_absolute() && !std::filesystem::exists(path, failed))
+      continue;
+    // What a library itself needs is looked for beside it, too.
+    const DWORD how = LOAD_LIBRARY_SEARCH_DEFAULT_DIRS |
+                      (path.is_absolute() ? LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR : DWORD{0});
+    if (HMODULE library = LoadLibraryExW(path.c_str(), nullptr, how)) // never closed
+      return library;
+    if (const DWORD why = GetLastError(); why != ERROR_MOD_NOT_FOUND || path.is_absolute())
+      reason = why;
+  }
+  error = std::string(name) + " cannot be loaded (error " + std::to_string(reason) + ": " +
+          std::system_category().message(static_cast<int>(reason)) + ")";
+  return nullptr;
+}
+
+void* SharedLibrary::address(const char* symbol_name) const noexcept {
+  if (!handle_)
+    return nullptr;
+  return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(handle_), symbol_name));
+}
+
+} // namespace tactus::devices

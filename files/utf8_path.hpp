@@ -1,0 +1,25 @@
+#pragma once
+
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tactus {
+
+/// The path that a host's text names: hosts give UTF-8, which Windows would otherwise read in the
+/// code page of its user. Elsewhere the bytes as they are. Empty, which names no file, for text
+/// that is not UTF-8 on Windows.
+[[nodiscard]] inline std::filesystem::path utf8_path(std::string_view text) {
+#ifdef _WIN32
+  try {
+    return {std::u8string(text.begin(), text.end())};
+  } catch (const std::exception&) {
+    return {};
+  }
+#else
+  return {std::string(text)};
+#endif
+}
+
+} // namespace tactus

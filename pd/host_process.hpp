@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+/// What the system knows of the process that loaded this module: host_process_posix.cpp,
+/// host_process_windows.cpp.
+namespace tactus::pd {
+
+/// The address of a function of the host; null if it has none of that name.
+[[nodiscard]] void* host_symbol(const char* name) noexcept;
+
+/// The process's arguments, each with a zero in front and behind.
+[[nodiscard]] std::string command_line();
+
+} // namespace tactus::pd

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""What modules for another system take and give: nothing that only the compiler's machine has.
+
+    check_imports.py --objdump OBJDUMP --definitions pd/pd.def STAGE
+
+Windows: libraries of the system and Pd's DLL alone, of Pd only what pd.def lists. Linux: libraries that
+every system with Pd and FFTW has. Everywhere a module gives one function, its set-up.
+"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+
+WINDOWS = {"kernel32.dll", "msvcrt.dll", "ws2_32.dll", "mswsock.dll", "advapi32.dll", "shell32.dll", "user32.dll"}
+LINUX = {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1", "libfftw3.so.3"}
+
+
+def setup_of(module):
+    name = re.sub(r"\.(m_amd64|l_arm64|(windows-amd64|linux-arm64)-64\.(dll|so))$", "", module.name)
+    return name.replace("~", "_tilde") + "_setup"
+
+
+def check_windows(module, text, known):
+    """Yields what is wrong with the module."""
+    pd = "pd64.dll" if module.name.endswith("-64.dll") else "pd.dll"
+    imports = re.split(r"DLL Name: ", text)[1:]
+    libraries = {part.split("\n", 1)[0].strip().lower() for part in imports}
+    for library in sorted(libraries - WINDOWS - {pd}):
+        yield f"needs {library}"
+    if pd not in libraries:
+        yield f"does not load into {pd}"
+    for part in imports:
+        if part.lower().startswith(pd):
+            names = re.findall(r"^\s+[0-9a-f]+\s+\d+\s+(\w+)\s*$", part.split("DLL Name")[0], re.M)
+            for name in sorted(set(names) - known):
+                yield f"takes {name} of Pd, which pd.def does not list"
+    exports = re.search(r"\[Ordinal/Name Pointer\] Table\n((?:\s+\[.*\n)*)", text)
+    yield from check_exports(module, re.findall(r"\]\s+(?:\+base\[\s*\d+\]\s+)?(?:[0-9a-f]+\s+)?(\w+)$",
+                                                exports.group(1) if exports else "", re.M))
+
+
+def check_linux(module, text, objdump):
+    for library in sorted(set(re.findall(r"NEEDED\s+(\S+)", text)) - LINUX):
+        yield f"needs {library}"
+    symbols = subprocess.run([objdump, "-T", module], capture_output=True, text=True, check=True).stdout
+    names = [line.split()[-1] for line in symbols.splitlines() if re.search(r"\sg\s+D[FO]\s+\.", line)]
+    yield from check_exports(module, names)
+
+
+def check_exports(module, names):
+    if names != [setup_of(module)]:
+        yield f"gives {names}, not {setup_of(module)} alone"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("stage", type=pathlib.Path)
+    parser.add_argument("--objdump", required=True)
+    parser.add_argument("--definitions", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    lines = arguments.definitions.read_text().split("EXPORTS\n")[1].splitlines()
+    known = {line.split()[0] for line in lines if line}
+    modules = [file for file in sorted(arguments.stage.iterdir())
+               if file.name.endswith((".m_amd64", "-64.dll", ".l_arm64", "-64.so"))]
+    wrong = []
+    for module in modules:
+        text = subprocess.run([arguments.objdump, "-p", module], capture_output=True, text=True, check=True).stdout
+        found = check_windows(module, text, known) if "file format pei" in text else \
+            check_linux(module, text, arguments.objdump)
+        wrong += [f"{module.name} {one}" for one in found]
+    print("\n".join(wrong + [f"{len(modules)} modules, {len(wrong)} faults"]))
+    sys.exit(1 if wrong or not modules else 0)
+
+
+if __name__ == "__main__":
+    main()
