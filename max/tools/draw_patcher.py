@@ -12,6 +12,8 @@ import pathlib
 
 from PIL import Image, ImageDraw, ImageFont
 
+import check_patcher
+import geometry
 import text_size
 
 SCALE = 2
@@ -58,30 +60,6 @@ def rgb(colour, default):
     return "#" + "".join(f"{round(c * 255):02x}" for c in colour[:3])
 
 
-def port_x(box, index, count):
-    x, _, w, _ = box["patching_rect"]
-    return x + 9 + (index * (w - 18) / (count - 1) if count > 1 else 0) if w > 22 else x + w / 2
-
-
-def cord_ends(boxes, line):
-    (source, outlet), (target, inlet) = line["source"], line["destination"]
-    s, d = boxes[source], boxes[target]
-    return ((port_x(s, outlet, s["numoutlets"]), s["patching_rect"][1] + s["patching_rect"][3]),
-            (port_x(d, inlet, d["numinlets"]), d["patching_rect"][1]))
-
-
-def curve(start, end):
-    (x0, y0), (x1, y1) = start, end
-    bend = min(abs(y1 - y0) * 0.5 + abs(x1 - x0) * 0.1, 60)
-    points = []
-    for i in range(21):
-        t = i / 20
-        a, b, c, d = (1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t ** 3
-        points.append((a * x0 + b * x0 + c * x1 + d * x1,
-                       a * y0 + b * (y0 + bend) + c * (y1 - bend) + d * y1))
-    return points
-
-
 def text_lines(canvas, box, colour=INK):
     x, y, w, h = box["patching_rect"]
     size, bold = box.get("fontsize", text_size.FONT_SIZE), box.get("fontface") == 1
@@ -95,6 +73,8 @@ def draw_box(canvas, box):
     kind = box["maxclass"]
     x, y, w, h = box["patching_rect"]
     if kind == "comment":
+        if "bgcolor" in box:
+            canvas.rectangle(x, y, w, h, rgb(box["bgcolor"], PAPER), None, 0)
         text_lines(canvas, box, rgb(box.get("textcolor"), INK))
     elif kind == "panel":
         canvas.rectangle(x, y, w, h, rgb(box.get("bgcolor"), "#d0d0d0"), None, 0)
@@ -106,9 +86,9 @@ def draw_box(canvas, box):
         draw_interface(canvas, box, kind, x, y, w, h)
     if kind not in ("comment", "panel"):
         for i in range(box["numinlets"]):
-            canvas.rectangle(port_x(box, i, box["numinlets"]) - 3, y - 1, 6, 2, "#404040", None, 0)
+            canvas.rectangle(geometry.port_x(box["patching_rect"], i, box["numinlets"]) - 3, y - 1, 6, 2, "#404040", None, 0)
         for i in range(box["numoutlets"]):
-            canvas.rectangle(port_x(box, i, box["numoutlets"]) - 3, y + h - 1, 6, 2, "#404040", None, 0)
+            canvas.rectangle(geometry.port_x(box["patching_rect"], i, box["numoutlets"]) - 3, y + h - 1, 6, 2, "#404040", None, 0)
 
 
 def draw_interface(canvas, box, kind, x, y, w, h):
@@ -168,17 +148,17 @@ def draw(patcher, path, unlocked=False):
     width = max([patcher["rect"][2]] + [b["patching_rect"][0] + b["patching_rect"][2] + 8 for b in shown])
     height = max([patcher["rect"][3]] + [b["patching_rect"][1] + b["patching_rect"][3] + 8 for b in shown])
     canvas = Canvas(width, height)
-    for box in shown:
-        if box["maxclass"] == "panel":
+    for box in reversed(shown):
+        if box.get("background"):
             draw_box(canvas, box)
     for line in (entry["patchline"] for entry in patcher["lines"]):
         if line.get("hidden") and not unlocked:
             continue
         source = by_name[line["source"][0]]
         signal = source["outlettype"][line["source"][1]] == "signal"
-        canvas.line(curve(*cord_ends(by_name, line)), SIGNAL if signal else CORD, 2 if signal else 1)
+        canvas.line(geometry.curve(*check_patcher.cord_ends(source, by_name[line["destination"][0]], line)), SIGNAL if signal else CORD, 2 if signal else 1)
     for box in shown:
-        if box["maxclass"] != "panel":
+        if not box.get("background"):
             draw_box(canvas, box)
     canvas.image.save(path)
 

@@ -68,6 +68,25 @@ def declare_patcher(name, ports):
     _patchers[name] = ports
 
 
+def declare_patchers_of(folder):
+    """Makes known every .maxpat of a folder, as an abstraction of its name."""
+    for path in sorted(folder.glob("*.maxpat")):
+        boxes = [entry["box"] for entry in json.loads(path.read_text())["patcher"]["boxes"]]
+        signal_ends = _signal_ends(path)
+        inlets = sorted((b for b in boxes if b["maxclass"] == "inlet"), key=lambda b: b["patching_rect"][0])
+        outlets = sorted((b for b in boxes if b["maxclass"] == "outlet"),
+                         key=lambda b: b["patching_rect"][0])
+        declare_patcher(path.stem, ([S if b["outlettype"][0] == "signal" else C for b in inlets],
+                                    ["signal" if b["id"] in signal_ends else "" for b in outlets]))
+
+
+def _signal_ends(path):
+    patcher = json.loads(path.read_text())["patcher"]
+    boxes = {entry["box"]["id"]: entry["box"] for entry in patcher["boxes"]}
+    return {line["destination"][0] for line in (entry["patchline"] for entry in patcher["lines"])
+            if boxes[line["source"][0]]["outlettype"][line["source"][1]] == "signal"}
+
+
 def own_ports(d):
     """A declared object: at least one inlet for messages; an info outlet at the right end. The first
     inlet of an object that processes audio takes signals and messages, as all signal inlets do."""

@@ -19,6 +19,15 @@ TRIGGER = {"bang": "b", "int": "i", "float": "f"}
 PURE = ("metro", "loadbang", "f", "+", "%", "t", "message", "r", "sel")  # left out when nothing hears it
 
 
+def reworded(text):
+    """A text of a Pd patch in Max's words."""
+    for pd_words, max_words in (("Pd's window", "the Max console"), ("-> log", "-> Max console"),
+                                ("see the log", "see the Max console"), ("[adc~] or", "[adc~] or"),
+                                ("[netreceive]", "[udpreceive]")):
+        text = text.replace(pd_words, max_words)
+    return text
+
+
 class Names:
     """Names that somebody sends to, and names that somebody receives, over all patches of a set."""
 
@@ -69,13 +78,16 @@ class Converter:
 
     def omitted(self, what):
         """Whether the caller gave a reason to leave this object out."""
-        if what in self.without:
-            self.left_out.append((what, self.without[what]))
-            return True
+        for name, reason in self.without.items():
+            if what == name or " " in name and what.startswith(name):
+                if reason:
+                    self.left_out.append((name, reason))
+                return True
         return False
 
     def fail(self, what, x, y):
-        raise NoEquivalent(f"{self.where}: [{what}] at {x} {y} has no equivalent in Max")
+        error = NoEquivalent(f"{self.where}: [{what}] at {x} {y} has no equivalent in Max", "where known")
+        raise error
 
 
 class _Canvas:
@@ -101,8 +113,10 @@ class _Canvas:
             try:
                 self._box(index, pd_box)
             except NoEquivalent as error:
-                if not self.converter.omitted(str(error)):
-                    self.converter.fail(str(error), pd_box.x, pd_box.y)
+                if error.args[1:] == ("where known",):
+                    raise
+                if not self.converter.omitted(str(error.args[0])):
+                    self.converter.fail(error.args[0], pd_box.x, pd_box.y)
 
     def _menus(self, texts):
         consumed = []
@@ -148,8 +162,9 @@ class _Canvas:
         return box
 
     def _comment(self, pd_box):
-        text = " ".join(plain(w) for w in pd_box.words).replace(" ,", ",")
-        text = text.replace("Pd's window", "the Max console").replace("-> log", "-> Max console")
+        text = reworded(" ".join(plain(w) for w in pd_box.words).replace(" ,", ",").replace(" ;", ";"))
+        if self.converter.omitted(text):
+            return
         chars = pd_box.chars or min(60, len(text))
         width, _ = text_size.box_size(text, "comment", chars * 7 + 10)
         self._add(None, pd_box, Box("comment", text, width=width), chars * 7, 15 * (1 + len(text) // 61))
@@ -158,6 +173,8 @@ class _Canvas:
         words = [plain(w) for w in pd_box.words]
         if " ".join(words) == "; pd dsp $1":
             self._add(index, pd_box, Box("newobj", "adstatus switch"), 80, 19)
+            return
+        if self.converter.omitted(" ".join(words)):
             return
         targets = [self.canvas.boxes[d] for s, _, d, _ in self.canvas.cords if s == index]
         to_vline = bool(targets) and all(t.name == "vline~" for t in targets)
@@ -240,7 +257,7 @@ class _Canvas:
         if name in self.WIDGETS:
             widget = self.WIDGETS[name](pd_box.x, pd_box.y, pd_box.words)
             self._widget(index, widget)
-            if name == "cnv":
+            if name == "cnv" and not widget.is_bar:
                 self.panels.append(widget.box)
             return
         length = pd_box.chars or len(" ".join(pd_box.words))
@@ -375,9 +392,7 @@ class _Canvas:
 
     def place(self, top):
         boxes = [b for b in self.patcher.boxes if b not in self.panels and hasattr(b, "pd")]
-        layout.place(boxes, self.patcher.cords, top)
-        for panel in self.panels:
-            layout.surround(panel, boxes)
+        layout.place_all(boxes, self.panels, self.patcher.cords, top)
         layout.shift_right([b for b in self.patcher.boxes if hasattr(b, "pd")])
         pd_widgets.hide_wires(self.patcher, self.widgets)
         self.patcher.boxes.sort(key=lambda b: b in self.panels)  # Max draws the first box on top

@@ -8,6 +8,9 @@ from pd_file import plain
 class NoEquivalent(ValueError):
     """A Pd object that no Max object of the table replaces."""
 
+    def __str__(self):
+        return str(self.args[0])
+
 
 # Same behaviour under another name, or under its own.
 RENAMED = {

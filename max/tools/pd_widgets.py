@@ -12,6 +12,7 @@ from pd_file import plain
 
 COLUMN = 190
 NOTHING = "empty"
+BAR = 36  # a cnv no higher than this is a heading
 
 
 class Widget:
@@ -143,12 +144,15 @@ def panel(x, y, words):
               border=0, rounded=0, angle=270.0, proportion=0.5)
     box.pd = (x, y, width, height)
     widget = Widget(box)
-    if label:
-        light = sum(colour(words[11])[:3]) < 1.2
-        size = 18.0 if int(words[10]) > 14 else 12.0
-        extra = dict(fontface=1, fontsize=size, background=1)
-        if light:
-            extra["textcolor"] = [1.0, 1.0, 1.0, 1.0]
+    widget.is_bar = height <= BAR
+    dark = sum(colour(words[11])[:3]) < 1.2
+    extra = dict(fontface=1, fontsize=18.0 if int(words[10]) > 14 else 12.0, background=1)
+    if dark:
+        extra["textcolor"] = [1.0, 1.0, 1.0, 1.0]
+    if widget.is_bar:  # a heading: a comment with a background, as wide as the bar
+        widget.box = Box("comment", label, width=round(width * 1.12), bgcolor=colour(words[11]), **extra)
+        widget.box.pd = (x, y, width, height)
+    elif label:
         comment = Box("comment", label, **extra)
         comment.pd = (x + 4, y + 2, comment.width / 1.12, min(16, height - 2))
         widget.labels.append(comment)
