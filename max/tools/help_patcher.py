@@ -135,6 +135,7 @@ def message_tab(declaration, listener):
             clickable.append(box)
             y = _arguments(tab, m, box, y)
         else:
+            shown = shown.replace("|", " | ") if len(shown) > 36 else shown
             wide, _ = text_size.box_size(shown, "comment", 280, bold=True)
             box = tab.comment(shown, LEFT, y, width=min(wide, 280), fontface=1)
         bottom = paragraph(tab, m["text"], 310, box.y + 1, WIDTH - LEFT - 310)

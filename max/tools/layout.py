@@ -99,6 +99,9 @@ def levels(boxes, cords):
                 level[destination], changed = least + ROW, True
         if not changed:
             break
+    for box in boxes:  # a label stays with its widget
+        if id(owner := getattr(box, "attached_to", None)) in level:
+            level[id(box)] = level[id(owner)] + box.pd[1] - owner.pd[1]
     return level
 
 

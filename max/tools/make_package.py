@@ -5,7 +5,8 @@
                     [--externals FOLDER] [--library FOLDER] [--zip FILE]
 
 FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
-docs/refpages/, patchers/, init/, media/, and data/ from the staged Pd library (--library): the bodies and
+docs/refpages/, patchers/, media/; init/ puts the objects into Max's list,
+and data/ comes from the staged Pd library (--library): the bodies and
 networks that objects and patchers load. What is missing is said, and left out.
 """
 import argparse
@@ -148,8 +149,8 @@ def make(arguments):
         page.write_text(reference_page.page_text(d), encoding="utf-8")
     externals = copy_externals(folders["externals"], arguments.externals)
     bodies = copy_data(folders["data"], arguments.library)
-    for path in sorted((OWN / "init").glob("*.txt")):
-        shutil.copyfile(path, folders["init"] / path.name)
+    (folders["init"] / f"{NAME}-objectlist.txt").write_text(
+        "".join(f'max oblist "{NAME}" {d["name"]};\n' for d in declarations))
     for path in MEDIA:
         shutil.copyfile(ROOT / path, folders["media"] / pathlib.Path(path).name)
     shutil.copyfile(ROOT / "LICENSE", package / "license.txt")

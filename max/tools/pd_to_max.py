@@ -10,7 +10,9 @@ import re
 import layout
 import pd_file
 import pd_widgets
+import simplify
 import text_size
+import untangle
 from patcher import Box, Patcher
 from pd_file import plain
 from pd_vocabulary import NoEquivalent, message_text, object_text
@@ -72,6 +74,7 @@ class Converter:
         work = _Canvas(self, canvas, patcher or Patcher(0, 0))
         work.boxes_from_pd()
         work.cords_from_pd()
+        simplify.simplify(work.patcher, f"{self.where.stem}-{canvas.name or 'top'}")
         work.order_fan_outs()
         work.place(self.top if top is None else top)
         return work.patcher
@@ -86,7 +89,7 @@ class Converter:
         return False
 
     def fail(self, what, x, y):
-        error = NoEquivalent(f"{self.where}: [{what}] at {x} {y} has no equivalent in Max", "where known")
+        error = NoEquivalent(f"{self.where.name}: [{what}] at {x} {y} has no equivalent in Max", "where known")
         raise error
 
 
@@ -135,6 +138,7 @@ class _Canvas:
             widget.sends = None
         self.patcher.add(widget.box)
         for label in widget.labels:
+            label.attached_to = widget.box
             self.patcher.add(label)
         self.widgets.append(widget)
         if index is not None:
@@ -394,6 +398,8 @@ class _Canvas:
         boxes = [b for b in self.patcher.boxes if b not in self.panels and hasattr(b, "pd")]
         layout.place_all(boxes, self.panels, self.patcher.cords, top)
         layout.shift_right([b for b in self.patcher.boxes if hasattr(b, "pd")])
+        kept = [b for b in self.patcher.boxes if not hasattr(b, "pd")]
+        untangle.untangle(self.patcher, self.panels, kept)
         pd_widgets.hide_wires(self.patcher, self.widgets)
         self.patcher.boxes.sort(key=lambda b: b in self.panels)  # Max draws the first box on top
         for number, box in enumerate(self.patcher.boxes):
@@ -403,7 +409,7 @@ class _Canvas:
 
 def convert_file(path, names, abstractions=(), without=None, top=20, patcher=None):
     """The patcher of a Pd file, and what was left out of it with the reasons."""
-    converter = Converter(path.name, names, abstractions, without, top)
+    converter = Converter(path, names, abstractions, without, top)
     converter.root = pd_file.read(path)
     result = converter.convert(converter.root, patcher=patcher)
     return result, converter.left_out

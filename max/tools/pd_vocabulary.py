@@ -50,6 +50,7 @@ def _argument_of_abstraction(word):
 
 def expression(text):
     """Pd's expr as Max's: if(c, a, b) as a sum, mtof as its formula, commas escaped as Max saves them."""
+    text = re.sub(r"\bif\s+\(", "if(", text)
     text = re.sub(r"mtof\(([^()]*)\)", r"440*pow(2.,((\1)-69)/12.)", text)
     while (start := text.find("if(")) >= 0:
         parts, end = _call(text, start + 3)
@@ -132,8 +133,14 @@ def message_text(words, to_vline=False):
     if re.search(r";\s*pd ", text):
         raise NoEquivalent("message to Pd itself: " + text)
     text = re.sub(r"\s+,\s*", ", ", text)
-    text = re.sub(r"\s*;\s*", ";\n", text).strip()
-    if to_vline:
+    first, *addressed = re.split(r"\s*;\s*", text.strip())
+    parts = []  # a comma behind a receiver: the same receiver again
+    for words_to in addressed:
+        name = words_to.split(" ")[0]
+        commands = words_to.split(", ")
+        parts += [commands[0]] + [f"{name} {command}" for command in commands[1:]]
+    text = ";\n".join([first] + parts) if addressed else first
+    if to_vline and not addressed:
         text = ramps(text)
     return text
 

@@ -1,0 +1,78 @@
+"""Rewrites parts of a converted netlist that Max users would draw in another way; what they do is the same.
+
+Many messages into one box, in Pd many cords, become messages with a receiver (`;name words`). What a [sel]
+chooses from stands in steps, so that no cord runs through a message.
+"""
+from patcher import Box
+import text_size
+
+FEWEST = 3  # messages into one [s] that get its name instead
+FEWEST_ELSEWHERE = 4
+STEP = 24
+
+
+def address(box, name):
+    """Sends each part of a message to a name."""
+    parts = [part.strip() for part in box.text.split(",")]
+    box.text = ";\n" + ";\n".join(f"{name} {part}" for part in parts)
+    box.width, box.height = text_size.box_size(box.text, "message", max(box.width, 560))
+    box.pd = (box.pd[0], box.pd[1], (box.width - 6) / 1.12, box.pd[3])
+
+
+def fan_ins(patcher):
+    """{(box, inlet): [message boxes whose only cord enters there]}."""
+    out = {}
+    for cord in patcher.cords:
+        out.setdefault(id(cord[0]), []).append(cord)
+    groups = {}
+    for source, _, destination, inlet, _ in patcher.cords:
+        if source.maxclass == "message" and len(out[id(source)]) == 1 and ";" not in source.text:
+            groups.setdefault((id(destination), inlet), (destination, []))[1].append(source)
+    return groups
+
+
+def name_fan_ins(patcher, stem):
+    count = 0
+    for (_, inlet), (destination, messages) in fan_ins(patcher).items():
+        is_send = (destination.text or "").startswith("s ")
+        if len(messages) < (FEWEST if is_send else FEWEST_ELSEWHERE):
+            continue
+        if is_send:
+            name = destination.text.split(" ")[1]
+        else:
+            count += 1
+            name = f"{stem}-{count}"
+            receiver = patcher.add(Box("newobj", f"r {name}"))
+            receiver.pd = (destination.pd[0] + 60 * (inlet > 0) + 2, destination.pd[1] - 21,
+                           receiver.width / 1.12, 19)
+            patcher.connect(receiver, 0, destination, inlet)
+        patcher.cords = [c for c in patcher.cords if not (c[0] in messages and c[2] is destination)]
+        for message in messages:
+            address(message, name)
+        if is_send and not any(c[2] is destination for c in patcher.cords):
+            patcher.boxes.remove(destination)
+
+
+def staircases(patcher):
+    """The messages of a [sel] in steps from its right outlet at the top to its left at the bottom."""
+    for box in [b for b in patcher.boxes if (b.text or "").startswith("sel ")]:
+        cords = sorted((c for c in patcher.cords if c[0] is box), key=lambda c: c[1])
+        targets = [c[2] for c in cords]
+        if len(targets) < FEWEST or any(t.maxclass != "message" for t in targets) or any(
+                c[0] in targets for c in patcher.cords):
+            continue
+        height, old = 22 + 21 * len(targets), max(t.pd[1] for t in targets) + 24 - box.pd[1]
+        for other in patcher.boxes:  # what stands below makes room
+            if other is not box and other not in targets and other.pd[1] > box.pd[1] + 10:
+                other.pd = (other.pd[0], other.pd[1] + max(0, height - old), *other.pd[2:])
+        count = len(box.outlets)
+        box.width = max(box.width, STEP * 1.12 * (count - 1) + 18)
+        box.pd = (*box.pd[:2], box.width / 1.12, box.pd[3])
+        for i, target in enumerate(targets):
+            target.pd = (box.pd[0] + STEP * cords[i][1], box.pd[1] + 22 + 21 * (len(targets) - 1 - i),
+                         target.pd[2], 15)
+
+
+def simplify(patcher, stem):
+    name_fan_ins(patcher, stem)
+    staircases(patcher)
