@@ -6,8 +6,9 @@ same result.
 """
 import geometry
 
-MOVES = [(dx, dy) for distance in (10, 20, 35, 50, 75, 100, 130, 170, 220) for dx, dy in
-         ((distance, 0), (-distance, 0))] + [(0, 12), (0, 24), (14, 12), (-14, 12), (40, 24), (-40, 24)]
+MOVES = [(dx, dy) for distance in (10, 20, 35, 50, 75, 100, 130, 170, 220, 280, 350) for dx, dy in
+         ((distance, 0), (-distance, 0))] + [
+    (dx, dy) for dy in (-24, -12, 12, 24, 45) for dx in (0, 14, -14, 40, -40, 80, -80)]
 ROUNDS = 60
 COST_OF_MOVE = 0.004  # crossings that a pixel of movement is worth
 
@@ -71,7 +72,7 @@ def best_move(scene, box):
     for dx, dy in MOVES:
         box.x, box.y = x + dx, y + dy
         if scene.allowed(box):
-            gain = before - scene.trouble(box) - COST_OF_MOVE * (abs(dx) + 2 * dy)
+            gain = before - scene.trouble(box) - COST_OF_MOVE * (abs(dx) + 2 * abs(dy))
             if gain > best[0]:
                 best = (gain, dx, dy)
     box.x, box.y = x, y
@@ -79,12 +80,27 @@ def best_move(scene, box):
 
 
 def untangle(patcher, panels=(), fixed=()):
+    """Moves the boxes of a placed patcher; panels grow with what stands on them."""
     areas = []
     for panel in panels:
         area = (panel.x, panel.y, panel.width, panel.height)
-        areas.append((area, {id(b) for b in patcher.boxes
-                             if b is not panel and geometry.contains(area, (b.x, b.y, b.width, b.height))}))
+        inside = {id(b) for b in patcher.boxes
+                  if b is not panel and geometry.contains(area, (b.x, b.y, b.width, b.height))}
+        areas.append(((*area[:2], area[2] + room_right(patcher, panel, inside), area[3]), inside))
     scene = Scene(patcher, fixed, areas)
+    search(scene, fixed)
+    for panel, (_, inside) in zip(panels, areas):
+        panel.width = max([panel.width] + [b.right + 8 - panel.x for b in patcher.boxes if id(b) in inside])
+
+
+def room_right(patcher, panel, inside):
+    """By how much a panel may grow to the right before it meets something."""
+    beside = [b.x - panel.x - panel.width for b in patcher.boxes if id(b) not in inside and b is not panel
+              and b.x >= panel.x + panel.width and b.y < panel.bottom + 8 and panel.y < b.bottom + 8]
+    return max(0, min([90] + [room - 12 for room in beside]))
+
+
+def search(scene, fixed):
     for _ in range(ROUNDS):
         found = scene.crossings(scene.cords, scene.boxes)
         if not found:
