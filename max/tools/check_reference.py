@@ -41,7 +41,7 @@ def _attribute(element, p, d, findings):
     if element is None:
         return
     text = element.findtext("description") or ""
-    bounds = p["choices"] or [f"{v:.7g}" for v in p["values"] or (p["lowest"], p["highest"])]
+    bounds = p["choices"] or [f"{v:.10g}" for v in p["values"] or (p["lowest"], p["highest"])]
     for word in list(bounds) + ([p["unit"]] if p["unit"] else []):
         if word not in text:
             findings.append(f"{d['name']}: attribute {p['name']} does not say {word}")

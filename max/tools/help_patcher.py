@@ -15,7 +15,7 @@ MORE_ROWS = 24  # rows of a column of attributes
 
 
 def number(value):
-    return f"{value:.7g}"
+    return f"{value:.10g}"
 
 
 def with_unit(text, unit):
@@ -198,5 +198,6 @@ def help_patcher(pd_path, declaration, names, abstractions=(), without=None):
     root.extra["description"] = declaration["description"]
     for i, (name, tab) in enumerate(tabs):
         tab.width, tab.height = width, height
+        tab.boxes[0].width = width - 2 * LEFT  # the title, across the window
         root.subpatcher(name, tab, 20 + 110 * i, 20)
     return root

@@ -41,8 +41,9 @@ class Block:
 
 
 def gap_below(upper, lower, joined):
+    """Pixels between two boxes; more where a cord between them has a long way to the side."""
     if joined:
-        return 14
+        return 14 + min(24, 0.06 * abs(upper.x - lower.x))
     kinds = (upper.maxclass, lower.maxclass)
     if "block" in kinds:
         return 12
@@ -151,13 +152,19 @@ def place_all(boxes, panels, cords, top):
         for box in boxes:
             if x - 2 <= box.pd[0] and box.pd[0] + 4 <= x + w and y - 2 <= box.pd[1] and box.pd[1] + 4 <= y + h:
                 owner.setdefault(id(box), panel)
+    for box in boxes:  # what is wired to the outside alone does not belong to the panel
+        wired = [o for c in cords for o in ((c[2],) if c[0] is box else (c[0],) if c[2] is box else ())]
+        if wired and id(box) in owner and all(owner.get(id(o)) is not owner[id(box)] for o in wired):
+            del owner[id(box)]
     blocks, free = [], [b for b in boxes if id(b) not in owner]
     for panel in panels:
         inside = [b for b in boxes if owner.get(id(b)) is panel]
         if inside:
             place(inside, cords, 0)
             blocks.append(Block(panel, inside))
-    place(free + blocks, cords, top)
+    block_of = {id(b): block for block in blocks for b in block.boxes}
+    place(free + blocks, [(block_of.get(id(c[0]), c[0]), c[1], block_of.get(id(c[2]), c[2]), *c[3:])
+                          for c in cords if id(c[0]) not in block_of or id(c[2]) not in block_of], top)
     for block in blocks:
         block.settle()
 

@@ -35,8 +35,10 @@ class Names:
 
     def __init__(self, canvases):
         self.sent, self.received, self.arrays = set(), set(), {}
+        self.only_scopes = set()  # what they send is heard by [tabwrite~] alone, which a scope~ needs not
         for canvas in canvases:
             self._collect(canvas)
+        self.only_scopes -= self.received
 
     def _collect(self, canvas):
         for name, size in canvas.arrays:
@@ -46,7 +48,11 @@ class Names:
                 self._collect(box.canvas)
             words = [plain(w) for w in box.words]
             if box.kind == "obj" and len(words) > 1:
-                self._object(words)
+                ends = [canvas.boxes[d].name for s, _, d, _ in canvas.cords if canvas.boxes[s] is box]
+                if words[0] == "r" and ends and set(ends) == {"tabwrite~"}:
+                    self.only_scopes.add(words[1])
+                else:
+                    self._object(words)
             elif box.kind == "msg":
                 self.sent |= set(re.findall(r"; (\S+)", " ".join(words)))
             elif box.kind == "floatatom":
@@ -315,6 +321,11 @@ class _Canvas:
                 continue  # an end was left out, with a reason
             source, destination, swapped = self.made[s][1], self.made[d][0], self.made[d][2]
             pd_target = self.canvas.boxes[d]
+            if pd_target.name == "s" and pd_target.words[1] in self.converter.names.only_scopes:
+                self.dropped.append(source)
+                if destination in self.patcher.boxes:
+                    self.patcher.boxes.remove(destination)
+                continue
             if swapped:
                 inlet = 1 - inlet
             signal = source.outlets[outlet] == "signal"

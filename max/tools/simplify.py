@@ -16,7 +16,32 @@ def address(box, name):
     parts = [part.strip() for part in box.text.split(",")]
     box.text = ";\n" + ";\n".join(f"{name} {part}" for part in parts)
     box.width, box.height = text_size.box_size(box.text, "message", max(box.width, 560))
-    box.pd = (box.pd[0], box.pd[1], (box.width - 6) / 1.12, box.pd[3])
+
+
+def share_targets(patcher):
+    """Messages that all go to the same several inlets meet in one [t]."""
+    ends, order = {}, []
+    for source, _, destination, inlet, _ in patcher.cords:
+        if source.maxclass == "message" and ";" not in source.text:
+            if id(source) not in ends:
+                order.append(source)
+            ends.setdefault(id(source), []).append((destination, inlet))
+    groups = {}
+    for source in order:
+        key = tuple((id(d), i) for d, i in ends[id(source)])
+        groups.setdefault(key, []).append(source)
+    for key, sources in groups.items():
+        if len(key) < 2 or len(sources) < FEWEST:
+            continue
+        targets = ends[id(sources[0])]
+        trigger = patcher.add(Box("newobj", " ".join(["t"] + ["l"] * len(targets))))
+        low = max(b.pd[1] for b in sources)
+        trigger.pd = (targets[0][0].pd[0], max(low, targets[0][0].pd[1] - 30) + 1, 60, 12)
+        patcher.cords = [c for c in patcher.cords if c[0] not in sources]
+        for source in sources:
+            patcher.connect(source, 0, trigger, 0)
+        for i, (destination, inlet) in enumerate(targets):
+            patcher.connect(trigger, len(targets) - 1 - i, destination, inlet)
 
 
 def fan_ins(patcher):
@@ -74,5 +99,6 @@ def staircases(patcher):
 
 
 def simplify(patcher, stem):
+    share_targets(patcher)
     name_fan_ins(patcher, stem)
     staircases(patcher)

@@ -8,7 +8,8 @@ import geometry
 
 MOVES = [(dx, dy) for distance in (10, 20, 35, 50, 75, 100, 130, 170, 220, 280, 350) for dx, dy in
          ((distance, 0), (-distance, 0))] + [
-    (dx, dy) for dy in (-24, -12, 12, 24, 45) for dx in (0, 14, -14, 40, -40, 80, -80)]
+    (dx, dy) for dy in (-24, -12, 12, 24, 45) for dx in (0, 14, -14, 40, -40, 80, -80)] + [
+    (dx, dy) for dy in (70, 100, 140) for dx in (0, 60, -60, 150, -150)]
 ROUNDS = 60
 COST_OF_MOVE = 0.004  # crossings that a pixel of movement is worth
 
@@ -89,6 +90,7 @@ def untangle(patcher, panels=(), fixed=()):
         areas.append(((*area[:2], area[2] + room_right(patcher, panel, inside), area[3]), inside))
     scene = Scene(patcher, fixed, areas)
     search(scene, fixed)
+    make_room(scene, patcher, panels)
     for panel, (_, inside) in zip(panels, areas):
         panel.width = max([panel.width] + [b.right + 8 - panel.x for b in patcher.boxes if id(b) in inside])
 
@@ -98,6 +100,40 @@ def room_right(patcher, panel, inside):
     beside = [b.x - panel.x - panel.width for b in patcher.boxes if id(b) not in inside and b is not panel
               and b.x >= panel.x + panel.width and b.y < panel.bottom + 8 and panel.y < b.bottom + 8]
     return max(0, min([90] + [room - 12 for room in beside]))
+
+
+def make_room(scene, patcher, panels):
+    """Where a cord still runs through a box above its end, everything from that end on moves down."""
+    for _ in range(ROUNDS):
+        found = scene.crossings(scene.cords, scene.boxes)
+        for cord, box in found:
+            if box.bottom <= cord[2].y + 1 and shift_helps(scene, patcher, panels, cord[2].y, len(found)):
+                break
+        else:
+            return
+
+
+def shift_helps(scene, patcher, panels, y, before):
+    """Moves all from y on down by what helps most, if it helps."""
+    moved = [b for b in patcher.boxes if b.y >= y - 1 and b not in panels]
+    results = []
+    for distance in (10, 20, 34):
+        for box in moved:
+            box.y += distance
+        results.append((len(scene.crossings(scene.cords, scene.boxes)), distance))
+        for box in moved:
+            box.y -= distance
+    crossings, distance = min(results)
+    if crossings >= before:
+        return False
+    for box in moved:
+        box.y += distance
+    for panel in panels:
+        if panel.y >= y - 1:
+            panel.y += distance
+        elif panel.bottom > y:
+            panel.height += distance
+    return True
 
 
 def search(scene, fixed):
