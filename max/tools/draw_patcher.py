@@ -130,6 +130,9 @@ def draw_interface(canvas, box, kind, x, y, w, h):
             for c in range(columns):
                 canvas.ellipse(x + (c + 0.15) * w / columns, y + (r + 0.15) * h / rows, 0.7 * w / columns,
                                0.7 * h / rows, "#8a98a2", None)
+    elif kind == "multislider":
+        canvas.rectangle(x, y, w, h, "#dfe4e8")
+        canvas.line([(x + 2, y + h * 0.7), (x + w * 0.5, y + h * 0.4), (x + w - 2, y + h * 0.6)], "#506070")
     elif kind == "inlet":
         canvas.rectangle(x, y, w, h, "#ffffff")
         canvas.line([(x + 15, y + 6), (x + 15, y + 24), (x + 9, y + 18)], INK)

@@ -38,7 +38,7 @@ DRAWN = "Pd draws its cells by data structures"
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
     "reed_haptic": {"pd map": "the map of playability; " + DRAWN},
-    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "; reed-map": ""},
+    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "; reed-map quantity": ""},
 }
 
 

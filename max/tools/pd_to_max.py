@@ -21,15 +21,6 @@ TRIGGER = {"bang": "b", "int": "i", "float": "f"}
 PURE = ("metro", "loadbang", "f", "+", "%", "t", "message", "r", "sel")  # left out when nothing hears it
 
 
-def reworded(text):
-    """A text of a Pd patch in Max's words."""
-    for pd_words, max_words in (("Pd's window", "the Max console"), ("-> log", "-> Max console"),
-                                ("see the log", "see the Max console"), ("[adc~] or", "[adc~] or"),
-                                ("[netreceive]", "[udpreceive]")):
-        text = text.replace(pd_words, max_words)
-    return text
-
-
 class Names:
     """Names that somebody sends to, and names that somebody receives, over all patches of a set."""
 
@@ -172,7 +163,7 @@ class _Canvas:
         return box
 
     def _comment(self, pd_box):
-        text = reworded(" ".join(plain(w) for w in pd_box.words).replace(" ,", ",").replace(" ;", ";"))
+        text = pd_widgets.reworded(" ".join(plain(w) for w in pd_box.words).replace(" ,", ",").replace(" ;", ";"))
         if self.converter.omitted(text):
             return
         chars = pd_box.chars or min(60, len(text))
@@ -271,6 +262,8 @@ class _Canvas:
                 self.panels.append(widget.box)
             return
         length = pd_box.chars or len(" ".join(pd_box.words))
+        if name in PURE and not any(index in (c[0], c[2]) for c in self.canvas.cords):
+            return  # left over in the Pd patch: wired to nothing
         if name in ("inlet", "inlet~", "outlet", "outlet~"):
             self._port(index, pd_box)
         elif name == "dac~":
@@ -409,8 +402,13 @@ class _Canvas:
         boxes = [b for b in self.patcher.boxes if b not in self.panels and hasattr(b, "pd")]
         layout.place_all(boxes, self.panels, self.patcher.cords, top)
         layout.shift_right([b for b in self.patcher.boxes if hasattr(b, "pd")])
-        kept = [b for b in self.patcher.boxes if not hasattr(b, "pd")]
+        ports = [b for b in self.patcher.boxes if b.maxclass in ("inlet", "outlet")]  # Max numbers them by x
+        kept = [b for b in self.patcher.boxes if not hasattr(b, "pd")] + ports
         untangle.untangle(self.patcher, self.panels, kept)
+        for kind in ("inlet", "outlet"):
+            drawn = sorted((b for b in ports if b.maxclass == kind), key=lambda b: b.pd[0])
+            if drawn != sorted(drawn, key=lambda b: b.x):
+                raise ValueError(f"{self.converter.where.name}: the {kind}s of {self.canvas.name} changed order")
         pd_widgets.hide_wires(self.patcher, self.widgets)
         self.patcher.boxes.sort(key=lambda b: b in self.panels)  # Max draws the first box on top
         for number, box in enumerate(self.patcher.boxes):

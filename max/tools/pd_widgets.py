@@ -36,7 +36,15 @@ def name_or_none(word):
 
 
 def label_of(word):
-    return "" if word == NOTHING else plain(word)
+    return "" if word == NOTHING else reworded(plain(word))
+
+
+def reworded(text):
+    """A text of a Pd patch in Max's words."""
+    for pd_words, max_words in (("Pd's window", "the Max console"), ("-> log", "-> Max console"),
+                                ("see the log", "see the Max console"), ("[netreceive]", "[udpreceive]")):
+        text = text.replace(pd_words, max_words)
+    return text
 
 
 def label_box(widget, text, x, y, width, dx, dy, height):

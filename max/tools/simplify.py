@@ -9,6 +9,7 @@ import text_size
 FEWEST = 3  # messages into one [s] that get its name instead
 FEWEST_ELSEWHERE = 4
 STEP = 24
+LONG = 200  # pixels of a message that is in the way of cords
 
 
 def address(box, name):
@@ -78,18 +79,32 @@ def name_fan_ins(patcher, stem):
             patcher.boxes.remove(destination)
 
 
+def name_beside_receivers(patcher):
+    """A long message into an inlet that an [r NAME] reaches as well goes to that name."""
+    for source, _, destination, inlet, _ in list(patcher.cords):
+        if source.maxclass != "message" or ";" in source.text or source.width < LONG or \
+                sum(c[0] is source for c in patcher.cords) > 1:
+            continue
+        names = [c[0].text.split(" ")[1] for c in patcher.cords if c[2] is destination and c[3] == inlet
+                 and (c[0].text or "").startswith("r ") and sum(o[0] is c[0] for o in patcher.cords) == 1]
+        if names:
+            patcher.cords = [c for c in patcher.cords if c[0] is not source]
+            address(source, names[0])
+
+
 def staircases(patcher):
     """The messages of a [sel] in steps from its right outlet at the top to its left at the bottom."""
     for box in [b for b in patcher.boxes if (b.text or "").startswith("sel ")]:
         cords = sorted((c for c in patcher.cords if c[0] is box), key=lambda c: c[1])
         targets = [c[2] for c in cords]
-        if len(targets) < FEWEST or any(t.maxclass != "message" for t in targets) or any(
+        if len(targets) < 2 or any(t.maxclass != "message" for t in targets) or any(
                 c[0] in targets for c in patcher.cords):
             continue
-        height, old = 22 + 21 * len(targets), max(t.pd[1] for t in targets) + 24 - box.pd[1]
-        for other in patcher.boxes:  # what stands below makes room
-            if other is not box and other not in targets and other.pd[1] > box.pd[1] + 10:
-                other.pd = (other.pd[0], other.pd[1] + max(0, height - old), *other.pd[2:])
+        below = [b for b in patcher.boxes if b is not box and b not in targets and b.pd[1] > box.pd[1] + 10]
+        end = box.pd[1] + 22 + 21 * len(targets) + 20
+        room = max(0, end - min((b.pd[1] for b in below), default=end))
+        for other in below:  # what stands below makes room
+            other.pd = (other.pd[0], other.pd[1] + room, *other.pd[2:])
         count = len(box.outlets)
         box.width = max(box.width, STEP * 1.12 * (count - 1) + 18)
         box.pd = (*box.pd[:2], box.width / 1.12, box.pd[3])
@@ -101,4 +116,5 @@ def staircases(patcher):
 def simplify(patcher, stem):
     share_targets(patcher)
     name_fan_ins(patcher, stem)
+    name_beside_receivers(patcher)
     staircases(patcher)

@@ -5,13 +5,15 @@ side or down, and keeps the move that leaves the fewest crossings and overlaps. 
 same result.
 """
 import geometry
+import layout
 
 MOVES = [(dx, dy) for distance in (10, 20, 35, 50, 75, 100, 130, 170, 220, 280, 350) for dx, dy in
          ((distance, 0), (-distance, 0))] + [
     (dx, dy) for dy in (-24, -12, 12, 24, 45) for dx in (0, 14, -14, 40, -40, 80, -80)] + [
     (dx, dy) for dy in (70, 100, 140) for dx in (0, 60, -60, 150, -150)]
+MOVES_OF_TEXT = [(dx, dy) for dy in (-120, -80, -50, 170, 210) for dx in (0, 60, -60, 150, -150, 300, -300)]
 ROUNDS = 60
-COST_OF_MOVE = 0.004  # crossings that a pixel of movement is worth
+COST_OF_MOVE = 0.0015  # crossings that a pixel of movement is worth
 
 
 class Scene:
@@ -20,6 +22,7 @@ class Scene:
     def __init__(self, patcher, fixed, areas):
         self.boxes = [b for b in patcher.boxes if not b.hidden and not b.extra.get("background")]
         self.cords = [c for c in patcher.cords if not c[4] and c[0] in self.boxes and c[2] in self.boxes]
+        self.loops = layout.loops([b for b in self.boxes if hasattr(b, "pd")], self.cords)
         self.fixed, self.areas = fixed, areas
         self.right = max((b.right for b in self.boxes), default=0)
 
@@ -53,8 +56,8 @@ class Scene:
         if box.x < 8 or box.y < 0 or box.right > self.right + 60:
             return False
         for cord in self.cords:
-            if cord[0] is box and cord[2].y < box.bottom + 8 and cord[2].y > box.y - 60 or \
-                    cord[2] is box and cord[0].bottom + 8 > box.y:
+            if box in (cord[0], cord[2]) and (id(cord[0]), id(cord[2])) not in self.loops and \
+                    cord[2].y < cord[0].bottom + 8:
                 return False
         for panel, inside in self.areas:
             if id(box) in inside:
@@ -67,16 +70,22 @@ class Scene:
 
 
 def best_move(scene, box):
-    """(improvement, dx, dy) of the best allowed move of one box."""
-    before, x, y = scene.trouble(box), box.x, box.y
+    """(improvement, dx, dy) of the best allowed move of one box, with its labels."""
+    group = [box] + [b for b in scene.boxes if getattr(b, "attached_to", None) is box]
+    before, places = sum(scene.trouble(b) for b in group), [(b, b.x, b.y) for b in group]
     best = (0, 0, 0)
-    for dx, dy in MOVES:
-        box.x, box.y = x + dx, y + dy
-        if scene.allowed(box):
-            gain = before - scene.trouble(box) - COST_OF_MOVE * (abs(dx) + 2 * abs(dy))
+    for dx, dy in MOVES + (MOVES_OF_TEXT if box.maxclass == "comment" else []):
+        cost = COST_OF_MOVE * (abs(dx) + 2 * abs(dy))
+        if before - cost <= best[0]:
+            continue
+        for b, x, y in places:
+            b.x, b.y = x + dx, y + dy
+        if all(scene.allowed(b) for b in group):
+            gain = before - sum(scene.trouble(b) for b in group) - cost
             if gain > best[0]:
                 best = (gain, dx, dy)
-    box.x, box.y = x, y
+    for b, x, y in places:
+        b.x, b.y = x, y
     return best
 
 
@@ -103,36 +112,62 @@ def room_right(patcher, panel, inside):
 
 
 def make_room(scene, patcher, panels):
-    """Where a cord still runs through a box above its end, everything from that end on moves down."""
+    """Where a cord still runs through a box, everything below or right of a line moves away."""
     for _ in range(ROUNDS):
         found = scene.crossings(scene.cords, scene.boxes)
         for cord, box in found:
-            if box.bottom <= cord[2].y + 1 and shift_helps(scene, patcher, panels, cord[2].y, len(found)):
+            if box.bottom <= cord[2].y + 1 and shift_helps(scene, patcher, panels, "y", cord[2].y, len(found)):
+                break
+            lines = [end.x for end in (cord[0], cord[2]) if end.x > box.x] + [box.x]
+            if any(shift_helps(scene, patcher, panels, "x", line, len(found)) for line in lines):
+                break
+            if both_shifts_help(scene, patcher, panels, cord, box, len(found)):
                 break
         else:
             return
 
 
-def shift_helps(scene, patcher, panels, y, before):
-    """Moves all from y on down by what helps most, if it helps."""
-    moved = [b for b in patcher.boxes if b.y >= y - 1 and b not in panels]
+def both_shifts_help(scene, patcher, panels, cord, box, before):
+    """A gap above or below the box in the way, and one beside it, together."""
+    boxes = [b for b in patcher.boxes if hasattr(b, "pd")]
+    saved = [(b, b.x, b.y, b.width, b.height) for b in boxes]
+    for down in (20, 45, 80, 120):
+        for y in (cord[2].y, box.y):
+            for across in (0, 45, 90, 160):
+                for x in sorted({box.x, cord[0].x, cord[2].x}):
+                    shift(boxes, panels, "y", y, down)
+                    shift(boxes, panels, "x", x, across)
+                    if len(scene.crossings(scene.cords, scene.boxes)) < before:
+                        return True
+                    for b, *place in saved:
+                        b.x, b.y, b.width, b.height = place
+    return False
+
+
+def shift(boxes, panels, axis, line, distance):
+    """Moves all from a line on; a panel that the line cuts grows."""
+    size = "height" if axis == "y" else "width"
+    for box in boxes:
+        if getattr(box, axis) >= line - 1:
+            setattr(box, axis, getattr(box, axis) + distance)
+        elif box in panels and getattr(box, axis) + getattr(box, size) > line:
+            setattr(box, size, getattr(box, size) + distance)
+
+
+def shift_helps(scene, patcher, panels, axis, line, before):
+    """Moves all from a line on by what helps most, if it helps."""
+    boxes = [b for b in patcher.boxes if hasattr(b, "pd")]
+    saved = [(b, b.x, b.y, b.width, b.height) for b in boxes]
     results = []
-    for distance in (10, 20, 34):
-        for box in moved:
-            box.y += distance
+    for distance in (10, 20, 34, 60, 90) if axis == "y" else (20, 40, 70, 110, 160, 240, 320):
+        shift(boxes, panels, axis, line, distance)
         results.append((len(scene.crossings(scene.cords, scene.boxes)), distance))
-        for box in moved:
-            box.y -= distance
+        for box, *place in saved:
+            box.x, box.y, box.width, box.height = place
     crossings, distance = min(results)
     if crossings >= before:
         return False
-    for box in moved:
-        box.y += distance
-    for panel in panels:
-        if panel.y >= y - 1:
-            panel.y += distance
-        elif panel.bottom > y:
-            panel.height += distance
+    shift(boxes, panels, axis, line, distance)
     return True
 
 
@@ -148,5 +183,6 @@ def search(scene, fixed):
         (gain, dx, dy), i = max(moves, key=lambda m: (m[0][0], -m[1]))
         if gain <= 0:
             return
-        candidates[i].x += dx
-        candidates[i].y += dy
+        for box in [candidates[i]] + [b for b in scene.boxes
+                                      if getattr(b, "attached_to", None) is candidates[i]]:
+            box.x, box.y = box.x + dx, box.y + dy
