@@ -7,7 +7,7 @@ What is checked: JSON and required keys; unique ids; cords between existing port
 that are ours or in max_objects.py, with their numbers of inlets and outlets; attributes and messages that
 the declaration has; signals into signal inlets only; no control fan-out without [t], but from attrui, whose
 order does not matter; boxes that overlap; text that its box cuts off; cords that go up, unless they close
-a loop, or run through another box. Not checked: whether Max accepts the file.
+a loop, or run through another box; headings in the background may lie under cords. Not checked: whether Max accepts the file.
 """
 import argparse
 import json
@@ -174,8 +174,8 @@ def _message_words(w, d, text):
             yield w.say(f"[{part}]: {d['name']} has no message {name}")
 
 
-def check_places(w):
-    shown = [b for b in w.boxes if not b.get("background")]
+def check_positions(w):
+    shown = [b for b in w.boxes if not b.get("background") or b["maxclass"] == "comment"]
     for i, a in enumerate(shown):
         for b in shown[i + 1:]:
             if bool(a.get("hidden")) == bool(b.get("hidden")) and geometry.overlap(
@@ -245,7 +245,7 @@ def cord_ends(s, d, line):
 
 
 STRUCTURE = (check_keys,)
-RULES = (check_objects, check_cords, check_fan_out, check_words, check_places, check_cord_paths)
+RULES = (check_objects, check_cords, check_fan_out, check_words, check_positions, check_cord_paths)
 
 
 def check(document):

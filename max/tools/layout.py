@@ -117,7 +117,7 @@ def rows_of(boxes, level):
     return rows
 
 
-def place(boxes, cords, top):
+def arrange(boxes, cords, top):
     """Sets x and y of all boxes of one group; top is where the first row may begin."""
     joined = {(id(s), id(d)) for s, _, d, _, _ in cords}
     level = levels(boxes, cords)
@@ -144,7 +144,7 @@ def place(boxes, cords, top):
         previous = (y, here)
 
 
-def place_all(boxes, panels, cords, top):
+def arrange_all(boxes, panels, cords, top):
     """Boxes on panels first, each panel by itself; then the rest with the panels as blocks."""
     owner = {}
     for panel in sorted(panels, key=lambda p: p.pd[2] * p.pd[3]):
@@ -160,10 +160,10 @@ def place_all(boxes, panels, cords, top):
     for panel in panels:
         inside = [b for b in boxes if owner.get(id(b)) is panel]
         if inside:
-            place(inside, cords, 0)
+            arrange(inside, cords, 0)
             blocks.append(Block(panel, inside))
     block_of = {id(b): block for block in blocks for b in block.boxes}
-    place(free + blocks, [(block_of.get(id(c[0]), c[0]), c[1], block_of.get(id(c[2]), c[2]), *c[3:])
+    arrange(free + blocks, [(block_of.get(id(c[0]), c[0]), c[1], block_of.get(id(c[2]), c[2]), *c[3:])
                           for c in cords if id(c[0]) not in block_of or id(c[2]) not in block_of], top)
     for block in blocks:
         block.settle()

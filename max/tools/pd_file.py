@@ -15,6 +15,9 @@ class PdBox:
     def name(self):
         return self.words[0] if self.words else ""
 
+    def plain_words(self):
+        return [plain(word) for word in self.words]
+
 
 class PdCanvas:
     def __init__(self, name, width, height):

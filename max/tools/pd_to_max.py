@@ -8,6 +8,7 @@ equivalent ends the conversion with its name, unless the caller lists it, with t
 import re
 
 import layout
+import max_positions
 import pd_file
 import pd_widgets
 import simplify
@@ -73,7 +74,7 @@ class Converter:
         work.cords_from_pd()
         simplify.simplify(work.patcher, f"{self.where.stem}-{canvas.name or 'top'}")
         work.order_fan_outs()
-        work.place(self.top if top is None else top)
+        work.arrange(self.top if top is None else top)
         return work.patcher
 
     def omitted(self, what):
@@ -232,7 +233,7 @@ class _Canvas:
             return None
         x0, y0 = cells[0, 0]
         dx, dy = cells[0, 1][0] - x0, cells[1, 0][1] - y0
-        if any([x0 + dx * c, y0 + dy * r] != place for (r, c), place in cells.items()):
+        if any([x0 + dx * c, y0 + dy * r] != drawn for (r, c), drawn in cells.items()):
             return None
         inner = Patcher(0, 0)
         start = inner.object(f"r {name}", 20, 20)
@@ -398,9 +399,9 @@ class _Canvas:
 
     # -- places -----------------------------------------------------------------------------------
 
-    def place(self, top):
+    def arrange(self, top):
         boxes = [b for b in self.patcher.boxes if b not in self.panels and hasattr(b, "pd")]
-        layout.place_all(boxes, self.panels, self.patcher.cords, top)
+        layout.arrange_all(boxes, self.panels, self.patcher.cords, top)
         layout.shift_right([b for b in self.patcher.boxes if hasattr(b, "pd")])
         ports = [b for b in self.patcher.boxes if b.maxclass in ("inlet", "outlet")]  # Max numbers them by x
         kept = [b for b in self.patcher.boxes if not hasattr(b, "pd")] + ports
@@ -420,5 +421,8 @@ def convert_file(path, names, abstractions=(), without=None, top=20, patcher=Non
     """The patcher of a Pd file, and what was left out of it with the reasons."""
     converter = Converter(path, names, abstractions, without, top)
     converter.root = pd_file.read(path)
+    positions = max_positions.POSITIONS.get(path.stem, {})
+    if unknown := set(positions) - max_positions.move(converter.root, positions):
+        raise ValueError(f"{path.name}: no box {sorted(unknown)[0]} (max_positions.py)")
     result = converter.convert(converter.root, patcher=patcher)
     return result, converter.left_out

@@ -52,13 +52,13 @@ def label_box(widget, text, x, y, width, dx, dy, height):
     if not text:
         return
     if dy < 0:
-        place = (x, y - 18)
+        position = (x, y - 18)
     elif dy > height:
-        place = (x, y + height + 3)
+        position = (x, y + height + 3)
     else:
-        place = (x + width + 4, y)
+        position = (x + width + 4, y)
     label = Box("comment", text)
-    label.pd = (*place, label.width / 1.12, 16)
+    label.pd = (*position, label.width / 1.12, 16)
     widget.labels.append(label)
 
 

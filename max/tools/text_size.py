@@ -48,12 +48,12 @@ def box_height(lines, maxclass="newobj", size=FONT_SIZE):
     return round((first + LINE_PITCH * (lines - 1)) * scale, 1)
 
 
-def box_size(text, maxclass="newobj", most_width=None, size=FONT_SIZE, bold=False):
-    """Width and height of the box that holds this text, wrapped at most_width."""
+def box_size(text, maxclass="newobj", max_width=None, size=FONT_SIZE, bold=False):
+    """Width and height of the box that holds this text, wrapped at max_width."""
     natural = max(width(part, size, bold) for part in text.split("\n")) + MARGIN
     box_width = max(natural, MIN_BOX_WIDTH)
-    if most_width:
-        box_width = min(box_width, most_width)
+    if max_width:
+        box_width = min(box_width, max_width)
     lines = wrap(text, box_width - MARGIN + 0.5, size, bold)
     widest = max(width(line, size, bold) for line in lines) + MARGIN + 1
     return round(max(box_width, min(widest, natural + 1)), 1), box_height(len(lines), maxclass, size)

@@ -11,7 +11,8 @@ MOVES = [(dx, dy) for distance in (10, 20, 35, 50, 75, 100, 130, 170, 220, 280, 
          ((distance, 0), (-distance, 0))] + [
     (dx, dy) for dy in (-24, -12, 12, 24, 45) for dx in (0, 14, -14, 40, -40, 80, -80)] + [
     (dx, dy) for dy in (70, 100, 140) for dx in (0, 60, -60, 150, -150)]
-MOVES_OF_TEXT = [(dx, dy) for dy in (-120, -80, -50, 170, 210) for dx in (0, 60, -60, 150, -150, 300, -300)]
+MOVES_OF_TEXT = [(dx, dy) for dy in (-250, -180, -120, -80, -50, 0, 170, 210, 260)
+                 for dx in (0, 60, -60, 150, -150, 300, -300, 420, 560)]
 ROUNDS = 60
 COST_OF_MOVE = 0.0015  # crossings that a pixel of movement is worth
 
@@ -21,6 +22,7 @@ class Scene:
 
     def __init__(self, patcher, fixed, areas):
         self.boxes = [b for b in patcher.boxes if not b.hidden and not b.extra.get("background")]
+        self.headings = [b for b in patcher.boxes if b.maxclass == "comment" and b.extra.get("background")]
         self.cords = [c for c in patcher.cords if not c[4] and c[0] in self.boxes and c[2] in self.boxes]
         self.loops = layout.loops([b for b in self.boxes if hasattr(b, "pd")], self.cords)
         self.fixed, self.areas = fixed, areas
@@ -66,25 +68,25 @@ class Scene:
             elif geometry.overlap(panel, rectangle, 3):
                 return False
         return not any(other is not box and geometry.overlap(self.rectangle(other), rectangle, 4)
-                       for other in self.boxes)
+                       for other in self.boxes + self.headings)
 
 
 def best_move(scene, box):
     """(improvement, dx, dy) of the best allowed move of one box, with its labels."""
     group = [box] + [b for b in scene.boxes if getattr(b, "attached_to", None) is box]
-    before, places = sum(scene.trouble(b) for b in group), [(b, b.x, b.y) for b in group]
+    before, positions = sum(scene.trouble(b) for b in group), [(b, b.x, b.y) for b in group]
     best = (0, 0, 0)
     for dx, dy in MOVES + (MOVES_OF_TEXT if box.maxclass == "comment" else []):
         cost = COST_OF_MOVE * (abs(dx) + 2 * abs(dy))
         if before - cost <= best[0]:
             continue
-        for b, x, y in places:
+        for b, x, y in positions:
             b.x, b.y = x + dx, y + dy
         if all(scene.allowed(b) for b in group):
             gain = before - sum(scene.trouble(b) for b in group) - cost
             if gain > best[0]:
                 best = (gain, dx, dy)
-    for b, x, y in places:
+    for b, x, y in positions:
         b.x, b.y = x, y
     return best
 
@@ -133,14 +135,14 @@ def both_shifts_help(scene, patcher, panels, cord, box, before):
     saved = [(b, b.x, b.y, b.width, b.height) for b in boxes]
     for down in (20, 45, 80, 120):
         for y in (cord[2].y, box.y):
-            for across in (0, 45, 90, 160):
+            for across in (0, 45, 90):
                 for x in sorted({box.x, cord[0].x, cord[2].x}):
                     shift(boxes, panels, "y", y, down)
                     shift(boxes, panels, "x", x, across)
                     if len(scene.crossings(scene.cords, scene.boxes)) < before:
                         return True
-                    for b, *place in saved:
-                        b.x, b.y, b.width, b.height = place
+                    for b, *rectangle in saved:
+                        b.x, b.y, b.width, b.height = rectangle
     return False
 
 
@@ -159,11 +161,11 @@ def shift_helps(scene, patcher, panels, axis, line, before):
     boxes = [b for b in patcher.boxes if hasattr(b, "pd")]
     saved = [(b, b.x, b.y, b.width, b.height) for b in boxes]
     results = []
-    for distance in (10, 20, 34, 60, 90) if axis == "y" else (20, 40, 70, 110, 160, 240, 320):
+    for distance in (10, 20, 34, 60, 90) if axis == "y" else (20, 40, 70, 90, 120):
         shift(boxes, panels, axis, line, distance)
         results.append((len(scene.crossings(scene.cords, scene.boxes)), distance))
-        for box, *place in saved:
-            box.x, box.y, box.width, box.height = place
+        for box, *rectangle in saved:
+            box.x, box.y, box.width, box.height = rectangle
     crossings, distance = min(results)
     if crossings >= before:
         return False

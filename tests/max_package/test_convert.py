@@ -36,7 +36,7 @@ def test_an_object_becomes_its_equivalent(drawn, expected):
     assert pd_vocabulary.object_text(drawn.split(" ")) == expected
 
 
-def test_an_object_without_equivalent_is_named_with_its_place(tmp_path):
+def test_an_object_without_equivalent_is_named_with_its_position(tmp_path):
     with pytest.raises(pd_vocabulary.NoEquivalent, match=r"drawn.pd: \[netsend\] at 30 40"):
         convert(tmp_path, "obj 30 40 netsend")
 
@@ -61,7 +61,7 @@ def test_a_signal_may_branch_without_a_trigger(tmp_path):
     assert len(patcher.cords) == 2
 
 
-def test_the_inlets_of_a_spigot_change_places(tmp_path):
+def test_the_inlets_of_a_spigot_change_over(tmp_path):
     patcher = convert(tmp_path, "obj 10 80 spigot", "obj 10 10 r data", "obj 90 10 r switch",
                       "connect 1 0 0 0", "connect 2 0 0 1", "obj 200 10 s data", "obj 200 60 s switch")
     inlets = {c[0].text: c[3] for c in patcher.cords}
@@ -168,15 +168,15 @@ def test_the_netlist_of_a_patch_is_kept():
     assert without_triggers(converted) == drawn_cords(path, names)
 
 
-def test_a_grid_of_buttons_becomes_a_matrix_with_the_same_places(package):
+def test_a_grid_of_buttons_becomes_a_matrix_with_the_same_positions(package):
     tabs = json.loads((package / "help" / "modal_impact~.maxhelp").read_text())["patcher"]["boxes"]
     example = tabs[0]["box"]["patcher"]["boxes"]
     cells = next(b["box"] for b in example if b["box"].get("text") == "p cells")["patcher"]["boxes"]
     across, up = (python_of(b["box"]["text"]) for b in cells if b["box"].get("text", "").startswith("expr"))
     source = (ROOT / "help" / "modal_impact~-help.pd").read_text()
-    places = re.findall(r"r modal-cell-(\d)-(\d);\n#X msg \d+ \d+ (-?\d+) (-?\d+);", source)
-    assert len(places) == 40
-    for row, column, x, y in places:
+    positions = re.findall(r"r modal-cell-(\d)-(\d);\n#X msg \d+ \d+ (-?\d+) (-?\d+);", source)
+    assert len(positions) == 40
+    for row, column, x, y in positions:
         assert (across(x1=int(column)), up(x1=int(row))) == (int(x), int(y))
 
 
