@@ -11,8 +11,7 @@ MOVES = [(dx, dy) for distance in (10, 20, 35, 50, 75, 100, 130, 170, 220, 280, 
          ((distance, 0), (-distance, 0))] + [
     (dx, dy) for dy in (-24, -12, 12, 24, 45) for dx in (0, 14, -14, 40, -40, 80, -80)] + [
     (dx, dy) for dy in (70, 100, 140) for dx in (0, 60, -60, 150, -150)]
-MOVES_OF_TEXT = [(dx, dy) for dy in (-250, -180, -120, -80, -50, 0, 170, 210, 260)
-                 for dx in (0, 60, -60, 150, -150, 300, -300, 420, 560)]
+MOVES_OF_TEXT = [(dx, dy) for dx, dy in MOVES if abs(dx) <= 50 and abs(dy) <= 24]  # it says what is beside it
 ROUNDS = 60
 COST_OF_MOVE = 0.0015  # crossings that a pixel of movement is worth
 
@@ -76,7 +75,7 @@ def best_move(scene, box):
     group = [box] + [b for b in scene.boxes if getattr(b, "attached_to", None) is box]
     before, positions = sum(scene.trouble(b) for b in group), [(b, b.x, b.y) for b in group]
     best = (0, 0, 0)
-    for dx, dy in MOVES + (MOVES_OF_TEXT if box.maxclass == "comment" else []):
+    for dx, dy in MOVES_OF_TEXT if box.maxclass == "comment" else MOVES:
         cost = COST_OF_MOVE * (abs(dx) + 2 * abs(dy))
         if before - cost <= best[0]:
             continue
