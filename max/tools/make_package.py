@@ -48,7 +48,7 @@ def package_info(version, systems):
             "description": "Instruments and worlds that are heard and felt from one physical model: "
                            "experimental; not yet run inside Max.",
             "tags": ["physical modelling", "haptics", "wind instruments", "footsteps", "modal synthesis"],
-            "website": "", "extensible": 1, "max_version_min": "8.0", "max_version_max": "none",
+            "website": "", "extensible": 1, "max_version_min": "8.3", "max_version_max": "none",
             "homepatcher": "reed_haptic.maxpat", "os": systems,
             "package_extra": {"reverse_domain": "org.tactus", "copyright": "GPL-3.0-or-later"}}
 

@@ -5,6 +5,7 @@ message as a saved patcher's `outlettype` names it: "bang", "int", "float", "lis
 Learned from patchers that Max saved, as committed facts: an object that is not here is an error of
 check_patcher.py, never a guess.
 """
+import itertools
 import json
 import re
 
@@ -118,7 +119,7 @@ def ports(maxclass, text=None):
     if not arguments:
         raise KeyError("an object without a name")
     name = ALIASES.get(arguments[0], arguments[0])
-    arguments = [a for a in arguments[1:] if not a.startswith("@")]
+    arguments = list(itertools.takewhile(lambda word: not word.startswith("@"), arguments[1:]))
     if name in _declared:
         return own_ports(_declared[name])
     if name in _patchers:

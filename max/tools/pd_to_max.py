@@ -276,6 +276,9 @@ class _Canvas:
             self._add(index, pd_box, Box("newobj", text), length * 7 + 5, 19)
         else:
             text = object_text(pd_box.words, self.converter.abstractions)
+            if text == "prepend 0" and any(b.name == "s" and b.words[1] in self.converter.names.arrays
+                                           for b in self.canvas.boxes):
+                text = "t l"  # where an array begins to be written; a multislider takes the list alone
             box = Box("newobj", text)
             ports = max(len(box.inlets), len(box.outlets))
             wanted = pd_box.chars * 7.6 if pd_box.chars else 0
@@ -312,6 +315,8 @@ class _Canvas:
     def cords_from_pd(self):
         for s, outlet, d, inlet in self.canvas.cords:
             if s not in self.made or d not in self.made:
+                if s in self.made:
+                    self.dropped.append(self.made[s][1])
                 continue  # an end was left out, with a reason
             source, destination, swapped = self.made[s][1], self.made[d][0], self.made[d][2]
             pd_target = self.canvas.boxes[d]

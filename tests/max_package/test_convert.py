@@ -31,7 +31,7 @@ def box(patcher, text):
     ("clip 0 1", "clip 0. 1."), ("pack f 5", "pack 0. 5."), ("unpack f s f", "unpack 0. s 0."),
     ("mod 8", "% 8"), ("t b a", "t b l"), ("min 20", "minimum 20."), ("spigot 1", "gate 1 1"),
     ("f \\$1", "f #1"), ("greed~ -type open", "greed~ @type open"), ("del 100", "delay 100"),
-    ("list append", "zl.join"), ("b", "t b"), ("s~ here", "send~ here"), ("sel 0 1", "sel 0 1")])
+    ("list append", "zl.join"), ("b", "t b"), ("s~ here", "send~ here"), ("sel 0 1", "sel 0 1 @matchfloat 1")])
 def test_an_object_becomes_its_equivalent(drawn, expected):
     assert pd_vocabulary.object_text(drawn.split(" ")) == expected
 
@@ -42,9 +42,9 @@ def test_an_object_without_equivalent_is_named_with_its_position(tmp_path):
 
 
 def test_an_object_that_is_listed_with_a_reason_is_left_out_with_its_cords(tmp_path):
-    patcher = convert(tmp_path, "obj 30 40 netsend", "obj 30 10 loadbang", "connect 1 0 0 0",
+    patcher = convert(tmp_path, "obj 30 40 netsend", "obj 30 10 mtof", "connect 1 0 0 0",
                       without={"netsend": "why"})
-    assert [b.text for b in patcher.boxes] == ["loadbang"] and not patcher.cords
+    assert [b.text for b in patcher.boxes] == ["mtof"] and not patcher.cords
 
 
 def test_pd_fires_the_first_cord_first_and_so_does_the_trigger(tmp_path):
@@ -93,6 +93,18 @@ def test_a_logarithmic_slider_is_its_own_inverse(tmp_path, low, high):
         value = python_of(there)(x1=position)
         assert value == pytest.approx(low * (high / low) ** position, rel=1e-5)
         assert python_of(back)(x1=value) == pytest.approx(position, abs=1e-5)
+
+
+def test_what_only_drove_a_left_out_object_goes_with_it(tmp_path):
+    patcher = convert(tmp_path, "obj 30 40 switch~", "obj 30 10 r here", "connect 1 0 0 0", "obj 90 10 s here",
+                      without={"switch~": "why"})
+    assert [b.text for b in patcher.boxes] == ["s here"]
+
+
+def test_a_metro_that_only_drew_a_graph_is_not_needed(tmp_path):
+    patcher = convert(tmp_path, "obj 10 90 tabwrite~ seen", "obj 10 10 loadbang", "obj 10 40 metro 100",
+                      "obj 90 40 osc~ 3", "connect 1 0 2 0", "connect 2 0 0 0", "connect 3 0 0 0")
+    assert sorted(b.text for b in patcher.boxes) == ["cycle~ 3.", "send~ seen"]
 
 
 @pytest.mark.parametrize("note", [0.0, 1.0, 60.0, 69.0])
