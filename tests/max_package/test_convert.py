@@ -114,6 +114,27 @@ def test_if_and_mtof_keep_their_values(note):
     assert python_of(text)(x1=note) == pytest.approx(expected)
 
 
+def test_both_branches_of_an_if_are_kept():
+    value = python_of(pd_vocabulary.expression("if ($f1 > 2, max($f1, 3), if($f1 < 0, 5, 7))"))
+    assert [value(x1=x) for x in (-1.0, 1.0, 2.5, 4.0)] == [5, 7, 3, 4]
+
+
+def test_a_slider_keeps_its_range(tmp_path):
+    patcher = convert(tmp_path, "obj 10 10 vsl 15 100 -50 30 0 0 empty empty empty 0 0 0 12 #ffffff #000000 "
+                      "#000000 0 1")
+    slider = box(patcher, "slider")
+    assert (slider.extra["min"], slider.extra["size"], slider.extra["floatoutput"]) == (-50, 80, 1)
+    assert slider.height > slider.width and slider.extra["orientation"] == 2
+
+
+def test_messages_that_share_their_targets_reach_them_in_the_same_order(tmp_path):
+    lines = ["obj 10 200 print first", "obj 200 200 print second"] + [f"msg {60 * i} 20 word {i}" for i in range(3)]
+    patcher = convert(tmp_path, *lines, *(f"connect {2 + i} 0 {end} 0" for i in range(3) for end in (0, 1)))
+    trigger = box(patcher, "t l l")
+    assert {c[1]: c[2].text for c in patcher.cords if c[0] is trigger} == {1: "print first", 0: "print second"}
+    assert sum(c[2] is trigger for c in patcher.cords) == 3
+
+
 def played(steps, time):
     """A ramp generator's value: steps of (target, duration, begin), each from the value reached."""
     value = 0.0

@@ -21,6 +21,15 @@ def test_widths_are_those_of_helvetica(helvetica):
         assert text_size.ADVANCE[code - 32] == helvetica.get_width_char(chr(code)), chr(code)
 
 
+def test_bold_text_is_about_as_wide_as_helvetica_bold():
+    path = pathlib.Path(matplotlib.get_data_path()) / "fonts" / "pdfcorefonts" / "Helvetica-Bold.afm"
+    with path.open("rb") as file:
+        bold = AFM(file)
+    for text in ("a surface rubs a body: squeaks, creaks, bows and brakes", "haptic device: force in, position out"):
+        exact = sum(bold.get_width_char(c) for c in text) * 12 / 1000
+        assert text_size.width(text, 12, True) == pytest.approx(exact, rel=0.04)
+
+
 def test_saved_boxes_of_max_have_the_widths_that_are_computed():
     for text, saved in (("t b b b", 42), ("loadbang", 58), ("clip 0. 1.", 53), ("cos~", 34), ("gate 1 1", 52),
                         ("change -1", 62), ("clear", 37)):
