@@ -16,7 +16,7 @@ import text_size
 import untangle
 from patcher import Box, Patcher
 from pd_file import plain
-from pd_vocabulary import NoEquivalent, message_text, object_text
+from pd_vocabulary import NoEquivalent, decimal, message_text, object_text
 
 TRIGGER = {"bang": "b", "int": "i", "float": "f"}
 PURE = ("metro", "loadbang", "f", "+", "%", "t", "message", "r", "sel")  # left out when nothing hears it
@@ -271,6 +271,8 @@ class _Canvas:
             self._add(index, pd_box, Box("ezdac~", width=45, height=45), 34, 30)
         elif name == "hip~":
             self._high_pass(index, pd_box)
+        elif name in ("sel", "select"):
+            self._select(index, pd_box)
         elif name in ("tabwrite~", "tabwrite"):
             text = ("send~ " if name == "tabwrite~" else "s ") + plain(pd_box.words[1])
             self._add(index, pd_box, Box("newobj", text), length * 7 + 5, 19)
@@ -309,6 +311,22 @@ class _Canvas:
         self.patcher.connect(low, 0, difference, 1)
         self.made[index] = (difference, difference, False)
         difference.low_pass = low
+
+    def _select(self, index, pd_box):
+        """Max's sel ignores floats. Whole numbers become integers before it; what calculates gives floats,
+        for which sel has an attribute."""
+        sources = [self.canvas.boxes[s] for s, _, d, _ in self.canvas.cords if d == index]
+        numbers = [plain(w) for w in pd_box.words[1:]]
+        if any(s.name == "expr" or s.name == "f" and len(s.words) > 1 and "$" in s.words[1] for s in sources):
+            text = " ".join(["sel"] + [decimal(n) for n in numbers] + ["@matchfloat", "1"])
+            self._add(index, pd_box, Box("newobj", text), 7 * len(text), 19)
+            return
+        whole = self._add(None, pd_box, Box("newobj", "i"), 20, 8)
+        chosen = self._add(None, pd_box, Box("newobj", " ".join(["sel"] + numbers)),
+                           len(" ".join(pd_box.words)) * 7 + 5, 19)
+        chosen.pd = (pd_box.x, pd_box.y + 9, *chosen.pd[2:])
+        self.patcher.connect(whole, 0, chosen, 0)
+        self.made[index] = (whole, chosen, False)
 
     # -- cords ------------------------------------------------------------------------------------
 

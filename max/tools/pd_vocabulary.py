@@ -103,8 +103,6 @@ def object_text(words, abstractions=()):
     if name not in RENAMED:
         raise NoEquivalent(name)
     renamed = RENAMED[name]
-    if renamed == "sel":
-        return " ".join(["sel"] + arguments + ["@matchfloat", "1"])  # Max's ignores floats without it
     if renamed in ("pack", "unpack"):
         arguments = [ELEMENTS.get(a, a) for a in arguments]
     if renamed in DECIMAL:

@@ -31,7 +31,7 @@ def box(patcher, text):
     ("clip 0 1", "clip 0. 1."), ("pack f 5", "pack 0. 5."), ("unpack f s f", "unpack 0. s 0."),
     ("mod 8", "% 8"), ("t b a", "t b l"), ("min 20", "minimum 20."), ("spigot 1", "gate 1 1"),
     ("f \\$1", "f #1"), ("greed~ -type open", "greed~ @type open"), ("del 100", "delay 100"),
-    ("list append", "zl.join"), ("b", "t b"), ("s~ here", "send~ here"), ("sel 0 1", "sel 0 1 @matchfloat 1")])
+    ("list append", "zl.join"), ("b", "t b"), ("s~ here", "send~ here")])
 def test_an_object_becomes_its_equivalent(drawn, expected):
     assert pd_vocabulary.object_text(drawn.split(" ")) == expected
 
@@ -93,6 +93,15 @@ def test_a_logarithmic_slider_is_its_own_inverse(tmp_path, low, high):
         value = python_of(there)(x1=position)
         assert value == pytest.approx(low * (high / low) ** position, rel=1e-5)
         assert python_of(back)(x1=value) == pytest.approx(position, abs=1e-5)
+
+
+def test_a_sel_of_whole_numbers_gets_integers_and_one_of_results_compares_floats(tmp_path):
+    patcher = convert(tmp_path, "obj 10 10 r here", "obj 10 60 sel 0 1", "obj 10 110 print", "connect 0 0 1 0",
+                      "connect 1 1 2 0", "obj 90 10 expr \\$f1/2", "obj 90 60 sel 0", "connect 3 0 4 0",
+                      "obj 300 10 s here")
+    cords = {(c[0].text, c[1], c[2].text, c[3]) for c in patcher.cords}
+    assert cords == {("r here", 0, "i", 0), ("i", 0, "sel 0 1", 0), ("sel 0 1", 1, "print", 0),
+                     ("expr $f1/2", 0, "sel 0. @matchfloat 1", 0)}
 
 
 def test_what_only_drove_a_left_out_object_goes_with_it(tmp_path):
