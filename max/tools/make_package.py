@@ -5,13 +5,14 @@
                     [--externals FOLDER] [--library FOLDER] [--zip FILE]
 
 FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
-docs/refpages/, patchers/, media/; init/ puts the objects into Max's list,
-and data/ comes from the staged Pd library (--library): the bodies and
-networks that objects and patchers load. What is missing is said, and left out.
+docs/refpages/, patchers/, init/ (the list of objects) and media/: a picture and, from the staged Pd library
+(--library), the bodies and networks that patchers load; Max looks there for files. What is missing is said,
+and left out.
 """
 import argparse
 import json
 import pathlib
+import re
 import shutil
 import sys
 import zipfile
@@ -122,6 +123,14 @@ def check(package, declarations):
     return findings
 
 
+def missing_files(package):
+    """Tables and texts that a patcher loads and the package does not hold."""
+    named = set()
+    for path in list(package.rglob("*.maxhelp")) + list(package.rglob("*.maxpat")):
+        named |= set(re.findall(r"[a-z_]+\.(?:modal|stress)\.npz|networks/\w+\.txt", path.read_text(encoding="utf-8")))
+    return sorted(name for name in named if not (package / "media" / name).exists())
+
+
 def write_zip(package, path):
     """Sorted names, one time, one mode: the same folder gives the same bytes."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
@@ -138,7 +147,7 @@ def make(arguments):
     package = arguments.output / NAME
     shutil.rmtree(package, ignore_errors=True)
     folders = {name: package / name for name in ("externals", "help", "docs/refpages", "patchers", "init",
-                                                 "media", "data")}
+                                                 "media")}
     for folder in folders.values():
         folder.mkdir(parents=True)
     names = all_names(declarations)
@@ -148,7 +157,7 @@ def make(arguments):
         page = folders["docs/refpages"] / f"{d['name']}.maxref.xml"
         page.write_text(reference_page.page_text(d), encoding="utf-8")
     externals = copy_externals(folders["externals"], arguments.externals)
-    bodies = copy_data(folders["data"], arguments.library)
+    bodies = copy_data(folders["media"], arguments.library)
     (folders["init"] / f"{NAME}-objectlist.txt").write_text(
         "".join(f'max oblist "{NAME}" {d["name"]};\n' for d in declarations))
     for path in MEDIA:
@@ -172,6 +181,8 @@ def main():
         print(finding, file=sys.stderr)
     if arguments.zip and not findings:
         write_zip(package, arguments.zip)
+    for name in missing_files(package):
+        print(f"not in the package, but loaded by a patcher: {name} (--library)")
     print(f"{package}: {len(declarations)} objects, {len(externals)} externals, {bodies} data files"
           + ("" if externals else "; no external was given (--externals)"))
     return 1 if findings else 0

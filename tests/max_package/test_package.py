@@ -95,13 +95,17 @@ def test_a_page_that_is_not_xml_or_missing_is_found(tmp_path, declarations):
 
 def test_the_folder_holds_what_was_given_and_says_what_was_not_run(package):
     assert [p.name for p in (package / "externals").iterdir()] == ["greed~.mxe64"]
-    assert (package / "data" / "disk.modal.npz").exists() and (package / "data/networks/drop.txt").exists()
+    assert (package / "media/disk.modal.npz").exists() and (package / "media/networks/drop.txt").exists()
     assert not list(package.rglob("*.pd"))
     assert "have not yet been run inside Max" in (package / "readme.md").read_text()
     info = json.loads((package / "package-info.json").read_text())
     assert info["name"] == "tactus" and info["version"] == "1.2.3" and set(info["os"]) == {"windows"}
     assert "not yet run inside Max" in info["description"]
     assert (package / "patchers" / info["homepatcher"]).exists()
+
+
+def test_files_that_patchers_load_and_nobody_gave_are_named(package):
+    assert make_package.missing_files(package) == ["beam.stress.npz", "plank.modal.npz", "plate.modal.npz"]
 
 
 def test_patchers_find_their_abstractions(package):
