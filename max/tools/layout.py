@@ -1,0 +1,177 @@
+"""Moves boxes that were placed for Pd's font to where Max's larger boxes do not overlap.
+
+Every box has a place in the Pd patch (`pd`: x, y, width, height). Rows of the same y stay rows, columns
+of the same x stay columns; a row is only pushed as far down as the boxes above it need, and long gaps
+shrink. A panel and what lies on it are laid out by themselves and then placed as one block. A box that a
+cord enters stands below the box that it comes from, unless the cord closes a loop.
+"""
+SCALE_X = 1.12
+ROW = 5  # Pd pixels within which boxes belong to one row
+GAP_X = 8
+LONGEST_GAP = 30
+MARGIN = 8
+
+
+class Block:
+    """A panel with its boxes, placed as one."""
+    maxclass = "block"
+
+    def __init__(self, panel, boxes):
+        self.panel, self.boxes, self.pd = panel, boxes, panel.pd
+        left, top = min(b.x for b in boxes), min(b.y for b in boxes)
+        for box in boxes:
+            box.x, box.y = box.x - left + MARGIN, box.y - top + MARGIN
+        self.x = self.y = 0
+        self.width = max(b.right for b in boxes) + MARGIN
+        self.height = max(b.bottom for b in boxes) + MARGIN
+
+    @property
+    def right(self):
+        return self.x + self.width
+
+    @property
+    def bottom(self):
+        return self.y + self.height
+
+    def settle(self):
+        for box in self.boxes:
+            box.x, box.y = box.x + self.x, box.y + self.y
+        self.panel.x, self.panel.y = self.x, self.y
+        self.panel.width, self.panel.height = self.width, self.height
+
+
+def gap_below(upper, lower, joined):
+    """Pixels between two boxes; more where a cord between them has a long way to the side."""
+    if joined:
+        return 14 + min(24, 0.06 * abs(upper.x - lower.x))
+    kinds = (upper.maxclass, lower.maxclass)
+    if "block" in kinds:
+        return 12
+    if kinds == ("comment", "comment"):
+        return 1
+    return 4 if "comment" in kinds else 8
+
+
+def overlap_in_x(a, b):
+    return a[0] < b[0] + b[2] and b[0] < a[0] + a[2]
+
+
+def loops(boxes, cords):
+    """The cords (as pairs of ids) that close a loop: back edges of a walk from the top down."""
+    following, state, back = {}, {}, set()
+    for source, _, destination, _, _ in cords:
+        following.setdefault(id(source), []).append(id(destination))
+
+    def walk(start):
+        stack = [(start, iter(following.get(start, [])))]
+        state[start] = "open"
+        while stack:
+            node, successors = stack[-1]
+            for successor in successors:
+                if state.get(successor) == "open":
+                    back.add((node, successor))
+                elif successor not in state:
+                    state[successor] = "open"
+                    stack.append((successor, iter(following.get(successor, []))))
+                    break
+            else:
+                state[node] = "done"
+                stack.pop()
+
+    entered = {id(c[2]) for c in cords}
+    for box in sorted(boxes, key=lambda b: (id(b) in entered, b.pd[1], b.pd[0])):
+        if id(box) not in state:
+            walk(id(box))
+    return back
+
+
+def levels(boxes, cords):
+    """The Pd y of each box, lowered where a cord would go sideways or up."""
+    level = {id(b): float(b.pd[1]) for b in boxes}
+    height = {id(b): b.pd[3] for b in boxes}
+    back = loops(boxes, cords)
+    pairs = [(id(s), id(d)) for s, _, d, _, _ in cords if (id(s), id(d)) not in back
+             and id(s) in level and id(d) in level]
+    for _ in boxes:
+        changed = False
+        for source, destination in pairs:
+            least = level[source] + min(height[source], 14) + 0.5
+            if level[destination] < least:
+                level[destination], changed = least + ROW, True
+        if not changed:
+            break
+    for box in boxes:  # a label stays with its widget
+        if id(owner := getattr(box, "attached_to", None)) in level:
+            level[id(box)] = level[id(owner)] + box.pd[1] - owner.pd[1]
+    return level
+
+
+def rows_of(boxes, level):
+    rows = []
+    for box in sorted(boxes, key=lambda b: (level[id(b)], b.pd[0])):
+        if rows and level[id(box)] - level[id(rows[-1][0])] <= ROW and not any(
+                overlap_in_x(box.pd, other.pd) for other in rows[-1]):
+            rows[-1].append(box)
+        else:
+            rows.append([box])
+    return rows
+
+
+def arrange(boxes, cords, top):
+    """Sets x and y of all boxes of one group; top is where the first row may begin."""
+    joined = {(id(s), id(d)) for s, _, d, _, _ in cords}
+    level = levels(boxes, cords)
+    rows = rows_of(boxes, level)
+    for row in rows:
+        right = None
+        for box in sorted(row, key=lambda b: b.pd[0]):
+            box.x = round(box.pd[0] * SCALE_X)
+            if right is not None:
+                box.x = max(box.x, right + GAP_X)
+            right = box.right
+    done, previous = [], None
+    for row in rows:
+        here = level[id(row[0])]
+        y = top if previous is None else previous[0] + min(max(0, here - previous[1]), LONGEST_GAP)
+        for box in row:
+            y = max([y] + [above.bottom + gap_below(above, box, (id(above), id(box)) in joined)
+                           for above in done if (id(above), id(box)) in joined
+                           or above.x < box.right + 2 and box.x < above.right + 2])
+        small = [b.height for b in row if b.height <= 24]
+        for box in row:  # small things of one row share their middle line
+            box.y = round(y + (max(small) - box.height) / 2 if box.height <= 24 else y)
+        done += row
+        previous = (y, here)
+
+
+def arrange_all(boxes, panels, cords, top):
+    """Boxes on panels first, each panel by itself; then the rest with the panels as blocks."""
+    owner = {}
+    for panel in sorted(panels, key=lambda p: p.pd[2] * p.pd[3]):
+        x, y, w, h = panel.pd
+        for box in boxes:
+            if x - 2 <= box.pd[0] and box.pd[0] + 4 <= x + w and y - 2 <= box.pd[1] and box.pd[1] + 4 <= y + h:
+                owner.setdefault(id(box), panel)
+    for box in boxes:  # what is wired to the outside alone does not belong to the panel
+        wired = [o for c in cords for o in ((c[2],) if c[0] is box else (c[0],) if c[2] is box else ())]
+        if wired and id(box) in owner and all(owner.get(id(o)) is not owner[id(box)] for o in wired):
+            del owner[id(box)]
+    blocks, free = [], [b for b in boxes if id(b) not in owner]
+    for panel in panels:
+        inside = [b for b in boxes if owner.get(id(b)) is panel]
+        if inside:
+            arrange(inside, cords, 0)
+            blocks.append(Block(panel, inside))
+    block_of = {id(b): block for block in blocks for b in block.boxes}
+    arrange(free + blocks, [(block_of.get(id(c[0]), c[0]), c[1], block_of.get(id(c[2]), c[2]), *c[3:])
+                          for c in cords if id(c[0]) not in block_of or id(c[2]) not in block_of], top)
+    for block in blocks:
+        block.settle()
+
+
+def shift_right(boxes):
+    """What stands beyond the left edge comes back."""
+    least = min((b.x for b in boxes), default=0)
+    if least < 8:
+        for box in boxes:
+            box.x += 8 - least

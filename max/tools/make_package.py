@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Makes the Max package: one folder, and a zip of it that is the same for the same content.
+
+    make_package.py --declarations declarations.json --version 0.1.0 --output FOLDER
+                    [--externals FOLDER] [--library FOLDER] [--zip FILE]
+
+FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
+docs/refpages/, patchers/, init/ (the list of objects) and media/: a picture and, from the staged Pd library
+(--library), the bodies and networks that patchers load; Max looks there for files. What is missing is said,
+and left out.
+"""
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import sys
+import zipfile
+
+import check_patcher
+import check_reference
+import help_patcher
+import max_objects
+import pd_file
+import pd_to_max
+import reference_page
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OWN = ROOT / "max" / "package"
+NAME = "tactus"
+ZIP_TIME = (1980, 1, 1, 0, 0, 0)
+MEDIA = ("docs/results/reed_map.png",)
+
+# The patches that stand in patchers/, in the order in which they use each other.
+ABSTRACTIONS = ("reed_sigma", "reed_difference", "reed_force", "reed_choice", "reed_guide")
+PATCHES = ("reed/reed_haptic", "haptic/struck_disk")
+DRAWN = "Pd draws its cells by data structures"
+# What of a Pd patch has no equivalent in Max: {patch: {object or beginning of a text: reason}}.
+WITHOUT = {
+    "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
+    "reed_haptic": {"pd map": "the map of playability; " + DRAWN},
+    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "; reed-map quantity": ""},
+}
+
+
+def package_info(version, systems):
+    return {"name": NAME, "displayname": "tactus", "version": version,
+            "author": reference_page.AUTHOR,
+            "description": "Instruments and worlds that are heard and felt from one physical model: "
+                           "experimental; not yet run inside Max.",
+            "tags": ["physical modelling", "haptics", "wind instruments", "footsteps", "modal synthesis"],
+            "website": "", "extensible": 1, "max_version_min": "8.3", "max_version_max": "none",
+            "homepatcher": "reed_haptic.maxpat", "os": systems,
+            "package_extra": {"reverse_domain": "org.tactus", "copyright": "GPL-3.0-or-later"}}
+
+
+def systems_of(externals):
+    systems = {"windows": {"platform": ["x64"], "min_version": "none"}}
+    if any(path.suffix == ".mxo" for path in externals):
+        systems["macintosh"] = {"platform": ["x64", "aarch64"], "min_version": "none"}
+    return systems
+
+
+def help_source(name):
+    """The Pd help patch, or the one drawn for Max where Pd's uses what Max has not."""
+    own = OWN / "sources" / f"{name}-help.pd"
+    return own if own.exists() else ROOT / "help" / f"{name}-help.pd"
+
+
+def all_names(declarations):
+    paths = [help_source(d["name"]) for d in declarations]
+    paths += [ROOT / "patches" / "reed" / f"{name}.pd" for name in ABSTRACTIONS]
+    paths += [ROOT / "patches" / f"{name}.pd" for name in PATCHES]
+    return pd_to_max.Names([pd_file.read(path) for path in paths])
+
+
+def write_patchers(folder, names):
+    for path in [ROOT / "patches" / "reed" / f"{n}.pd" for n in ABSTRACTIONS] + [
+            ROOT / "patches" / f"{n}.pd" for n in PATCHES]:
+        patcher, left_out = pd_to_max.convert_file(path, names, ABSTRACTIONS, WITHOUT.get(path.stem))
+        y = patcher.height
+        for what, reason in left_out:
+            if reason:
+                y = help_patcher.paragraph(patcher, f"In Pd only: {what}: {reason}", 16, y, 700) + 4
+        help_patcher.renumber(patcher.fit())
+        if path.stem in ABSTRACTIONS:
+            max_objects.declare_patcher(path.stem, patcher.ports())
+        (folder / f"{path.stem}.maxpat").write_text(patcher.text(), encoding="utf-8")
+
+
+def write_help(folder, declarations, names):
+    for d in declarations:
+        source = help_source(d["name"])
+        made = help_patcher.help_patcher(source, d, names, ABSTRACTIONS, WITHOUT.get(source.stem))
+        (folder / f"{d['name']}.maxhelp").write_text(made.text(), encoding="utf-8")
+
+
+def copy_externals(folder, source):
+    found = sorted(p for p in source.iterdir() if p.suffix in (".mxe64", ".mxo")) if source else []
+    for path in found:
+        (shutil.copytree if path.is_dir() else shutil.copyfile)(path, folder / path.name)
+    return found
+
+
+def copy_data(folder, library):
+    """Bodies, stress tables and networks, under the names that patchers ask for."""
+    copied = 0
+    for path in sorted(library.rglob("*")) if library else []:
+        if path.suffix == ".npz" or path.suffix == ".txt" and path.parent != library:
+            target = folder / path.relative_to(library)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, target)
+            copied += 1
+    return copied
+
+
+def check(package, declarations):
+    """Every finding of the checkers about the finished folder."""
+    findings = []
+    for path in sorted(package.rglob("*.maxhelp")) + sorted(package.rglob("*.maxpat")):
+        findings += [f"{path.name}: {f}" for f in check_patcher.check_file(path)]
+    findings += check_reference.check_folder(package / "docs" / "refpages", declarations)
+    return findings
+
+
+def missing_files(package):
+    """Tables and texts that a patcher loads and the package does not hold."""
+    named = set()
+    for path in list(package.rglob("*.maxhelp")) + list(package.rglob("*.maxpat")):
+        named |= set(re.findall(r"[a-z_]+\.(?:modal|stress)\.npz|networks/\w+\.txt", path.read_text(encoding="utf-8")))
+    return sorted(name for name in named if not (package / "media" / name).exists())
+
+
+def write_zip(package, path):
+    """Sorted names, one time, one mode: the same folder gives the same bytes."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for file in sorted(p for p in package.rglob("*") if p.is_file()):
+            entry = zipfile.ZipInfo((pathlib.Path(NAME) / file.relative_to(package)).as_posix(), ZIP_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3
+            entry.external_attr = 0o100644 << 16
+            archive.writestr(entry, file.read_bytes())
+
+
+def make(arguments):
+    declarations = max_objects.load_declarations(arguments.declarations)
+    package = arguments.output / NAME
+    shutil.rmtree(package, ignore_errors=True)
+    folders = {name: package / name for name in ("externals", "help", "docs/refpages", "patchers", "init",
+                                                 "media")}
+    for folder in folders.values():
+        folder.mkdir(parents=True)
+    names = all_names(declarations)
+    write_patchers(folders["patchers"], names)
+    write_help(folders["help"], declarations, names)
+    for d in declarations:
+        page = folders["docs/refpages"] / f"{d['name']}.maxref.xml"
+        page.write_text(reference_page.page_text(d), encoding="utf-8")
+    externals = copy_externals(folders["externals"], arguments.externals)
+    bodies = copy_data(folders["media"], arguments.library)
+    (folders["init"] / f"{NAME}-objectlist.txt").write_text(
+        "".join(f'max oblist "{NAME}" {d["name"]};\n' for d in declarations))
+    for path in MEDIA:
+        shutil.copyfile(ROOT / path, folders["media"] / pathlib.Path(path).name)
+    shutil.copyfile(ROOT / "LICENSE", package / "license.txt")
+    shutil.copyfile(OWN / "readme.md", package / "readme.md")
+    info = package_info(arguments.version, systems_of(externals))
+    (package / "package-info.json").write_text(json.dumps(info, indent="\t") + "\n")
+    return package, declarations, externals, bodies
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    for name in ("declarations", "output", "externals", "library", "zip"):
+        parser.add_argument(f"--{name}", type=pathlib.Path, required=name in ("declarations", "output"))
+    parser.add_argument("--version", required=True)
+    arguments = parser.parse_args()
+    package, declarations, externals, bodies = make(arguments)
+    findings = check(package, declarations)
+    for finding in findings:
+        print(finding, file=sys.stderr)
+    if arguments.zip and not findings:
+        write_zip(package, arguments.zip)
+    for name in missing_files(package):
+        print(f"not in the package, but loaded by a patcher: {name} (--library)")
+    print(f"{package}: {len(declarations)} objects, {len(externals)} externals, {bodies} data files"
+          + ("" if externals else "; no external was given (--externals)"))
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,167 @@
+"""What this package's patchers use of Max: each object's inlets and outlets, and those of our own.
+
+An inlet is "control", or "both" where it takes a signal as well. An outlet is "signal", or the type of
+message as a saved patcher's `outlettype` names it: "bang", "int", "float", "list" or "" for any.
+Learned from patchers that Max saved, as committed facts: an object that is not here is an error of
+check_patcher.py, never a guess.
+"""
+import itertools
+import json
+import re
+
+C, S = "control", "both"
+
+# Interface objects by maxclass: (inlets, outlets, attributes that a saved box may carry).
+INTERFACE = {
+    "comment": ([C], []),
+    "message": ([C, C], [""]),
+    "button": ([C], ["bang"]),
+    "toggle": ([C], ["int"]),
+    "slider": ([C], [""]),
+    "flonum": ([C], ["float", "bang"]),
+    "number": ([C], ["int", "bang"]),
+    "umenu": ([C], ["int", "", ""]),
+    "panel": ([C], []),
+    "scope~": ([S, S], []),
+    "multislider": ([C], ["", ""]),
+    "matrixctrl": ([C], ["list", "list"]),
+    "ezdac~": ([S, S], []),
+    "attrui": ([C], [""]),
+    "inlet": ([], [""]),
+    "outlet": ([C], []),
+}
+
+# Objects with the same ports whatever their arguments.
+FIXED = {
+    "*~": ([S, S], ["signal"]), "+~": ([S, S], ["signal"]), "-~": ([S, S], ["signal"]),
+    "abs~": ([S], ["signal"]), "clip~": ([S, S, S], ["signal"]), "cos~": ([S], ["signal"]),
+    "cycle~": ([S, S], ["signal"]), "sig~": ([S], ["signal"]), "onepole~": ([S, S], ["signal"]),
+    "line~": ([C, C], ["signal", "bang"]), "send~": ([S], []), "receive~": ([C], ["signal"]),
+    "adstatus": ([C, C], ["", "int"]),
+    "loadbang": ([C], ["bang"]), "loadmess": ([C], [""]), "metro": ([C, C], ["bang"]),
+    "delay": ([C, C], ["bang"]), "timer": ([C, C], ["float", ""]), "line": ([C, C, C], ["", "bang"]),
+    "send": ([C], []), "receive": ([], [""]), "print": ([C], []), "prepend": ([C], [""]),
+    "gate": ([C, C], [""]), "zl.join": ([C, C], ["", ""]),
+    "change": ([C], ["", "int", "int"]), "clip": ([C, C, C], [""]), "mtof": ([C], [""]),
+    "notein": ([C], ["int", "int", "int"]), "stripnote": ([C, C], ["int", "int"]),
+    "int": ([C, C], ["int"]), "float": ([C, C], ["float"]), "tosymbol": ([C], [""]),
+}
+ALIASES = {"s": "send", "r": "receive", "f": "float", "i": "int", "t": "trigger", "sel": "select"}
+ARITHMETIC = ("+", "-", "*", "/", "%", "==", "minimum", "maximum")
+TRIGGER_TYPES = {"b": "bang", "i": "int", "f": "float", "l": "", "s": ""}
+
+_declared = {}  # name: (inlets, outlets)
+_patchers = {}  # an abstraction of the package: (inlets, outlets)
+
+
+def declare(declarations):
+    """Makes our objects known: the list that tactus_describe prints."""
+    _declared.clear()
+    _declared.update({d["name"]: d for d in declarations})
+
+
+def declaration(name):
+    return _declared.get(name)
+
+
+def declare_patcher(name, ports):
+    """Makes an abstraction known by the ports of its patcher."""
+    _patchers[name] = ports
+
+
+def declare_patchers_of(folder):
+    """Makes known every .maxpat of a folder, as an abstraction of its name."""
+    for path in sorted(folder.glob("*.maxpat")):
+        boxes = [entry["box"] for entry in json.loads(path.read_text())["patcher"]["boxes"]]
+        signal_ends = _signal_ends(path)
+        inlets = sorted((b for b in boxes if b["maxclass"] == "inlet"), key=lambda b: b["patching_rect"][0])
+        outlets = sorted((b for b in boxes if b["maxclass"] == "outlet"),
+                         key=lambda b: b["patching_rect"][0])
+        declare_patcher(path.stem, ([S if b["outlettype"][0] == "signal" else C for b in inlets],
+                                    ["signal" if b["id"] in signal_ends else "" for b in outlets]))
+
+
+def _signal_ends(path):
+    patcher = json.loads(path.read_text())["patcher"]
+    boxes = {entry["box"]["id"]: entry["box"] for entry in patcher["boxes"]}
+    return {line["destination"][0] for line in (entry["patchline"] for entry in patcher["lines"])
+            if boxes[line["source"][0]]["outlettype"][line["source"][1]] == "signal"}
+
+
+def own_ports(d):
+    """A declared object: at least one inlet for messages; an info outlet at the right end. The first
+    inlet of an object that processes audio takes signals and messages, as all signal inlets do."""
+    inlets = [S if p["kind"] == "signal" else C for p in d["inlets"]] or [C]
+    outlets = ["signal" if p["kind"] == "signal" else "" for p in d["outlets"]]
+    if "info" not in (p["name"] for p in d["outlets"]):
+        outlets.append("")
+    return inlets, outlets
+
+
+def words(text):
+    return text.replace("\\,", " , ").split()
+
+
+def known(maxclass, text=None):
+    """Whether the ports of this box are known facts."""
+    try:
+        ports(maxclass, text)
+        return True
+    except KeyError:
+        return False
+
+
+def ports(maxclass, text=None):
+    """(inlets, outlets) of a box; KeyError with the name if it is none of ours and not in the table."""
+    if maxclass != "newobj":
+        return INTERFACE[maxclass]
+    arguments = words(text)
+    if not arguments:
+        raise KeyError("an object without a name")
+    name = ALIASES.get(arguments[0], arguments[0])
+    arguments = list(itertools.takewhile(lambda word: not word.startswith("@"), arguments[1:]))
+    if name in _declared:
+        return own_ports(_declared[name])
+    if name in _patchers:
+        return _patchers[name]
+    if name in FIXED:
+        inlets, outlets = FIXED[name]
+        if name == "gate":
+            outlets = [""] * int(float(arguments[0]) if arguments else 1)
+        return inlets, outlets
+    return _ports_by_arguments(name, arguments)
+
+
+def _ports_by_arguments(name, arguments):
+    count = len(arguments)
+    if name in ARITHMETIC:
+        whole = not any("." in a for a in arguments)
+        if name in ("minimum", "maximum"):
+            return [C, C], ["int" if whole else "float", "int"]
+        return [C, C], ["int" if whole or name == "==" else "float"]
+    if name == "trigger":
+        return [C], [TRIGGER_TYPES.get(a, "") for a in arguments] or ["int", "int"]
+    if name == "select":
+        return [C] * (max(count, 1) + 1), ["bang"] * max(count, 1) + [""]
+    if name == "route":
+        return [C] + [C] * count, [""] * (max(count, 1) + 1)
+    if name == "pack":
+        return [C] * max(count, 2), [""]
+    if name == "unpack":
+        return [C], [_element_type(a) for a in arguments] or ["int", "int"]
+    if name == "expr":
+        used = [int(n) for n in re.findall(r"\$[fis](\d+)", " ".join(arguments))]
+        return [C] * max(used, default=1), [""]
+    raise KeyError(name)
+
+
+def _element_type(argument):
+    if argument == "s" or re.match(r"[A-Za-z]", argument) and argument not in ("f", "i"):
+        return ""
+    return "float" if "." in argument or argument == "f" else "int"
+
+
+def load_declarations(path):
+    declarations = json.loads(path.read_text())
+    declare(declarations)
+    return declarations

@@ -1,0 +1,131 @@
+"""The checker finds each kind of mistake, and nothing in a patcher without one."""
+import copy
+import json
+
+import pytest
+
+import check_patcher
+from patcher import Box, Patcher
+
+pytestmark = pytest.mark.usefixtures("declarations")
+
+
+def good():
+    """A small patcher with one of everything that a rule looks at."""
+    inner = Patcher(0, 0)
+    inlet = inner.add(Box("inlet", x=20, y=20, width=30, height=30, ports=([], ["signal"]), comment=""))
+    outlet = inner.add(Box("outlet", x=20, y=100, width=30, height=30, ports=(["both"], []), comment=""))
+    inner.connect(inlet, 0, outlet, 0)
+    p = Patcher(500, 500)
+    message = p.message("type open", 20, 20)
+    reed = p.object("greed~ @type closed", 20, 80, width=150)
+    sub = p.subpatcher("through", inner.fit(), 20, 140)
+    speaker = p.add(Box("ezdac~", x=20, y=200, width=45, height=45))
+    button = p.add(Box("button", x=240, y=20, width=24, height=24))
+    trigger = p.object("t b b", 240, 70)
+    first, second = p.object("print a", 240, 120), p.object("print b", 330, 120)
+    menu = p.add(Box("attrui", x=120, y=20, width=100, height=22, attr="type"))
+    p.comment("a remark", 240, 200)
+    for cord in ((message, 0, reed, 0), (reed, 0, sub, 0), (sub, 0, speaker, 0), (sub, 0, speaker, 1),
+                 (button, 0, trigger, 0), (trigger, 0, first, 0), (trigger, 1, second, 0),
+                 (menu, 0, reed, 0)):
+        p.connect(*cord)
+    return {"patcher": p.as_json()}
+
+
+def box(document, text):
+    return next(e["box"] for e in document["patcher"]["boxes"] if text in (e["box"].get("text"),
+                                                                           e["box"]["maxclass"]))
+
+
+def lines(document):
+    return [entry["patchline"] for entry in document["patcher"]["lines"]]
+
+
+def add_cord(document, source, outlet, target, inlet):
+    document["patcher"]["lines"].append({"patchline": {
+        "source": [box(document, source)["id"], outlet], "destination": [box(document, target)["id"], inlet]}})
+
+
+def change(text, /, **values):
+    return lambda document: box(document, text).update(values)
+
+
+def remove(text, key):
+    return lambda document: box(document, text).pop(key)
+
+
+def move(text, *rectangle):
+    return change(text, patching_rect=list(rectangle))
+
+
+MISTAKES = {
+    "no lines": (lambda d: d["patcher"].pop("lines"), "has no lines"),
+    "no class name space": (lambda d: d["patcher"].pop("classnamespace"), "has no classnamespace"),
+    "no rectangle": (remove("print a", "patching_rect"), "has no patching_rect"),
+    "no text": (remove("print a", "text"), "has no text"),
+    "one id twice": (lambda d: box(d, "print a").update(id=box(d, "print b")["id"]), "two boxes have the id"),
+    "outlet types": (change("t b b", outlettype=["bang"]), "1 outlet types"),
+    "an unknown object": (change("print a", text="prynt a"), "none of our objects"),
+    "an unknown interface object": (change("button", maxclass="buton"), "none of our objects"),
+    "too few inlets": (change("greed~ @type closed", numinlets=2), "expected 3 and 5"),
+    "too many outlets of [t]": (change("t b b", numoutlets=3, outlettype=["bang"] * 3), "expected 1 and 2"),
+    "inlets of a subpatcher": (change("p through", numinlets=2), "expected 1 and 1"),
+    "a signal outlet declared as messages": (
+        change("greed~ @type closed", outlettype=["", "signal", "signal", "signal", ""]), "has outlet types"),
+    "a cord to no box": (lambda d: lines(d)[0].update(destination=["obj-99", 0]), "no such box"),
+    "a cord from no outlet": (lambda d: lines(d)[5].update(source=[box(d, "t b b")["id"], 2]),
+                              "they have 2 outlets"),
+    "a cord to no inlet": (lambda d: lines(d)[5].update(destination=[box(d, "print a")["id"], 1]), "1 inlets"),
+    "a signal into a message inlet": (lambda d: add_cord(d, "greed~ @type closed", 1, "print a", 0),
+                                      "which takes none"),
+    "a fan-out": (lambda d: add_cord(d, "button", 0, "print b", 0), "has 2 cords"),
+    "an unknown attribute": (change("greed~ @type closed", text="greed~ @tipe closed"), "no attribute tipe"),
+    "an unknown flag": (change("greed~ @type closed", text="greed~ -presett x"), "no attribute presett"),
+    "an attrui of nothing": (change("attrui", attr="tipe"), "no such parameter"),
+    "an unknown message": (change("type open", text="tipe open"), "no message tipe"),
+    "an unknown choice": (change("type open", text="type opened"), "type is one of"),
+    "too many arguments": (change("type open", text="preset a b c d e f g"), "takes"),
+    "an overlap": (move("print b", 250.0, 125.0, 52.0, 22.0), "overlap"),
+    "a box outside": (move("comment", -20.0, 200.0, 60.0, 20.0), "outside of the window"),
+    "text cut at the right": (move("print a", 240.0, 120.0, 30.0, 22.0), "pixels wide"),
+    "text cut below": (change("comment", text="a remark of so many words that it takes two lines",
+                              patching_rect=[240.0, 200.0, 160.0, 20.0]), "pixels high"),
+    "a cord that goes up": (move("print a", 240.0, 20.0, 52.0, 22.0), "goes up"),
+    "a cord through a box": (move("comment", 235.0, 95.0, 60.0, 20.0), "runs through"),
+}
+
+
+def test_a_good_patcher_has_no_finding():
+    assert check_patcher.check(good()) == []
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_found(name):
+    spoil, expected = MISTAKES[name]
+    document = copy.deepcopy(good())
+    spoil(document)
+    assert any(expected in finding for finding in check_patcher.check(document)), check_patcher.check(document)
+
+
+def test_a_mistake_in_a_subpatcher_is_found_and_placed():
+    document = good()
+    inner = box(document, "p through")["patcher"]
+    inner["boxes"][0]["box"]["id"] = inner["boxes"][1]["box"]["id"]
+    assert any("patcher/through" in finding for finding in check_patcher.check(document))
+
+
+def test_a_loop_may_go_up():
+    p = Patcher(300, 300)
+    store, plus = p.object("f 0.", 20, 20), p.object("+ 1.", 20, 80)
+    p.connect(store, 0, plus, 0)
+    p.connect(plus, 0, store, 1)
+    assert check_patcher.check({"patcher": p.as_json()}) == []
+
+
+def test_a_file_that_is_not_json_is_a_finding(tmp_path):
+    path = tmp_path / "broken.maxpat"
+    path.write_text(json.dumps(good())[:-2])
+    assert "not JSON" in check_patcher.check_file(path)[0]
+    path.write_text("[]")
+    assert check_patcher.check_file(path) == ["the file has no patcher"]

@@ -1,0 +1,141 @@
+"""The finished package: complete against the declarations, without findings, the same bytes each time."""
+import json
+import os
+import xml.etree.ElementTree as xml
+import zipfile
+
+import pytest
+
+import check_reference
+import draw_patcher
+import make_package
+import reference_page
+
+
+def tabs(package, name):
+    root = json.loads((package / "help" / f"{name}.maxhelp").read_text(encoding="utf-8"))["patcher"]
+    assert (root["showrootpatcherontab"], root["showontab"]) == (0, 0)
+    found = {e["box"]["text"].removeprefix("p "): e["box"]["patcher"] for e in root["boxes"]}
+    assert all(tab["showontab"] == 1 for tab in found.values())
+    return found
+
+
+def all_boxes(patcher):
+    for entry in patcher["boxes"]:
+        yield entry["box"]
+        if "patcher" in entry["box"]:
+            yield from all_boxes(entry["box"]["patcher"])
+
+
+def test_the_checkers_find_nothing(package, declarations):
+    assert make_package.check(package, declarations) == []
+
+
+def test_every_object_has_help_and_a_reference_page(package, declarations):
+    names = sorted(d["name"] for d in declarations)
+    assert len(names) == len(set(names)) >= 14
+    assert sorted(p.name.removesuffix(".maxhelp") for p in (package / "help").iterdir()) == names
+    pages = (package / "docs" / "refpages").iterdir()
+    assert sorted(p.name.removesuffix(".maxref.xml") for p in pages) == names
+
+
+def test_help_shows_the_object_its_attributes_and_messages(package, declarations):
+    for d in declarations:
+        found = tabs(package, d["name"])
+        example = list(all_boxes(found["example"]))
+        assert any((b.get("text") or "").split(" ")[0] == d["name"] for b in example), d["name"]
+        assert any(d["description"] == b.get("text") for b in example), d["name"]
+        if d["parameters"]:
+            menus = [b["attr"] for b in all_boxes(found["attributes"]) if b["maxclass"] == "attrui"]
+            assert menus == [p["name"] for p in d["parameters"]]
+        texts = [b.get("text", "") for b in all_boxes(found["messages"])]
+        for m in d["messages"]:
+            assert m["name"] in {t.split(" ")[0] for t in texts} and m["text"] in texts, (d["name"], m["name"])
+        texts = " ".join(b.get("text", "") for b in all_boxes(found["inlets outlets"]))
+        assert all(p["text"] in texts for p in d["inlets"] + d["outlets"])
+
+
+def test_an_object_that_sounds_is_started_by_one_click_and_heard(package, declarations):
+    for d in declarations:
+        boxes = list(all_boxes(tabs(package, d["name"])["example"]))
+        if d["signal"]:
+            assert any("dsp start" in b.get("text", "") for b in boxes), d["name"]
+            assert any(b["maxclass"] == "ezdac~" for b in boxes), d["name"]
+
+
+def test_pages_are_well_formed_and_complete(package, declarations):
+    assert check_reference.check_folder(package / "docs" / "refpages", declarations) == []
+
+
+@pytest.mark.parametrize("spoil, expected", [
+    (lambda root: root.find("attributelist").remove(root.find("attributelist/attribute")), "attributes"),
+    (lambda root: root.find("methodlist").remove(root.find("methodlist/method")), "messages"),
+    (lambda root: root.find("inletlist").remove(root.find("inletlist/inlet")), "inlets"),
+    (lambda root: root.find("outletlist").clear(), "outlets"),
+    (lambda root: root.set("name", "another"), "the root is not"),
+    (lambda root: setattr(root.find("digest"), "text", "x"), "digest"),
+    (lambda root: setattr(root.find("attributelist/attribute[@name='theta0']/description"), "text", "x"),
+     "theta0 does not say"),
+    (lambda root: root.find("attributelist/attribute[@name='type']/enumlist").clear(), "other choices"),
+])
+def test_a_wrong_page_is_found(declarations, spoil, expected):
+    d = next(d for d in declarations if d["name"] == "greed~")
+    root = xml.fromstring(reference_page.page_text(d))
+    spoil(root)
+    assert any(expected in f for f in check_reference.check_page(xml.tostring(root, "unicode"), d))
+
+
+def test_a_page_that_is_not_xml_or_missing_is_found(tmp_path, declarations):
+    d = declarations[0]
+    assert "not well-formed" in check_reference.check_page("<c74object>", d)[0]
+    (tmp_path / "none.maxref.xml").write_text("<c74object/>")
+    findings = check_reference.check_folder(tmp_path, [d])
+    assert findings == [f"{d['name']}: no {d['name']}.maxref.xml", "none.maxref.xml: no such object"]
+
+
+def test_the_folder_holds_what_was_given_and_says_what_was_not_run(package):
+    assert [p.name for p in (package / "externals").iterdir()] == ["greed~.mxe64"]
+    assert (package / "media/disk.modal.npz").exists() and (package / "media/networks/drop.txt").exists()
+    assert not list(package.rglob("*.pd"))
+    assert "have not yet been run inside Max" in (package / "readme.md").read_text()
+    info = json.loads((package / "package-info.json").read_text())
+    assert info["name"] == "tactus" and info["version"] == "1.2.3" and set(info["os"]) == {"windows"}
+    assert "not yet run inside Max" in info["description"]
+    assert (package / "patchers" / info["homepatcher"]).exists()
+
+
+def test_files_that_patchers_load_and_nobody_gave_are_named(package):
+    assert make_package.missing_files(package) == ["beam.stress.npz", "plank.modal.npz", "plate.modal.npz"]
+
+
+def test_patchers_find_their_abstractions(package):
+    for path in sorted((package / "patchers").glob("*.maxpat")):
+        for box in all_boxes(json.loads(path.read_text())["patcher"]):
+            name = (box.get("text") or " ").split(" ")[0]
+            if name.startswith("reed_") and box["maxclass"] == "newobj":
+                assert (package / "patchers" / f"{name}.maxpat").exists(), name
+
+
+def test_the_zip_is_the_same_for_the_same_content(package, tmp_path):
+    make_package.write_zip(package, tmp_path / "a.zip")
+    for path in package.rglob("*.maxhelp"):
+        os.utime(path, (1, 1))
+    make_package.write_zip(package, tmp_path / "b.zip")
+    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        names = archive.namelist()
+        assert archive.testzip() is None
+    assert names == sorted(names) and all(n.startswith("tactus/") for n in names)
+    assert set(names) == {f"tactus/{p.relative_to(package).as_posix()}" for p in package.rglob("*")
+                          if p.is_file()}
+
+
+def test_every_window_can_be_drawn(package, tmp_path):
+    from PIL import Image
+    document = json.loads((package / "help" / "greed~.maxhelp").read_text())["patcher"]
+    drawn = list(draw_patcher.windows(document, "greed~", False))
+    assert [name for name, _ in drawn][0] == "greed~-example" and len(drawn) == 4
+    for name, window in drawn:
+        draw_patcher.draw(window, tmp_path / "window.png")
+        picture = Image.open(tmp_path / "window.png")
+        assert picture.width >= 2 * window["rect"][2] and len(picture.getcolors(1 << 24)) > 20
