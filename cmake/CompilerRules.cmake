@@ -13,8 +13,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(-Wno-restrict)  # g++ 12 warns falsely of std::string's operator+ (GCC bug 105651)
 endif()
 # Never -ffast-math: one module linked with it changes the floating-point mode of the whole host.
-# No contraction: renders are bit-equal on every platform, but where core/CMakeLists.txt allows it to
-# files of newer instructions.
+# No contraction: compilers round alike, but where core/CMakeLists.txt allows it to files of newer
+# instructions. C libraries differ all the same (docs/cross_build.md).
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG")
