@@ -96,7 +96,8 @@ TEST_CASE("Taylor, combined approximations and old-factor gradients follow the p
       MESSAGE("to " << tolerances[t] << ": " << report.iterations << " iterations, stress "
                     << stress);
       CHECK(report.converged);
-      CHECK(report.iterations <= row.iterations[t] + 2);
+      // OpenBLAS rounds by the processor's kernels: -.4 to 1e-8 takes 23 to 26.
+      CHECK(report.iterations <= row.iterations[t] + 3);
       CHECK(stress < (t == 0 ? 2e-5 : 1e-8));
       if (t == 2 && std::abs(row.move) == .1)
         CHECK(report.iterations <= 12);
