@@ -1,8 +1,9 @@
 #include "pd/shell.hpp"
 
+#include "core/command.hpp"
 #include "core/declaration_text.hpp"
+#include "pd/atoms.hpp"
 #include "pd/host_features.hpp"
-#include "pd/parse.hpp"
 #include "pd/published.hpp"
 
 #include <algorithm>
@@ -85,7 +86,7 @@ public:
 
   [[nodiscard]] bool begin(int count, const t_atom* atoms) {
     std::vector<Command> commands;
-    const std::string refusal = creation_commands(declaration_, count, atoms, commands);
+    const std::string refusal = creation_commands(declaration_, to_atoms(count, atoms), commands);
     if (!refusal.empty()) {
       error(refusal);
       return false;
@@ -220,6 +221,8 @@ public:
 
 private:
   static constexpr double kPollMilliseconds = 5;
+  static constexpr HostPrecision kPrecision =
+      sizeof(t_float) == sizeof(float) ? HostPrecision::kSingle : HostPrecision::kDouble;
 
   void make_ports() {
     t_object* object = &instance_.object;
@@ -242,17 +245,15 @@ private:
   }
 
   void run(const Command& command) {
-    const Receiver receiver{[this](std::size_t index, double value) {
-                              for (auto& voice : voices_)
-                                voice->set(index, value);
-                            },
-                            [this](std::size_t index, std::span<const Atom> arguments) {
-                              for (auto& voice : voices_)
-                                voice->message(index, arguments, *this);
-                            }};
-    const std::string refusal = execute(declaration_, command, receiver);
-    if (!refusal.empty())
-      error(refusal);
+    const Request request = resolve(declaration_, command.name, command.arguments, kPrecision);
+    if (request.kind == Request::Kind::kRefused)
+      return error(request.refusal);
+    for (auto& voice : voices_) {
+      if (request.kind == Request::Kind::kParameter)
+        voice->set(request.index, request.value);
+      else
+        voice->message(request.index, command.arguments, *this);
+    }
   }
 
   void numbers_to_inlets(int count, const t_atom* atoms) {
@@ -299,13 +300,7 @@ private:
   void send_to(t_outlet* outlet, std::span<const Atom> atoms) {
     if (atoms.empty())
       return outlet_bang(outlet);
-    std::vector<t_atom> list(atoms.size());
-    for (std::size_t i = 0; i < atoms.size(); ++i) {
-      if (atoms[i].is_word)
-        SETSYMBOL(&list[i], gensym(std::string(atoms[i].word).c_str()));
-      else
-        SETFLOAT(&list[i], static_cast<t_float>(atoms[i].number));
-    }
+    std::vector<t_atom> list = to_pd_atoms(atoms);
     const auto count = static_cast<int>(list.size());
     if (atoms[0].is_word)
       outlet_anything(outlet, list[0].a_w.w_symbol, count - 1, list.data() + 1);

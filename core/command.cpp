@@ -1,41 +1,50 @@
-#include "pd/parse.hpp"
+#include "core/command.hpp"
 
 #include "core/declaration_text.hpp"
 
 #include <cmath>
+#include <utility>
 
-namespace tactus::pd {
+namespace tactus {
 namespace {
 
 bool is_flag(const Atom& atom) {
   return atom.is_word && atom.word.size() > 1 && (atom.word[0] == '-' || atom.word[0] == '@');
 }
 
-std::string set_parameter(const Declaration& declaration, std::size_t index,
-                          std::span<const Atom> arguments, const Receiver& receiver) {
+Request refused(std::string sentence) {
+  return {Request::Kind::kRefused, 0, 0, std::move(sentence)};
+}
+
+bool is_bound(double value, double bound, HostPrecision precision) {
+  return precision == HostPrecision::kSingle
+             ? static_cast<float>(value) == static_cast<float>(bound)
+             : value == bound;
+}
+
+Request resolve_parameter(const Declaration& declaration, std::size_t index,
+                          std::span<const Atom> arguments, HostPrecision precision) {
   const Parameter& parameter = declaration.parameters[index];
   if (arguments.size() != 1)
-    return std::string(parameter.name) + ": expected one " +
-           (parameter.choices.empty() ? "number" : "word") + ", got " +
-           std::to_string(arguments.size());
+    return refused(std::string(parameter.name) + ": expected one " +
+                   (parameter.choices.empty() ? "number" : "word") + ", got " +
+                   std::to_string(arguments.size()));
   const Atom& given = arguments[0];
   double value = given.number;
   if (given.is_word) {
     const auto choice = find_choice(parameter, given.word);
     if (!choice)
-      return out_of_range_text(parameter, given.word);
+      return refused(out_of_range_text(parameter, given.word));
     value = static_cast<double>(*choice);
   } else if (!parameter.choices.empty()) {
     value = std::floor(value);
   }
-  // A bound such as 1e-6 need not be a t_float; the t_float nearest to it means the bound.
   for (const double bound : {parameter.lowest, parameter.highest})
-    if (static_cast<t_float>(value) == static_cast<t_float>(bound))
+    if (is_bound(value, bound, precision))
       value = bound;
   if (!is_allowed(parameter, value))
-    return out_of_range_text(parameter, number_text(given.number));
-  receiver.set(index, value);
-  return {};
+    return refused(out_of_range_text(parameter, number_text(given.number)));
+  return {Request::Kind::kParameter, index, value};
 }
 
 std::string argument_count(const Message& message, std::size_t given) {
@@ -52,27 +61,12 @@ std::string argument_count(const Message& message, std::size_t given) {
 
 } // namespace
 
-std::vector<Atom> to_atoms(int count, const t_atom* atoms) {
-  std::vector<Atom> result;
-  result.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    if (atoms[i].a_type == A_FLOAT)
-      result.emplace_back(static_cast<double>(atoms[i].a_w.w_float));
-    else if (atoms[i].a_type == A_SYMBOL)
-      result.emplace_back(atoms[i].a_w.w_symbol->s_name);
-    else
-      result.emplace_back("pointer");
-  }
-  return result;
-}
-
 std::string text_of(const Atom& atom) {
   return atom.is_word ? std::string(atom.word) : number_text(atom.number);
 }
 
-std::string creation_commands(const Declaration& declaration, int count, const t_atom* atoms,
+std::string creation_commands(const Declaration& declaration, std::span<const Atom> given,
                               std::vector<Command>& commands) {
-  const std::vector<Atom> given = to_atoms(count, atoms);
   std::size_t i = 0;
   for (std::size_t position = 0; i < given.size() && !is_flag(given[i]); ++position) {
     if (position >= declaration.arguments.size())
@@ -99,19 +93,17 @@ std::string creation_commands(const Declaration& declaration, int count, const t
   return {};
 }
 
-std::string execute(const Declaration& declaration, const Command& command,
-                    const Receiver& receiver) {
-  if (const auto parameter = find_parameter(declaration, command.name))
-    return set_parameter(declaration, *parameter, command.arguments, receiver);
-  const auto index = find_message(declaration, command.name);
+Request resolve(const Declaration& declaration, std::string_view name,
+                std::span<const Atom> arguments, HostPrecision precision) {
+  if (const auto parameter = find_parameter(declaration, name))
+    return resolve_parameter(declaration, *parameter, arguments, precision);
+  const auto index = find_message(declaration, name);
   if (!index)
-    return unknown_name_text(declaration, command.name);
+    return refused(unknown_name_text(declaration, name));
   const Message& message = declaration.messages[*index];
-  if (command.arguments.size() < message.min_arguments ||
-      command.arguments.size() > message.max_arguments)
-    return argument_count(message, command.arguments.size());
-  receiver.message(*index, command.arguments);
-  return {};
+  if (arguments.size() < message.min_arguments || arguments.size() > message.max_arguments)
+    return refused(argument_count(message, arguments.size()));
+  return {Request::Kind::kMessage, *index};
 }
 
-} // namespace tactus::pd
+} // namespace tactus
