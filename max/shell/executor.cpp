@@ -1,0 +1,141 @@
+#include "max/shell/executor.hpp"
+
+#include <thread>
+#include <utility>
+
+namespace tactus::max {
+namespace {
+
+/// Longer than any block, so that only an audio thread that stopped within a block loses commands.
+constexpr int kMaxTries = 100000;
+
+} // namespace
+
+Executor::Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host)
+    : object_(object), traits_(traits), shell_(shell), host_(host),
+      view_(traits.declaration->parameters.size()) {
+  for (std::size_t i = 0; i < traits.declaration->parameters.size(); ++i)
+    object_->set(i, traits.declaration->parameters[i].initial);
+  view_.refresh(*object_);
+}
+
+void Executor::post(QueuedCommand command) {
+  const bool is_parameter = command.kind == QueuedCommand::Kind::kParameter;
+  const bool left_to_audio = command.realtime && shell_.audio_runs();
+  const std::size_t index = command.index;
+  if (is_parameter)
+    view_.ask(index, command.value);
+  for (int tries = 0; !queue_.push(command); ++tries) {
+    if (tries == kMaxTries) {
+      if (is_parameter)
+        view_.answer(index);
+      return shell_.lost();
+    }
+    carry_out_all();
+    std::this_thread::yield();
+  }
+  if (left_to_audio)
+    shell_.expect_audio();
+  else
+    carry_out_all();
+}
+
+/// The queue and the token are sequentially consistent: either the holder, who looks at the queue
+/// after releasing, sees a command pushed meanwhile, or its sender sees the token free.
+void Executor::carry_out_all() {
+  while (!queue_.empty()) {
+    if (!token_.take(Token::Holder::kMessage)) {
+      if (token_.holder() == Token::Holder::kMessage)
+        return;
+      std::this_thread::yield(); // a block is short
+      continue;
+    }
+    Outbox outbox;
+    outbox_ = &outbox;
+    while (QueuedCommand* next = queue_.front()) {
+      const QueuedCommand command = std::move(*next);
+      queue_.pop();
+      carry_out(command);
+    }
+    outbox_ = nullptr;
+    token_.release();
+    shell_.deliver(outbox);
+  }
+}
+
+bool Executor::run_block(const Block<double>& block) noexcept {
+  if (!token_.take(Token::Holder::kAudio))
+    return false;
+  while (QueuedCommand* next = queue_.front()) {
+    if (!next->realtime)
+      break; // and what comes after it: the order holds
+    carry_out(*next);
+    queue_.pop();
+  }
+  object_->process(block);
+  if (traits_.reports)
+    object_->report(host_);
+  token_.release();
+  return true;
+}
+
+void Executor::prepare(double sample_rate, std::size_t max_block) {
+  wait_for_token();
+  if (sample_rate != sample_rate_ || max_block != max_block_) {
+    Outbox none;
+    outbox_ = &none;
+    object_->prepare(sample_rate, max_block);
+    outbox_ = nullptr;
+    sample_rate_ = sample_rate;
+    max_block_ = max_block;
+  }
+  token_.release();
+  carry_out_all();
+}
+
+void Executor::wait_for_token() {
+  while (!token_.take(Token::Holder::kMessage))
+    std::this_thread::yield();
+}
+
+void Executor::carry_out(const QueuedCommand& command) {
+  using Kind = QueuedCommand::Kind;
+  switch (command.kind) {
+  case Kind::kParameter:
+    object_->set(command.index, command.value);
+    break;
+  case Kind::kMessage:
+    object_->message(command.index, command.atoms(), host_);
+    break;
+  case Kind::kScalar:
+    object_->scalar(command.index, command.value, host_);
+    break;
+  case Kind::kList:
+    object_->list(command.index, command.atoms(), host_);
+    break;
+  case Kind::kTick:
+    object_->tick(command.index, host_);
+    break;
+  case Kind::kPosted:
+    object_->posted(host_);
+    break;
+  case Kind::kCreated:
+    object_->created(host_);
+    break;
+  case Kind::kDump:
+    object_->dump(host_);
+    break;
+  }
+  view_.refresh(*object_);
+  if (command.kind == Kind::kParameter)
+    view_.answer(command.index);
+}
+
+void Executor::keep(Output::Kind kind, std::size_t outlet, std::span<const Atom> atoms) {
+  if (!in_audio())
+    outbox_->add(kind, outlet, atoms);
+  else if (!audio_output_.add(kind, outlet, atoms))
+    lost_outputs_.fetch_add(1, std::memory_order_relaxed);
+}
+
+} // namespace tactus::max

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "max/shell/command_queue.hpp"
+#include "max/shell/output.hpp"
+#include "max/shell/parameter_view.hpp"
+#include "max/shell/token.hpp"
+
+#include <atomic>
+#include <memory>
+
+/// Lets messages of several threads and the audio thread use one object, whose members must never
+/// overlap, without a lock in the audio thread.
+///
+/// Every command goes into one queue, so that what a thread sends stays in its order. Commands that
+/// allocate nothing (parameters, messages declared realtime) are carried out by the audio thread at
+/// the start of its next block. All others by the message thread that gets the object's token: it
+/// empties the queue, those of other threads too, gives the token back and then sends what the
+/// object wanted to send. The audio thread tries the token once a block; in the rare block in which
+/// a message thread has it, the caller gets false and plays silence.
+namespace tactus::max {
+
+class Executor {
+public:
+  /// What the shell does for the executor.
+  class Shell {
+  public:
+    virtual ~Shell() = default;
+    [[nodiscard]] virtual bool audio_runs() const = 0;
+    /// Commands wait for the audio thread, which may have stopped: call carry_out_all() then.
+    virtual void expect_audio() = 0;
+    /// Sends what the object has sent to its outlets and the console.
+    virtual void deliver(const Outbox& outbox) = 0;
+    /// A command was dropped as the queue stayed full.
+    virtual void lost() noexcept = 0;
+  };
+
+  Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host);
+
+  /// Carries the command out, or leaves it to whoever holds the object. Any thread but audio's.
+  void post(QueuedCommand command);
+  /// Empties the queue if nobody else does. Any thread but audio's.
+  void carry_out_all();
+  /// The queue's realtime commands, then a block; false if a message thread held the object.
+  [[nodiscard]] bool run_block(const Block<double>& block) noexcept;
+  void prepare(double sample_rate, std::size_t max_block);
+
+  [[nodiscard]] bool waiting() const noexcept { return !queue_.empty(); }
+  [[nodiscard]] double value(std::size_t parameter) const noexcept {
+    return view_.value(parameter);
+  }
+
+  /// For Host's functions, which the object calls while the token is held: keeps an output.
+  void keep(Output::Kind kind, std::size_t outlet, std::span<const Atom> atoms);
+  [[nodiscard]] bool in_audio() const noexcept { return outbox_ == nullptr; }
+  [[nodiscard]] OutputRing& audio_output() noexcept { return audio_output_; }
+  [[nodiscard]] unsigned lost_outputs() const noexcept { return lost_outputs_.load(); }
+
+private:
+  void carry_out(const QueuedCommand& command);
+  void wait_for_token();
+
+  std::unique_ptr<AnyObject<double>> object_;
+  const Traits& traits_;
+  Shell& shell_;
+  Host& host_;
+  Token token_;
+  CommandQueue queue_;
+  ParameterView view_;
+  OutputRing audio_output_;
+  std::atomic<unsigned> lost_outputs_{0};
+  // What follows belongs to the holder of the token.
+  Outbox* outbox_ = nullptr; // null: the audio thread holds it
+  double sample_rate_ = 0;
+  std::size_t max_block_ = 0;
+};
+
+} // namespace tactus::max
