@@ -6,7 +6,7 @@ option(TACTUS_COMBINE "compile several source files as one" ON)
 set(files_at_once 8)
 # What cannot stand beside others of its target: names of its own that others have too.
 set(compiled_alone "/driver\\.cpp$|/surfaces\\.cpp$|_avx2\\.cpp$|_avx512\\.cpp$"
-  "|core/reed/bore/(termination_tables|pole_fit|brass)\\.cpp$|core/footstep/(room|sole_sensor)\\.cpp$|net/client\\.cpp$"
+  "|core/reed/bore/(termination_tables|pole_fit|brass)\\.cpp$|core/footstep/(room|sole_sensor)\\.cpp$|net/client\\.cpp$|fem/mesh/prism\\.cpp$"
   "|externals/phantom/(network_message|network_settings|driver_use)\\.cpp$|externals/stress_haptic/picture\\.cpp$"
   "|tests/fem/cost_test\\.cpp$|tests/externals/greed_test\\.cpp$|tests/devices/live/.*_test\\.cpp$"
   "|tests/core/haptic/allocation_test\\.cpp$")

@@ -12,6 +12,7 @@ ROOMS = {
     "devices": {"devices", "files", "core"},
     "net": {"net", "files", "core"},
     "pd": {"pd", "core"},
+    "max": {"max", "core"},
     "externals": {"externals", "devices", "net", "files", "core"},
     "programs": {"programs", "externals", "fem", "devices", "net", "files", "core"},
 }

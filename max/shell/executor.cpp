@@ -9,6 +9,25 @@ namespace {
 /// Longer than any block, so that only an audio thread that stopped within a block loses commands.
 constexpr int kMaxTries = 100000;
 
+/// A message thread's hold on the object: it ends on every way out, exceptions too, or the object
+/// would be silent for good.
+class MessageHold {
+public:
+  MessageHold(Token& token, Outbox*& current, Outbox& outbox) : token_(token), current_(current) {
+    current_ = &outbox;
+  }
+  ~MessageHold() {
+    current_ = nullptr;
+    token_.release();
+  }
+  MessageHold(const MessageHold&) = delete;
+  MessageHold& operator=(const MessageHold&) = delete;
+
+private:
+  Token& token_;
+  Outbox*& current_;
+};
+
 } // namespace
 
 Executor::Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host)
@@ -51,14 +70,14 @@ void Executor::carry_out_all() {
       continue;
     }
     Outbox outbox;
-    outbox_ = &outbox;
-    while (QueuedCommand* next = queue_.front()) {
-      const QueuedCommand command = std::move(*next);
-      queue_.pop();
-      carry_out(command);
+    {
+      const MessageHold hold(token_, outbox_, outbox);
+      while (QueuedCommand* next = queue_.front()) {
+        const QueuedCommand command = std::move(*next);
+        queue_.pop();
+        carry_out(command);
+      }
     }
-    outbox_ = nullptr;
-    token_.release();
     shell_.deliver(outbox);
   }
 }
@@ -81,15 +100,15 @@ bool Executor::run_block(const Block<double>& block) noexcept {
 
 void Executor::prepare(double sample_rate, std::size_t max_block) {
   wait_for_token();
-  if (sample_rate != sample_rate_ || max_block != max_block_) {
+  {
     Outbox none;
-    outbox_ = &none;
-    object_->prepare(sample_rate, max_block);
-    outbox_ = nullptr;
-    sample_rate_ = sample_rate;
-    max_block_ = max_block;
+    const MessageHold hold(token_, outbox_, none);
+    if (sample_rate != sample_rate_ || max_block != max_block_) {
+      object_->prepare(sample_rate, max_block);
+      sample_rate_ = sample_rate;
+      max_block_ = max_block;
+    }
   }
-  token_.release();
   carry_out_all();
 }
 

@@ -1,0 +1,214 @@
+#include "max/shell/executor.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+/// One object used by several message threads and an audio thread, also under the thread sanitizer.
+namespace {
+
+using namespace tactus;
+using tactus::max::Executor;
+using tactus::max::Outbox;
+using tactus::max::Output;
+using tactus::max::QueuedCommand;
+
+/// Notes what it is told without any protection of its own: whoever overlaps is a race.
+struct Notes {
+  static constexpr std::array kParameters{Parameter{"gain", "", 1, 0, 1e6, ""}};
+  static constexpr std::array kMessages{Message{"strike", "", 0, 0, ""},
+                                        Message{"load", "", 0, 1, ""}};
+  static constexpr std::array kOutlets{Port{Port::Kind::kSignal, "sound", "", ""}};
+  static constexpr Declaration declaration{"notes~", "",       "",          "",
+                                           {},       kOutlets, kParameters, kMessages};
+
+  void set(std::size_t, double value) noexcept {
+    if (plant)
+      planted = value;
+    gain = value;
+  }
+  [[nodiscard]] double get(std::size_t) const noexcept { return gain; }
+  void message(std::size_t index, std::span<const Atom> words, Host& host) {
+    if (!words.empty() && words[0].is_word)
+      throw std::runtime_error("out of memory");
+    (index == 0 ? strikes : loads) += 1;
+    heard_gain = gain;
+    host.send(0, {gain});
+  }
+  template <class S> void process(const Block<S>& block) noexcept {
+    for (S& sample : block.out(0))
+      sample = static_cast<S>(gain);
+    blocks += 1;
+  }
+
+  static inline bool plant = false;
+  static inline double planted = 0;
+  static inline int strikes = 0, loads = 0, blocks = 0; // of the one object of a test
+  static inline double heard_gain = 0;
+  double gain = 1;
+};
+
+class Rig final : public Executor::Shell, public Host {
+public:
+  Rig() {
+    Notes::strikes = Notes::loads = Notes::blocks = 0;
+    Notes::heard_gain = 0;
+  }
+  bool audio_runs() const override { return audio; }
+  void expect_audio() override { expected.fetch_add(1); }
+  void deliver(const Outbox& outbox) override {
+    outbox.deliver([this](const Output&) { delivered.fetch_add(1); });
+  }
+  void lost() noexcept override { dropped.fetch_add(1); }
+
+  void send(std::size_t outlet, std::span<const Atom> atoms) override {
+    executor.keep(Output::Kind::kOutlet, outlet, atoms);
+  }
+  void info(std::span<const Atom>) override {}
+  void error(std::string_view) override {}
+  void log(std::string_view) override {}
+  void wake_in(std::size_t, double) override {}
+  double now_ms() const override { return 0; }
+  std::string find_file(std::string_view) const override { return {}; }
+  std::string new_file(std::string_view) const override { return {}; }
+  bool read_array(std::string_view, std::vector<double>&) const override { return false; }
+  void wake_from_thread() noexcept override {}
+
+  void set_gain(double value) {
+    QueuedCommand command;
+    command.kind = QueuedCommand::Kind::kParameter;
+    command.realtime = true;
+    command.value = value;
+    executor.post(std::move(command));
+  }
+  void message(std::size_t index, std::vector<Atom> words = {}) {
+    QueuedCommand command;
+    command.realtime = index == 0;
+    command.index = index;
+    command.set_atoms(std::move(words));
+    executor.post(std::move(command));
+  }
+  bool block() {
+    std::array<double*, 1> outputs{out.data()};
+    return executor.run_block({{}, outputs, out.size()});
+  }
+
+  std::atomic<bool> audio{false};
+  std::atomic<int> expected{0}, delivered{0}, dropped{0};
+  std::array<double, 16> out{};
+  const Traits traits = traits_of<Notes>();
+  Executor executor{new Adapter<Notes, double>, traits, *this, *this};
+};
+
+} // namespace
+
+TEST_CASE("without audio each command is carried out before the next is sent") {
+  Rig rig;
+  rig.set_gain(0.5);
+  rig.message(0);
+  CHECK(Notes::heard_gain == 0.5);
+  rig.set_gain(2);
+  CHECK(rig.executor.value(0) == 2);
+  CHECK(rig.delivered == 1);
+}
+
+TEST_CASE("with audio a sender's parameters and messages keep their order") {
+  Rig rig;
+  rig.audio = true;
+  rig.set_gain(0.5);
+  rig.message(0);
+  rig.set_gain(3);
+  CHECK(Notes::strikes == 0);        // left to the audio thread,
+  CHECK(rig.executor.value(0) == 3); // though asked it tells the last value
+  CHECK(rig.expected == 3);
+  REQUIRE(rig.block());
+  CHECK(Notes::heard_gain == 0.5);
+  CHECK(rig.out[0] == 3);
+  CHECK(rig.delivered == 0);
+  int sent = 0;
+  while (rig.executor.audio_output().deliver_one([&](const Output& output) {
+    CHECK(output.atoms.at(0).number == 0.5);
+    ++sent;
+  }))
+    continue;
+  CHECK(sent == 1);
+}
+
+TEST_CASE(
+    "a message that may allocate waits for no block, and what was sent before it comes first") {
+  Rig rig;
+  rig.audio = true;
+  rig.set_gain(0.25);
+  rig.message(1);
+  CHECK(Notes::loads == 1);
+  CHECK(Notes::heard_gain == 0.25);
+  CHECK(rig.delivered == 1);
+  CHECK_FALSE(rig.executor.waiting());
+}
+
+TEST_CASE("an exception of a message leaves the object to others") {
+  Rig rig;
+  CHECK_THROWS_AS(rig.message(1, {"bad"}), std::runtime_error);
+  CHECK(rig.block());
+  rig.message(1);
+  CHECK(Notes::loads == 1);
+}
+
+TEST_CASE("two message threads and audio: nothing overlaps and nothing is lost") {
+  Rig rig;
+  rig.audio = true;
+  constexpr int kMessages = 4000;
+  std::atomic<int> senders{2};
+  const auto send = [&](double gain) {
+    for (int i = 0; i < kMessages; ++i) {
+      rig.set_gain(gain + i);
+      rig.message(i % 8 == 0 ? 1 : 0);
+    }
+    senders.fetch_sub(1);
+  };
+  std::thread first(send, 10), second(send, 1e5);
+  int silent = 0, total = 0;
+  while (senders > 0) {
+    silent += rig.block() ? 0 : 1;
+    ++total;
+    while (rig.executor.audio_output().deliver_one([](const Output&) {}))
+      continue;
+  }
+  first.join();
+  second.join();
+  rig.executor.carry_out_all();
+  CHECK(Notes::strikes == 2 * kMessages * 7 / 8);
+  CHECK(Notes::loads == 2 * kMessages / 8);
+  CHECK(Notes::blocks == total - silent);
+  CHECK(rig.dropped == 0);
+  const double last = rig.executor.value(0);
+  CHECK((last == 10 + kMessages - 1 || last == 1e5 + kMessages - 1));
+}
+
+/// Run by itself, to show that the thread sanitizer sees an object that is touched beside the
+/// token.
+TEST_CASE("planted race" * doctest::skip()) {
+  Notes::plant = true;
+  Rig rig;
+  rig.audio = true;
+  std::thread sender([&] {
+    for (int i = 0; i < 1000; ++i)
+      rig.set_gain(i);
+  });
+  double seen = 0;
+  for (int i = 0; i < 1000; ++i) {
+    static_cast<void>(rig.block());
+    Notes::planted = seen += 1;
+  }
+  std::thread other([&] { Notes::planted = -1; });
+  Notes::planted = seen;
+  other.join();
+  sender.join();
+  CHECK(Notes::planted <= 1000);
+}
