@@ -6,6 +6,8 @@
     build_time.py compare BEFORE AFTER [--every 6]    compiles every sixth source of each target of two
                                                       build folders in turn, and compares processor
                                                       seconds; a busy machine slows both alike
+    build_time.py combined BUILD [--every 6]          compiles every sixth combined file, and in turn the
+                                                      sources that it stands for, one by one
 
 The folders of `compare` are configured, and their precompiled headers are built. Half of the processor
 seconds is the least time that two cores need.
@@ -18,7 +20,11 @@ import re
 import resource
 import shlex
 import subprocess
+import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+from compile_commands import each_source  # noqa: E402
 
 
 def group(output):
@@ -62,14 +68,20 @@ def log(build, dearest):
         print(f"{seconds:8.1f} s  {output}")
 
 
+def without_launcher(entry):
+    """(the compiler's words, their folder) of an entry of compile_commands.json, without ccache."""
+    words = shlex.split(entry["command"])
+    compiler = re.compile(r"(.*/)?(c\+\+|cc|g\+\+|gcc|clang\S*)")
+    return words[next(i for i, w in enumerate(words) if compiler.fullmatch(w)):], entry["directory"]
+
+
 def commands(build):
     """{target: {object: (command, folder)}} of the C and C++ sources and precompiled headers."""
     found = collections.defaultdict(dict)
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        words = shlex.split(entry["command"])
-        words = words[next(i for i, w in enumerate(words) if re.fullmatch(r"(.*/)?(c\+\+|cc|g\+\+|gcc|clang\S*)", w)):]
+        words, folder = without_launcher(entry)
         output = words[words.index("-o") + 1]
-        found[output.split(".dir/")[0]][output] = (words, entry["directory"])
+        found[output.split(".dir/")[0]][output] = (words, folder)
     return found
 
 
@@ -102,6 +114,21 @@ def compare(before, after, every):
     table(rows, ["files before", "s before", "files after", "s after"])
 
 
+def combined(build, every):
+    entries = json.loads((build / "compile_commands.json").read_text())
+    rows = collections.defaultdict(lambda: [0, 0.0, 0, 0.0])
+    together = [(entry, list(each_source([entry]))) for entry in entries]
+    together = [(entry, sources) for entry, sources in together if len(sources) > 1]
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = pathlib.Path(folder) / "out.o"
+        for entry, sources in together[::every]:
+            row = rows[group(shlex.split(entry["command"])[-3])]
+            for column, parts in ((0, sources), (2, [entry])):
+                row[column] += len(parts)
+                row[column + 1] += sum(cost(without_launcher(part), scratch) for part in parts)
+    table(rows, ["files alone", "s alone", "files combined", "s combined"])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     tasks = parser.add_subparsers(dest="task", required=True)
@@ -112,8 +139,11 @@ def main():
     task.add_argument("before", type=pathlib.Path)
     task.add_argument("after", type=pathlib.Path)
     task.add_argument("--every", type=int, default=6)
+    task = tasks.add_parser("combined")
+    task.add_argument("build", type=pathlib.Path)
+    task.add_argument("--every", type=int, default=6)
     options = vars(parser.parse_args())
-    {"log": log, "compare": compare}[options.pop("task")](**options)
+    {"log": log, "compare": compare, "combined": combined}[options.pop("task")](**options)
 
 
 if __name__ == "__main__":
