@@ -15,7 +15,7 @@ public:
   void until(double time_s) noexcept;
 
 private:
-  void* timer_ = nullptr; ///< of Windows
+  [[maybe_unused]] void* timer_ = nullptr; ///< of Windows
 };
 
 } // namespace tactus::devices
