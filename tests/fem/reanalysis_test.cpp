@@ -97,7 +97,8 @@ TEST_CASE("Taylor, combined approximations and old-factor gradients follow the p
                     << stress);
       CHECK(report.converged);
       // OpenBLAS rounds by the processor's kernels: -.4 to 1e-8 takes 23 to 26.
-      CHECK(report.iterations <= row.iterations[t] + 3);
+      const int spread = row.move == -.4 && t == 2 ? 3 : 2;
+      CHECK(report.iterations <= row.iterations[t] + spread);
       CHECK(stress < (t == 0 ? 2e-5 : 1e-8));
       if (t == 2 && std::abs(row.move) == .1)
         CHECK(report.iterations <= 12);
