@@ -121,6 +121,11 @@ class Live(Pd):
             return {}
         return {name: int(value) for name, value in (line.split("=") for line in lines)}
 
+    def errors_without_stalls(self):
+        """Pd's errors, but for the one about a double that a stalling machine kept from answering."""
+        errors = re.findall(r"^error: (.*)$", self.read(), re.M)
+        return [error for error in errors if "the device does not answer any more" not in error]
+
     def end(self):
         """What the double saw last, after Pd was told to quit."""
         self.tell_phantom("quit")
