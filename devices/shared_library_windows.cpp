@@ -1,11 +1,9 @@
 #include "devices/shared_library.hpp"
+#include "files/system_folders.hpp"
 #include "files/utf8_path.hpp"
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -13,19 +11,6 @@
 
 namespace tactus::devices {
 namespace {
-
-/// The folder of the module that this code is part of; empty if it cannot be told.
-std::filesystem::path own_folder() {
-  static const char here = 0;
-  HMODULE module = nullptr;
-  if (!GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
-                              GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
-                          reinterpret_cast<LPCWSTR>(&here), &module))
-    return {};
-  std::wstring name(32768, L'\0'); // the longest path
-  name.resize(GetModuleFileNameW(module, name.data(), static_cast<DWORD>(name.size())));
-  return std::filesystem::path(name).parent_path();
-}
 
 /// Where a library is looked for by its name: beside the module, in the folders of the program and
 /// of the system, and in PATH, where vendors' installers add theirs. Not in the current folder,
@@ -36,14 +21,8 @@ std::vector<std::filesystem::path> candidates(const std::filesystem::path& name)
     return {name};
   found.push_back(own_folder() / name);
   found.push_back(name); // the loader's default folders
-  const wchar_t* path = _wgetenv(L"PATH");
-  std::wstring_view left = path ? path : L"";
-  while (!left.empty()) {
-    const std::wstring_view folder = left.substr(0, left.find(L';'));
-    left.remove_prefix(std::min(left.size(), folder.size() + 1));
-    if (const std::filesystem::path here(folder); here.is_absolute())
-      found.push_back(here / name);
-  }
+  for (const std::filesystem::path& folder : folders_in_path())
+    found.push_back(folder / name);
   return found;
 }
 

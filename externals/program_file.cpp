@@ -1,5 +1,6 @@
 #include "externals/program_file.hpp"
 
+#include "files/system_folders.hpp"
 #include "files/utf8_path.hpp"
 
 namespace tactus {
@@ -11,7 +12,7 @@ std::string find_program(const char* usual, const std::string& given) {
   if (given.empty())
     if (const auto beside = runnable(own_folder() / name); !beside.empty())
       return to_utf8(beside);
-  for (const std::filesystem::path& folder : program_folders())
+  for (const std::filesystem::path& folder : folders_in_path())
     if (const auto found = runnable(folder / name); !found.empty())
       return to_utf8(found);
   return {};

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace tactus {
 
@@ -17,10 +16,5 @@ namespace tactus {
 [[nodiscard]] bool is_program_path(const std::string& text);
 /// The file that this path runs; empty if it cannot be run. Windows adds `.exe`.
 [[nodiscard]] std::filesystem::path runnable(const std::filesystem::path& path);
-/// The folder of the module that this code is part of.
-[[nodiscard]] std::filesystem::path own_folder();
-/// The folders of PATH, without empty ones.
-[[nodiscard]] std::vector<std::filesystem::path> program_folders();
-[[nodiscard]] std::string to_utf8(const std::filesystem::path& path);
 
 } // namespace tactus

@@ -1,9 +1,5 @@
 #include "externals/program_file.hpp"
 
-#include <algorithm>
-#include <cstdlib>
-#include <dlfcn.h>
-#include <string_view>
 #include <system_error>
 #include <unistd.h>
 
@@ -17,30 +13,5 @@ std::filesystem::path runnable(const std::filesystem::path& path) {
       std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
   return can_run ? path : std::filesystem::path();
 }
-
-std::filesystem::path own_folder() {
-  Dl_info found{};
-  static const char here = 0;
-  if (::dladdr(&here, &found) == 0 || !found.dli_fname)
-    return {};
-  return std::filesystem::path(found.dli_fname).parent_path();
-}
-
-std::vector<std::filesystem::path> program_folders() {
-  std::vector<std::filesystem::path> folders;
-  const char* path = std::getenv("PATH");
-  std::string_view left = path ? path : "";
-  while (!left.empty()) {
-    const std::string_view folder = left.substr(0, left.find(':'));
-    left.remove_prefix(std::min(left.size(), folder.size() + 1));
-    // An empty entry means the current folder. It is skipped: no program is run from a patch's
-    // folder.
-    if (!folder.empty())
-      folders.emplace_back(folder);
-  }
-  return folders;
-}
-
-std::string to_utf8(const std::filesystem::path& path) { return path.string(); }
 
 } // namespace tactus

@@ -1,11 +1,6 @@
 #include "externals/program_file.hpp"
 
-#include <algorithm>
-#include <cstdlib>
-#include <string_view>
 #include <system_error>
-
-#include <windows.h>
 
 namespace tactus {
 
@@ -19,37 +14,6 @@ std::filesystem::path runnable(const std::filesystem::path& path) {
     program += ".exe";
   std::error_code error;
   return std::filesystem::is_regular_file(program, error) ? program : std::filesystem::path();
-}
-
-std::filesystem::path own_folder() {
-  static const char here = 0;
-  HMODULE module = nullptr;
-  if (!GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
-                              GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
-                          reinterpret_cast<LPCWSTR>(&here), &module))
-    return {};
-  std::wstring name(32768, L'\0'); // the longest path
-  name.resize(GetModuleFileNameW(module, name.data(), static_cast<DWORD>(name.size())));
-  return std::filesystem::path(name).parent_path();
-}
-
-std::vector<std::filesystem::path> program_folders() {
-  std::vector<std::filesystem::path> folders;
-  const wchar_t* path = _wgetenv(L"PATH");
-  std::wstring_view left = path ? path : L"";
-  while (!left.empty()) {
-    const std::wstring_view folder = left.substr(0, left.find(L';'));
-    left.remove_prefix(std::min(left.size(), folder.size() + 1));
-    // A relative entry would run programs from a patch's folder.
-    if (std::filesystem::path here(folder); here.is_absolute())
-      folders.push_back(std::move(here));
-  }
-  return folders;
-}
-
-std::string to_utf8(const std::filesystem::path& path) {
-  const std::u8string text = path.u8string();
-  return {text.begin(), text.end()};
 }
 
 } // namespace tactus

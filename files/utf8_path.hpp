@@ -22,4 +22,10 @@ namespace tactus {
 #endif
 }
 
+/// A path as a host's text: the inverse.
+[[nodiscard]] inline std::string to_utf8(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
+
 } // namespace tactus
