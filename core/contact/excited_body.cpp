@@ -156,8 +156,11 @@ void ExcitedBody::compute_point(std::size_t slot) noexcept {
 
 void ExcitedBody::find_friction_level(Exciter& e) const noexcept {
   e.level = 0;
-  for (double steps = e.rubbing_steps(step_s_[0]); steps > 1; steps *= 0.5)
+  double steps = e.rubbing_steps(step_s_[0]);
+  while (steps > 1) {
+    steps *= 0.5;
     ++e.level;
+  }
 }
 
 void ExcitedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass_kg) noexcept {
