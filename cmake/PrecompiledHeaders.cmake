@@ -47,7 +47,7 @@ function(precompile_headers)
     else()
       continue()
     endif()
-    if(TACTUS_SANITIZE AND folder STREQUAL "${CMAKE_SOURCE_DIR}/tests")
+    if(target MATCHES "^(core_.*|files|externals_greed)_test$") # with -O1
       string(APPEND kind _OF_CORE_TESTS)
     elseif(folder MATCHES "^${CMAKE_SOURCE_DIR}/tests")
       string(APPEND kind _OF_TESTS)
