@@ -16,8 +16,7 @@ template <class S> [[nodiscard]] const ModuleObject<S>& module_object();
 } // namespace tactus
 
 #define TACTUS_MODULE_OBJECT(Object, Sample)                                                       \
-  template <>                                                                                      \
-  const tactus::ModuleObject<Sample>& tactus::module_object<Sample>() {                            \
+  template <> const tactus::ModuleObject<Sample>& tactus::module_object<Sample>() {                \
     static constexpr tactus::ModuleObject<Sample> object{                                          \
         tactus::traits_of<Object>(),                                                               \
         []() -> tactus::AnyObject<Sample>* { return new tactus::Adapter<Object, Sample>; }};       \

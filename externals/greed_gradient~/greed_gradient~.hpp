@@ -57,7 +57,7 @@ public:
       Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
               "all of valve and bore at once, and a range in which it plays"},
       Message{"range", "p_lo p_hi f_lo f_hi", 4, 4, "what 0 and 1 of y (Pa) and z (Hz) stand for"},
-      Message{"reset", "", 0, 0, "valves at rest, air still"},
+      realtime(Message{"reset", "", 0, 0, "valves at rest, air still"}),
   };
   static constexpr std::array kArguments{CreationArgument{"preset"}};
   static constexpr Declaration declaration{

@@ -39,12 +39,10 @@ t_max_err get_parameter(Instance* instance, std::size_t index, long* count, t_at
 
 // Max tells a setter the attribute as an object of its own, whose name only a variadic function
 // would tell: so each parameter has functions of its own.
-template <std::size_t index>
-t_max_err set(Instance* instance, void*, long count, t_atom* atoms) {
+template <std::size_t index> t_max_err set(Instance* instance, void*, long count, t_atom* atoms) {
   return set_parameter(instance, index, count, atoms);
 }
-template <std::size_t index>
-t_max_err get(Instance* instance, void*, long* count, t_atom** atoms) {
+template <std::size_t index> t_max_err get(Instance* instance, void*, long* count, t_atom** atoms) {
   return get_parameter(instance, index, count, atoms);
 }
 struct Accessors {
@@ -78,13 +76,14 @@ void add_attributes(t_class* handle, const Declaration& declaration) {
     const Parameter& parameter = declaration.parameters[i];
     const std::string name(parameter.name);
     const char* type = parameter.choices.empty() ? "float64" : "symbol";
-    class_addattr(handle, attribute_new(name.c_str(), gensym(type), 0,
-                                        method_of(kAccessors[i].get), method_of(kAccessors[i].set)));
+    class_addattr(handle, attribute_new(name.c_str(), gensym(type), 0, method_of(kAccessors[i].get),
+                                        method_of(kAccessors[i].set)));
     const auto describe = [&](const char* what, const char* kind, const std::string& text) {
       class_attr_addattr_parse(handle, name.c_str(), what, gensym(kind), 0, text.c_str());
     };
-    describe("label", "symbol",
-             quoted(parameter.unit.empty() ? name : name + " (" + std::string(parameter.unit) + ")"));
+    describe(
+        "label", "symbol",
+        quoted(parameter.unit.empty() ? name : name + " (" + std::string(parameter.unit) + ")"));
     describe("category", "symbol", "Parameters");
     describe("order", "long", std::to_string(i + 1));
     describe("save", "long", "1");

@@ -5,7 +5,8 @@
 #include <limits>
 
 /// Logical time of audio blocks. Max's scheduler and its sound card have clocks of their own, so
-/// blocks follow each other exactly, and jump to the scheduler's time where they have drifted apart.
+/// blocks follow each other exactly, and jump to the scheduler's time where they have drifted
+/// apart.
 namespace tactus::max {
 
 class BlockClock {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <system_error>
+#include <thread>
 
 namespace tactus::max {
 namespace {
@@ -13,10 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 using PathText = std::array<char, MAX_PATH_CHARS>;
 
-fs::path path_of(std::string_view text) {
-  return {std::u8string(text.begin(), text.end())};
-}
-std::string text_of(const fs::path& path) {
+const std::thread::id main_thread = std::this_thread::get_id();
+
+fs::path path_of(std::string_view text) { return {std::u8string(text.begin(), text.end())}; }
+std::string utf8_of(const fs::path& path) {
   const std::u8string text = path.generic_u8string();
   return {text.begin(), text.end()};
 }
@@ -32,17 +34,6 @@ std::string system_path(const char* of_max) {
   if (path_nameconform(of_max, conformed.data(), PATH_STYLE_SLASH, PATH_TYPE_BOOT) != 0)
     return of_max;
   return conformed.data();
-}
-
-/// Folder of the patcher that holds the box; empty if it has not been saved.
-fs::path patcher_folder(t_object* box) {
-  t_object* patcher = nullptr;
-  if (object_obex_lookup(box, gensym("#P"), &patcher) != 0 || !patcher)
-    return {};
-  const t_symbol* file = jpatcher_get_filepath(patcher);
-  if (!file || !file->s_name || !*file->s_name)
-    return {};
-  return path_of(system_path(file->s_name)).parent_path();
 }
 
 /// In Max's search path.
@@ -61,39 +52,62 @@ std::string locate(std::string_view name) {
 
 } // namespace
 
-std::string find_file(t_object* box, std::string_view name) {
+bool in_main_thread() noexcept { return std::this_thread::get_id() == main_thread; }
+
+Files::Files(t_object* box) : box_(box) { look_for_folder(); }
+
+void Files::look_for_folder() {
+  if (!in_main_thread())
+    return;
+  t_object* patcher = nullptr;
+  if (object_obex_lookup(box_, gensym("#P"), &patcher) == 0 && patcher)
+    if (const t_symbol* file = jpatcher_get_filepath(patcher);
+        file && file->s_name && *file->s_name) {
+      folder_ = utf8_of(path_of(system_path(file->s_name)).parent_path());
+      return;
+    }
+  PathText full{};
+  if (path_topathname(path_getdefault(), "", full.data()) == 0)
+    folder_ = system_path(full.data());
+}
+
+std::string Files::find(std::string_view name) {
   const fs::path path = path_of(name);
   if (path.is_absolute())
     return is_file(path) ? std::string(name) : std::string();
-  if (const fs::path folder = patcher_folder(box); !folder.empty() && is_file(folder / path))
-    return text_of(folder / path);
+  look_for_folder();
+  if (const fs::path beside = path_of(folder_) / path; is_file(beside))
+    return utf8_of(beside);
+  if (!in_main_thread())
+    return {};
   std::string found = locate(name);
   if (found.empty() && path.has_parent_path())
-    found = locate(text_of(path.filename()));
+    found = locate(utf8_of(path.filename()));
   return found;
 }
 
-std::string new_file(t_object* box, std::string_view name) {
+std::string Files::to_write(std::string_view name) {
   const fs::path path = path_of(name);
   if (path.is_absolute())
     return std::string(name);
-  fs::path folder = patcher_folder(box);
-  if (PathText full{};
-      folder.empty() && path_topathname(path_getdefault(), "", full.data()) == 0)
-    folder = path_of(system_path(full.data()));
-  return text_of(folder / path);
+  look_for_folder();
+  return utf8_of(path_of(folder_) / path);
 }
 
-bool read_buffer(t_object* box, std::string_view name, std::vector<double>& values) {
-  t_buffer_ref* reference = buffer_ref_new(box, symbol_of(name));
+bool Files::read_buffer(std::string_view name, std::vector<double>& values) const {
+  if (!in_main_thread())
+    return false;
+  t_buffer_ref* reference = buffer_ref_new(box_, symbol_of(name));
   if (!reference)
     return false;
   bool was_read = false;
   if (t_buffer_obj* buffer = buffer_ref_getobject(reference)) {
     if (const float* samples = buffer_locksamples(buffer)) {
-      const auto channels = static_cast<std::size_t>(std::max<t_atom_long>(
-          buffer_getchannelcount(buffer), 1));
-      values.resize(static_cast<std::size_t>(std::max<t_atom_long>(buffer_getframecount(buffer), 0)));
+      const auto size = [](t_atom_long count) {
+        return static_cast<std::size_t>(std::max<t_atom_long>(count, 0));
+      };
+      const std::size_t channels = std::max<std::size_t>(size(buffer_getchannelcount(buffer)), 1);
+      values.resize(size(buffer_getframecount(buffer)));
       for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = static_cast<double>(samples[i * channels]);
       buffer_unlocksamples(buffer);

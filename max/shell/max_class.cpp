@@ -70,9 +70,8 @@ void on_bang(Instance* instance) {
   guarded(instance, [](MaxObject& object) { object.message("bang", {}); });
 }
 void on_message(Instance* instance, t_symbol* selector, long count, t_atom* atoms) {
-  guarded(instance, [&](MaxObject& object) {
-    object.message(selector->s_name, to_atoms(count, atoms));
-  });
+  guarded(instance,
+          [&](MaxObject& object) { object.message(selector->s_name, to_atoms(count, atoms)); });
 }
 /// `symbol reset` is the message reset.
 void on_symbol(Instance* instance, t_symbol* word) { on_message(instance, word, 0, nullptr); }

@@ -2,7 +2,7 @@
 
 #include "core/declaration_text.hpp"
 #include "max/shell/atoms.hpp"
-#include "max/shell/files.hpp"
+#include "max/shell/guarded.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,15 +29,21 @@ void send_to(void* outlet, std::span<const Atom> atoms) {
     outlet_list(outlet, gensym("list"), count, list.data());
 }
 
-/// An attribute argument of Max's own, such as @scripting: neither parameter nor message.
-bool is_of_max(const Declaration& declaration, const Atom& atom) {
-  if (!atom.is_word || atom.word.size() < 2 || atom.word[0] != '@')
-    return false;
-  const std::string_view name = atom.word.substr(1);
-  return !find_parameter(declaration, name) && !find_message(declaration, name);
+/// An attribute argument, of the object or of Max itself: all but messages of the object.
+bool is_attribute(const Declaration& declaration, const Atom& atom) {
+  return atom.is_word && atom.word.size() > 1 && atom.word[0] == '@' &&
+         !find_message(declaration, atom.word.substr(1));
 }
 bool is_flag(const Atom& atom) {
   return atom.is_word && atom.word.size() > 1 && (atom.word[0] == '-' || atom.word[0] == '@');
+}
+
+/// Whether a message may open a file or read a buffer~, which belongs into the main thread.
+bool may_name_file(std::span<const Atom> arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [](const Atom& atom) {
+    return atom.is_word && (atom.word.find_first_of("./\\") != std::string_view::npos ||
+                            atom.word == "load" || atom.word == "array");
+  });
 }
 
 double scheduler_ms() noexcept {
@@ -51,9 +57,10 @@ double scheduler_ms() noexcept {
 MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module)
     : instance_(instance), traits_(module.traits), declaration_(*module.traits.declaration),
       ports_(instance.object, declaration_, traits_.processes), creation_ms_(scheduler_ms()),
-      inlets_(declaration_),
-      timers_(traits_.timers), output_clock_(clock_new(this, method_of(&on_output))),
-      nudge_clock_(clock_new(this, method_of(&on_nudge))) {
+      inlets_(declaration_), files_(box()), timers_(traits_.timers),
+      output_clock_(clock_new(this, method_of(&on_output))),
+      nudge_clock_(clock_new(this, method_of(&on_nudge))),
+      left_element_(qelem_new(this, method_of(&on_left))) {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     timers_[i] = {this, i, nullptr};
     timers_[i].clock = clock_new(&timers_[i], method_of(&on_timer));
@@ -68,6 +75,7 @@ MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module)
 }
 
 MaxObject::~MaxObject() {
+  qelem_free(left_element_);
   for (void* clock : {output_clock_, nudge_clock_}) {
     clock_unset(clock);
     object_free(clock);
@@ -83,9 +91,9 @@ MaxObject::~MaxObject() {
 }
 
 bool MaxObject::begin(std::span<const Atom> arguments) {
-  std::vector<Atom> own, of_max;
+  std::vector<Atom> own, attributes;
   for (std::size_t i = 0; i < arguments.size();) {
-    std::vector<Atom>& to = is_of_max(declaration_, arguments[i]) ? of_max : own;
+    std::vector<Atom>& to = is_attribute(declaration_, arguments[i]) ? attributes : own;
     do
       to.push_back(arguments[i++]);
     while (i < arguments.size() && !is_flag(arguments[i]));
@@ -98,19 +106,18 @@ bool MaxObject::begin(std::span<const Atom> arguments) {
   }
   for (Command& command : commands)
     message(command.name, std::move(command.arguments));
-  post(QueuedCommand::Kind::kCreated);
-  if (!of_max.empty()) {
-    std::vector<t_atom> list = to_max_atoms(of_max);
+  if (!attributes.empty()) {
+    std::vector<t_atom> list = to_max_atoms(attributes);
     attr_args_process(&instance_, static_cast<short>(list.size()), list.data());
   }
+  post(QueuedCommand::Kind::kCreated);
   return true;
 }
 
 void MaxObject::number(std::size_t inlet, double value) {
   if (inlets_.set(inlet, value))
     return;
-  if (inlet < declaration_.inlets.size() &&
-      declaration_.inlets[inlet].kind == Port::Kind::kList) {
+  if (inlet < declaration_.inlets.size() && declaration_.inlets[inlet].kind == Port::Kind::kList) {
     const Atom atom(value);
     return list(inlet, {&atom, 1});
   }
@@ -126,15 +133,15 @@ void MaxObject::number(std::size_t inlet, double value) {
 void MaxObject::list(std::size_t inlet, std::span<const Atom> atoms) {
   if (inlet == 0 && find_message(declaration_, "list"))
     return message("list", {atoms.begin(), atoms.end()});
-  if (inlet < declaration_.inlets.size() &&
-      declaration_.inlets[inlet].kind == Port::Kind::kList) {
+  if (inlet < declaration_.inlets.size() && declaration_.inlets[inlet].kind == Port::Kind::kList) {
     QueuedCommand command;
     command.kind = QueuedCommand::Kind::kList;
     command.index = inlet;
     command.set_atoms({atoms.begin(), atoms.end()});
     return executor_->post(std::move(command));
   }
-  const std::size_t inlets = inlet < declaration_.inlets.size() ? declaration_.inlets.size() - inlet : 0;
+  const std::size_t inlets =
+      inlet < declaration_.inlets.size() ? declaration_.inlets.size() - inlet : 0;
   for (std::size_t i = std::min(atoms.size(), inlet == 0 ? inlets : 1); i-- > 0;)
     if (!atoms[i].is_word)
       number(inlet + i, atoms[i].number);
@@ -157,6 +164,8 @@ void MaxObject::message(std::string_view name, std::vector<Atom> arguments) {
     command.realtime = declaration_.parameters[request.index].realtime;
     command.value = request.value;
   } else {
+    if (may_name_file(arguments) && !in_main_thread())
+      return leave_to_main_thread(name, std::move(arguments));
     command.kind = QueuedCommand::Kind::kMessage;
     command.realtime = declaration_.messages[request.index].realtime;
     command.set_atoms(std::move(arguments));
@@ -193,6 +202,24 @@ void MaxObject::post(QueuedCommand::Kind kind, std::size_t index) {
   command.kind = kind;
   command.index = index;
   executor_->post(std::move(command));
+}
+
+void MaxObject::leave_to_main_thread(std::string_view name, std::vector<Atom> arguments) {
+  {
+    const std::lock_guard lock(left_mutex_);
+    left_.push_back({name, std::move(arguments)});
+  }
+  qelem_set(left_element_);
+}
+
+void MaxObject::carry_out_left() {
+  std::vector<Command> commands;
+  {
+    const std::lock_guard lock(left_mutex_);
+    commands.swap(left_);
+  }
+  for (Command& command : commands)
+    message(command.name, std::move(command.arguments));
 }
 
 void MaxObject::deliver(const Outbox& outbox) {
@@ -237,28 +264,39 @@ void MaxObject::expect_audio() {
 
 /// Commands may have come since the nudge was set: only when no block was computed in that time has
 /// audio stopped.
-void MaxObject::on_nudge(MaxObject* self) {
-  self->nudge_set_.store(false);
-  if (!self->executor_->waiting())
+void MaxObject::nudge() {
+  nudge_set_.store(false);
+  if (!executor_->waiting())
     return;
-  if (self->blocks_.load() != self->blocks_at_nudge_.load())
-    return self->expect_audio();
-  self->executor_->carry_out_all();
+  if (blocks_.load() != blocks_at_nudge_.load())
+    return expect_audio();
+  executor_->carry_out_all();
 }
 
-void MaxObject::on_timer(Timer* timer) {
-  timer->owner->post(QueuedCommand::Kind::kTick, timer->index);
-}
-
-void MaxObject::on_posted(MaxObject* self) { self->post(QueuedCommand::Kind::kPosted); }
-
-void MaxObject::on_output(MaxObject* self) {
-  while (self->executor_->audio_output().deliver_one(
-      [self](const Output& output) { self->deliver(output); }))
+void MaxObject::deliver_audio_output() {
+  while (executor_->audio_output().deliver_one([this](const Output& output) { deliver(output); }))
     continue;
-  const unsigned lost = self->executor_->lost_outputs();
-  if (lost != 0 && std::exchange(self->lost_outputs_said_, lost) == 0)
-    self->say_error("audio sends more than Max takes: some of it was lost");
+  const unsigned lost = executor_->lost_outputs();
+  if (lost != 0 && std::exchange(lost_outputs_said_, lost) == 0)
+    say_error("audio sends more than Max takes: some of it was lost");
+}
+
+// Max's callbacks.
+void MaxObject::on_timer(Timer* timer) {
+  guarded(&timer->owner->instance_,
+          [timer](MaxObject& self) { self.post(QueuedCommand::Kind::kTick, timer->index); });
+}
+void MaxObject::on_posted(MaxObject* self) {
+  guarded(&self->instance_, [](MaxObject& o) { o.post(QueuedCommand::Kind::kPosted); });
+}
+void MaxObject::on_left(MaxObject* self) {
+  guarded(&self->instance_, [](MaxObject& o) { o.carry_out_left(); });
+}
+void MaxObject::on_nudge(MaxObject* self) {
+  guarded(&self->instance_, [](MaxObject& o) { o.nudge(); });
+}
+void MaxObject::on_output(MaxObject* self) {
+  guarded(&self->instance_, [](MaxObject& o) { o.deliver_audio_output(); });
 }
 
 void MaxObject::prepare(std::span<const short> counts, double sample_rate, long max_frames) {
@@ -329,12 +367,10 @@ double MaxObject::now_ms() const {
   return scheduler_ms() - creation_ms_;
 }
 
-std::string MaxObject::find_file(std::string_view name) const {
-  return max::find_file(box(), name);
-}
-std::string MaxObject::new_file(std::string_view name) const { return max::new_file(box(), name); }
+std::string MaxObject::find_file(std::string_view name) const { return files_.find(name); }
+std::string MaxObject::new_file(std::string_view name) const { return files_.to_write(name); }
 bool MaxObject::read_array(std::string_view name, std::vector<double>& values) const {
-  return read_buffer(box(), name, values);
+  return files_.read_buffer(name, values);
 }
 
 bool MaxObject::publish(std::string_view name, const std::shared_ptr<void>& what) {

@@ -5,6 +5,7 @@
 #include "max/abi/max_abi.h"
 #include "max/shell/block_clock.hpp"
 #include "max/shell/executor.hpp"
+#include "max/shell/files.hpp"
 #include "max/shell/ports.hpp"
 #include "max/shell/published.hpp"
 #include "max/shell/signal_inlets.hpp"
@@ -14,6 +15,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,8 +40,9 @@ public:
   MaxObject(const MaxObject&) = delete;
   MaxObject& operator=(const MaxObject&) = delete;
 
-  /// Carries out the creation arguments; false after one error when they are malformed. Attributes
-  /// that are not the object's own are left to Max.
+  /// Carries out the creation arguments: positional ones, flags and messages, then by Max
+  /// attributes
+  /// (`@name value`). False after one error when they are malformed.
   [[nodiscard]] bool begin(std::span<const Atom> arguments);
 
   // Messages: any thread but audio's.
@@ -85,6 +88,10 @@ private:
   void get(std::span<const Atom> names);
   void send_parameter(std::size_t index);
   void post(QueuedCommand::Kind kind, std::size_t index = 0);
+  void carry_out_left();
+  void nudge();
+  void deliver_audio_output();
+  void leave_to_main_thread(std::string_view name, std::vector<Atom> arguments);
   void deliver(const Output& output);
   void say_error(std::string_view sentence);
   [[nodiscard]] t_object* box() const { return &instance_.object.z_ob; }
@@ -95,6 +102,7 @@ private:
   static void on_output(MaxObject* self);
   static void on_nudge(MaxObject* self);
   static void on_posted(MaxObject* self);
+  static void on_left(MaxObject* self);
 
   Instance& instance_;
   const Traits& traits_;
@@ -102,10 +110,14 @@ private:
   Ports ports_;
   double creation_ms_; ///< on the scheduler's clock
   SignalInlets inlets_;
+  mutable Files files_;
   std::vector<Timer> timers_;
   void* output_clock_; ///< set by the audio thread when it has written outputs
   void* nudge_clock_;  ///< looks whether audio has stopped and left commands undone
   void* posted_element_ = nullptr;
+  void* left_element_; ///< set when messages have been left to the main thread
+  std::mutex left_mutex_;
+  std::vector<Command> left_;
   std::atomic<bool> prepared_{false}, nudge_set_{false};
   std::atomic<unsigned> blocks_{0}, blocks_at_nudge_{0}, lost_{0};
   std::atomic<double> nudge_ms_{50}, sample_rate_{48000};

@@ -46,14 +46,12 @@ std::string assistance(const Declaration& declaration, bool is_inlet, std::size_
   if (index >= ports.size())
     return is_inlet ? "messages" : "info: answers to get, dump and the like";
   const Port& port = ports[index];
-  std::string kind = port.kind == Port::Kind::kSignal ? "signal" : "";
-  if (is_inlet && port.kind == Port::Kind::kSignal)
-    kind = "signal/float";
+  std::string text;
+  if (port.kind == Port::Kind::kSignal)
+    text = is_inlet ? "(signal/float) " : "(signal) ";
+  text += port.name;
   if (!port.unit.empty())
-    kind += (kind.empty() ? "" : ", ") + std::string(port.unit);
-  std::string text(port.name);
-  if (!kind.empty())
-    text += " (" + kind + ")";
+    text += ", " + std::string(port.unit);
   return text + ": " + std::string(port.text);
 }
 

@@ -21,7 +21,9 @@ public:
   Ports(const Ports&) = delete;
   Ports& operator=(const Ports&) = delete;
 
-  [[nodiscard]] void* outlet(std::size_t i) const { return i < outlets_.size() ? outlets_[i] : nullptr; }
+  [[nodiscard]] void* outlet(std::size_t i) const {
+    return i < outlets_.size() ? outlets_[i] : nullptr;
+  }
   /// The declared info outlet, or one at the right of all others.
   [[nodiscard]] void* info() const { return info_; }
 
@@ -31,7 +33,7 @@ private:
   std::vector<void*> proxies_;
 };
 
-/// What Max shows while the mouse is over a port: "p_m (signal, Pa): mouth pressure".
+/// What Max shows while the mouse is over a port: "(signal/float) p_m, Pa: mouth pressure".
 [[nodiscard]] std::string assistance(const Declaration&, bool is_inlet, std::size_t index);
 
 } // namespace tactus::max

@@ -2,14 +2,18 @@
 
 #include "max/shell/atoms.hpp"
 
+#include <string>
 #include <utility>
 
 namespace tactus::max {
 namespace {
 
-constexpr const char* kClassName = "tactus published 1"; // the layout of Entry is part of it
+/// What the symbol points to is of this layout: its name says which.
+t_symbol* published_symbol(std::string_view name) {
+  return symbol_of("tactus published 1 " + std::string(name));
+}
 
-/// Max's region that all modules share: the registry has no lock of its own that we know of.
+/// Max's region that all modules share.
 class Critical {
 public:
   Critical() { critical_enter(nullptr); }
@@ -18,53 +22,40 @@ public:
   Critical& operator=(const Critical&) = delete;
 };
 
-/// The first module that publishes registers the class for all.
-t_class* published_class(long size) {
-  t_symbol* const space = gensym("nobox");
-  t_symbol* const name = gensym(kClassName);
-  if (t_class* known = class_findbyname(space, name))
-    return known;
-  t_class* made = class_new(kClassName, nullptr, nullptr, size, nullptr, A_NOTHING);
-  class_register(space, made);
-  return made;
-}
-
 } // namespace
 
-/// Registered in the name space kClassName, where only these are.
+/// Bound to the name's symbol. It begins as Max's objects do, but for their magic number: who sends
+/// to the symbol finds nothing good.
 struct PublishedObject::Entry {
-  t_object object;
-  std::shared_ptr<void>* what;
+  t_object header;
+  t_symbol* symbol;
+  std::shared_ptr<void> what;
 };
 
 std::unique_ptr<PublishedObject> PublishedObject::make(std::string_view name,
                                                        std::shared_ptr<void> what) {
+  t_symbol* symbol = published_symbol(name);
+  auto entry = std::make_unique<Entry>(Entry{{}, symbol, std::move(what)});
   const Critical all_modules;
-  t_symbol* const space = gensym(kClassName);
-  t_symbol* const symbol = symbol_of(name);
-  if (object_findregistered(space, symbol))
+  if (symbol->s_thing)
     return nullptr;
-  auto* entry = static_cast<Entry*>(object_alloc(published_class(sizeof(Entry))));
-  if (!entry)
-    return nullptr;
-  entry->what = new std::shared_ptr<void>(std::move(what));
-  object_register(space, symbol, entry);
-  return std::unique_ptr<PublishedObject>(new PublishedObject(entry));
+  symbol->s_thing = &entry->header;
+  return std::unique_ptr<PublishedObject>(new PublishedObject(entry.release()));
 }
 
 PublishedObject::~PublishedObject() {
-  const std::unique_ptr<std::shared_ptr<void>> what(entry_->what); // ends outside of the region
-  const Critical all_modules;
-  object_unregister(entry_);
-  entry_->what = nullptr;
-  object_free(entry_);
+  {
+    const Critical all_modules;
+    entry_->symbol->s_thing = nullptr;
+  }
+  delete entry_; // and perhaps what it shared, outside of the region
 }
 
 std::shared_ptr<void> find_published(std::string_view name) {
+  const t_symbol* symbol = published_symbol(name);
   const Critical all_modules;
-  auto* entry = static_cast<PublishedObject::Entry*>(
-      object_findregistered(gensym(kClassName), symbol_of(name)));
-  return entry && entry->what ? *entry->what : nullptr;
+  return symbol->s_thing ? reinterpret_cast<PublishedObject::Entry*>(symbol->s_thing)->what
+                         : nullptr;
 }
 
 } // namespace tactus::max

@@ -4,7 +4,7 @@
 #include <string_view>
 
 /// Shares an object of one external with other externals by name. Externals are separate modules
-/// without common variables, so Max's registry of named objects carries the pointer. Any thread.
+/// without common variables, so Max's symbol table carries the pointer. Any thread but audio's.
 namespace tactus::max {
 
 /// Publishes an object under a name until this is destroyed.
