@@ -7,15 +7,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <system_error>
-#include <thread>
 
 namespace tactus::max {
 namespace {
 
 namespace fs = std::filesystem;
 using PathText = std::array<char, MAX_PATH_CHARS>;
-
-const std::thread::id main_thread = std::this_thread::get_id();
 
 fs::path path_of(std::string_view text) { return {std::u8string(text.begin(), text.end())}; }
 std::string utf8_of(const fs::path& path) {
@@ -52,7 +49,7 @@ std::string locate(std::string_view name) {
 
 } // namespace
 
-bool in_main_thread() noexcept { return std::this_thread::get_id() == main_thread; }
+bool in_main_thread() noexcept { return systhread_ismainthread() != 0; }
 
 Files::Files(t_object* box) : box_(box) { look_for_folder(); }
 

@@ -32,7 +32,7 @@ private:
   std::string folder_; ///< where relative names are, as the main thread saw it last
 };
 
-/// Whether this is the thread in which Max loaded the module.
+/// Whether this is the thread to which Max's functions for files belong.
 [[nodiscard]] bool in_main_thread() noexcept;
 
 } // namespace tactus::max
