@@ -9,7 +9,7 @@
 #if defined(_WIN32)
 #define MAX_EXPORT __declspec(dllexport)
 #if defined(TACTUS_MAX_STUB)
-#define MAX_IMPORT __declspec(dllexport)
+#define MAX_IMPORT /* exported by max/stub's own .def files */
 #else
 #define MAX_IMPORT __declspec(dllimport)
 #endif
