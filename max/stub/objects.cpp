@@ -35,9 +35,9 @@ void check_construction(Object& object) {
     violation(start + "the leftmost proxy has the number " +
               std::to_string(object.proxies.back()->id) + ", expected 1");
   const auto dumpout = object.obex.find(symbol("dumpout"));
-  if (dumpout != object.obex.end() && !object.outlets.empty() &&
-      dumpout->second != reinterpret_cast<t_object*>(object.outlets.back()))
-    violation(start + "dumpout is not the rightmost outlet: make outlets from right to left");
+  if (dumpout != object.obex.end() && object.outlets.size() > 1 &&
+      dumpout->second == reinterpret_cast<t_object*>(object.outlets.front()))
+    violation(start + "dumpout is the leftmost outlet: make outlets from right to left");
   for (std::size_t i = 0; i < object.outlets.size(); ++i)
     if (!c.dsp && object.outlets[i]->signal())
       violation(start + "a signal outlet of a class without class_dspinit");

@@ -192,6 +192,11 @@ void qelem_free(void* address) {
   element->alive = false;
 }
 
+short systhread_ismainthread() {
+  const ApiCall api("systhread_ismainthread", kAnyThread);
+  return current_role() == Role::kMain;
+}
+
 void critical_enter(t_critical region) {
   const ApiCall api("critical_enter");
   if (region)

@@ -1,8 +1,8 @@
 // Renders gestures by modules in the stub host, to be compared with another system's renders.
 //   render_gestures GESTURES STAGE FOLDER
 // For each gesture FOLDER/NAME.f64, the signal outlets one after another as doubles, and
-// FOLDER/NAME.txt, what left the control outlets and what was refused; FOLDER/NAME.I.in, what went into
-// signal inlet I.
+// FOLDER/NAME.txt, what left the control outlets and what was refused; FOLDER/NAME.I.in, what went
+// into signal inlet I.
 #include "tests/pd/host.hpp"
 
 #include <cmath>

@@ -1,7 +1,8 @@
 // Renders a gesture by an object's core itself, with no host: what its modules are compared with.
 //   render_object OBJECT.so FOLDER OUTPUT INPUT...  < GESTURE
-// GESTURE: lines "SAMPLE MESSAGE ATOM..."; INPUT: a file of doubles for each signal inlet, OUTPUT the
-// signal outlets' one after another. Files are sought in FOLDER. Blocks of 64 samples at 48 kHz.
+// GESTURE: lines "SAMPLE MESSAGE ATOM..."; INPUT: a file of doubles for each signal inlet, OUTPUT
+// the signal outlets' one after another. Files are sought in FOLDER. Blocks of 64 samples at 48
+// kHz.
 #include "core/command.hpp"
 #include "core/module_object.hpp"
 

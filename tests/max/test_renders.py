@@ -13,9 +13,9 @@ GESTURES = ROOT / "tests" / "cross" / "gestures.txt"
 STAGE = BUILD / "tactus"
 SAMPLES, FRAMES = 96000, 64
 
-# A ball that bounces carries the rounding of Pd's 32-bit numbers on from bounce to bounce: these gestures are
-# compared with 32-bit Pd until one is dropped.
-UNTIL_MS = {"impact": 800, "plate": 1200}
+# What bounces carries the rounding of Pd's 32-bit numbers on from bounce to bounce: these gestures are
+# compared with 32-bit Pd until that is heard.
+UNTIL_MS = {"impact": 100, "plate": 1200}
 
 
 def gestures():
