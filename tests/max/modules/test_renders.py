@@ -8,7 +8,7 @@ import pytest
 
 from max_host import BUILD, RATE, declarations, load, run, word
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 GESTURES = ROOT / "tests" / "cross" / "gestures.txt"
 STAGE = BUILD / "tactus"
 SAMPLES, FRAMES = 96000, 64
@@ -94,7 +94,7 @@ def by_itself(gesture, files, output):
         box = box[end:]
     messages += [(first_sample(ms), message) for ms, message in gesture["messages"]]
     identifier = gesture["object"].replace("~", "_tilde")
-    subprocess.run([BUILD / "tests" / "max" / "render_object", BUILD / "tests" / "max" / "objects" / f"{identifier}.so",
+    subprocess.run([BUILD / "tests" / "max" / "modules" / "render_object", BUILD / "tests" / "max" / "modules" / "objects" / f"{identifier}.so",
                     STAGE, output, *files], check=True, timeout=300, text=True,
                    input="".join(f"{sample} {' '.join(message)}\n" for sample, message in messages))
     return numpy.fromfile(output)
