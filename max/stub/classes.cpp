@@ -231,8 +231,10 @@ t_max_err class_register(t_symbol* name_space, t_class* c) {
   if (find_class(c->name))
     violation(what + ": there is a class of this name");
   if (c->dsp) {
-    if (c->size < sizeof(t_pxobject))
+    if (c->size < sizeof(t_pxobject)) {
       violation(what + ": the struct is smaller than t_pxobject");
+      return -1; // its constructor would overrun memory
+    }
     if (!c->find("dsp64"))
       violation(what + ": class_dspinit without a method dsp64");
     if (!c->destructor)

@@ -160,10 +160,14 @@ bool end_record(Record& record, const char* function);
 void report_leaks(const Object* owner);
 [[nodiscard]] std::mutex& kernel_mutex();
 
-/// A block between guard zones; freed blocks are kept and watched.
+/// A block between guard zones. Those that externals had are kept after they are freed, and
+/// watched.
 class Block {
 public:
   explicit Block(std::size_t size);
+  ~Block();
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
   [[nodiscard]] std::byte* data() const noexcept { return data_; }
   [[nodiscard]] bool guards_intact() const noexcept;
   void bury() noexcept;                            ///< fills it: nobody may use it any more

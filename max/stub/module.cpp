@@ -23,7 +23,8 @@ void* open_module(const std::string& file, std::string& reason) {
   return module;
 }
 method find_function(void* module, const char* name) {
-  return reinterpret_cast<method>(GetProcAddress(static_cast<HMODULE>(module), name));
+  return reinterpret_cast<method>(
+      reinterpret_cast<void (*)()>(GetProcAddress(static_cast<HMODULE>(module), name)));
 }
 #else
 void* open_module(const std::string& file, std::string& reason) {

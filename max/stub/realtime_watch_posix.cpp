@@ -12,7 +12,12 @@
 #endif
 
 #if defined(STUB_SANITIZER)
-#include <sanitizer/allocator_interface.h>
+#include <cstddef>
+
+// Of <sanitizer/allocator_interface.h>, which g++ does not bring along.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*,
+                                                                  std::size_t),
+                                                         void (*)(const volatile void*));
 
 namespace tactus::stub {
 void install_realtime_watch() {

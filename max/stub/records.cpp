@@ -15,7 +15,9 @@
 #endif
 #endif
 #if defined(STUB_ADDRESS_SANITIZER)
-#include <sanitizer/asan_interface.h>
+// Of <sanitizer/asan_interface.h>, which g++ does not bring along.
+extern "C" void __asan_poison_memory_region(const volatile void*, std::size_t);
+extern "C" void __asan_unpoison_memory_region(const volatile void*, std::size_t);
 #endif
 
 namespace tactus::stub {
@@ -143,6 +145,13 @@ Block::Block(std::size_t size)
 #if defined(STUB_ADDRESS_SANITIZER)
   __asan_poison_memory_region(data_ + ((size + 7) & ~std::size_t{7}), kGuard / 2);
 #endif
+}
+
+Block::~Block() {
+#if defined(STUB_ADDRESS_SANITIZER)
+  __asan_unpoison_memory_region(memory_, size_ + 2 * kGuard);
+#endif
+  std::free(memory_);
 }
 
 bool Block::guards_intact() const noexcept {

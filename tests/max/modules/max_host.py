@@ -7,8 +7,8 @@ import subprocess
 BUILD = pathlib.Path(os.environ["TACTUS_BUILD"])
 EXTERNALS = BUILD / "max" / "externals"
 SUFFIX = os.environ.get("TACTUS_MAX_SUFFIX", ".mxl")
-# The host, under an emulator where it is another system's.
-HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split(";")
+# The host; for another system's build, an emulator and its arguments before it, with | between.
+HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split("|")
 RATE = 48000
 
 

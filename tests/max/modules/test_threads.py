@@ -10,7 +10,7 @@ from test_every_object import connected, fuzz
 
 OBJECTS = declarations()
 CHOSEN = [name for name in os.environ.get("TACTUS_MAX_OBJECTS", "").split(",") if name] or sorted(OBJECTS)
-VECTORS = int(os.environ.get("TACTUS_MAX_VECTORS", "3000"))
+VECTORS = int(os.environ.get("TACTUS_MAX_VECTORS", "600"))
 
 
 @pytest.mark.parametrize("name", CHOSEN)

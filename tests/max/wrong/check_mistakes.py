@@ -37,9 +37,11 @@ def check(host, module, name, expected):
         if status != 0 or violations or stderr.strip():
             return f"the right one: status {status}: {violations} {stderr}"
         return None
+    if "AddressSanitizer: use-after-poison" in stderr:  # it ends the run at a write into a guard zone
+        return None
     if not any(expected in line for line in violations):
         return f"{name}: status {status}: no violation with: {expected}; but {violations} {stderr}"
-    if status not in (BREACH, CRASH):
+    if status not in (BREACH, CRASH) and "LeakSanitizer" not in stderr:
         return f"{name}: status {status}, expected {BREACH}"
     return None
 
@@ -51,6 +53,8 @@ def main():
     parser.add_argument("--sanitized", action="store_true", help="locks are not watched")
     parser.add_argument("host", nargs="+")
     arguments = parser.parse_args()
+    # Wine takes seconds to start after its last program ended: one waits while the others run.
+    waiting = subprocess.Popen(arguments.host, stdin=subprocess.PIPE) if arguments.windows else None
     failures, checked, skipped = [], 0, []
     for name, expected, where in [("none", None, "")] + list(mistakes()):
         if where == "locks" and (arguments.windows or arguments.sanitized):
@@ -60,6 +64,8 @@ def main():
         failure = check(arguments.host, arguments.module.resolve(), name, expected)
         if failure:
             failures.append(failure)
+    if waiting:
+        waiting.communicate(b"")
     for failure in failures:
         print(failure)
     print(f"{checked - 1} mistakes and the right one played, {len(failures)} failures"

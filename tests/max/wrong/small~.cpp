@@ -29,7 +29,7 @@ struct Small {
   std::atomic<double> gain;
   std::atomic<double> scalar;
   std::atomic<int> vectors;
-  std::atomic<bool> connected;
+  std::atomic<bool> connected[2];
   double planted; // without a lock
 };
 static_assert(offsetof(Small, header) == 0);
@@ -78,7 +78,8 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
   x->vectors.fetch_add(1, std::memory_order_relaxed);
   const bool muted = x->header.z_disabled != 0 && !wrong("mute is ignored");
   const bool connected =
-      x->connected.load(std::memory_order_relaxed) || wrong("reads what is not connected");
+      x->connected[1].load(std::memory_order_relaxed) || wrong("reads what is not connected");
+  const bool silent = muted || !x->connected[0].load(std::memory_order_relaxed);
   const double scalar = x->scalar.load(std::memory_order_relaxed);
   double gain = x->gain.load(std::memory_order_relaxed);
   if (wrong("race"))
@@ -87,7 +88,7 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
                       : wrong("leaves a sample out") ? n - 1
                                                      : n;
   for (long i = 0; i < length; ++i)
-    out[0][i] = muted ? 0 : in[0][i] * (connected ? in[1][i] : scalar) * gain;
+    out[0][i] = silent ? 0 : in[0][i] * (connected ? in[1][i] : scalar) * gain;
   if (wrong("writes before a vector"))
     out[0][-1] = 0;
   if (wrong("writes to an input"))
@@ -102,7 +103,8 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
 }
 
 void dsp64(Small* x, t_object* chain, short* count, double, long, long) {
-  x->connected = count[1] != 0;
+  for (std::size_t i = 0; i < 2; ++i)
+    x->connected[i] = count[i] != 0;
   if (wrong("other chain"))
     chain = &x->header.z_ob;
   if (wrong("writes beyond the counts"))
@@ -269,7 +271,7 @@ void* new_small(t_symbol*, long count, t_atom* atoms) {
   x->gain = 1;
   x->scalar = 0;
   x->vectors = 0;
-  x->connected = false;
+  x->connected[0] = x->connected[1] = false;
   x->planted = 1;
   x->inlet_of_proxy = 0;
   make_inlets(x);
