@@ -5,7 +5,7 @@ import pathlib
 import subprocess
 
 BUILD = pathlib.Path(os.environ["TACTUS_BUILD"])
-EXTERNALS = BUILD / "max" / "externals"
+EXTERNALS = pathlib.Path(os.environ.get("TACTUS_MAX_EXTERNALS", BUILD / "max" / "externals"))
 SUFFIX = os.environ.get("TACTUS_MAX_SUFFIX", ".mxl")
 # The host; for another system's build, an emulator and its arguments before it, with | between.
 HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split("|")
