@@ -26,7 +26,7 @@ class Host:
     def play(self, script, status=0):
         """Lines of a script's run with small~ loaded."""
         run = subprocess.run(self.command, input=f'load "{self.module}"\n' + script, capture_output=True,
-                             text=True, timeout=120, cwd=self.folder)
+                             text=True, errors="replace", timeout=120, cwd=self.folder)
         if run.returncode != status:
             FAILURES.append(f"status {run.returncode}, expected {status}: {script}{run.stdout}{run.stderr}")
         return run.stdout.splitlines()

@@ -26,7 +26,7 @@ def play(host, module, name):
     """Status, lines and errors of the host's run of the module with a mistake, or none."""
     script = f'searchpath "{FOLDER}"\nload "{module}"\n' + (FOLDER / "play.txt").read_text()
     environment = {**os.environ, "MISTAKE": name}
-    run = subprocess.run(host, input=script, capture_output=True, text=True, timeout=120, env=environment)
+    run = subprocess.run(host, input=script, capture_output=True, text=True, errors="replace", timeout=120, env=environment)
     return run.returncode, run.stdout.splitlines(), run.stderr
 
 
