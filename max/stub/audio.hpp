@@ -62,7 +62,7 @@ void perform_vector();
 void remove_from_chain(Object& object);
 [[nodiscard]] std::uint64_t sample_position();
 
-void make_buffer(const std::string& name, long channels, std::vector<float> samples);
+void make_buffer(const std::string& name, long channels, const std::vector<float>& samples);
 void free_clock(Record& record);
 
 } // namespace tactus::stub

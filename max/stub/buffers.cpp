@@ -36,7 +36,7 @@ std::map<std::string, t_buffer_obj*, std::less<>>& buffers() {
 constexpr unsigned kBufferThreads = kMessageThreads | static_cast<unsigned>(Role::kAudio);
 } // namespace
 
-void make_buffer(const std::string& name, long channels, std::vector<float> samples) {
+void make_buffer(const std::string& name, long channels, const std::vector<float>& samples) {
   auto* buffer = new t_buffer_obj(channels, samples, name);
   add_record(buffer, buffer);
   const std::lock_guard lock(buffers_mutex);

@@ -100,6 +100,10 @@ const std::vector<t_class*>& classes() { return registered; }
 
 using namespace tactus::stub;
 
+#if defined(__clang__) // Max's class_new has a short before its variadic arguments
+#pragma clang diagnostic ignored "-Wvarargs"
+#endif
+
 const Method* t_class::find(std::string_view method_name) const {
   const auto found = methods.find(method_name);
   return found == methods.end() ? nullptr : &found->second;

@@ -155,7 +155,7 @@ void Script::buffer(Arguments a) {
   std::vector<float> samples;
   for (double v : signal)
     samples.insert(samples.end(), channels, static_cast<float>(v));
-  make_buffer(a[0].text, static_cast<long>(channels), std::move(samples));
+  make_buffer(a[0].text, static_cast<long>(channels), samples);
 }
 
 } // namespace tactus::stub

@@ -1,8 +1,8 @@
 // Commands on boxes: making, messages, attributes.
 #include "max/stub/module.hpp"
 #include "max/stub/script.hpp"
+#include "max/stub/utf8.hpp"
 
-#include <filesystem>
 #include <fstream>
 
 namespace tactus::stub {
@@ -14,9 +14,6 @@ std::vector<t_atom> to_atoms(Script::Arguments tokens) {
   return atoms;
 }
 long to_long(const Token& token) { return std::stol(token.text); }
-std::filesystem::path utf8_path(const std::string& file) {
-  return {std::u8string(file.begin(), file.end())};
-}
 
 std::string types_text(const std::vector<short>& types) {
   static constexpr const char* kNames[]{"",      "int",     "float",    "symbol", "object",
@@ -135,7 +132,7 @@ void Script::cord(Arguments a) {
 
 void Script::save(Arguments a) {
   const bool all = a.size() > 1 && a[1].text == "all";
-  std::ofstream file(utf8_path(a[0].text));
+  std::ofstream file(from_utf8(a[0].text));
   for (const auto& [id, object] : boxes_)
     for (const Attribute* attribute : object->type->attributes)
       if (attribute->setter && (all || attribute->saved()))
@@ -146,7 +143,7 @@ void Script::save(Arguments a) {
 }
 
 void Script::restore(Arguments a) {
-  std::ifstream file(utf8_path(a[0].text));
+  std::ifstream file(from_utf8(a[0].text));
   if (!file)
     throw ScriptError("cannot read " + a[0].text);
   std::string text;

@@ -117,7 +117,7 @@ void install_fault_handler() {
 #endif
 }
 
-ForbiddenPages::ForbiddenPages(std::string what) : memory_(map_pages(kPage)) {
+ForbiddenPages::ForbiddenPages(const std::string& what) : memory_(map_pages(kPage)) {
   auto* doubles = static_cast<double*>(memory_);
   for (std::size_t i = 0; i < kPage / sizeof(double); ++i)
     doubles[i] = 0;
@@ -129,7 +129,7 @@ ForbiddenPages::~ForbiddenPages() {
   unmap_pages(static_cast<std::byte*>(memory_), kPage);
 }
 
-GuardedVector::GuardedVector(std::size_t count, std::string what)
+GuardedVector::GuardedVector(std::size_t count, const std::string& what)
     : count_(count), bytes_(count * sizeof(double)),
       open_bytes_((bytes_ + 64 + kPage - 1) / kPage * kPage),
       memory_(map_pages(open_bytes_ + kPage)),

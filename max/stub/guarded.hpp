@@ -13,7 +13,7 @@ void install_fault_handler();
 /// Pages without access.
 class ForbiddenPages {
 public:
-  explicit ForbiddenPages(std::string what);
+  explicit ForbiddenPages(const std::string& what);
   ~ForbiddenPages();
   ForbiddenPages(const ForbiddenPages&) = delete;
   ForbiddenPages& operator=(const ForbiddenPages&) = delete;
@@ -27,7 +27,7 @@ private:
 /// n doubles that end at a page without access; those before them are watched.
 class GuardedVector {
 public:
-  GuardedVector(std::size_t count, std::string what);
+  GuardedVector(std::size_t count, const std::string& what);
   ~GuardedVector();
   GuardedVector(const GuardedVector&) = delete;
   GuardedVector& operator=(const GuardedVector&) = delete;

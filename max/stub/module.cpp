@@ -2,6 +2,7 @@
 
 #include "max/stub/kernel.hpp"
 #include "max/stub/realtime_watch.hpp"
+#include "max/stub/utf8.hpp"
 
 #include <filesystem>
 
@@ -15,8 +16,7 @@ namespace tactus::stub {
 namespace {
 #if defined(_WIN32)
 void* open_module(const std::string& file, std::string& reason) {
-  const std::filesystem::path path =
-      std::filesystem::absolute(std::u8string(file.begin(), file.end()));
+  const std::filesystem::path path = std::filesystem::absolute(from_utf8(file));
   const HMODULE module = LoadLibraryExW(path.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);
   if (!module)
     reason = "Windows' error " + std::to_string(GetLastError());

@@ -1,21 +1,15 @@
 // Max's search path. Texts go out in whole buffers of the documented size, so that one that is too
 // small is overrun where a sanitizer sees it.
 #include "max/stub/kernel.hpp"
+#include "max/stub/utf8.hpp"
 
 #include <cstring>
-#include <filesystem>
 
 namespace tactus::stub {
 namespace {
 namespace fs = std::filesystem;
 std::vector<std::string> folders; // by path number minus 1
 std::string patcher_path;
-
-std::string to_utf8(const fs::path& path) {
-  const auto text = path.generic_u8string();
-  return {reinterpret_cast<const char*>(text.data()), text.size()};
-}
-fs::path from_utf8(const std::string& text) { return {std::u8string(text.begin(), text.end())}; }
 
 short number_of(const std::string& folder) {
   const std::lock_guard lock(kernel_mutex());

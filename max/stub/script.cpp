@@ -65,7 +65,7 @@ std::span<const Script::Command> Script::commands() {
       Command{"set", 2, "ID ATTRIBUTE [ATOM...]", &Script::set},
       Command{"get", 2, "ID ATTRIBUTE", &Script::get},
       Command{"describe", 1, "ID", &Script::describe},
-      Command{"expect", 3, "ID inlets|outlets|silent TYPE...", &Script::expect},
+      Command{"expect", 3, "ID inlets|outlets TYPE...", &Script::expect},
       Command{"loadbang", 1, "ID", &Script::loadbang},
       Command{"cord", 4, "ID OUTLET ID INLET", &Script::cord},
       Command{"save", 1, "FILE [all]", &Script::save},

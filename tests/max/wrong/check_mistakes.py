@@ -6,6 +6,7 @@
 import argparse
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -23,10 +24,16 @@ def mistakes():
 
 def play(host, module, name):
     """Status, lines and errors of the host's run of the module with a mistake, or none."""
-    script = f'load "{module}"\n' + (FOLDER / "play.txt").read_text()
+    script = f'searchpath "{FOLDER}"\nload "{module}"\n' + (FOLDER / "play.txt").read_text()
     environment = {**os.environ, "MISTAKE": name}
-    run = subprocess.run(host, input=script, capture_output=True, text=True, timeout=120, env=environment)
+    run = subprocess.run(host, input=script, capture_output=True, text=True, errors="replace", timeout=120, env=environment)
     return run.returncode, run.stdout.splitlines(), run.stderr
+
+
+def unlisted():
+    """Mistakes that small~ can make and mistakes.txt does not list; "race" is check_threads.py's."""
+    known = set(re.findall(r'wrong\("([^"]+)"\)', (FOLDER / "small~.cpp").read_text()))
+    return known.symmetric_difference({name for name, _, _ in mistakes()} | {"race"})
 
 
 def check(host, module, name, expected):
@@ -55,7 +62,8 @@ def main():
     arguments = parser.parse_args()
     # Wine takes seconds to start after its last program ended: one waits while the others run.
     waiting = subprocess.Popen(arguments.host, stdin=subprocess.PIPE) if arguments.windows else None
-    failures, checked, skipped = [], 0, []
+    failures = [f"{name}: in one of small~.cpp and mistakes.txt only" for name in unlisted()]
+    checked, skipped = 0, []
     for name, expected, where in [("none", None, "")] + list(mistakes()):
         if where == "locks" and (arguments.windows or arguments.sanitized):
             skipped.append(name)

@@ -16,7 +16,7 @@ def play(host, module, mistake):
     script = f'load "{module}"\n' + (FOLDER / "threads.txt").read_text()
     environment = {**os.environ, "MISTAKE": mistake,
                    "TSAN_OPTIONS": "report_signal_unsafe=0"}  # the host reports faults from their handler
-    run = subprocess.run(host, input=script, capture_output=True, text=True, timeout=250, env=environment)
+    run = subprocess.run(host, input=script, capture_output=True, text=True, errors="replace", timeout=250, env=environment)
     return run.returncode, run.stdout + run.stderr
 
 

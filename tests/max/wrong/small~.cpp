@@ -139,6 +139,8 @@ void bang(Small* x) {
   clock_fdelay(x->clock, 5);
   if (wrong("double free"))
     object_free(stray_clock);
+  if (wrong("frees what Max did not give"))
+    object_free(x->scratch);
   if (wrong("frees its own box"))
     object_free(x);
   if (wrong("outlet after construction"))
@@ -165,7 +167,55 @@ void list(Small* x, t_symbol*, long count, t_atom* atoms) {
     atoms[0].a_type = 77;
   outlet_list(x->message_outlet, nullptr, static_cast<short>(count), atoms);
 }
+/// "find NAME": where Max finds the file.
+void find_file(Small* x, const char* wanted) {
+  char name[MAX_FILENAME_CHARS], found[MAX_PATH_CHARS], path[MAX_PATH_CHARS];
+  std::snprintf(name, sizeof name, "%s", wanted);
+  short folder = 0;
+  t_fourcc type = 0;
+  if (locatefile_extended(name, &folder, &type, nullptr, 0)) {
+    object_error(&x->header.z_ob, "%s: no such file", wanted);
+    return;
+  }
+  path_topathname(wrong("path that Max did not give") ? 99 : folder, name, found);
+  path_nameconform(found, path, PATH_STYLE_SLASH, PATH_TYPE_ABSOLUTE);
+  t_atom atom;
+  atom_setsym(&atom, gensym(path));
+  outlet_anything(x->message_outlet, gensym("found"), 1, &atom);
+}
+/// "sum": of the buffer's samples.
+void sum_buffer(Small* x) {
+  double sum = 0;
+  if (t_buffer_obj* samples = buffer_ref_getobject(x->buffer)) {
+    const float* all = buffer_locksamples(samples);
+    const t_atom_long count = buffer_getframecount(samples) * buffer_getchannelcount(samples);
+    for (t_atom_long i = 0; i < count; ++i)
+      sum += static_cast<double>(all[i]);
+    buffer_unlocksamples(samples);
+  }
+  outlet_float(x->message_outlet, sum);
+}
+/// "share NAME" gives the object a name in the whole program, "patcher" tells the patcher's file.
+bool other_message(Small* x, std::string_view name, long count, t_atom* atoms) {
+  if (name == "find" && count == 1)
+    find_file(x, atoms[0].a_w.w_sym->s_name);
+  else if (name == "sum")
+    sum_buffer(x);
+  else if (name == "share" && count == 1) {
+    if (!object_register(gensym("small"), atoms[0].a_w.w_sym, x) ||
+        object_findregistered(gensym("small"), atoms[0].a_w.w_sym) != x)
+      object_error(&x->header.z_ob, "the name is taken");
+  } else if (name == "patcher") {
+    t_object* patcher = nullptr;
+    object_obex_lookup(x, gensym("#P"), &patcher);
+    outlet_anything(x->message_outlet, jpatcher_get_filepath(patcher), 0, nullptr);
+  } else
+    return false;
+  return true;
+}
 void anything(Small* x, t_symbol* s, long count, t_atom* atoms) {
+  if (other_message(x, s->s_name, count, atoms))
+    return;
   t_symbol own{s->s_name, nullptr};
   if (wrong("exception in a message"))
     throw 1;
@@ -219,6 +269,8 @@ void free_small(Small* x) {
     object_free(x->clock);
   if (!wrong("no z_dsp_free"))
     z_dsp_free(&x->header);
+  if (!wrong("stays registered"))
+    object_unregister(x);
   if (!wrong("clock leaks") && !wrong("clock freed before z_dsp_free")) {
     if (!wrong("armed clock freed"))
       clock_unset(x->clock);
