@@ -16,6 +16,10 @@ namespace tactus::stub {
 namespace {
 #if defined(_WIN32)
 void* open_module(const std::string& file, std::string& reason) {
+  // In Max both DLLs are there before any external, wherever that lies.
+  static const HMODULE audio = LoadLibraryW(L"MaxAudio.dll");
+  if (!audio)
+    violation("MaxAudio.dll does not lie beside the host");
   const std::filesystem::path path = std::filesystem::absolute(from_utf8(file));
   const HMODULE module = LoadLibraryExW(path.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);
   if (!module)

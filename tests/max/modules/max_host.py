@@ -1,4 +1,5 @@
 """Runs scripts in the stub of Max (max/stub), and reads what it prints."""
+import atexit
 import json
 import os
 import pathlib
@@ -10,6 +11,9 @@ SUFFIX = os.environ.get("TACTUS_MAX_SUFFIX", ".mxl")
 # The host; for another system's build, an emulator and its arguments before it, with | between.
 HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split("|")
 RATE = 48000
+if len(HOST) > 1:  # a host that waits keeps wine's server: each run then begins in a tenth of a second
+    waiting = subprocess.Popen([*HOST, "-"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    atexit.register(waiting.communicate)
 
 
 def declarations():
