@@ -90,14 +90,16 @@ void Script::mute(Arguments a) {
 
 void Script::run_vectors(Arguments a) {
   const std::uint64_t count = std::stoull(a[0].text);
+  const double begin = now_ms();
   for (std::uint64_t i = 0; i < count; ++i) {
-    const double begin = now_ms();
-    advance_clocks(begin);
+    advance_clocks(begin + static_cast<double>(i) * vector_ms());
     perform_vector();
-    advance_clocks(begin + vector_ms());
     if (!low_priority_by_hand_)
       run_low_priority();
   }
+  advance_clocks(begin + static_cast<double>(count) * vector_ms());
+  if (!low_priority_by_hand_)
+    run_low_priority();
 }
 
 void Script::record(Arguments a) {

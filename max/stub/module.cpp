@@ -21,7 +21,7 @@ void* open_module(const std::string& file, std::string& reason) {
   if (!audio)
     violation("MaxAudio.dll does not lie beside the host");
   const std::filesystem::path path = std::filesystem::absolute(from_utf8(file));
-  const HMODULE module = LoadLibraryExW(path.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);
+  const HMODULE module = LoadLibraryW(path.c_str());
   if (!module)
     reason = "Windows' error " + std::to_string(GetLastError());
   return module;

@@ -10,6 +10,8 @@ import struct
 import subprocess
 import sys
 
+from warm_host import warm
+
 RATE = 48000
 FAILURES = []
 
@@ -131,8 +133,9 @@ def main(module, folder, _, *command):
     folder = pathlib.Path(folder).resolve() / "host"
     folder.mkdir(parents=True, exist_ok=True)
     host = Host(command, pathlib.Path(module).resolve(), folder)
-    for check in (check_signals, check_files, check_time, check_messages):
-        check(host)
+    with warm(command):
+        for check in (check_signals, check_files, check_time, check_messages):
+            check(host)
     for failure in FAILURES:
         print("not so:", failure)
     print(f"{len(FAILURES)} failures")

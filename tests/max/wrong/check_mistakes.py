@@ -11,6 +11,8 @@ import subprocess
 import sys
 
 FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parent))
+from warm_host import warm  # noqa: E402
 BREACH, CRASH = 3, 4
 
 
@@ -60,20 +62,17 @@ def main():
     parser.add_argument("--sanitized", action="store_true", help="locks are not watched")
     parser.add_argument("host", nargs="+")
     arguments = parser.parse_args()
-    # Wine takes seconds to start after its last program ended: one waits while the others run.
-    waiting = subprocess.Popen(arguments.host, stdin=subprocess.PIPE) if arguments.windows else None
     failures = [f"{name}: in one of small~.cpp and mistakes.txt only" for name in unlisted()]
     checked, skipped = 0, []
-    for name, expected, where in [("none", None, "")] + list(mistakes()):
-        if where == "locks" and (arguments.windows or arguments.sanitized):
-            skipped.append(name)
-            continue
-        checked += 1
-        failure = check(arguments.host, arguments.module.resolve(), name, expected)
-        if failure:
-            failures.append(failure)
-    if waiting:
-        waiting.communicate(b"")
+    with warm(arguments.host):
+        for name, expected, where in [("none", None, "")] + list(mistakes()):
+            if where == "locks" and (arguments.windows or arguments.sanitized):
+                skipped.append(name)
+                continue
+            checked += 1
+            failure = check(arguments.host, arguments.module.resolve(), name, expected)
+            if failure:
+                failures.append(failure)
     for failure in failures:
         print(failure)
     print(f"{checked - 1} mistakes and the right one played, {len(failures)} failures"
