@@ -59,10 +59,9 @@ bool GuideUpdater::needs_work(const PlaneSettings& target, double elapsed_s,
   length_m_ = target.playing.length;
   waiting_s_ = up_to_date_ ? 0 : waiting_s_ + elapsed_s;
   const bool in_thread = !worker_.idle() && !worker_.is_stepped();
-  const bool needed = in_thread && !obsolete()
-                          ? !reported_ && since_report_s_ >= kReportInterval_s
-                          : !up_to_date_ || in_thread || !worker_.finished() || !reported_ ||
-                                !thread_error_.empty();
+  const bool needed = in_thread && !obsolete() ? !reported_ && since_report_s_ >= kReportInterval_s
+                                               : !up_to_date_ || in_thread || !worker_.finished() ||
+                                                     !reported_ || !thread_error_.empty();
   if (!needed)
     elapsed_s_ = 0; // portions are of the time in which there is work
   return needed;

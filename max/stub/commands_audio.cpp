@@ -2,6 +2,7 @@
 #include "max/stub/script.hpp"
 #include "max/stub/sources.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

@@ -3,6 +3,7 @@
 #include "max/stub/kernel.hpp"
 #include "max/stub/utf8.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace tactus::stub {

@@ -1,10 +1,12 @@
 #include "max/stub/sources.hpp"
 #include "max/stub/utf8.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <numbers>

@@ -88,6 +88,9 @@ def test_files_are_found_by_every_name(thread, tmp_path):
     assert not loads("modal_impact~", f"load {STAGE}/plate.modal.npz -sync")
     assert not loads("phantom", "network load networks/drop.txt", f"searchpath {STAGE}")
     assert not loads("phantom", "network load networks/drop.txt", f"searchpath {tmp_path}/flat")
+    # In the scheduler's thread a word that is no file's name to look at is sought beside the patcher alone.
+    (tmp_path / "beside" / "mine").write_bytes(body)
+    assert not loads("modal_impact~", "load mine -sync", f"patcher {tmp_path}/beside/a.maxpat")
     missing = loads("modal_impact~", "load no-such.npz -sync", f"searchpath {STAGE}")
     assert len(missing) == 1 and "no-such.npz" in missing[0]
 
@@ -113,6 +116,9 @@ def test_externals_share_a_device_by_name():
         return [words[1] for _, _, words in result.sent(box) if words[0] == "status"]
     assert status("b") == ["attached", "waiting", "attached"]
     assert any("another phantom~ has this device" in e for e in result.of("error"))
+    two = run([load("phantom"), load("phantom~"), *ON, "new a phantom -name arm", "new d phantom -name arm",
+               "new b phantom~ arm", "advance 300", "free d", "advance 300", "free b", "free a"])
+    assert [words[1] for _, _, words in two.sent("b") if words[0] == "status"] == ["attached"]  # to the first
 
 
 def test_a_refused_box_leaves_nothing():
@@ -120,3 +126,19 @@ def test_a_refused_box_leaves_nothing():
                   "new d greed~ -gian 1", "new e particle~ -preset maraca -gain 3", "get e gain"])
     assert sum("could not be made" in e for e in result.of("error")) == 3, result.of("error")
     assert result.values("e") == {"gain": "3.0"}
+
+
+def test_a_box_is_freed_while_its_worker_works():
+    lines = [load("modal_impact~"), *ON, f"searchpath {STAGE}", "dsp on"]
+    for i in range(20):
+        lines += [f"new b{i} modal_impact~", f"send b{i} 0 load plate.modal.npz", f"run {i % 3}", f"free b{i}"]
+    run([*lines, "advance 50", "service"])
+
+
+def test_vectors_of_any_length_give_the_same_sound(tmp_path):
+    sounds = {}
+    for size in (64, 1, 2048, 8192):
+        run([load("greed~"), f"rate {RATE}", f"vector {size}", "new b greed~ -preset clarinet", "signal b 0 constant 3000",
+             "send b 2 float 200.", "dsp on", f"record b {tmp_path}/{size}", f"run {16384 // size}", "dsp off"])
+        sounds[size] = (tmp_path / str(size)).read_bytes()
+    assert len(set(sounds.values())) == 1
