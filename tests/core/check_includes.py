@@ -20,7 +20,7 @@ NAMES = {
               "memory_order_release memory_order_seq_cst",
     "bit": "bit_cast bit_ceil bit_floor countr_zero endian popcount rotl rotr",
     "bitset": "bitset",
-    "charconv": "from_chars to_chars",
+    "charconv": "chars_format from_chars to_chars",
     "chrono": "chrono",
     "cmath": "abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh cyl_bessel_j erf erfc exp "
              "exp2 expm1 fabs floor fma fmax fmin fmod fpclassify hypot isfinite isinf isnan ldexp legendre "
@@ -52,7 +52,7 @@ NAMES = {
     "ios": "ios streamoff streamsize",
     "iostream": "cerr cin cout",
     "istream": "istream",
-    "iterator": "back_inserter distance istreambuf_iterator next prev",
+    "iterator": "istream_iterator back_inserter distance istreambuf_iterator next prev",
     "limits": "numeric_limits",
     "map": "map multimap",
     "memory": "make_shared make_unique shared_ptr static_pointer_cast unique_ptr weak_ptr",
