@@ -16,3 +16,13 @@ function(leave_out option what reason)
   endif()
   message(STATUS "Left out: ${what}: ${reason}")
 endfunction()
+
+# Modules for Max: natively for the tests alone, which load them into a host of ours.
+if(WIN32 OR APPLE)
+  set(max_initially ON)
+elseif(CMAKE_CROSSCOMPILING)
+  set(max_initially OFF)
+else()
+  set(max_initially ${TACTUS_TESTS})
+endif()
+option(TACTUS_MAX "modules for Max" ${max_initially})

@@ -3,7 +3,7 @@
 # Builds the object tactus::Type, declared in HEADER (default NAME.hpp), as a Pd external: a module
 # for each float size, named so that Pd 0.53 (Debian 12) and newer find it, staged in one flat
 # library folder with its help patch beside it. The entry point is generated: an external's folder
-# holds the object, nothing of Pd. Also registers the object with the describer (programs/describe),
+# holds the object, nothing of Pd. max/ makes a module for Max of the same object. Also registers the object with the describer (programs/describe),
 # unless it is TEST_ONLY, which is staged apart.
 set(PD_FLOATSIZE both CACHE STRING "precision of the Pd that loads the externals: 32, 64 or both")
 set_property(CACHE PD_FLOATSIZE PROPERTY STRINGS both 32 64)
@@ -68,6 +68,20 @@ if(WIN32)
   endforeach()
 endif()
 
+# module_object(IDENTIFIER BITS SOURCES ... LIBS ...): the object library IDENTIFIER_module_fBITS, which holds
+# the object for one sample type and knows no host; modules for Pd and for Max are linked of it
+function(module_object identifier bits)
+  cmake_parse_arguments(A "" "" "SOURCES;LIBS" ${ARGN})
+  set(target ${identifier}_module_f${bits})
+  add_library(${target} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_object.cpp ${A_SOURCES})
+  target_link_libraries(${target} PUBLIC tactus_core ${A_LIBS})
+  set(sample float)
+  if(bits EQUAL 64)
+    set(sample double)
+  endif()
+  target_compile_definitions(${target} PRIVATE TACTUS_SAMPLE=${sample})
+endfunction()
+
 function(pd_external name)
   cmake_parse_arguments(A "TEST_ONLY" "OBJECT;HEADER" "SOURCES;LIBS" ${ARGN})
   if(NOT A_HEADER)
@@ -78,15 +92,26 @@ function(pd_external name)
   set(TACTUS_HEADER ${header})
   set(TACTUS_OBJECT ${A_OBJECT})
   set(TACTUS_SETUP ${identifier}_setup)
-  configure_file(${CMAKE_SOURCE_DIR}/cmake/pd_entry.cpp.in
-                 ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_pd.cpp @ONLY)
+  configure_file(${CMAKE_SOURCE_DIR}/cmake/module_object.cpp.in
+                 ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_object.cpp @ONLY)
+  configure_file(${CMAKE_SOURCE_DIR}/cmake/pd_setup.c.in
+                 ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_setup.c @ONLY)
   set(stage ${TACTUS_STAGE})
   if(A_TEST_ONLY)
     set(stage ${CMAKE_BINARY_DIR}/test-objects)
   endif()
+  set(sizes ${PD_FLOAT_SIZES})
+  if(TACTUS_MAX) # computes in double
+    list(APPEND sizes 64)
+    list(REMOVE_DUPLICATES sizes)
+  endif()
+  foreach(bits IN LISTS sizes)
+    module_object(${identifier} ${bits} SOURCES ${A_SOURCES} LIBS ${A_LIBS})
+  endforeach()
   foreach(bits IN LISTS PD_FLOAT_SIZES)
     set(target ${identifier}_f${bits})
-    add_library(${target} MODULE ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_pd.cpp ${A_SOURCES})
+    add_library(${target} MODULE ${CMAKE_CURRENT_BINARY_DIR}/${identifier}_setup.c
+                $<TARGET_OBJECTS:${identifier}_module_f${bits}>)
     target_link_libraries(${target} PRIVATE tactus_pd_f${bits} ${A_LIBS})
     if(bits EQUAL 64)
       set(suffix .${pd_system}-${pd_processor}-64.${pd_library})
@@ -94,7 +119,7 @@ function(pd_external name)
       set(suffix .${pd_legacy}${pd_processor})
     endif()
     set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name} SUFFIX ${suffix}
-      LIBRARY_OUTPUT_DIRECTORY ${stage} RUNTIME_OUTPUT_DIRECTORY ${stage})
+      LIBRARY_OUTPUT_DIRECTORY ${stage} RUNTIME_OUTPUT_DIRECTORY ${stage} LINKER_LANGUAGE CXX)
     if(NOT TACTUS_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
       target_link_options(${target} PRIVATE -static-libgcc -static-libstdc++)
     endif()

@@ -21,6 +21,9 @@ struct Parameter {
   /// If not empty: the parameter takes one of these numbers, in ascending order from lowest to
   /// highest; other numbers are refused.
   std::span<const double> values{};
+  /// False if setting it allocates or hands work to a thread: a host then never sets it in its
+  /// audio thread.
+  bool realtime = true;
 };
 
 /// An inlet or outlet.
@@ -39,7 +42,21 @@ struct Message {
   std::string_view arguments;               ///< as shown in the help: "p_lo p_hi f_lo f_hi"
   std::size_t min_arguments, max_arguments; ///< number of arguments accepted
   std::string_view text;
+  /// True if it allocates nothing, locks nothing and makes no system call, whatever its arguments:
+  /// a host may carry it out in its audio thread, at the start of a block.
+  bool realtime = false;
 };
+
+/// The message, which a host may carry out in its audio thread.
+[[nodiscard]] constexpr Message realtime(Message message) {
+  message.realtime = true;
+  return message;
+}
+/// The parameter, which a host never sets in its audio thread.
+[[nodiscard]] constexpr Parameter not_realtime(Parameter parameter) {
+  parameter.realtime = false;
+  return parameter;
+}
 
 /// A positional creation argument; it sets the parameter of that name.
 struct CreationArgument {

@@ -1,7 +1,7 @@
 #include "core/declaration_text.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <vector>
 
 namespace tactus {
@@ -46,8 +46,8 @@ template <class List, class Text> std::string alternatives(const List& list, Tex
 
 std::string number_text(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.7g", value);
-  return text;
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 7);
+  return {text, end.ptr};
 }
 
 std::optional<std::size_t> find_parameter(const Declaration& declaration, std::string_view name) {

@@ -9,7 +9,8 @@
 /// Look-ups in a Declaration, and the error sentences made from it.
 namespace tactus {
 
-/// Shortest text that reads back as the number to 7 digits: "0.03", "1e-06", "440".
+/// Shortest text that reads back as the number to 7 digits: "0.03", "1e-06", "440". Allocates and
+/// locks nothing: what realtime messages refuse is told by it.
 [[nodiscard]] std::string number_text(double value);
 
 /// Index of the parameter or message of this name, if there is one.

@@ -22,7 +22,8 @@
 ///   void scalar(std::size_t inlet, double value, Host&);       a number to a control inlet
 ///   void list(std::size_t inlet, std::span<const Atom>, Host&);  a list to an inlet of that kind
 ///   template <class S> void process(const Block<S>&) noexcept; audio; inputs may alias outputs
-///   void report(Host&);              called in host time after a block: control outlets
+///   void report(Host&);              after a block: control outlets; in some hosts by the audio
+///                                    thread, so it allocates nothing
 ///   void tick(std::size_t timer, Host&);                       answer to Host::wake_in
 ///   void posted(Host&);                                        answer to Host::wake_from_thread
 ///   void created(Host&);                                       once, after the creation arguments

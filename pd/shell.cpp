@@ -49,22 +49,22 @@ std::size_t count_signals(std::span<const Port> ports) {
 class PdObject final : public Host {
 public:
   PdObject(Instance& instance, const PdClass& record)
-      : instance_(instance), record_(record), declaration_(*record.traits.declaration),
+      : instance_(instance), record_(record), declaration_(*record.traits().declaration),
         canvas_(canvas_getcurrent()), creation_time_(clock_getlogicaltime()),
         signal_inlets_(count_signals(declaration_.inlets)),
         signal_outlets_(count_signals(declaration_.outlets)) {
-    voices_.emplace_back(record.make());
+    voices_.emplace_back(record.module->make());
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
       voices_[0]->set(i, declaration_.parameters[i].initial);
     make_ports();
-    timers_.resize(record.traits.timers);
+    timers_.resize(record.traits().timers);
     for (std::size_t i = 0; i < timers_.size(); ++i) {
       timers_[i] = {this, i, nullptr};
       timers_[i].clock = clock_new(&timers_[i], method(&on_timer));
     }
-    if (record.traits.reports)
+    if (record.traits().reports)
       report_clock_ = clock_new(this, method(&on_report));
-    if (record.traits.posts && !host_features().queue_message) {
+    if (record.traits().posts && !host_features().queue_message) {
       post_clock_ = clock_new(this, method(&on_poll));
       clock_delay(post_clock_, kPollMilliseconds);
     }
@@ -72,7 +72,7 @@ public:
 
   ~PdObject() override {
     voices_.clear(); // joins worker threads, after which nobody calls wake_from_thread
-    if (record_.traits.posts && host_features().queue_message)
+    if (record_.traits().posts && host_features().queue_message)
       host_features().queue_cancel(&instance_.object.ob_pd);
     for (Timer& timer : timers_)
       clock_free(timer.clock);
@@ -124,7 +124,7 @@ public:
     const auto& features = host_features();
     const auto frames = static_cast<std::size_t>(signals[0]->s_n);
     std::size_t channels = 1;
-    if (record_.traits.multichannel)
+    if (record_.traits().multichannel)
       for (std::size_t i = 0; i < signal_inlets_; ++i)
         channels = std::max(channels, static_cast<std::size_t>(channel_count(signals[i])));
     while (voices_.size() < channels) {
@@ -134,7 +134,7 @@ public:
       voices_.emplace_back(copy);
     }
     voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
-    if (features.signal_setmultiout && record_.traits.multichannel)
+    if (features.signal_setmultiout && record_.traits().multichannel)
       for (std::size_t i = 0; i < signal_outlets_; ++i)
         features.signal_setmultiout(&signals[signal_inlets_ + i], static_cast<int>(voices_.size()));
     in_.clear();
@@ -411,14 +411,14 @@ template <std::size_t... N> void add_inlets(t_class* handle, std::index_sequence
 } // namespace
 
 void register_class(PdClass& record, Create create) {
-  const Declaration& declaration = *record.traits.declaration;
+  const Declaration& declaration = *record.traits().declaration;
   int flags = CLASS_DEFAULT;
-  if (record.traits.multichannel && host_features().signal_setmultiout)
+  if (record.traits().multichannel && host_features().signal_setmultiout)
     flags |= kMultichannelFlag;
   record.handle = class_new(gensym(std::string(declaration.name).c_str()),
                             reinterpret_cast<t_newmethod>(method(create)), method(&destroy),
                             sizeof(Instance), flags, A_GIMME, 0);
-  if (record.traits.processes)
+  if (record.traits().processes)
     class_addmethod(record.handle, method(&on_dsp), gensym("dsp"), A_CANT, 0);
   if (!declaration.inlets.empty() && declaration.inlets[0].kind == Port::Kind::kSignal)
     class_domainsignalin(record.handle, static_cast<int>(offsetof(Instance, main_inlet)));
@@ -435,7 +435,7 @@ void* create_instance(PdClass& record, int count, t_atom* atoms) {
     if (instance->self->begin(count, atoms))
       return instance;
   } catch (const std::bad_alloc&) {
-    pd_error(instance, "%s: not enough memory", record.traits.declaration->name.data());
+    pd_error(instance, "%s: not enough memory", record.traits().declaration->name.data());
   }
   pd_free(&instance->object.ob_pd);
   return nullptr;

@@ -52,7 +52,7 @@ enum MessageIndex : std::size_t { kModes, kPickup, kReset };
 inline constexpr std::array kMessages{
     contact::kModesMessage,
     contact::kPickupMessage,
-    Message{"reset", "", 0, 0, "silence, bristles straight"},
+    realtime(Message{"reset", "", 0, 0, "silence, bristles straight"}),
 };
 
 inline constexpr std::array kInlets{

@@ -38,10 +38,11 @@ enum MessageIndex : std::size_t { kModes, kPickup, kStrike, kBang, kDrop, kReset
 inline constexpr std::array kMessages{
     contact::kModesMessage,
     contact::kPickupMessage,
-    Message{"strike", "v", 1, 1, "the mass meets the body with v m/s; 0: it is laid on it"},
-    Message{"bang", "", 0, 0, "the last strike or drop again"},
-    Message{"drop", "h", 1, 1, "the mass falls h mm, with gravity above 0"},
-    Message{"reset", "", 0, 0, "silence, the mass 1 m away"},
+    realtime(
+        Message{"strike", "v", 1, 1, "the mass meets the body with v m/s; 0: it is laid on it"}),
+    realtime(Message{"bang", "", 0, 0, "the last strike or drop again"}),
+    realtime(Message{"drop", "h", 1, 1, "the mass falls h mm, with gravity above 0"}),
+    realtime(Message{"reset", "", 0, 0, "silence, the mass 1 m away"}),
 };
 
 inline constexpr std::array kInlets{

@@ -83,24 +83,27 @@ inline constexpr std::array kMessages{
             "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
             "dirt|puddle|water|carpet|file.txt [another [mix]]",
             1, 4, "the ground, or two and how much of the second; of both feet, or of one"},
-    Message{"step", "[left|right]", 0, 1,
-            "one step; a foot that is down lands once more beside it"},
-    Message{"bang", "", 0, 0, "one step; with feet 2 the feet in turn"},
-    Message{"turn", "[degrees]", 0, 1,
-            "the next step pivots by 1 to 180 degrees (90): the ball slides under the load"},
-    Message{"jump", "[m]", 0, 1,
-            "crouches, jumps on both feet 0.01 to 1 m high (0.3), lands; a walker halts before"},
-    Message{"scuff", "[left|right]", 0, 1,
-            "the ball strikes and slides 15 cm, in that foot's next swing or at once"},
-    Message{"drag", "[left|right] [m [m/s]]", 0, 3,
-            "that foot slides 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) under 30 % of the weight; "
-            "of a walker for its next swing"},
+    realtime(Message{"step", "[left|right]", 0, 1,
+                     "one step; a foot that is down lands once more beside it"}),
+    realtime(Message{"bang", "", 0, 0, "one step; with feet 2 the feet in turn"}),
+    realtime(
+        Message{"turn", "[degrees]", 0, 1,
+                "the next step pivots by 1 to 180 degrees (90): the ball slides under the load"}),
+    realtime(Message{
+        "jump", "[m]", 0, 1,
+        "crouches, jumps on both feet 0.01 to 1 m high (0.3), lands; a walker halts before"}),
+    realtime(Message{"scuff", "[left|right]", 0, 1,
+                     "the ball strikes and slides 15 cm, in that foot's next swing or at once"}),
+    realtime(Message{
+        "drag", "[left|right] [m [m/s]]", 0, 3,
+        "that foot slides 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) under 30 % of the weight; "
+        "of a walker for its next swing"}),
     Message{"calibrate", "heel|ball [reading N reading N ...]", 1, 65,
             "at least five rising points from what the sensor reads to newtons; none: as it is"},
     Message{"equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,
             "undoes the actuator's response at these Hz; none: flat"},
     Message{"surfaces", "", 0, 0, "names of the fifteen, out of the info outlet"},
-    Message{"reset", "", 0, 0, "silence within 5 ms, both feet in the air"},
+    realtime(Message{"reset", "", 0, 0, "silence within 5 ms, both feet in the air"}),
 };
 
 inline constexpr std::array kArguments{CreationArgument{"surface"}};

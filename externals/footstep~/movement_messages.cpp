@@ -1,4 +1,5 @@
 #include "core/declaration_text.hpp"
+#include "core/sentence.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
 #include <numbers>
@@ -29,10 +30,14 @@ std::optional<double> number(std::span<const Atom> arguments, std::size_t i, con
 /// "jump 2: expected ..."
 void refuse(Host& host, std::string_view message, std::span<const Atom> arguments,
             std::string_view expected) {
-  std::string sentence(message);
-  for (const Atom& word : arguments)
-    sentence += " " + (word.is_word ? std::string(word.word) : number_text(word.number));
-  host.error(sentence + ": expected " + std::string(expected));
+  Sentence sentence(message);
+  for (const Atom& word : arguments) {
+    sentence += " ";
+    sentence += word.is_word ? word.word : std::string_view(number_text(word.number));
+  }
+  sentence += ": expected ";
+  sentence += expected;
+  host.error(sentence);
 }
 
 } // namespace

@@ -57,7 +57,7 @@ public:
       Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
               "all of valve and bore at once, and a range in which it plays"},
       Message{"range", "p_lo p_hi f_lo f_hi", 4, 4, "what 0 and 1 of y (Pa) and z (Hz) stand for"},
-      Message{"reset", "", 0, 0, "valves at rest, air still"},
+      realtime(Message{"reset", "", 0, 0, "valves at rest, air still"}),
   };
   static constexpr std::array kArguments{CreationArgument{"preset"}};
   static constexpr Declaration declaration{
@@ -75,7 +75,8 @@ public:
       kParameters,
       kMessages,
       kArguments};
-  static constexpr std::size_t timers = 1;
+  enum Timer : std::size_t { kStoppedTimer, kGuideTimer };
+  static constexpr std::size_t timers = 2;
 
   GreedGradient() { gradient_.set(parameters_); }
 
@@ -87,11 +88,7 @@ public:
   [[nodiscard]] double get(std::size_t parameter) const noexcept;
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void report(Host& host);
-  /// No block for a while, so the audio has stopped: sets the force to 0.
-  void tick(std::size_t, Host& host) {
-    gradient_.release_force();
-    host.send(kForceOutlet, {0.0, 0.0});
-  }
+  void tick(std::size_t timer, Host& host);
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -224,23 +221,31 @@ inline void GreedGradient::message(std::size_t index, std::span<const Atom> argu
   }
 }
 
-/// After each block: keeps the map up to date and sends force, gradient and playability.
+/// After each block: sends force, gradient and playability. Allocates nothing.
 inline void GreedGradient::report(Host& host) {
   const double seconds = static_cast<double>(unreported_) / sample_rate_;
   unreported_ = 0;
-  if (gradient_.mode() != reed::ReedGradient::Mode::kReed) {
-    guide_.update(gradient_.plane(), seconds, background_);
-    if (const std::string error = guide_.take_error(); !error.empty())
-      host.error(error);
-    if (guide_.progress_changed())
-      host.info({"map", guide_.progress()});
-  }
+  if (gradient_.mode() != reed::ReedGradient::Mode::kReed &&
+      guide_.needs_work(gradient_.plane(), seconds, background_))
+    host.wake_in(kGuideTimer, 0);
   const reed::Gradient slope = gradient_.gradient();
   const reed::PlaneForce& force = gradient_.force();
   host.send(kForceOutlet, {force.y, force.z});
   host.send(kGradientOutlet, {slope.y, slope.z});
   host.send(kPlayabilityOutlet, {gradient_.playability()});
-  host.wake_in(0, std::max(100.0, 3000 * seconds));
+  host.wake_in(kStoppedTimer, std::max(100.0, 3000 * seconds));
+}
+
+inline void GreedGradient::tick(std::size_t timer, Host& host) {
+  if (timer == kStoppedTimer) { // no block for a while, so the audio has stopped
+    gradient_.release_force();
+    return host.send(kForceOutlet, {0.0, 0.0});
+  }
+  guide_.work();
+  if (const std::string error = guide_.take_error(); !error.empty())
+    host.error(error);
+  if (guide_.progress_changed())
+    host.info({"map", guide_.progress()});
 }
 
 inline void GreedGradient::dump(Host& host) {

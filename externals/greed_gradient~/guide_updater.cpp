@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tactus::reed {
 namespace {
@@ -28,14 +29,14 @@ MapWorker::Portion GuideUpdater::portion() {
   };
 }
 
-void GuideUpdater::begin(const PlaneSettings& target, bool in_background) {
-  requested_ = target;
+void GuideUpdater::begin() {
+  requested_ = target_;
   has_request_ = true;
   reported_ = false;
   nodes_due_ = 0;
   since_report_s_ = kReportInterval_s;
-  map_.begin(target.playing, target.range);
-  if (in_background) {
+  map_.begin(target_.playing, target_.range);
+  if (in_background_) {
     thread_error_ = worker_.start(kNodes * kNodes, portion());
     without_thread_ = !thread_error_.empty();
   } else {
@@ -43,22 +44,38 @@ void GuideUpdater::begin(const PlaneSettings& target, bool in_background) {
   }
 }
 
-void GuideUpdater::update(const PlaneSettings& target, double elapsed_s, bool in_background) {
-  in_background = in_background && !without_thread_;
+bool GuideUpdater::obsolete() const noexcept {
+  return target_.revision != requested_.revision || worker_.is_stepped() == in_background_;
+}
+
+bool GuideUpdater::needs_work(const PlaneSettings& target, double elapsed_s,
+                              bool in_background) noexcept {
+  target_ = target;
+  in_background_ = in_background && !without_thread_;
+  elapsed_s_ += elapsed_s;
   since_report_s_ += elapsed_s;
-  const bool up_to_date = has_request_ && target.matches(requested_);
-  const bool length_settled = std::abs(target.playing.length - length_m_) <= 1e-5 * length_m_;
+  up_to_date_ = has_request_ && target.matches(requested_);
+  length_settled_ = std::abs(target.playing.length - length_m_) <= 1e-5 * length_m_;
   length_m_ = target.playing.length;
-  waiting_s_ = up_to_date ? 0 : waiting_s_ + elapsed_s;
-  const bool obsolete =
-      target.revision != requested_.revision || worker_.is_stepped() == in_background;
-  if (!worker_.idle() && obsolete) {
+  waiting_s_ = up_to_date_ ? 0 : waiting_s_ + elapsed_s;
+  const bool in_thread = !worker_.idle() && !worker_.is_stepped();
+  const bool needed = in_thread && !obsolete() ? !reported_ && since_report_s_ >= kReportInterval_s
+                                               : !up_to_date_ || in_thread || !worker_.finished() ||
+                                                     !reported_ || !thread_error_.empty();
+  if (!needed)
+    elapsed_s_ = 0; // portions are of the time in which there is work
+  return needed;
+}
+
+void GuideUpdater::work() {
+  if (!worker_.idle() && obsolete()) {
     worker_.request_stop();
     has_request_ = false;
   }
-  if (!(has_request_ && up_to_date) && worker_.idle() &&
-      (length_settled || waiting_s_ > kMaxWait_s))
-    begin(target, in_background);
+  if (!(has_request_ && up_to_date_) && worker_.idle() &&
+      (length_settled_ || waiting_s_ > kMaxWait_s))
+    begin();
+  const double elapsed_s = std::exchange(elapsed_s_, 0);
   if (worker_.is_stepped() && !worker_.finished())
     for (nodes_due_ += kNodesPerSecond * elapsed_s;
          nodes_due_ >= kNodesPerStep && !worker_.finished(); nodes_due_ -= kNodesPerStep)

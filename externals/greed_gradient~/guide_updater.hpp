@@ -16,9 +16,13 @@ class GuideUpdater {
 public:
   GuideUpdater();
 
-  /// Host thread, after a block of elapsed_s seconds of sound. Starts a map for the target when
-  /// there is none; computes a portion of it when in_background is false. Never waits.
-  void update(const PlaneSettings& target, double elapsed_s, bool in_background);
+  /// After a block of elapsed_s seconds of sound: whether work() has something to do for this
+  /// target. Allocates nothing, so that the audio thread may ask.
+  [[nodiscard]] bool needs_work(const PlaneSettings& target, double elapsed_s,
+                                bool in_background) noexcept;
+  /// Host thread, after needs_work(). Starts a map for its target when there is none; computes a
+  /// portion of it when in_background was false. Never waits.
+  void work();
   /// True twenty times per second of sound while a map is computed, and once when it is finished.
   [[nodiscard]] bool progress_changed() noexcept;
   /// Returns once why the map is computed in the host's time although in_background was true.
@@ -30,17 +34,19 @@ public:
   [[nodiscard]] const PlaneGuide* latest() noexcept;
 
 private:
-  void begin(const PlaneSettings& target, bool in_background);
+  void begin();
+  [[nodiscard]] bool obsolete() const noexcept;
   [[nodiscard]] MapWorker::Portion portion();
 
   GrowthMap map_;             // used by the worker alone
   PlaneGuide finished_guide_; // used by the worker alone
   haptic::Mailbox<PlaneGuide> mailbox_;
-  PlaneSettings requested_{};
+  PlaneSettings target_{}, requested_{};
+  bool in_background_ = true, up_to_date_ = false, length_settled_ = false;
   std::string thread_error_{};
   bool without_thread_ = false; // the system could not start one
   bool has_request_ = false, has_guide_ = false, reported_ = true;
-  double length_m_ = 0, waiting_s_ = 0, nodes_due_ = 0, since_report_s_ = 0;
+  double length_m_ = 0, waiting_s_ = 0, nodes_due_ = 0, since_report_s_ = 0, elapsed_s_ = 0;
   MapWorker worker_; // last member, so that it ends before the data it uses
 };
 

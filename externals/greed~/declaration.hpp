@@ -218,8 +218,8 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
 inline constexpr std::array kMessages{
     Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
             "all of valve and bore at once"},
-    Message{"reset", "", 0, 0, "valve at rest, air still"},
-    Message{"tongue", "", 0, 0, "with tune: the note is tongued anew"},
+    realtime(Message{"reset", "", 0, 0, "valve at rest, air still"}),
+    realtime(Message{"tongue", "", 0, 0, "with tune: the note is tongued anew"}),
     Message{"holes", "CLOSED...", 1, 33,
             "with tune and tone holes: register vent and each hole from the reed down, 1 closed, 0 "
             "open, in between partly covered; fingering ends it"},

@@ -38,18 +38,20 @@ enum ParameterIndex : std::size_t {
   kResolve,
 };
 inline constexpr std::array kParameters{
-    Parameter{
+    not_realtime(Parameter{
         "radiation", "", 0, 0, 3,
         "how the body sounds to a listener: baffled surface mode by mode, recorded or computed "
         "surface velocities, free body by its multipoles, or bare surface velocity",
-        kRadiations},
+        kRadiations}),
     Parameter{"contact", "", 0, 0, 1,
               "striker and body coupled, or half-sine pulses for many strikes at once", kContacts},
-    Parameter{"size", "", 1, 0.01, 100, "factor of the table's lengths"},
-    Parameter{"modes", "", 0, 0, 20000, "the largest number of modes that sound; 0: all"},
+    not_realtime(Parameter{"size", "", 1, 0.01, 100, "factor of the table's lengths"}),
+    not_realtime(
+        Parameter{"modes", "", 0, 0, 20000, "the largest number of modes that sound; 0: all"}),
     Parameter{"cull", "dB", 90, 20, 200,
               "modes quieter (A-weighted) than the strike's loudest by this are left out"},
-    Parameter{"choke", "s", 0, 0, 100, "decay time by which a hand damps the body; 0: none"},
+    not_realtime(
+        Parameter{"choke", "s", 0, 0, 100, "decay time by which a hand damps the body; 0: none"}),
     Parameter{"gain", "1/Pa", 0.01, 0, 1000,
               "output for 1 Pa of sound pressure: 100 Pa reach full scale at 0.01"},
     Parameter{"restitution", "", 1, 0.01, 1,
@@ -59,23 +61,27 @@ inline constexpr std::array kParameters{
     Parameter{"pos", "", 0, 0, 1,
               "1: inlet 2 is the height above the point of a striker that a hand moves"},
     Parameter{"doppler", "", 0, 0, 1, "1: a listener that moves hears the pitch bend"},
-    Parameter{"voices", "", 8, 1, 64, "contacts at once; one more strike ends the oldest"},
-    Parameter{"out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost"},
+    not_realtime(
+        Parameter{"voices", "", 8, 1, 64, "contacts at once; one more strike ends the oldest"}),
+    not_realtime(
+        Parameter{"out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost"}),
     Parameter{
         "sync", "", 0, 0, 1,
         "1: tables and changes are computed at once, so that renders repeat; 0: in the background"},
-    Parameter{
+    not_realtime(Parameter{
         "rest_stiffness", "N/m^a", 4e8, 100, 1e13,
-        "k of the layer between body and board at each contact point, F = k d^a; default: felt"},
-    Parameter{"rest_exponent", "", 2.3, 1, 5,
-              "exponent a of the layer: 1 a spring, 1.5 hard and round, 2.3 felt"},
-    Parameter{"rest_loss", "s/m", 2, 0, 100, "loss of the layer: F = k d^a (1 + loss v)"},
-    Parameter{"rest_force", "N", 0, 0, 1000,
-              "force that presses body and board together besides the weight, over all points"},
-    Parameter{
+        "k of the layer between body and board at each contact point, F = k d^a; default: felt"}),
+    not_realtime(Parameter{"rest_exponent", "", 2.3, 1, 5,
+                           "exponent a of the layer: 1 a spring, 1.5 hard and round, 2.3 felt"}),
+    not_realtime(
+        Parameter{"rest_loss", "s/m", 2, 0, 100, "loss of the layer: F = k d^a (1 + loss v)"}),
+    not_realtime(Parameter{
+        "rest_force", "N", 0, 0, 1000,
+        "force that presses body and board together besides the weight, over all points"}),
+    not_realtime(Parameter{
         "resolve", "", 0, 0, 1,
         "when the shape has moved: solve its modes anew in the background, or only extrapolate",
-        kResolveModes},
+        kResolveModes}),
 };
 
 enum MessageIndex : std::size_t {
@@ -109,14 +115,14 @@ enum MessageIndex : std::size_t {
 inline constexpr std::array kMessages{
     Message{"load", "file.npz [-sync]", 1, 2,
             "read a body's table; the old body sounds until then"},
-    Message{"hit", "[x y z] v", 1, 4,
-            "strike at x y z mm with v m/s; without a position where the last one was"},
-    Message{"hitv", "vertex v", 2, 2, "strike at a vertex of the table"},
-    Message{"hitf", "face u v speed", 4, 4,
-            "strike on a triangle, u and v the weights of its second and third corner"},
-    Message{"drop", "[x y z] h", 1, 4,
-            "the striker falls h mm onto x y z mm and bounces until it lies"},
-    Message{"bang", "", 0, 0, "repeat the last strike"},
+    realtime(Message{"hit", "[x y z] v", 1, 4,
+                     "strike at x y z mm with v m/s; without a position where the last one was"}),
+    realtime(Message{"hitv", "vertex v", 2, 2, "strike at a vertex of the table"}),
+    realtime(Message{"hitf", "face u v speed", 4, 4,
+                     "strike on a triangle, u and v the weights of its second and third corner"}),
+    realtime(Message{"drop", "[x y z] h", 1, 4,
+                     "the striker falls h mm onto x y z mm and bounces until it lies"}),
+    realtime(Message{"bang", "", 0, 0, "repeat the last strike"}),
     Message{"normal", "[x y z]", 0, 3,
             "direction out of the body, against which strikers move; none: the surface normal"},
     Message{"striker", "mass radius E nu", 4, 4, "a ball: kg, m, Pa (Hertz' contact)"},
@@ -149,7 +155,7 @@ inline constexpr std::array kMessages{
     Message{"rayleigh", "a b", 2, 2, "damping (a + b omega^2)/2 in 1/s"},
     Message{"loss", "eta", 1, 1, "the same loss factor at all frequencies"},
     Message{"losscurve", "f1 eta1 f2 eta2 ...", 2, 64, "loss factor over frequency in Hz"},
-    Message{"reset", "", 0, 0, "silence"},
+    realtime(Message{"reset", "", 0, 0, "silence"}),
     Message{"info", "", 0, 0, "body, counts, frequencies and decay times, out of the info outlet"},
     Message{"ring", "", 0, 0,
             "levels of the modes, dB from full scale, by frequency, out of the info outlet"},

@@ -1,8 +1,10 @@
 #include "core/declaration_text.hpp"
 #include "core/modal/table/materials.hpp"
+#include "core/sentence.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -32,15 +34,30 @@ bool within(std::string_view message, std::span<const double> numbers,
     const double x = numbers[i++];
     if (x >= range.lowest && x <= range.highest)
       continue;
-    std::string sentence =
-        std::string(message) + ": " + std::string(range.name) + " " + number_text(x);
-    if (!range.unit.empty())
-      sentence += " " + std::string(range.unit);
-    host.error(sentence + ": expected " + number_text(range.lowest) + ".." +
-               number_text(range.highest));
+    Sentence sentence(message);
+    for (const std::string_view part : {std::string_view(": "), range.name, std::string_view(" ")})
+      sentence += part;
+    sentence += number_text(x);
+    if (!range.unit.empty()) {
+      sentence += " ";
+      sentence += range.unit;
+    }
+    sentence += ": expected ";
+    sentence += number_text(range.lowest);
+    sentence += "..";
+    sentence += number_text(range.highest);
+    host.error(sentence);
     return false;
   }
   return true;
+}
+
+void refuse_words(const Message& message, Host& host) {
+  Sentence sentence(message.name);
+  sentence += ": expected numbers (";
+  sentence += message.arguments;
+  sentence += ")";
+  host.error(sentence);
 }
 
 constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, kFarthest},
@@ -59,13 +76,18 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return set_solver(arguments[0], host);
   if (index == kPreset)
     return set_preset(arguments[0], host);
-  std::vector<double> numbers;
-  for (const Atom& atom : arguments) {
+  for (const Atom& atom : arguments)
     if (atom.is_word || !std::isfinite(atom.number))
-      return host.error(std::string(kMessages[index].name) + ": expected numbers (" +
-                        std::string(kMessages[index].arguments) + ")");
-    numbers.push_back(atom.number);
-  }
+      return refuse_words(kMessages[index], host);
+  // Realtime messages have few numbers, and allocate nothing.
+  std::array<double, 8> few{};
+  std::vector<double> many;
+  if (arguments.size() > few.size())
+    many.resize(arguments.size());
+  const std::span<double> numbers =
+      (many.empty() ? std::span<double>(few) : std::span<double>(many)).first(arguments.size());
+  std::transform(arguments.begin(), arguments.end(), numbers.begin(),
+                 [](const Atom& atom) { return atom.number; });
   switch (index) {
   case kHit:
     return hit(numbers, host);
@@ -144,8 +166,10 @@ void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
   if (warned_ || point.distance <= kDistanceWarningRatio * diagonal || diagonal == 0)
     return;
   warned_ = true;
-  host.log("the point is " + number_text(point.distance * 1000) +
-           " mm off the body: moved to the nearest point of its surface; reported once");
+  Sentence sentence("the point is ");
+  sentence += number_text(point.distance * 1000);
+  sentence += " mm off the body: moved to the nearest point of its surface; reported once";
+  host.log(sentence);
 }
 
 void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bool falls) {

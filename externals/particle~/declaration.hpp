@@ -64,9 +64,10 @@ inline constexpr std::array kMessages{
         "modes", "[f1 t1 g1 f2 t2 g2 ...]", 0, 3 * RingingBody::kMaxModes,
         "what the particles strike, or coins: of each mode frequency in Hz, time in s in which it "
         "falls by 60 dB, and gain, the root of its ring's energy over a grain's; none: nothing"},
-    Message{"shake", "e", 1, 1, "energy e arrives, 0 to 1000; 1: an ordinary shake or step"},
-    Message{"bang", "", 0, 0, "the last shake again; 1 at first"},
-    Message{"reset", "", 0, 0, "silence within 5 ms, no energy"},
+    realtime(
+        Message{"shake", "e", 1, 1, "energy e arrives, 0 to 1000; 1: an ordinary shake or step"}),
+    realtime(Message{"bang", "", 0, 0, "the last shake again; 1 at first"}),
+    realtime(Message{"reset", "", 0, 0, "silence within 5 ms, no energy"}),
 };
 
 inline constexpr std::array kArguments{CreationArgument{"preset"}};

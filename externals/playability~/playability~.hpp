@@ -43,7 +43,7 @@ struct PlayabilityObject {
            "0 silent, 1 periodic, 2 quasi-periodic, 3 chaotic; with each analysis"},
   };
   static constexpr std::array kMessages{
-      Message{"reset", "", 0, 0, "start anew: envelope, crossings and analysis"},
+      realtime(Message{"reset", "", 0, 0, "start anew: envelope, crossings and analysis"}),
   };
   static constexpr std::array kArguments{CreationArgument{"mode"}};
   static constexpr Declaration declaration{

@@ -9,7 +9,7 @@
 #if defined(_WIN32)
 #define MAX_EXPORT __declspec(dllexport)
 #if defined(TACTUS_MAX_STUB)
-#define MAX_IMPORT __declspec(dllexport)
+#define MAX_IMPORT /* exported by max/stub's own .def files */
 #else
 #define MAX_IMPORT __declspec(dllimport)
 #endif
@@ -103,6 +103,7 @@ MAX_IMPORT void clock_getftime(double*);
 MAX_IMPORT void* qelem_new(void*, method);
 MAX_IMPORT void qelem_set(void*);
 MAX_IMPORT void qelem_free(void*);
+MAX_IMPORT short systhread_ismainthread(void);
 MAX_IMPORT void critical_enter(t_critical);
 MAX_IMPORT void critical_exit(t_critical);
 MAX_IMPORT short locatefile_extended(char*, short*, t_fourcc*, const t_fourcc*, short);

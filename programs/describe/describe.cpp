@@ -23,6 +23,8 @@ std::string field(std::string_view name, const std::string& json) {
   return files::quoted_json(name) + ": " + json;
 }
 
+std::string flag(bool value) { return value ? "true" : "false"; }
+
 template <class List, class Write> std::string array(const List& list, Write write) {
   std::string result = "[";
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -44,7 +46,8 @@ std::string parameter(const Parameter& p) {
          ", " + field("lowest", number(p.lowest)) + ", " + field("highest", number(p.highest)) +
          ", " + field("text", files::quoted_json(p.text)) + ", " +
          field("choices", array(p.choices, files::quoted_json)) + ", " +
-         field("values", array(p.values, number)) + "}";
+         field("values", array(p.values, number)) + ", " + field("realtime", flag(p.realtime)) +
+         "}";
 }
 
 std::string message(const Message& m) {
@@ -52,12 +55,12 @@ std::string message(const Message& m) {
          field("arguments", files::quoted_json(m.arguments)) + ", " +
          field("fewest", std::to_string(m.min_arguments)) + ", " +
          field("most", std::to_string(m.max_arguments)) + ", " +
-         field("text", files::quoted_json(m.text)) + "}";
+         field("text", files::quoted_json(m.text)) + ", " + field("realtime", flag(m.realtime)) +
+         "}";
 }
 
 std::string object(const ObjectDescription& described) {
   const Declaration& d = *described.declaration;
-  const auto flag = [](bool value) { return std::string(value ? "true" : "false"); };
   return "{" + field("name", files::quoted_json(d.name)) + ",\n  " +
          field("title", files::quoted_json(d.title)) + ",\n  " +
          field("description", files::quoted_json(d.description)) + ",\n  " +

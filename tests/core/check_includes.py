@@ -20,7 +20,7 @@ NAMES = {
               "memory_order_release memory_order_seq_cst",
     "bit": "bit_cast bit_ceil bit_floor countr_zero endian popcount rotl rotr",
     "bitset": "bitset",
-    "charconv": "from_chars to_chars",
+    "charconv": "chars_format from_chars to_chars",
     "chrono": "chrono",
     "cmath": "abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh cyl_bessel_j erf erfc exp "
              "exp2 expm1 fabs floor fma fmax fmin fmod fpclassify hypot isfinite isinf isnan ldexp legendre "
@@ -34,7 +34,7 @@ NAMES = {
     "cstdint": "int16_t int32_t int64_t int8_t intptr_t uint16_t uint32_t uint64_t uint8_t uintptr_t",
     "cstdio": "FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf fwrite getchar perror printf "
               "putchar puts remove rename size_t snprintf sscanf vsnprintf",
-    "cstdlib": "abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc size_t strtod "
+    "cstdlib": "abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc realloc size_t strtod "
                "strtol strtoul strtoull system",
     "cstring": "memcmp memcpy memmove memset size_t strcmp strerror strlen strncmp",
 
@@ -52,11 +52,11 @@ NAMES = {
     "ios": "ios streamoff streamsize",
     "iostream": "cerr cin cout",
     "istream": "istream",
-    "iterator": "back_inserter distance istreambuf_iterator next prev",
+    "iterator": "istream_iterator back_inserter distance istreambuf_iterator next prev",
     "limits": "numeric_limits",
     "map": "map multimap",
     "memory": "make_shared make_unique shared_ptr static_pointer_cast unique_ptr weak_ptr",
-    "mutex": "call_once lock_guard mutex once_flag scoped_lock try_to_lock unique_lock",
+    "mutex": "call_once lock_guard mutex recursive_mutex once_flag scoped_lock try_to_lock unique_lock",
     "new": "bad_alloc set_new_handler",
     "numbers": "numbers",
     "numeric": "accumulate inner_product iota midpoint reduce",
@@ -70,9 +70,9 @@ NAMES = {
     "set": "multiset set",
     "span": "as_bytes span",
     "sstream": "istringstream ostringstream stringstream",
-    "stdexcept": "invalid_argument logic_error out_of_range runtime_error",
+    "stdexcept": "invalid_argument length_error logic_error out_of_range runtime_error",
     "stop_token": "stop_token stop_source",
-    "string": "getline stod stoi stoul string to_string u8string wstring",
+    "string": "getline stod stoi stol stoul stoull string to_string u8string wstring",
     "string_view": "string_view wstring_view",
     "system_error": "errc error_code system_error generic_category system_category",
     "thread": "jthread this_thread thread",

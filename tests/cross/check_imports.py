@@ -2,9 +2,10 @@
 """What modules for another system take and give: nothing that only the compiler's machine has.
 
     check_imports.py --objdump OBJDUMP --definitions pd/pd.def STAGE
+    check_imports.py --objdump OBJDUMP --definitions max/abi/MaxAPI.def --definitions max/abi/MaxAudio.def EXTERNALS
 
-Windows: libraries of the system and Pd's DLL alone, of Pd only what pd.def lists. Linux: libraries that
-every system with Pd and FFTW has. Everywhere a module gives one function, its set-up.
+Windows: libraries of the system and the host's DLLs alone, of these only what the .def files list. Linux:
+libraries that every system with Pd and FFTW has. Everywhere a module gives one function, its set-up.
 """
 import argparse
 import pathlib
@@ -17,24 +18,36 @@ LINUX = {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1", "libfftw3.so.3"}
 
 
 def setup_of(module):
+    if module.name.endswith(".mxe64"):
+        return "ext_main"
     name = re.sub(r"\.(m_amd64|l_arm64|(windows-amd64|linux-arm64)-64\.(dll|so))$", "", module.name)
     return name.replace("~", "_tilde") + "_setup"
 
 
-def check_windows(module, text, known):
+def hosts_of(module, definitions):
+    """DLL of the host -> names that may be taken of it."""
+    if module.name.endswith("-64.dll"): # Pd's DLL for doubles, by another name
+        return {"pd64.dll": definitions["pd.dll"]}
+    return definitions
+
+
+def check_windows(module, text, definitions):
     """Yields what is wrong with the module."""
-    pd = "pd64.dll" if module.name.endswith("-64.dll") else "pd.dll"
+    hosts = hosts_of(module, definitions)
     imports = re.split(r"DLL Name: ", text)[1:]
     libraries = {part.split("\n", 1)[0].strip().lower() for part in imports}
-    for library in sorted(libraries - WINDOWS - {pd}):
+    for library in sorted(libraries - WINDOWS - set(hosts)):
         yield f"needs {library}"
-    if pd not in libraries:
-        yield f"does not load into {pd}"
+    if not libraries & set(hosts):
+        yield f"does not load into {' and '.join(hosts)}"
     for part in imports:
-        if part.lower().startswith(pd):
+        host = part.split("\n", 1)[0].strip().lower()
+        if host in hosts:
             names = re.findall(r"^\s+[0-9a-f]+\s+\d+\s+(\w+)\s*$", part.split("DLL Name")[0], re.M)
-            for name in sorted(set(names) - known):
-                yield f"takes {name} of Pd, which pd.def does not list"
+            if not names:
+                yield f"takes nothing of {host}, as far as objdump's output was understood"
+            for name in sorted(set(names) - hosts[host]):
+                yield f"takes {name} of {host}, which no .def file lists"
     exports = re.search(r"\[Ordinal/Name Pointer\] Table\n((?:\s+\[.*\n)*)", text)
     yield from check_exports(module, re.findall(r"\]\s+(?:\+base\[\s*\d+\]\s+)?(?:[0-9a-f]+\s+)?(\w+)$",
                                                 exports.group(1) if exports else "", re.M))
@@ -57,12 +70,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("stage", type=pathlib.Path)
     parser.add_argument("--objdump", required=True)
-    parser.add_argument("--definitions", type=pathlib.Path, required=True)
+    parser.add_argument("--definitions", type=pathlib.Path, required=True, action="append")
     arguments = parser.parse_args()
-    lines = arguments.definitions.read_text().split("EXPORTS\n")[1].splitlines()
-    known = {line.split()[0] for line in lines if line}
+    known = {file.stem.lower() + ".dll": {line.split()[0] for line in file.read_text().split("EXPORTS\n")[1].splitlines()
+                                          if line} for file in arguments.definitions}
     modules = [file for file in sorted(arguments.stage.iterdir())
-               if file.name.endswith((".m_amd64", "-64.dll", ".l_arm64", "-64.so"))]
+               if file.name.endswith((".m_amd64", "-64.dll", ".l_arm64", "-64.so", ".mxe64"))]
     wrong = []
     for module in modules:
         text = subprocess.run([arguments.objdump, "-p", module], capture_output=True, text=True, check=True).stdout

@@ -1,7 +1,8 @@
 // Renders gestures by modules in the stub host, to be compared with another system's renders.
 //   render_gestures GESTURES STAGE FOLDER
 // For each gesture FOLDER/NAME.f64, the signal outlets one after another as doubles, and
-// FOLDER/NAME.txt, what left the control outlets and what was refused.
+// FOLDER/NAME.txt, what left the control outlets and what was refused; FOLDER/NAME.I.in, what went
+// into signal inlet I.
 #include "tests/pd/host.hpp"
 
 #include <cmath>
@@ -91,6 +92,14 @@ Buffers part_of(const Buffers& whole, std::size_t begin) {
   return part;
 }
 
+bool write_samples(const std::string& path, const Buffers& signals) {
+  std::ofstream file(path, std::ios::binary);
+  for (const auto& signal : signals)
+    file.write(reinterpret_cast<const char*>(signal.data()),
+               static_cast<std::streamsize>(signal.size() * sizeof(double)));
+  return file.good();
+}
+
 /// False if the box cannot be made.
 bool render(const Gesture& gesture, const std::string& stem) {
   const Declaration* declaration = declaration_of(gesture.object);
@@ -103,6 +112,8 @@ bool render(const Gesture& gesture, const std::string& stem) {
     return false;
   box.dsp(kRate, kFrames);
   const Buffers inputs = plausible_inputs(*declaration, kRate, kSamples);
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    write_samples(stem + "." + std::to_string(i) + ".in", {inputs[i]});
   const double begin_ms = host_now();
   Buffers outputs;
   std::size_t next = 0;
@@ -117,11 +128,7 @@ bool render(const Gesture& gesture, const std::string& stem) {
       outputs[i].insert(outputs[i].end(), block[i].begin(), block[i].end());
   }
   write_messages(text, begin_ms);
-  std::ofstream sound(stem + ".f64", std::ios::binary);
-  for (const auto& signal : outputs)
-    sound.write(reinterpret_cast<const char*>(signal.data()),
-                static_cast<std::streamsize>(signal.size() * sizeof(double)));
-  return sound.good() && text.good();
+  return write_samples(stem + ".f64", outputs) && text.good();
 }
 
 } // namespace

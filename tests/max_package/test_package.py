@@ -98,8 +98,8 @@ def test_the_folder_holds_what_was_given_and_says_what_was_not_run(package):
     assert (package / "media/disk.modal.npz").exists() and (package / "media/networks/drop.txt").exists()
     assert not list(package.rglob("*.pd"))
     readme = " ".join((package / "readme.md").read_text().split())
-    assert "The externals themselves are not finished" in readme
-    assert "nothing here has yet been run inside Max" in readme
+    assert "Nothing here has yet been run inside Max" in readme
+    assert "a stub of Max alone" in readme
     info = json.loads((package / "package-info.json").read_text())
     assert info["name"] == "tactus" and info["version"] == "1.2.3" and set(info["os"]) == {"windows"}
     assert "not yet run inside Max" in info["description"]

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "max/abi/max_abi.h"
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+/// Between Max's atoms and the core's.
+namespace tactus::max {
+
+/// Words point to Max's symbols, which live as long as Max.
+[[nodiscard]] std::vector<Atom> to_atoms(long count, const t_atom* atoms);
+[[nodiscard]] std::vector<t_atom> to_max_atoms(std::span<const Atom> atoms);
+
+/// gensym() for a word that does not end in a zero.
+[[nodiscard]] t_symbol* symbol_of(std::string_view word);
+
+/// Max keeps every function as one of its untyped pointers.
+template <class Function> [[nodiscard]] method method_of(Function* function) {
+  return reinterpret_cast<method>(reinterpret_cast<void (*)()>(function));
+}
+
+} // namespace tactus::max

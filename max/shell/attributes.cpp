@@ -1,0 +1,97 @@
+#include "max/shell/attributes.hpp"
+
+#include "core/declaration_text.hpp"
+#include "max/shell/atoms.hpp"
+#include "max/shell/guarded.hpp"
+#include "max/shell/max_object.hpp"
+
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace tactus::max {
+namespace {
+
+constexpr std::size_t kMaxParameters = 96;
+
+t_max_err set_parameter(Instance* instance, std::size_t index, long count, const t_atom* atoms) {
+  guarded(instance, [&](MaxObject& object) {
+    object.message(object.declaration().parameters[index].name, to_atoms(count, atoms));
+  });
+  return 0; // a refused value has had its error, and the old one stays
+}
+
+t_max_err get_parameter(Instance* instance, std::size_t index, long* count, t_atom** atoms) {
+  char was_allocated = 0;
+  if (const t_max_err failed = atom_alloc(count, atoms, &was_allocated); failed != 0)
+    return failed;
+  guarded(instance, [&](const MaxObject& object) {
+    const Atom value = object.parameter(index);
+    if (value.is_word)
+      atom_setsym(*atoms, symbol_of(value.word));
+    else
+      atom_setfloat(*atoms, value.number);
+  });
+  return 0;
+}
+
+// Max tells a setter the attribute as an object of its own, whose name only a variadic function
+// would tell: so each parameter has functions of its own.
+template <std::size_t index> t_max_err set(Instance* instance, void*, long count, t_atom* atoms) {
+  return set_parameter(instance, index, count, atoms);
+}
+template <std::size_t index> t_max_err get(Instance* instance, void*, long* count, t_atom** atoms) {
+  return get_parameter(instance, index, count, atoms);
+}
+struct Accessors {
+  t_max_err (*get)(Instance*, void*, long*, t_atom**);
+  t_max_err (*set)(Instance*, void*, long, t_atom*);
+};
+template <std::size_t... index>
+constexpr std::array<Accessors, sizeof...(index)> accessors(std::index_sequence<index...>) {
+  return {{{&get<index>, &set<index>}...}};
+}
+constexpr auto kAccessors = accessors(std::make_index_sequence<kMaxParameters>{});
+
+std::string quoted(std::string_view text) { return '"' + std::string(text) + '"'; }
+
+/// What an enumeration shows; empty for an ordinary number.
+std::string menu(const Parameter& parameter) {
+  std::string words;
+  for (const std::string_view choice : parameter.choices)
+    words += (words.empty() ? "" : " ") + std::string(choice);
+  for (const double value : parameter.values)
+    words += (words.empty() ? "" : " ") + number_text(value);
+  return words;
+}
+
+} // namespace
+
+void add_attributes(t_class* handle, const Declaration& declaration) {
+  if (declaration.parameters.size() > kMaxParameters)
+    throw std::length_error("more parameters than kMaxParameters");
+  for (std::size_t i = 0; i < declaration.parameters.size(); ++i) {
+    const Parameter& parameter = declaration.parameters[i];
+    const std::string name(parameter.name);
+    const char* type = parameter.choices.empty() ? "float64" : "symbol";
+    class_addattr(handle, attribute_new(name.c_str(), gensym(type), 0, method_of(kAccessors[i].get),
+                                        method_of(kAccessors[i].set)));
+    const auto describe = [&](const char* what, const char* kind, const std::string& text) {
+      class_attr_addattr_parse(handle, name.c_str(), what, gensym(kind), 0, text.c_str());
+    };
+    describe(
+        "label", "symbol",
+        quoted(parameter.unit.empty() ? name : name + " (" + std::string(parameter.unit) + ")"));
+    describe("category", "symbol", "Parameters");
+    describe("order", "long", std::to_string(i + 1));
+    describe("save", "long", "1");
+    if (const std::string words = menu(parameter); !words.empty()) {
+      describe("style", "symbol", "enum");
+      describe("enumvals", "atom", words);
+    }
+  }
+}
+
+} // namespace tactus::max

@@ -1,0 +1,9 @@
+#include "core/module_object.hpp"
+#include "max/abi/max_abi.h"
+#include "max/shell/max_class.hpp"
+
+// The function that Max calls after loading a module; the only one that a module exports.
+extern "C" MAX_EXPORT void ext_main(void*);
+extern "C" MAX_EXPORT void ext_main(void*) {
+  tactus::max::register_class(tactus::module_object<double>());
+}

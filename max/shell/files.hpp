@@ -1,0 +1,38 @@
+#pragma once
+
+#include "max/abi/max_abi.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Files and buffers by name, as Max users expect them to be found. Max's functions for them belong
+/// to its main thread; in another one only files beside the patcher, and by their full path, are
+/// found.
+namespace tactus::max {
+
+class Files {
+public:
+  /// The box must have been made. Main thread.
+  explicit Files(t_object* box);
+
+  /// Full path, UTF-8 with slashes, of an existing file: as it is, beside the patcher, or in Max's
+  /// search path, there also by its name without folders. Empty if there is none.
+  [[nodiscard]] std::string find(std::string_view name);
+  /// Full path for a file to be written; relative names are beside the patcher, or in Max's default
+  /// folder while it has not been saved.
+  [[nodiscard]] std::string to_write(std::string_view name);
+  /// The first channel of a buffer~; false if there is none of this name. Main thread.
+  [[nodiscard]] bool read_buffer(std::string_view name, std::vector<double>& values) const;
+
+private:
+  void look_for_folder();
+
+  t_object* box_;
+  std::string folder_; ///< where relative names are, as the main thread saw it last
+};
+
+/// Whether this is the thread to which Max's functions for files belong.
+[[nodiscard]] bool in_main_thread() noexcept;
+
+} // namespace tactus::max

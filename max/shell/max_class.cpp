@@ -1,0 +1,136 @@
+#include "max/shell/max_class.hpp"
+
+#include "max/abi/max_abi.h"
+#include "max/shell/atoms.hpp"
+#include "max/shell/attributes.hpp"
+#include "max/shell/guarded.hpp"
+#include "max/shell/max_object.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace tactus::max {
+namespace {
+
+constexpr std::size_t kMaxAssistance = 256; // Max's buffer, with the zero
+
+/// The class of this module.
+struct {
+  t_class* handle;
+  const ModuleObject<double>* module;
+} the_class{};
+
+bool processes() { return the_class.module->traits.processes; }
+
+void destroy(Instance* instance) {
+  // Only an object that was set up has a place in the signal chain.
+  if (instance->self && processes())
+    z_dsp_free(&instance->object);
+  delete instance->self;
+  instance->self = nullptr;
+}
+
+void* create(t_symbol*, long count, t_atom* atoms) {
+  auto* instance = static_cast<Instance*>(object_alloc(the_class.handle));
+  if (!instance)
+    return nullptr;
+  instance->self = nullptr;
+  bool begun = false;
+  try {
+    instance->self = new MaxObject(*instance, *the_class.module);
+  } catch (const std::exception&) {
+    object_error(&instance->object.z_ob, "%s", "not enough memory");
+  }
+  guarded(instance, [&](MaxObject& object) { begun = object.begin(to_atoms(count, atoms)); });
+  if (begun)
+    return instance;
+  object_free(instance);
+  return nullptr;
+}
+
+std::size_t inlet_of(Instance* instance) {
+  return static_cast<std::size_t>(std::max(proxy_getinlet(&instance->object.z_ob), 0L));
+}
+
+// The inlet is asked for first: it is another as soon as an outlet is used.
+void on_float(Instance* instance, double value) {
+  const std::size_t inlet = inlet_of(instance);
+  guarded(instance, [&](MaxObject& object) { object.number(inlet, value); });
+}
+void on_int(Instance* instance, t_atom_long value) {
+  on_float(instance, static_cast<double>(value));
+}
+void on_list(Instance* instance, t_symbol*, long count, t_atom* atoms) {
+  const std::size_t inlet = inlet_of(instance);
+  guarded(instance, [&](MaxObject& object) { object.list(inlet, to_atoms(count, atoms)); });
+}
+void on_bang(Instance* instance) {
+  guarded(instance, [](MaxObject& object) { object.message("bang", {}); });
+}
+void on_message(Instance* instance, t_symbol* selector, long count, t_atom* atoms) {
+  guarded(instance,
+          [&](MaxObject& object) { object.message(selector->s_name, to_atoms(count, atoms)); });
+}
+/// `symbol reset` is the message reset.
+void on_symbol(Instance* instance, t_symbol* word) { on_message(instance, word, 0, nullptr); }
+
+void on_assist(Instance*, void*, long direction, long index, char* text) {
+  const std::string words =
+      assistance(*the_class.module->traits.declaration, direction == ASSIST_INLET,
+                 static_cast<std::size_t>(std::max(index, 0L)));
+  const std::size_t size = std::min(words.size(), kMaxAssistance - 1);
+  std::copy_n(words.begin(), size, text);
+  text[size] = '\0';
+}
+
+void on_perform(t_object* object, t_object*, double** in, long in_count, double** out,
+                long out_count, long frames, long, void*) {
+  auto* instance = reinterpret_cast<Instance*>(object);
+  instance->self->perform({in, static_cast<std::size_t>(in_count)},
+                          {out, static_cast<std::size_t>(out_count)},
+                          static_cast<std::size_t>(frames));
+}
+void on_dsp(Instance* instance, t_object* chain, short* counts, double sample_rate, long max_frames,
+            long) {
+  guarded(instance, [&](MaxObject& object) {
+    object.prepare({counts, count_signal_inlets(object.declaration())}, sample_rate, max_frames);
+    dsp_add64(chain, &instance->object.z_ob, &on_perform, 0, nullptr);
+  });
+}
+
+void add_messages(t_class* handle, const Declaration& declaration) {
+  const auto add = [handle](std::string_view name) {
+    class_addmethod(handle, method_of(&on_message), std::string(name).c_str(), A_GIMME, 0);
+  };
+  class_addmethod(handle, method_of(&on_int), "int", A_LONG, 0);
+  class_addmethod(handle, method_of(&on_float), "float", A_FLOAT, 0);
+  class_addmethod(handle, method_of(&on_list), "list", A_GIMME, 0);
+  class_addmethod(handle, method_of(&on_bang), "bang", 0);
+  class_addmethod(handle, method_of(&on_symbol), "symbol", A_SYM, 0);
+  for (const Message& message : declaration.messages)
+    if (message.name != "list" && message.name != "bang")
+      add(message.name);
+  for (const std::string_view name : {"get", "dump", "anything"})
+    add(name);
+}
+
+} // namespace
+
+void register_class(const ModuleObject<double>& module) {
+  const Declaration& declaration = *module.traits.declaration;
+  t_class* handle = class_new(std::string(declaration.name).c_str(), method_of(&create),
+                              method_of(&destroy), sizeof(Instance), nullptr, A_GIMME, 0);
+  the_class = {handle, &module};
+  add_messages(handle, declaration);
+  add_attributes(handle, declaration);
+  class_addmethod(handle, method_of(&on_assist), "assist", A_CANT, 0);
+  if (module.traits.processes) {
+    class_addmethod(handle, method_of(&on_dsp), "dsp64", A_CANT, 0);
+    class_dspinit(handle);
+  }
+  class_register(gensym("box"), handle);
+}
+
+} // namespace tactus::max

@@ -1,0 +1,134 @@
+#pragma once
+
+#include "core/command.hpp"
+#include "core/module_object.hpp"
+#include "max/abi/max_abi.h"
+#include "max/shell/block_clock.hpp"
+#include "max/shell/executor.hpp"
+#include "max/shell/files.hpp"
+#include "max/shell/ports.hpp"
+#include "max/shell/published.hpp"
+#include "max/shell/signal_inlets.hpp"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// One object box in Max: the object behind its executor, its ports, clocks and files. Max's
+/// callbacks, in max_class.cpp, translate their arguments and call this.
+namespace tactus::max {
+
+class MaxObject;
+
+/// What Max allocates; everything of C++ hangs on self.
+struct Instance {
+  t_pxobject object; // first; of control objects only its first part is used
+  MaxObject* self;   // null while a constructor has failed
+};
+
+class MaxObject final : public Host, private Executor::Shell {
+public:
+  MaxObject(Instance& instance, const ModuleObject<double>& module);
+  ~MaxObject() override;
+  MaxObject(const MaxObject&) = delete;
+  MaxObject& operator=(const MaxObject&) = delete;
+
+  /// Carries out the creation arguments: positional ones, flags and messages, then by Max
+  /// attributes
+  /// (`@name value`). False after one error when they are malformed.
+  [[nodiscard]] bool begin(std::span<const Atom> arguments);
+
+  // Messages: any thread but audio's.
+  void number(std::size_t inlet, double value);
+  void list(std::size_t inlet, std::span<const Atom> atoms);
+  void message(std::string_view name, std::vector<Atom> arguments);
+  [[nodiscard]] Atom parameter(std::size_t index) const;
+  [[nodiscard]] const Declaration& declaration() const { return declaration_; }
+
+  // Audio. counts says of each of Max's signal inlets whether something is connected.
+  void prepare(std::span<const short> counts, double sample_rate, long max_frames);
+  void perform(std::span<double* const> in, std::span<double* const> out,
+               std::size_t frames) noexcept;
+
+  // Host
+  void send(std::size_t outlet, std::span<const Atom> atoms) override;
+  void info(std::span<const Atom> atoms) override;
+  void error(std::string_view sentence) override;
+  void log(std::string_view sentence) override;
+  void wake_in(std::size_t timer, double milliseconds) override;
+  [[nodiscard]] double now_ms() const override;
+  [[nodiscard]] std::string find_file(std::string_view name) const override;
+  [[nodiscard]] std::string new_file(std::string_view name) const override;
+  bool read_array(std::string_view name, std::vector<double>& values) const override;
+  bool publish(std::string_view name, const std::shared_ptr<void>& what) override;
+  [[nodiscard]] std::shared_ptr<void> find_published(std::string_view name) const override;
+  void wake_from_thread() noexcept override;
+
+private:
+  struct Timer {
+    MaxObject* owner;
+    std::size_t index;
+    void* clock;
+  };
+  static constexpr std::uint32_t kInfo = 0xffffffff; ///< in place of an outlet's index
+
+  // Executor::Shell
+  [[nodiscard]] bool audio_runs() const override;
+  void expect_audio() override;
+  void deliver(const Outbox& outbox) override;
+  void lost() noexcept override;
+
+  void get(std::span<const Atom> names);
+  void send_parameter(std::size_t index);
+  void post(QueuedCommand::Kind kind, std::size_t index = 0);
+  void carry_out_left();
+  void nudge();
+  void deliver_audio_output();
+  void leave_to_main_thread(std::string_view name, std::vector<Atom> arguments);
+  void deliver(const Output& output);
+  void say_error(std::string_view sentence);
+  [[nodiscard]] t_object* box() const { return &instance_.object.z_ob; }
+  void run_block(std::span<double* const> in, std::span<double* const> out, std::size_t first,
+                 std::size_t frames) noexcept;
+
+  static void on_timer(Timer* timer);
+  static void on_output(MaxObject* self);
+  static void on_nudge(MaxObject* self);
+  static void on_posted(MaxObject* self);
+  static void on_left(MaxObject* self);
+
+  Instance& instance_;
+  const Traits& traits_;
+  const Declaration& declaration_;
+  Ports ports_;
+  double creation_ms_; ///< on the scheduler's clock
+  SignalInlets inlets_;
+  mutable Files files_;
+  std::vector<Timer> timers_;
+  void* output_clock_; ///< set by the audio thread when it has written outputs
+  void* nudge_clock_;  ///< looks whether audio has stopped and left commands undone
+  void* posted_element_ = nullptr;
+  void* left_element_; ///< set when messages have been left to the main thread
+  std::mutex left_mutex_;
+  std::vector<Command> left_;
+  std::atomic<bool> prepared_{false}, nudge_set_{false};
+  std::atomic<unsigned> blocks_{0}, blocks_at_nudge_{0}, lost_{0};
+  std::atomic<double> nudge_ms_{50}, sample_rate_{48000};
+  unsigned lost_outputs_said_ = 0;
+  std::map<std::string, std::unique_ptr<PublishedObject>, std::less<>> published_;
+  // Of the audio thread alone.
+  BlockClock block_clock_;
+  double block_start_ms_ = 0;
+  std::vector<double*> out_;
+  std::unique_ptr<Executor> executor_;
+};
+
+} // namespace tactus::max

@@ -1,0 +1,21 @@
+#include "core/module_object.hpp"
+#include "pd/shell.hpp"
+
+// What every module does when Pd loads it: cmake/pd_setup.c.in calls it under the module's name.
+namespace tactus::pd {
+namespace {
+
+PdClass the_class{};
+
+void* create(t_symbol*, int count, t_atom* atoms) {
+  return create_instance(the_class, count, atoms);
+}
+
+} // namespace
+} // namespace tactus::pd
+
+extern "C" void tactus_pd_setup();
+extern "C" void tactus_pd_setup() {
+  tactus::pd::the_class.module = &tactus::module_object<t_sample>();
+  tactus::pd::register_class(tactus::pd::the_class, &tactus::pd::create);
+}

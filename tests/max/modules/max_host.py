@@ -1,0 +1,70 @@
+"""Runs scripts in the stub of Max (max/stub), and reads what it prints."""
+import atexit
+import json
+import os
+import pathlib
+import subprocess
+
+BUILD = pathlib.Path(os.environ["TACTUS_BUILD"])
+EXTERNALS = pathlib.Path(os.environ.get("TACTUS_MAX_EXTERNALS", BUILD / "max" / "externals"))
+SUFFIX = os.environ.get("TACTUS_MAX_SUFFIX", ".mxl")
+# The host; for another system's build, an emulator and its arguments before it, with | between.
+HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split("|")
+RATE = 48000
+if len(HOST) > 1:  # a host that waits keeps wine's server: each run then begins in a tenth of a second
+    waiting = subprocess.Popen([*HOST, "-"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    atexit.register(waiting.communicate)
+
+
+def declarations():
+    objects = json.loads((BUILD / "declarations.json").read_text())
+    return {d["name"]: d for d in objects}
+
+
+def word(value):
+    """An atom as the host's scripts write it: 3 is an int, 3.0 a float."""
+    if isinstance(value, float):
+        text = repr(value)
+        return f"#{text}" if text in ("nan", "inf") else text
+    if isinstance(value, str):
+        return f'"{value}"' if " " in value or not value else value
+    return str(value)
+
+
+class Result:
+    """What one run printed, by kind, and its exit status."""
+
+    def __init__(self, status, lines, errors):
+        self.status, self.lines, self.stderr = status, lines, errors
+
+    def of(self, kind):
+        """The texts of lines "KIND: TEXT"."""
+        return [line[len(kind) + 2:] for line in self.lines if line.startswith(kind + ": ")]
+
+    def sent(self, box, outlet=None):
+        """(milliseconds, outlet, words) of what left a box's outlets."""
+        found = []
+        for line in self.of("out"):
+            ms, name, number, *words = line.split(" ")
+            if name == box and outlet in (None, int(number)):
+                found.append((float(ms), int(number), words))
+        return found
+
+    def values(self, box):
+        """attribute -> its last value, as text."""
+        return dict(line.split(" ", 2)[1:] for line in self.of("value") if line.startswith(box + " "))
+
+
+def run(lines, timeout=300, clean=True):
+    """Runs the script; with clean, a violation of Max's rules fails the caller."""
+    text = "\n".join(lines) + "\n"
+    done = subprocess.run([*HOST, "-"], input=text, capture_output=True, text=True, timeout=timeout)
+    result = Result(done.returncode, done.stdout.splitlines(), done.stderr)
+    if clean:
+        assert not result.of("violation"), "\n".join(result.of("violation"))
+        assert done.returncode == 0, f"status {done.returncode}\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+    return result
+
+
+def load(name):
+    return f"load {EXTERNALS / (name + SUFFIX)}"

@@ -1,0 +1,144 @@
+"""What a box in Max does beside its object: inlets, time, files, buffers, what externals share."""
+import pathlib
+
+import pytest
+
+from max_host import BUILD, RATE, load, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+STAGE = BUILD / "tactus"
+ON = [f"rate {RATE}", "vector 64"]
+
+
+def levels(result, box="b"):
+    """Peak of each signal outlet."""
+    return {int(line.split()[1]): float(line.split()[2]) for line in result.of("level") if line.startswith(box + " ")}
+
+
+def test_a_number_is_the_signal_of_an_inlet_without_one():
+    lines = [load("greed~"), *ON, "new b greed~ -preset clarinet", "send b 0 float 3000.", "dsp on", "run 400", "levels b"]
+    assert levels(run(lines))[0] > 0.1
+    assert levels(run([line.replace("b 0 float", "b 1 float") for line in lines]))[0] < 1e-6  # not blown
+    both = lines[:4] + ["signal b 0 constant 0"] + lines[4:]
+    assert levels(run(both))[0] < 1e-6  # a signal stands above the number
+    integers = [line.replace("float 3000.", "int 3000") for line in lines]
+    assert levels(run(integers)) == levels(run(lines))
+    spread = [line.replace("b 0 float 3000.", "b 0 list 3000. 0. 0.") for line in lines]
+    assert levels(run(spread)) == levels(run(lines))
+
+
+def test_control_inlets_take_numbers_and_lists():
+    result = run([load("phantom"), "new b phantom", "send b 2 float 1.5", "send b 1 int 2", "send b 0 float 0.25",
+                  "send b 0 list 1. 2. 3.", "send b 1 list 4.", "send b 0 bang", "advance 50"])
+    assert not result.of("error") and result.sent("b")
+
+
+def test_a_muted_object_is_silent_and_goes_on():
+    result = run([load("greed~"), *ON, "new b greed~ -preset clarinet", "signal b 0 constant 3000", "dsp on", "run 200",
+                  "mute b 1", "levels b", "run 100", "levels b", "mute b 0", "run 100", "levels b"])
+    peaks = [float(line.split()[2]) for line in result.of("level") if line.startswith("b 0 ")]
+    assert peaks[0] > 0.1 and peaks[1] == 0 and peaks[2] > 0.1
+
+
+def test_realtime_messages_wait_for_the_next_block_and_for_no_longer_than_audio_runs():
+    box = [load("contact_impact~"), *ON, "new b contact_impact~", "dsp on", "run 4"]
+    result = run([*box, "send b 0 drop 5.", "echo sent", "run 2"])
+    said = [line for line in result.lines if line.startswith(("error", "sent", "echo"))]
+    assert len(said) == 2 and "nothing falls" in said[1], said  # refused by the audio thread, in its block
+    stopped = run([*box, "send b 0 drop 5.", "dsp off", "advance 300", "echo later"])
+    said = [line for line in stopped.lines if line.startswith(("error", "later", "echo"))]
+    assert len(said) == 2 and "nothing falls" in said[0], said  # audio has stopped meanwhile
+    muted = run([*box, "mute b 1", "send b 0 drop 5.", "echo sent"])
+    assert "nothing falls" in muted.of("error")[0]
+
+
+def test_outputs_of_audio_leave_by_a_clock():
+    result = run([load("contact_impact~"), *ON, "new b contact_impact~", "dsp on", "send b 0 strike 1.", "run 100"])
+    impacts = result.sent("b", 2)
+    assert impacts and impacts[0][2][0] == "list" and len(impacts[0][2]) == 3
+
+
+def test_a_new_chain_keeps_the_sound():
+    """Connecting another cord calls dsp64 anew: the sound is the same, bit for bit."""
+    def sound(tmp, extra):
+        run([load("greed~"), *ON, "new b greed~ -preset clarinet", "signal b 0 constant 3000", "dsp on", f"record b {tmp}",
+             "run 100", *extra, "run 100", "dsp off"])
+        return pathlib.Path(tmp).read_bytes()
+    import tempfile
+    with tempfile.TemporaryDirectory() as folder:
+        plain = sound(f"{folder}/a.f64", [])
+        assert plain == sound(f"{folder}/b.f64", ["signal b 2 constant 0", "signal b 2 none"])
+
+
+@pytest.mark.parametrize("thread", ["main", "scheduler"])
+def test_files_are_found_by_every_name(thread, tmp_path):
+    body = (STAGE / "plate.modal.npz").read_bytes()
+    (tmp_path / "beside").mkdir()
+    (tmp_path / "beside" / "mine.modal.npz").write_bytes(body)
+    (tmp_path / "flat").mkdir()
+    (tmp_path / "flat" / "drop.txt").write_bytes((ROOT / "data" / "networks" / "drop.txt").read_bytes())
+
+    def loads(object_, message, *set_up):
+        result = run([load(object_), *set_up, f"new b {object_}", f"thread {thread}", f"send b 0 {message}", "thread main",
+                      "run 0", "advance 20", "service"])
+        return result.of("error")
+
+    assert not loads("modal_impact~", "load plate.modal.npz -sync", f"searchpath {STAGE}")
+    assert not loads("modal_impact~", "load mine.modal.npz -sync", f"patcher {tmp_path}/beside/a.maxpat")
+    assert not loads("modal_impact~", f"load {STAGE}/plate.modal.npz -sync")
+    assert not loads("phantom", "network load networks/drop.txt", f"searchpath {STAGE}")
+    assert not loads("phantom", "network load networks/drop.txt", f"searchpath {tmp_path}/flat")
+    # In the scheduler's thread a word that is no file's name to look at is sought beside the patcher alone.
+    (tmp_path / "beside" / "mine").write_bytes(body)
+    assert not loads("modal_impact~", "load mine -sync", f"patcher {tmp_path}/beside/a.maxpat")
+    missing = loads("modal_impact~", "load no-such.npz -sync", f"searchpath {STAGE}")
+    assert len(missing) == 1 and "no-such.npz" in missing[0]
+
+
+def test_a_new_file_lies_beside_the_patcher(tmp_path):
+    result = run([load("phantom"), f"patcher {tmp_path}/a.maxpat", "new b phantom", "send b 0 trace t.csv", "advance 50",
+                  "send b 0 trace stop", "free b"])
+    assert not result.of("error") and (tmp_path / "t.csv").stat().st_size > 0
+
+
+def test_arrays_are_buffers():
+    result = run([load("phantom"), "buffer bx 1 64", "buffer by 2 64", "buffer bz 1 64", "new b phantom",
+                  "send b 0 path array bx by bz 500.", "send b 0 path array bx by no-such-buffer 500.", "advance 20"])
+    errors = result.of("error")
+    assert len(errors) == 1 and "no-such-buffer" in errors[0], errors
+
+
+def test_externals_share_a_device_by_name():
+    result = run([load("phantom"), load("phantom~"), *ON, "new a phantom -name arm", "new b phantom~ arm", "advance 300",
+                  "new c phantom~ arm", "advance 300", "free a", "advance 300", "new d phantom -name arm", "advance 300",
+                  "free b", "free d", "free c"])
+    def status(box):
+        return [words[1] for _, _, words in result.sent(box) if words[0] == "status"]
+    assert status("b") == ["attached", "waiting", "attached"]
+    assert any("another phantom~ has this device" in e for e in result.of("error"))
+    two = run([load("phantom"), load("phantom~"), *ON, "new a phantom -name arm", "new d phantom -name arm",
+               "new b phantom~ arm", "advance 300", "free d", "advance 300", "free b", "free a"])
+    assert [words[1] for _, _, words in two.sent("b") if words[0] == "status"] == ["attached"]  # to the first
+
+
+def test_a_refused_box_leaves_nothing():
+    result = run([load("particle~"), load("greed~"), "new b particle~ -nonsense 1", "new c greed~ clarinet",
+                  "new d greed~ -gian 1", "new e particle~ -preset maraca -gain 3", "get e gain"])
+    assert sum("could not be made" in e for e in result.of("error")) == 3, result.of("error")
+    assert result.values("e") == {"gain": "3.0"}
+
+
+def test_a_box_is_freed_while_its_worker_works():
+    lines = [load("modal_impact~"), *ON, f"searchpath {STAGE}", "dsp on"]
+    for i in range(20):
+        lines += [f"new b{i} modal_impact~", f"send b{i} 0 load plate.modal.npz", f"run {i % 3}", f"free b{i}"]
+    run([*lines, "advance 50", "service"])
+
+
+def test_vectors_of_any_length_give_the_same_sound(tmp_path):
+    sounds = {}
+    for size in (64, 1, 2048, 8192):
+        run([load("greed~"), f"rate {RATE}", f"vector {size}", "new b greed~ -preset clarinet", "signal b 0 constant 3000",
+             "send b 2 float 200.", "dsp on", f"record b {tmp_path}/{size}", f"run {16384 // size}", "dsp off"])
+        sounds[size] = (tmp_path / str(size)).read_bytes()
+    assert len(set(sounds.values())) == 1

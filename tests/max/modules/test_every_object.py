@@ -1,0 +1,212 @@
+"""What holds for every object in Max, from its own declaration: its modules, loaded by the stub of Max,
+which fails whoever breaks a rule of Max's interface, allocates or locks in the audio thread, or leaks."""
+import math
+import random
+
+import pytest
+
+from max_host import RATE, declarations, load, run, word
+
+OBJECTS = declarations()
+every_object = pytest.mark.parametrize("name", sorted(OBJECTS))
+every_signal_object = pytest.mark.parametrize("name", sorted(n for n, d in OBJECTS.items() if d["signal"]))
+# Messages that reach for the world outside, of which these tests make nothing: tests/externals does.
+OUTSIDE = {"open", "connect", "listen", "token", "backend", "firmware", "trace", "write", "devices", "solver"}
+
+
+def middle(parameter):
+    """A value within the range that is neither bound nor the initial one."""
+    if parameter["choices"]:
+        return parameter["choices"][-1]
+    if parameter["values"]:
+        return parameter["values"][-1]
+    low, high = parameter["lowest"], parameter["highest"]
+    if high - low == 1 or float(low).is_integer() and float(high).is_integer() and high - low > 50:
+        return float(math.floor((low + high) / 2)) if high - low > 1 else high - parameter["initial"]
+    return low + 0.5 * (high - low)
+
+
+def shown(parameter, value):
+    return parameter["choices"][int(value)] if parameter["choices"] and not isinstance(value, str) else value
+
+
+def same(parameter, text, value):
+    """Whether the text of an answer is the value; the sign of a rest angle follows the valve's type."""
+    if parameter["choices"]:
+        return text == value
+    return math.isclose(abs(float(text)), abs(value), rel_tol=1e-12)
+
+
+def connected(declaration, box="b"):
+    """A signal for each signal inlet, plausible for its unit."""
+    lines = []
+    for i, port in enumerate(declaration["inlets"]):
+        if port["kind"] == "signal":
+            wave = {"Pa": "constant 3000", "Hz": "constant 300"}.get(port["unit"], "sine 220 0.5")
+            lines.append(f"signal {box} {i} {wave}")
+    return lines
+
+
+@every_object
+def test_the_class_is_the_declaration(name):
+    d = OBJECTS[name]
+    result = run([load(name), f"class {name}", f"new b {name}", "describe b"])
+    attributes = {line.split(" ")[1]: line for line in result.of("attribute")}
+    assert list(attributes) == [p["name"] for p in d["parameters"]]
+    for number, p in enumerate(d["parameters"], 1):
+        line = attributes[p["name"]]
+        assert ("symbol" if p["choices"] else "float64") == line.split(" ")[2]
+        assert f" order={number} " in line and "save=1" in line and "category=" in line
+        assert not p["unit"] or f"({p['unit']})" in line
+        assert ("style=enum" in line) == bool(p["choices"] or p["values"])
+        assert all(choice in line for choice in p["choices"])
+    methods = {line.split(" ")[1] for line in result.of("method")}
+    assert {m["name"] for m in d["messages"]} | {"get", "dump", "int", "float", "list", "anything"} <= methods
+    inlets, outlets = result.of("inlet"), result.of("outlet")
+    assert len(inlets) == max(len(d["inlets"]), 1)
+    info = any(o["name"] == "info" for o in d["outlets"])
+    assert len(outlets) == len(d["outlets"]) + (0 if info else 1)
+    for ports, lines in ((d["inlets"], inlets), (d["outlets"], outlets)):
+        for port, line in zip(ports, lines):
+            assert port["name"] in line and port["text"][:100] in line
+            assert (line.split(" ")[2] == "signal") == (port["kind"] == "signal")
+
+
+@every_object
+def test_every_attribute_holds_its_range_and_refuses_what_is_outside(name):
+    d = OBJECTS[name]
+    for p in d["parameters"]:
+        good = [p["choices"][0], p["choices"][-1]] if p["choices"] else [p["lowest"], p["highest"], middle(p)]
+        bad = ["no-such-word"] if p["choices"] else \
+            [p["lowest"] - 1.0, p["highest"] * 1.01 + 1.0, math.nan, math.inf, "word"]
+        lines = [load(name), f"new b {name}", f"get b {p['name']}"]
+        for value in good:
+            lines += [f"send b 0 {p['name']} {word(value)}", f"get b {p['name']}"]
+        for value in bad:
+            lines += [f"set b {p['name']} {word(value)}", f"get b {p['name']}"]
+        lines += [f"send b 0 get {p['name']}", f"send b 0 get{p['name']}", "free b"]
+        result = run(lines)
+        values = [line.split(" ", 2)[2] for line in result.of("value")]
+        assert same(p, values[0], shown(p, p["initial"])), (p["name"], values[0])
+        for value, text in zip(good, values[1:]):
+            assert same(p, text, value), (p["name"], value, text)
+        assert set(values[len(good):]) == {values[len(good)]}, "the old value stays"
+        errors = result.of("error")
+        assert len(errors) == len(bad) and all(p["name"] in e and "expected" in e for e in errors), errors
+        answers = [words for _, _, words in result.sent("b") if words[0] == p["name"]]
+        assert len(answers) == 2 and answers[0] == answers[1] and same(p, answers[0][1], good[-1]), answers
+
+
+@every_object
+def test_attributes_flags_and_integers_set_parameters_in_the_box(name):
+    d = OBJECTS[name]
+    if not d["parameters"]:
+        return
+    for sign in "@-":
+        arguments = " ".join(f"{sign}{p['name']} {word(middle(p))}" for p in d["parameters"])
+        result = run([load(name), f"new b {name} {arguments}", *(f"get b {p['name']}" for p in d["parameters"])])
+        assert not result.of("error")
+        for p in d["parameters"]:
+            # Some set others: a type the angle's sign, run the gait.
+            if p["name"] not in ("theta0", "run", "gait"):
+                assert same(p, result.values("b")[p["name"]], middle(p)), p["name"]
+    p = next((p for p in d["parameters"] if not p["choices"] and p["highest"] >= 1 >= p["lowest"]), None)
+    if p:
+        assert abs(float(run([load(name), f"new b {name} @{p['name']} 1", f"get b {p['name']}"]).values("b")[p["name"]])) == 1  # a rest angle's sign follows type
+    refused = run([load(name), f"new b {name} -no-such-flag 1"])
+    assert len(refused.of("error")) == 2 and "could not be made" in refused.of("error")[1]
+    unknown = run([load(name), f"new b {name} @no-such-attribute 1", "describe b"])
+    assert len(unknown.of("error")) == 1 and unknown.of("inlet")
+
+
+@every_object
+def test_a_wrong_number_of_arguments_is_one_error(name):
+    d = OBJECTS[name]
+    lines, expected = [load(name), f"new b {name}"], 0
+    for m in d["messages"]:
+        for count in (m["fewest"] - 1, m["most"] + 1):
+            if 0 <= count <= 70 and m["name"] not in ("bang", "list"):
+                lines.append(f"send b 0 {m['name']} " + " ".join(["1."] * count))
+                expected += 1
+    lines += ["send b 0 no-such-message", "send b 0 get no-such-parameter"]
+    errors = run(lines).of("error")
+    assert len(errors) == expected + 2, errors
+
+
+def fuzz(d, generator, box):
+    """One message: mostly of the declaration, with mostly plausible atoms."""
+    words = {"word", "no-such-file", "%n%s", "left", "auto", "all", "none"}
+    for m in d["messages"]:
+        words |= {w for w in m["arguments"].replace("|", " ").replace("[", " ").replace("]", " ").split()
+                  if w.isalnum()}
+    words -= OUTSIDE | {"load"}
+    words = sorted(words)
+
+    def atom():
+        kind = generator.random()
+        if kind < 0.1:
+            return generator.choice([math.nan, math.inf, -1e300, 0.0, 1e-320])
+        if kind < 0.3:
+            return generator.randint(-3, 20)
+        return generator.choice(words) if kind < 0.45 else generator.uniform(-2, 5) * 10 ** generator.uniform(-2, 2)
+
+    inlet = generator.randrange(max(len(d["inlets"]), 1))
+    selectors = [m for m in d["messages"] if m["name"] not in OUTSIDE]
+    kind = generator.random()
+    if kind < 0.45 and selectors:
+        m = generator.choice(selectors)
+        count = generator.randint(max(m["fewest"] - 1, 0), min(m["most"] + 1, 12))
+        selector, atoms = m["name"], [atom() for _ in range(count)]
+        if selector == "bang":
+            atoms = []
+    elif kind < 0.8 and d["parameters"]:
+        p = generator.choice(d["parameters"])
+        inside = generator.uniform(p["lowest"], p["highest"])
+        selector, atoms = p["name"], [generator.choice(p["choices"]) if p["choices"] else inside]
+    else:
+        selector = generator.choice(["float", "int", "list", "get", "dump", "bang", "symbol"])
+        atoms = {"float": [generator.uniform(-1, 1)], "int": [3], "bang": [], "dump": [], "get": [],
+                 "symbol": [generator.choice(words)]}.get(selector) or [atom() for _ in range(3)]
+        if selector in ("dump", "get", "bang"):
+            atoms = []
+    return f"send {box} {inlet} {selector} " + " ".join(map(word, atoms))
+
+
+@every_object
+@pytest.mark.parametrize("overdrive", ["on", "off"])
+def test_any_message_while_audio_runs(name, overdrive):
+    """Thousands of vectors of all sizes, rates and kinds of memory, while anything is sent from the main
+    thread and from the scheduler's; then freed while audio runs."""
+    d, generator = OBJECTS[name], random.Random(name + overdrive)
+    lines = [load(name), f"overdrive {overdrive}", f"rate {RATE}", "vector 64", f"new b {name}", *connected(d), "dsp on"]
+    vectors = 0
+    for size, rate, memory in ((64, 48000, "off"), (1, 44100, "same"), (16, 96000, "crossed"), (512, 48000, "off"),
+                               (2048, 48000, "same"), (64, 192000, "crossed")):
+        lines += ["dsp off", f"rate {rate}", f"vector {size}", f"inplace {memory}", "dsp on"]
+        for _ in range(60):
+            thread = generator.choice(["main", "scheduler"]) if overdrive == "on" else "main"
+            lines += [f"thread {thread}", fuzz(d, generator, "b"), "thread main", f"run {max(1, 256 // size)}"]
+            vectors += max(1, 256 // size)
+    lines += [f"run {max(64, 3000 - vectors)}", "free b"]
+    result = run(lines)
+    assert not [e for e in result.of("error") if "lost" in e]
+
+
+@every_signal_object
+def test_realtime_messages_run_in_the_audio_thread(name):
+    """Each, with good and bad arguments, is carried out at the start of the next vector: the stub fails an
+    object that allocates there."""
+    d = OBJECTS[name]
+    lines = [load(name), f"new b {name}", *connected(d), f"rate {RATE}", "vector 64", "dsp on", "run 4"]
+    arguments = ["", "1.", "0.5 1.", "left", "right 0.3 0.4", "-7e9 1. 2.", "word", "1. 2. 3. 4.", "90.", "0. 0.",
+                 "0. 0.2 0.3 1.", "1e9 1. 1. 1."]
+    for m in d["messages"]:
+        if m["realtime"]:
+            for given in arguments:
+                if m["fewest"] <= len(given.split()) <= m["most"]:
+                    lines += [f"send b 0 {m['name']} {given}", "run 3"]
+    for p in d["parameters"]:
+        if p["realtime"]:
+            for value in (middle(p), shown(p, p["initial"])):
+                lines += [f"send b 0 {p['name']} {word(value)}", "run 3"]
+    run([*lines, "free b"])
