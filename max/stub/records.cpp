@@ -118,13 +118,6 @@ Record* require_record(const void* address, Kind kind, const char* function) {
   return nullptr;
 }
 
-bool end_record(Record& record, const char* function) {
-  if (record.alive.exchange(false))
-    return true;
-  violation(std::string(function) + ": double free of " + kind_name(record.kind));
-  return false;
-}
-
 void report_leaks(const Object* owner) {
   for (Record* record : table().all()) {
     const bool to_free = record->kind == Kind::kProxy || record->kind == Kind::kClock ||
