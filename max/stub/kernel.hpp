@@ -155,8 +155,6 @@ void add_record(const void* address, Record* record);
 template <class Type> Type* require(const void* address, const char* function) {
   return static_cast<Type*>(require_record(address, Type::kKind, function));
 }
-/// Marks as freed; false and a violation if it was freed before.
-bool end_record(Record& record, const char* function);
 /// Violations for all living records of owner (null: of nobody) that an external had to free.
 void report_leaks(const Object* owner);
 [[nodiscard]] std::mutex& kernel_mutex();

@@ -211,7 +211,7 @@ t_max_err object_free(void* x) {
     record->alive = false;
     return 0;
   default:
-    violation(std::string("object_free: a ") + kind_name(record->kind) + " is not freed so");
+    violation(std::string("object_free does not free this kind: ") + kind_name(record->kind));
     return -1;
   }
 }

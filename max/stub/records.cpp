@@ -85,6 +85,15 @@ const char* kind_name(Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+namespace {
+std::string with_article(Kind kind) {
+  const std::string name = kind_name(kind);
+  if (kind == Kind::kAtoms)
+    return name;
+  return (name.find_first_of("ao") == 0 ? "an " : "a ") + name;
+}
+} // namespace
+
 void add_record(const void* address, Record* record) {
   record->owner = current_call() ? current_call()->object : nullptr;
   table().add(address, record);
@@ -99,21 +108,14 @@ Record* require_record(const void* address, Kind kind, const char* function) {
   if (!address)
     violation(start + "null instead of " + kind_name(kind));
   else if (!record)
-    violation(start + "not a " + kind_name(kind) + " that Max gave");
+    violation(start + "not " + with_article(kind) + " that Max gave");
   else if (record->kind != kind)
-    violation(start + "a " + kind_name(record->kind) + " instead of " + kind_name(kind));
+    violation(start + with_article(record->kind) + " instead of " + kind_name(kind));
   else if (!record->alive)
-    violation(start + "use of a " + kind_name(kind) + " after it was freed");
+    violation(start + "use of " + with_article(kind) + " after it was freed");
   else
     return record;
   return nullptr;
-}
-
-bool end_record(Record& record, const char* function) {
-  if (record.alive.exchange(false))
-    return true;
-  violation(std::string(function) + ": double free of " + kind_name(record.kind));
-  return false;
 }
 
 void report_leaks(const Object* owner) {

@@ -45,8 +45,6 @@ public:
   [[nodiscard]] Object& box(const Token& id) const;
 
 private:
-  friend void run_threads(Script& script, std::uint64_t vectors, std::span<const Line> lines);
-
   // Boxes (commands_boxes.cpp).
   void load(Arguments a);
   void describe_class(Arguments a);

@@ -42,23 +42,30 @@ Sent prepare(const Script& script, Script::Arguments a) {
     sent.atoms.push_back(to_atom(token));
   return sent;
 }
+struct Work {
+  std::vector<Line> main_lines{};
+  std::vector<Sent> scheduled{};
+};
+Work read_work(const Script& script, std::span<const Line> lines) {
+  Work work;
+  for (const Line& line : lines) {
+    const Script::Arguments rest = Script::Arguments(line).subspan(1);
+    if (line.front().text == "main" && !rest.empty())
+      work.main_lines.emplace_back(rest.begin(), rest.end());
+    else if (line.front().text == "scheduler")
+      work.scheduled.push_back(prepare(script, rest));
+    else
+      throw ScriptError("between threads and end: main COMMAND or scheduler COMMAND");
+  }
+  return work;
+}
 double audio_ms() {
   return 1000.0 * static_cast<double>(sample_position()) / audio_settings().sample_rate;
 }
 } // namespace
 
 void run_threads(Script& script, std::uint64_t vectors, std::span<const Line> lines) {
-  std::vector<Line> main_lines;
-  std::vector<Sent> scheduled;
-  for (const Line& line : lines) {
-    const Script::Arguments rest = Script::Arguments(line).subspan(1);
-    if (line.front().text == "main" && !rest.empty())
-      main_lines.emplace_back(rest.begin(), rest.end());
-    else if (line.front().text == "scheduler")
-      scheduled.push_back(prepare(script, rest));
-    else
-      throw ScriptError("between threads and end: main COMMAND or scheduler COMMAND");
-  }
+  const Work work = read_work(script, lines);
   std::atomic<std::uint64_t> main_rounds{0}, scheduler_rounds{0};
   std::atomic<bool> done{false};
   std::vector<std::string> from_main, from_scheduler, from_audio;
@@ -78,7 +85,7 @@ void run_threads(Script& script, std::uint64_t vectors, std::span<const Line> li
     collect_lines(&from_scheduler);
     set_role(Role::kScheduler);
     while (!done.load(std::memory_order_relaxed)) {
-      for (const Sent& sent : scheduled)
+      for (const Sent& sent : work.scheduled)
         sent.run();
       advance_clocks(audio_ms());
       scheduler_rounds.fetch_add(1, std::memory_order_relaxed);
@@ -89,7 +96,7 @@ void run_threads(Script& script, std::uint64_t vectors, std::span<const Line> li
   std::string error;
   try {
     while (!done.load(std::memory_order_relaxed)) {
-      for (const Line& line : main_lines)
+      for (const Line& line : work.main_lines)
         script.execute(line);
       run_low_priority();
       main_rounds.fetch_add(1, std::memory_order_relaxed);

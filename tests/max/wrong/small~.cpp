@@ -91,6 +91,10 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
     out[0][i] = silent ? 0 : in[0][i] * (connected ? in[1][i] : scalar) * gain;
   if (wrong("writes before a vector"))
     out[0][-1] = 0;
+  if (wrong("writes before an input"))
+    in[0][-1] = 0;
+  if (wrong("changes the table of vectors"))
+    in[0] = nullptr;
   if (wrong("writes to an input"))
     in[0][0] = 2;
   if (wrong("reads past a vector"))
@@ -135,7 +139,54 @@ void float_message(Small* x, double value) {
 }
 void int_message(Small* x, t_atom_long value) { float_message(x, static_cast<double>(value)); }
 
+void loadbang(Small* x) { outlet_bang(x->message_outlet); }
+
+/// Calls that no object may make in a message.
+void misuse(Small* x) {
+  t_object own{};
+  if (wrong("z_dsp_free in a message"))
+    z_dsp_free(&x->header);
+  if (wrong("class outside ext_main"))
+    class_new("late~", erased(loadbang), nullptr, 100, nullptr, A_GIMME, 0);
+  if (wrong("object_alloc in a message"))
+    object_alloc(small_class);
+  if (wrong("attr_args_process in a message"))
+    attr_args_process(x, 0, nullptr);
+  if (wrong("frees a proxy of z_dsp_setup"))
+    object_free(x->header.z_proxy);
+  if (wrong("frees an outlet"))
+    object_free(x->message_outlet);
+  if (wrong("posts for an object of its own"))
+    object_post(&own, "hello");
+  if (wrong("file of what is no patcher"))
+    jpatcher_get_filepath(&x->header.z_ob);
+  if (wrong("outlet as clock"))
+    clock_fdelay(x->message_outlet, 1);
+  if (wrong("outlet that Max did not give"))
+    outlet_bang(x->scratch);
+  if (wrong("null as outlet"))
+    outlet_bang(nullptr);
+  if (wrong("negative delay"))
+    clock_fdelay(x->clock, -1);
+  if (wrong("critical region of its own"))
+    critical_enter(reinterpret_cast<t_critical>(x));
+  if (wrong("negative count of atoms"))
+    outlet_list(x->message_outlet, nullptr, -1, nullptr);
+  if (wrong("list with a selector"))
+    outlet_list(x->message_outlet, gensym("words"), 0, nullptr);
+  if (wrong("buffer unlocked twice"))
+    if (t_buffer_obj* samples = buffer_ref_getobject(x->buffer))
+      buffer_unlocksamples(samples);
+  if (wrong("null where null is not allowed")) {
+    gensym(nullptr);
+    clock_getftime(nullptr);
+    atom_alloc(nullptr, nullptr, nullptr);
+    qelem_new(x, nullptr);
+  }
+}
+
 void bang(Small* x) {
+  misuse(x);
   clock_fdelay(x->clock, 5);
   if (wrong("double free"))
     object_free(stray_clock);
@@ -178,7 +229,8 @@ void find_file(Small* x, const char* wanted) {
     return;
   }
   path_topathname(wrong("path that Max did not give") ? 99 : folder, name, found);
-  path_nameconform(found, path, PATH_STYLE_SLASH, PATH_TYPE_ABSOLUTE);
+  path_nameconform(found, path, wrong("no style of paths") ? 9 : PATH_STYLE_SLASH,
+                   PATH_TYPE_ABSOLUTE);
   t_atom atom;
   atom_setsym(&atom, gensym(path));
   outlet_anything(x->message_outlet, gensym("found"), 1, &atom);
@@ -222,9 +274,12 @@ void anything(Small* x, t_symbol* s, long count, t_atom* atoms) {
   outlet_anything(x->message_outlet, wrong("symbol of its own") ? &own : s,
                   static_cast<short>(count), atoms);
 }
-void on_clock(Small* x) { outlet_bang(x->message_outlet); }
+void on_clock(Small* x) {
+  if (wrong("proxy_getinlet in a clock"))
+    proxy_getinlet(&x->header.z_ob);
+  outlet_bang(x->message_outlet);
+}
 void on_qelem(Small* x) { x->vectors = 0; }
-void loadbang(Small* x) { outlet_bang(x->message_outlet); }
 
 void assist(Small*, void*, long direction, long index, char* text) {
   const char* what = direction == ASSIST_INLET
@@ -240,7 +295,7 @@ void assist(Small*, void*, long direction, long index, char* text) {
 t_max_err get_gain(Small* x, void*, long* count, t_atom** atoms) {
   static t_atom own;
   char allocated = 0;
-  if (wrong("getter without atom_alloc")) {
+  if (wrong("getter without atom_alloc") || (wrong("getter ignores given atoms") && *atoms)) {
     *count = 1;
     *atoms = &own;
   } else
@@ -286,6 +341,12 @@ void free_small(Small* x) {
     object_free(x->buffer);
   if (wrong("clock used after free"))
     clock_fdelay(x->clock, 1);
+  if (wrong("z_dsp_free twice"))
+    z_dsp_free(&x->header);
+  static Small* first = nullptr;
+  if (wrong("writes to freed memory") && first)
+    first->inlet_of_proxy = 1;
+  first = x;
   if (wrong("outlet in the free method"))
     outlet_bang(x->message_outlet);
   if (!wrong("memory freed before z_dsp_free"))
@@ -299,7 +360,9 @@ void make_outlets(Small* x) {
     x->dumpout = outlet_new(x, nullptr);
   } else {
     x->dumpout = outlet_new(x, nullptr);
-    x->message_outlet = outlet_new(x, nullptr);
+    x->message_outlet = outlet_new(x, wrong("outlet of no type")      ? "audio"
+                                      : wrong("outlet of other type") ? "bang"
+                                                                      : nullptr);
     x->signal_outlet = outlet_new(x, wrong("outlet without signal") ? nullptr : "signal");
   }
   object_obex_store(x, gensym("dumpout"), static_cast<t_object*>(x->dumpout));
@@ -311,7 +374,7 @@ void make_inlets(Small* x) {
   const long signals = wrong("too few signal inlets") ? 1 : 2;
   if (wrong("proxy after z_dsp_setup"))
     z_dsp_setup(&x->header, signals);
-  x->proxy = proxy_new(x, 2, &x->inlet_of_proxy);
+  x->proxy = proxy_new(x, 2, wrong("proxy without an address") ? nullptr : &x->inlet_of_proxy);
   if (!wrong("proxy after z_dsp_setup"))
     z_dsp_setup(&x->header, signals);
   if (wrong("z_dsp_setup twice"))
@@ -338,6 +401,8 @@ void* new_small(t_symbol*, long count, t_atom* atoms) {
   }
   if (!wrong("attributes are not processed"))
     attr_args_process(x, static_cast<short>(count), atoms);
+  if (wrong("attributes are processed twice"))
+    attr_args_process(x, static_cast<short>(count), atoms);
   if (wrong("atoms leak")) {
     long one = 0;
     t_atom* leaked = nullptr;
@@ -349,6 +414,27 @@ void* new_small(t_symbol*, long count, t_atom* atoms) {
   if (wrong("returns nothing"))
     return nullptr;
   return x;
+}
+
+/// Declarations that Max does not take.
+void misdeclare(t_class* c) {
+  if (wrong("A_CANT not alone"))
+    class_addmethod(c, erased(bang), "other", A_CANT, A_LONG, 0);
+  if (wrong("method without a function"))
+    class_addmethod(c, nullptr, "other", 0);
+  if (wrong("method as the attribute"))
+    class_addmethod(c, erased(bang), "gain", 0);
+  if (wrong("attribute as the method"))
+    class_addattr(c,
+                  attribute_new("bang", gensym("float64"), 0, erased(get_gain), erased(set_gain)));
+  if (wrong("attribute without a getter"))
+    class_addattr(c, attribute_new("other", gensym("float64"), 0, nullptr, erased(set_gain)));
+  if (wrong("attribute without a setter"))
+    class_addattr(c, attribute_new("other", gensym("float64"), 0, erased(get_gain), nullptr));
+  if (wrong("property that Max does not know"))
+    class_attr_addattr_parse(c, "gain", "colour", gensym("symbol"), 0, "red");
+  if (wrong("class_dspinit twice"))
+    class_dspinit(c);
 }
 
 void add_attribute(t_class* c) {
@@ -373,7 +459,9 @@ extern "C" MAX_EXPORT void ext_main(void*) {
   t_class* c =
       class_new(kName, erased(new_small), wrong("no free method") ? nullptr : erased(free_small),
                 static_cast<long>(size), nullptr, A_GIMME, 0);
-  class_addmethod(c, erased(dsp64), "dsp64", wrong("other types than Max's") ? A_GIMME : A_CANT, 0);
+  if (!wrong("no dsp64"))
+    class_addmethod(c, erased(dsp64), "dsp64", wrong("other types than Max's") ? A_GIMME : A_CANT,
+                    0);
   class_addmethod(c, erased(assist), "assist", A_CANT, 0);
   class_addmethod(c, erased(loadbang), "loadbang", A_CANT, 0);
   class_addmethod(c, erased(bang), "bang", 0);
@@ -393,7 +481,15 @@ extern "C" MAX_EXPORT void ext_main(void*) {
   add_attribute(c);
   if (!wrong("no class_dspinit"))
     class_dspinit(c);
+  misdeclare(c);
+  if (wrong("registers no class"))
+    return;
   class_register(gensym(wrong("other name space") ? "boxes" : "box"), c);
+  if (wrong("class twice"))
+    class_register(gensym("box"), class_new(kName, erased(new_small), nullptr,
+                                            static_cast<long>(size), nullptr, A_GIMME, 0));
+  if (wrong("class_dspinit after class_register"))
+    class_dspinit(c);
   if (wrong("method after class_register"))
     class_addmethod(c, erased(bang), "late", 0);
   small_class = c;
