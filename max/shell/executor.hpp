@@ -16,8 +16,10 @@
 /// allocate nothing (parameters, messages declared realtime) are carried out by the audio thread at
 /// the start of its next block. All others by the message thread that gets the object's token: it
 /// empties the queue, those of other threads too, gives the token back and then sends what the
-/// object wanted to send. The audio thread tries the token once a block; in the rare block in which
-/// a message thread has it, the caller gets false and plays silence.
+/// object wanted to send. When a message thread has the token as a block begins, it gives it back
+/// after the command at hand; the audio thread tries for some 30 microseconds, a bounded number of
+/// times. A command that takes longer, such as one that loads, costs the block: the caller gets
+/// false and plays silence.
 namespace tactus::max {
 
 class Executor {
@@ -58,6 +60,7 @@ public:
 
 private:
   void carry_out(const QueuedCommand& command);
+  [[nodiscard]] bool take_for_block() noexcept;
   void wait_for_token();
 
   std::unique_ptr<AnyObject<double>> object_;
@@ -69,6 +72,7 @@ private:
   ParameterView view_;
   OutputRing audio_output_;
   std::atomic<unsigned> lost_outputs_{0};
+  std::atomic<bool> audio_waits_{false}; ///< a block has begun, and a message thread has the token
   // What follows belongs to the holder of the token.
   Outbox* outbox_ = nullptr; // null: the audio thread holds it
   double sample_rate_ = 0;
