@@ -43,8 +43,8 @@ void check_construction(Object& object) {
       violation(start + "a signal outlet of a class without class_dspinit");
   for (std::size_t i = 0; i < object.outlets.size() && c.find("assist"); ++i) {
     const std::string text = assist_text(object, ASSIST_OUTLET, static_cast<long>(i));
-    const bool says_signal = text.rfind("(signal", 0) == 0;
-    if (says_signal != object.outlets[i]->signal() && (says_signal || text.rfind("(", 0) == 0))
+    const bool says_signal = text.starts_with("(signal");
+    if (says_signal != object.outlets[i]->signal() && (says_signal || text.starts_with('(')))
       violation(start + "outlet " + std::to_string(i) + " is " +
                 (object.outlets[i]->signal() ? "a" : "no") +
                 " signal outlet, but assist says: " + text);

@@ -4,7 +4,6 @@
 #include "max/stub/utf8.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 namespace tactus::stub {
 namespace {
@@ -21,8 +20,8 @@ short number_of(const std::string& folder) {
   return static_cast<short>(folders.size());
 }
 void give(const std::string& text, char* to, std::size_t size) {
-  std::memset(to, 0, size);
-  std::memcpy(to, text.data(), std::min(text.size(), size - 1));
+  std::fill_n(to, size, '\0');
+  std::copy_n(text.data(), std::min(text.size(), size - 1), to);
 }
 /// The folders that Max looks into: the patcher's first.
 std::vector<std::string> searched() {
