@@ -14,10 +14,12 @@
 #if defined(STUB_SANITIZER)
 #include <cstddef>
 
+// NOLINTBEGIN(bugprone-reserved-identifier): a name of the sanitizers' library
 // Of <sanitizer/allocator_interface.h>, which g++ does not bring along.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*,
                                                                   std::size_t),
                                                          void (*)(const volatile void*));
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace tactus::stub {
 void install_realtime_watch() {
@@ -38,6 +40,7 @@ void watch_module(void*) {}
 
 #define INTERPOSED extern "C" __attribute__((visibility("default")))
 
+// NOLINTBEGIN(bugprone-reserved-identifier): names of the C library
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
@@ -45,6 +48,7 @@ void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 void __libc_free(void*);
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace tactus::stub {
 namespace {

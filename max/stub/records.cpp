@@ -87,7 +87,7 @@ const char* kind_name(Kind kind) {
 
 namespace {
 std::string with_article(Kind kind) {
-  const std::string name = kind_name(kind);
+  std::string name = kind_name(kind);
   if (kind == Kind::kAtoms)
     return name;
   return (name.find_first_of("ao") == 0 ? "an " : "a ") + name;
