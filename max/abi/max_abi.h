@@ -72,15 +72,10 @@ MAX_IMPORT t_max_err class_addattr(t_class*, t_object*);
 MAX_IMPORT t_max_err class_attr_addattr_parse(t_class*, const char*, const char*, t_symbol*, long,
                                               const char*);
 MAX_IMPORT t_max_err class_register(t_symbol*, t_class*);
-MAX_IMPORT t_class* class_findbyname(t_symbol*, t_symbol*);
 MAX_IMPORT t_object* attribute_new(const char*, t_symbol*, long, method, method);
 MAX_IMPORT void attr_args_process(void*, short, t_atom*);
-MAX_IMPORT long attr_args_offset(short, t_atom*);
 MAX_IMPORT void* object_alloc(t_class*);
 MAX_IMPORT t_max_err object_free(void*);
-MAX_IMPORT void* object_register(t_symbol*, t_symbol*, void*);
-MAX_IMPORT t_max_err object_unregister(void*);
-MAX_IMPORT void* object_findregistered(t_symbol*, t_symbol*);
 MAX_IMPORT t_max_err object_obex_store(void*, t_symbol*, t_object*);
 MAX_IMPORT t_max_err object_obex_lookup(void*, t_symbol*, t_object**);
 MAX_IMPORT void object_post(t_object*, const char*, ...);

@@ -249,10 +249,3 @@ t_max_err class_register(t_symbol* name_space, t_class* c) {
   registered.push_back(c);
   return 0;
 }
-
-t_class* class_findbyname(t_symbol* name_space, t_symbol* name) {
-  const ApiCall call("class_findbyname", kMessageThreads);
-  if (!check_symbol(name_space, "class_findbyname") || !check_symbol(name, "class_findbyname"))
-    return nullptr;
-  return find_class(name_of(name));
-}

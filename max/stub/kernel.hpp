@@ -249,7 +249,6 @@ struct Object : Record {
   std::map<const t_symbol*, t_object*> obex{};
   long signal_inlets = 0;
   bool constructed = false, attributes_processed = false, dsp_set_up = false, dsp_freed = false;
-  bool registered = false;
   Performer* performer = nullptr;      ///< in the signal chain
   std::atomic<bool> performing{false}; ///< it has added itself to the chain, and audio is on
   [[nodiscard]] t_object* header() const { return reinterpret_cast<t_object*>(block.data()); }

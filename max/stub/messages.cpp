@@ -255,18 +255,19 @@ std::string assist_text(Object& object, long direction, long index) {
   return text.data();
 }
 
-} // namespace tactus::stub
-
-using namespace tactus::stub;
-
-long attr_args_offset(short count, t_atom* atoms) {
-  const ApiCall api("attr_args_offset");
-  check_atoms(count, atoms, "attr_args_offset");
+namespace {
+/// Where the attribute arguments begin.
+long attributes_offset(long count, const t_atom* atoms) {
   for (long i = 0; i < count; ++i)
     if (atoms[i].a_type == A_SYM && name_of(atoms[i].a_w.w_sym).substr(0, 1) == "@")
       return i;
   return count;
 }
+} // namespace
+
+} // namespace tactus::stub
+
+using namespace tactus::stub;
 
 void attr_args_process(void* x, short count, t_atom* atoms) {
   const ApiCall api("attr_args_process", static_cast<unsigned>(Role::kMain));
@@ -278,10 +279,10 @@ void attr_args_process(void* x, short count, t_atom* atoms) {
   if (object->attributes_processed)
     violation("attr_args_process: twice");
   object->attributes_processed = true;
-  for (long i = attr_args_offset(count, atoms); i < count;) {
+  for (long i = attributes_offset(count, atoms); i < count;) {
     const std::string_view name = name_of(atoms[i].a_w.w_sym).substr(1);
     long end = i + 1;
-    end += attr_args_offset(static_cast<short>(count - end), atoms + end);
+    end += attributes_offset(count - end, atoms + end);
     if (object->type->attribute(name))
       set_attribute(*object, name, {atoms + i + 1, static_cast<std::size_t>(end - i - 1)});
     else

@@ -10,7 +10,6 @@
 namespace tactus::stub {
 namespace {
 std::vector<Object*> living;
-std::map<std::pair<const t_symbol*, const t_symbol*>, void*> named; // by object_register
 
 struct Patcher : Record {
   Patcher() : Record(Kind::kPatcher) { header.o_magic = kMagic; }
@@ -134,8 +133,6 @@ void free_object(Object& object) {
   if (object.type->dsp && object.dsp_set_up && !object.dsp_freed)
     violation(object.text() + ": z_dsp_free was not called by the free method");
   remove_from_chain(object);
-  if (object.registered)
-    violation(object.text() + ": freed while registered by object_register");
   if (object.header()->o_magic != kMagic)
     violation(object.text() + ": its header was overwritten");
   if (!object.block.guards_intact())
@@ -214,38 +211,6 @@ t_max_err object_free(void* x) {
     violation(std::string("object_free does not free this kind: ") + kind_name(record->kind));
     return -1;
   }
-}
-
-void* object_register(t_symbol* name_space, t_symbol* name, void* x) {
-  const ApiCall api("object_register");
-  Object* object = require_object(x, "object_register");
-  if (!object || !check_symbol(name_space, "object_register") ||
-      !check_symbol(name, "object_register"))
-    return nullptr;
-  const std::lock_guard lock(kernel_mutex());
-  const auto [entry, fresh] = named.emplace(std::pair{name_space, name}, x);
-  if (fresh)
-    object->registered = true;
-  return fresh ? x : nullptr;
-}
-t_max_err object_unregister(void* x) {
-  const ApiCall api("object_unregister");
-  Object* object = require_object(x, "object_unregister");
-  const std::lock_guard lock(kernel_mutex());
-  std::erase_if(named, [&](const auto& entry) { return entry.second == x; });
-  if (!object || !object->registered)
-    return -1;
-  object->registered = false;
-  return 0;
-}
-void* object_findregistered(t_symbol* name_space, t_symbol* name) {
-  const ApiCall api("object_findregistered");
-  if (!check_symbol(name_space, "object_findregistered") ||
-      !check_symbol(name, "object_findregistered"))
-    return nullptr;
-  const std::lock_guard lock(kernel_mutex());
-  const auto found = named.find({name_space, name});
-  return found == named.end() ? nullptr : found->second;
 }
 
 t_max_err object_obex_store(void* x, t_symbol* key, t_object* value) {

@@ -247,17 +247,13 @@ void sum_buffer(Small* x) {
   }
   outlet_float(x->message_outlet, sum);
 }
-/// "share NAME" gives the object a name in the whole program, "patcher" tells the patcher's file.
+/// "patcher" tells the patcher's file.
 bool other_message(Small* x, std::string_view name, long count, t_atom* atoms) {
   if (name == "find" && count == 1)
     find_file(x, atoms[0].a_w.w_sym->s_name);
   else if (name == "sum")
     sum_buffer(x);
-  else if (name == "share" && count == 1) {
-    if (!object_register(gensym("small"), atoms[0].a_w.w_sym, x) ||
-        object_findregistered(gensym("small"), atoms[0].a_w.w_sym) != x)
-      object_error(&x->header.z_ob, "the name is taken");
-  } else if (name == "patcher") {
+  else if (name == "patcher") {
     t_object* patcher = nullptr;
     object_obex_lookup(x, gensym("#P"), &patcher);
     outlet_anything(x->message_outlet, jpatcher_get_filepath(patcher), 0, nullptr);
@@ -324,8 +320,6 @@ void free_small(Small* x) {
     object_free(x->clock);
   if (!wrong("no z_dsp_free"))
     z_dsp_free(&x->header);
-  if (!wrong("stays registered"))
-    object_unregister(x);
   if (!wrong("clock leaks") && !wrong("clock freed before z_dsp_free")) {
     if (!wrong("armed clock freed"))
       clock_unset(x->clock);
