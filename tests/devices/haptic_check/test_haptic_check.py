@@ -77,20 +77,23 @@ def test_all_stations_are_in_the_report(simulated):
     assert "ENDED EARLY" not in simulated
 
 
+def skip_if_ticks_are_missing(report, station):
+    """A missed tick holds the force for longer; a few of them leave the tolerances."""
+    missed = number(rf"\[{station}\][^[]*skipped (\d+)", report)
+    if missed > 8:
+        pytest.skip(f"this machine missed {missed:.0f} ticks meanwhile")
+
+
 def test_the_wall_has_the_stiffness_that_was_asked_for(simulated):
+    skip_if_ticks_are_missing(simulated, "wall")
     asked = number(r"N/m of (\d+) asked", simulated)
     assert number(r"force over depth (\d+) N/m", simulated) == pytest.approx(asked, rel=0.02)
     assert number(r"(\d+) hits", simulated) >= 2
 
 
 def test_the_sines_move_mass_spring_and_damper_as_they_must(simulated):
-    """M 0.1 kg, B 0.5 + 2 N s/m, K 200 N/m; the force is held over 1 ms, hence the sinc.
-
-    A missed tick holds the force for longer; a few of them leave 20 %.
-    """
-    missed = number(r"\[sine\][^[]*skipped (\d+)", simulated)
-    if missed > 8:
-        pytest.skip(f"this machine missed {missed:.0f} ticks meanwhile")
+    """M 0.1 kg, B 0.5 + 2 N s/m, K 200 N/m; the force is held over 1 ms, hence the sinc."""
+    skip_if_ticks_are_missing(simulated, "sine")
     for hz in (5, 40, 150):
         omega = 2 * math.pi * hz
         hold = math.sin(omega * 5e-4) / (omega * 5e-4)
