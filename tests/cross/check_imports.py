@@ -63,7 +63,7 @@ def check_linux(module, text, objdump):
 
 def check_exports(module, names):
     if names != [setup_of(module)]:
-        yield f"gives {names}, not {setup_of(module)} alone"
+        yield f"gives {sorted(names)}, not {setup_of(module)} alone"
 
 
 def main():
