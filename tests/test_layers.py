@@ -1,5 +1,6 @@
 """Includes go down the house's floors alone, as docs/architecture.md draws them; the core includes the
-standard library alone and reads no file; a library's header stays in the room that wraps it."""
+standard library alone and reads no file; a library's header stays in the room that wraps it; nothing waits
+by what loses wake-ups on Windows."""
 import pathlib
 import re
 
@@ -32,6 +33,9 @@ STANDARD = re.compile(r"[a-z_0-9]+")  # <vector>; <unistd.h> has a point
 INSTRUCTIONS = {"immintrin.h", "emmintrin.h", "xmmintrin.h", "arm_neon.h"}
 FILES = {"fstream", "filesystem", "iostream", "syncstream"}
 READS = re.compile(r"\b(fopen|freopen|fread|fwrite|fgets|fputs|tmpfile|FILE)\b")
+# Waits by std::atomic's own: GCC's library on Windows looks outside of the lock and then waits in it, so that a
+# thread may wait for ever (docs/cross_build.md). A condition_variable_any with a stop_token has a stop_callback.
+LOSES = re.compile(r"\b(condition_variable_any|stop_callback)\b|<(semaphore|latch|barrier)>|\.wait\([^;]*memory_order")
 INCLUDE = re.compile(r"^\s*#\s*include\s*([<\"])([^>\"]+)[>\"]", re.M)
 
 
@@ -53,6 +57,8 @@ def wrong_in(room, path, text):
             yield f"{path} includes <{header}>: the core includes the standard library alone, and reads no file"
     if room == "core" and (found := READS.search(re.sub(r"//.*", "", text))):
         yield f"{path} uses {found[0]}: the core reads no file"
+    if not path.endswith("_posix.cpp") and (found := LOSES.search(re.sub(r"//.*", "", text))):
+        yield f"{path} uses {found[0]}, which loses wake-ups on Windows: a std::condition_variable, or WakeCount"
 
 
 def violations(root):
@@ -79,6 +85,10 @@ def test_what_goes_up_or_sideways_is_found(tmp_path):
         "externals/x/a.cpp": '#include "fem/a.hpp"\n#include <m_pd.h>\n',
         "externals/x/b.hpp": '#include "max/abi/max_abi.h"\n',
         "max/shell/a.cpp": '#include "max/abi/max_abi.h"\n#include "pd/shell.hpp"\n#include <ext_obex.h>\n',
+        "externals/x/c.hpp": "std::condition_variable wake_;\nstd::condition_variable_any wakes_;\n",
+        "devices/a.cpp": "count_.wait(seen,\n            std::memory_order_acquire); // in a stop_callback\n",
+        "devices/b_posix.cpp": "count_.wait(seen, std::memory_order_acquire);\n",
+        "net/a.cpp": "#include <semaphore>\n",
         "programs/x/a.cpp": '#include "externals/x/a.hpp"\n#include "pd/shell.hpp"\n',
     }
     for name, text in lines.items():
@@ -90,7 +100,8 @@ def test_what_goes_up_or_sideways_is_found(tmp_path):
              ("files/a.hpp", "fem/io"), ("files/a.hpp", "nlohmann"), ("fem/a.cpp", "devices/a.hpp"),
              ("externals/x/a.cpp", "fem/a.hpp"), ("externals/x/a.cpp", "m_pd.h"),
              ("externals/x/b.hpp", "max/abi"), ("max/shell/a.cpp", "pd/shell"), ("max/shell/a.cpp", "ext_obex"),
-             ("programs/x/a.cpp", "pd/shell")]
+             ("programs/x/a.cpp", "pd/shell"), ("externals/x/c.hpp", "condition_variable_any"),
+             ("devices/a.cpp", "memory_order"), ("net/a.cpp", "<semaphore>")]
     assert len(found) == len(words), found
     for name, word in words:
         assert any(name in sentence and word in sentence for sentence in found), (name, word)

@@ -95,10 +95,7 @@ Stream::Counts Stream::counts() const noexcept {
   return {sent_.load(), answered_.load(), broken_.load(), skipped_.load(), failed_.load()};
 }
 
-void Stream::wake() noexcept {
-  wakes_.fetch_add(1, std::memory_order_release);
-  wakes_.notify_one();
-}
+void Stream::wake() noexcept { wakes_.wake(); }
 
 bool Stream::idle() const noexcept {
   return std::none_of(in_.begin(), in_.end(),
@@ -190,8 +187,7 @@ void Stream::send_commands() noexcept {
   double sent_s = 0;
   int seen = 0;
   while (!stopping_ && !lost()) {
-    wakes_.wait(seen, std::memory_order_acquire);
-    seen = wakes_.load(std::memory_order_acquire);
+    seen = wakes_.wait(seen);
     if (commands_.read()) {
       if (unsent)
         skipped_.fetch_add(1, std::memory_order_relaxed);

@@ -4,6 +4,7 @@
 #include "core/haptic/servo/mailbox.hpp"
 #include "devices/falcon/link.hpp"
 #include "devices/falcon/packet.hpp"
+#include "devices/wake_count.hpp"
 
 #include <array>
 #include <atomic>
@@ -89,7 +90,7 @@ private:
   std::atomic<std::uint64_t> delivered_{0};
   std::atomic<std::uint64_t> sent_{0}, answered_{0}, broken_{0}, skipped_{0}, failed_{0};
   std::atomic<int> unanswered_{0};
-  std::atomic<int> wakes_{0};
+  WakeCount wakes_;
   std::atomic<bool> waiting_{false}, lost_{false}, stopping_{false}, ended_{false};
   std::thread sender_, handler_;
 };

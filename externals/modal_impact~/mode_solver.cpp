@@ -34,7 +34,10 @@ std::string find_modal_fem(const std::string& program) { return find_program(kPr
 ModeSolver::~ModeSolver() {
   if (!thread_.joinable())
     return;
-  thread_.request_stop();
+  {
+    const std::lock_guard lock(mutex_); // or the thread could look before and wait after
+    thread_.request_stop();
+  }
   wake_.notify_all();
   thread_.join();
 }
@@ -204,7 +207,8 @@ void ModeSolver::work(const std::stop_token& stop) {
     std::optional<Request> request;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return waiting_ || restarting_; }))
+      wake_.wait(lock, [&] { return waiting_ || restarting_ || stop.stop_requested(); });
+      if (stop.stop_requested())
         break;
       request = std::exchange(waiting_, std::nullopt);
       restarting_ = false;

@@ -86,7 +86,7 @@ private:
   // Shared.
   std::atomic<std::uint64_t> number_{0};
   std::mutex mutex_;
-  std::condition_variable_any wake_;
+  std::condition_variable wake_;
   std::optional<Request> waiting_;
   std::optional<Result> done_;
   bool restarting_ = false;

@@ -13,7 +13,10 @@ namespace tactus::modal {
 TableWorker::~TableWorker() {
   if (!thread_.joinable())
     return;
-  thread_.request_stop();
+  {
+    const std::lock_guard lock(mutex_); // or the thread could look before and wait after
+    thread_.request_stop();
+  }
   wake_.notify_all();
   thread_.join();
 }
@@ -123,7 +126,8 @@ void TableWorker::work(const std::stop_token& stop) {
     Request request;
     {
       std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, stop, [this] { return waiting_.has_value(); }))
+      wake_.wait(lock, [&] { return waiting_.has_value() || stop.stop_requested(); });
+      if (stop.stop_requested())
         return;
       request = std::move(*waiting_);
       waiting_.reset();

@@ -55,7 +55,7 @@ private:
   void follow(Request& request) const;
 
   std::mutex mutex_;
-  std::condition_variable_any wake_;
+  std::condition_variable wake_;
   std::optional<Request> waiting_;
   std::optional<Result> done_;
   /// The table in `done_` and the one that it replaces: requests for that one are for the new one.

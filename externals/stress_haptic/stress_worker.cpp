@@ -26,7 +26,10 @@ constexpr double kMaxSleep_s = 3600;
 StressWorker::~StressWorker() {
   if (!thread_.joinable())
     return;
-  thread_.request_stop();
+  {
+    const std::lock_guard lock(mutex_); // or the thread could look before and wait after
+    thread_.request_stop();
+  }
   wake_.notify_all();
   thread_.join();
 }
@@ -160,8 +163,8 @@ void StressWorker::work(const std::stop_token& stop) {
       std::unique_lock lock(mutex_);
       const double sleep_s =
           session_ ? std::min(session_->due_in_s(now_s()), kMaxSleep_s) : kMaxSleep_s;
-      wake_.wait_for(lock, stop, std::chrono::duration<double>(sleep_s),
-                     [this] { return wake_requested_; });
+      wake_.wait_for(lock, std::chrono::duration<double>(sleep_s),
+                     [&] { return wake_requested_ || stop.stop_requested(); });
       wake_requested_ = false;
       to_load = std::exchange(pending_load_, std::nullopt);
       to_program = std::exchange(to_program_, std::nullopt);

@@ -76,7 +76,7 @@ private:
   std::string path_, program_;
   // Shared; locked only briefly.
   std::mutex mutex_;
-  std::condition_variable_any wake_;
+  std::condition_variable wake_;
   bool wake_requested_ = false;
   std::optional<std::pair<std::string, std::uint64_t>> pending_load_;
   std::optional<std::string> to_program_;

@@ -1,8 +1,9 @@
 // Renders gestures by modules in the stub host, to be compared with another system's renders.
-//   render_gestures GESTURES STAGE FOLDER
+//   render_gestures GESTURES STAGE FOLDER [INPUTS]
 // For each gesture FOLDER/NAME.f64, the signal outlets one after another as doubles, and
 // FOLDER/NAME.txt, what left the control outlets and what was refused; FOLDER/NAME.I.in, what went
-// into signal inlet I.
+// into signal inlet I: the same files of the folder INPUTS, or else plausible signals, whose sines
+// are this C library's.
 #include "tests/pd/host.hpp"
 
 #include <cmath>
@@ -100,8 +101,22 @@ bool write_samples(const std::string& path, const Buffers& signals) {
   return file.good();
 }
 
-/// False if the box cannot be made.
-bool render(const Gesture& gesture, const std::string& stem) {
+std::string input_file(const std::string& stem, std::size_t inlet) {
+  return stem + "." + std::to_string(inlet) + ".in";
+}
+
+/// A signal inlet's samples; an empty vector if the file has another length.
+std::vector<double> read_samples(const std::string& path) {
+  std::vector<double> samples(kSamples);
+  const auto size = static_cast<std::streamsize>(kSamples * sizeof(double));
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(samples.data()), size) || file.peek() != EOF)
+    samples.clear();
+  return samples;
+}
+
+/// False if the box cannot be made, or an input is missing; given_stem is empty when none is given.
+bool render(const Gesture& gesture, const std::string& stem, const std::string& given_stem) {
   const Declaration* declaration = declaration_of(gesture.object);
   if (!declaration) // not built for this system
     return true;
@@ -111,9 +126,13 @@ bool render(const Gesture& gesture, const std::string& stem) {
   if (!box.made())
     return false;
   box.dsp(kRate, kFrames);
-  const Buffers inputs = plausible_inputs(*declaration, kRate, kSamples);
-  for (std::size_t i = 0; i < inputs.size(); ++i)
-    write_samples(stem + "." + std::to_string(i) + ".in", {inputs[i]});
+  Buffers inputs = plausible_inputs(*declaration, kRate, kSamples);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (!given_stem.empty())
+      inputs[i] = read_samples(input_file(given_stem, i));
+    if (inputs[i].empty() || !write_samples(input_file(stem, i), {inputs[i]}))
+      return false;
+  }
   const double begin_ms = host_now();
   Buffers outputs;
   std::size_t next = 0;
@@ -134,15 +153,17 @@ bool render(const Gesture& gesture, const std::string& stem) {
 } // namespace
 
 int main(int count, char** words) {
-  if (count != 4) {
-    std::fprintf(stderr, "usage: render_gestures GESTURES STAGE FOLDER\n");
+  if (count != 4 && count != 5) {
+    std::fprintf(stderr, "usage: render_gestures GESTURES STAGE FOLDER [INPUTS]\n");
     return 2;
   }
+  const std::string given = count == 5 ? std::string(words[4]) + "/" : std::string();
   host_set_folder(words[2]);
   for (const Gesture& gesture : read_gestures(words[1]))
-    if (!render(gesture, std::string(words[3]) + "/" + gesture.name)) {
-      std::fprintf(stderr, "%s: %s is not made or not written\n", gesture.name.c_str(),
-                   gesture.object.c_str());
+    if (!render(gesture, std::string(words[3]) + "/" + gesture.name,
+                given.empty() ? given : given + gesture.name)) {
+      std::fprintf(stderr, "%s: %s is not made, or a file is not read or written\n",
+                   gesture.name.c_str(), gesture.object.c_str());
       return 1;
     }
   return 0;

@@ -10,8 +10,9 @@ EXTERNALS = pathlib.Path(os.environ.get("TACTUS_MAX_EXTERNALS", BUILD / "max" / 
 SUFFIX = os.environ.get("TACTUS_MAX_SUFFIX", ".mxl")
 # The host; for another system's build, an emulator and its arguments before it, with | between.
 HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split("|")
+EMULATOR = HOST[:-1]
 RATE = 48000
-if len(HOST) > 1:  # a host that waits keeps wine's server: each run then begins in a tenth of a second
+if EMULATOR:  # a host that waits keeps wine's server: each run then begins in a tenth of a second
     waiting = subprocess.Popen([*HOST, "-"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
     atexit.register(waiting.communicate)
 

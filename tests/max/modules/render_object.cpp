@@ -1,14 +1,16 @@
 // Renders a gesture by an object's core itself, with no host: what its modules are compared with.
-//   render_object OBJECT.so FOLDER OUTPUT INPUT...  < GESTURE
+//   render_object OBJECT.module FOLDER OUTPUT INPUT...  < GESTURE
 // GESTURE: lines "SAMPLE MESSAGE ATOM..."; INPUT: a file of doubles for each signal inlet, OUTPUT
 // the signal outlets' one after another. Files are sought in FOLDER. Blocks of 64 samples at 48
 // kHz.
 #include "core/command.hpp"
 #include "core/module_object.hpp"
+#include "devices/shared_library.hpp"
 
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -19,8 +21,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-#include <dlfcn.h>
 
 namespace {
 
@@ -130,11 +130,12 @@ void render(AnyObject<double>& object, const Declaration& declaration, PlainHost
 int main(int count, char** words) {
   if (count < 4)
     return 2;
-  void* module = dlopen(words[1], RTLD_NOW);
-  using Get = const ModuleObject<double>* (*)();
-  const auto get = module ? reinterpret_cast<Get>(dlsym(module, "tactus_test_object")) : nullptr;
-  if (!get) {
-    std::cerr << dlerror() << '\n';
+  const std::string path = std::filesystem::absolute(words[1]).string();
+  const char* const names[] = {path.c_str()};
+  devices::SharedLibrary module;
+  const ModuleObject<double>* (*get)() = nullptr;
+  if (!module.load(names) || !module.symbol("tactus_test_object", get)) {
+    std::cerr << path << ": " << module.error() << '\n';
     return 1;
   }
   const ModuleObject<double>& found = *get();

@@ -1,0 +1,73 @@
+#include "devices/wake_count.hpp"
+#include "externals/modal_impact~/mode_solver.hpp"
+#include "externals/modal_impact~/table_worker.hpp"
+#include "externals/stress_haptic/stress_worker.hpp"
+
+#include <atomic>
+#include <thread>
+
+#include <doctest/doctest.h>
+
+// Threads that wait are woken and end, whenever that is asked for. A wake-up that is lost shows as
+// a test that does not end (docs/cross_build.md, "What Windows loses").
+
+using namespace tactus;
+
+namespace {
+constexpr int kRounds = 2000;
+} // namespace
+
+TEST_CASE("a worker of stress ends whether it waits, works or has not begun") {
+  std::atomic<int> ready{0};
+  for (int i = 0; i < kRounds; ++i) {
+    stress::StressWorker worker;
+    REQUIRE(worker.start([&] { ++ready; }).empty());
+    for (int requests = i % 4; requests-- > 0;)
+      worker.request({}, 0);
+    if (i % 3 == 0)
+      std::this_thread::yield();
+  }
+  CHECK(ready > 0);
+}
+
+TEST_CASE("a reader of tables ends") {
+  std::atomic<int> ready{0};
+  modal::TableWorker::Request request;
+  request.path = request.name = "no-such-file";
+  for (int i = 0; i < kRounds; ++i) {
+    modal::TableWorker worker;
+    for (int requests = i % 4; requests-- > 0;)
+      REQUIRE(worker.request(request, [&] { ++ready; }).empty());
+    if (i % 3 == 0)
+      std::this_thread::yield();
+  }
+  CHECK(ready > 0);
+}
+
+TEST_CASE("a solver of modes ends") {
+  modal::ModeSolver::Request request;
+  request.number = 1; // of another load: given up
+  for (int i = 0; i < kRounds; ++i) {
+    modal::ModeSolver solver;
+    for (int requests = 1 + i % 3; requests-- > 0;)
+      REQUIRE(solver.request(request, {}).empty());
+    if (i % 3 == 0)
+      std::this_thread::yield();
+  }
+}
+
+TEST_CASE("no wake-up is lost between two threads that wait for each other") {
+  devices::WakeCount there, back;
+  constexpr int kTurns = 50000;
+  std::thread other([&] {
+    for (int seen = 0; seen < kTurns;) {
+      seen = there.wait(seen);
+      back.wake();
+    }
+  });
+  for (int turn = 0; turn < kTurns;) {
+    there.wake();
+    turn = back.wait(turn);
+  }
+  other.join();
+}
