@@ -27,5 +27,9 @@ namespace tactus {
   const std::u8string text = path.u8string();
   return {text.begin(), text.end()};
 }
+/// The same with slashes on every system.
+[[nodiscard]] inline std::string to_generic_utf8(const std::filesystem::path& path) {
+  return to_utf8(path.generic_u8string());
+}
 
 } // namespace tactus

@@ -13,7 +13,7 @@ ROOMS = {
     "devices": {"devices", "files", "core"},
     "net": {"net", "files", "core"},
     "pd": {"pd", "core"},
-    "max": {"max", "core"},
+    "max": {"max", "files", "core"},
     "externals": {"externals", "devices", "net", "files", "core"},
     "programs": {"programs", "externals", "fem", "devices", "net", "files", "core"},
 }

@@ -1,5 +1,6 @@
 #include "max/shell/files.hpp"
 
+#include "files/utf8_path.hpp"
 #include "max/shell/atoms.hpp"
 
 #include <algorithm>
@@ -13,12 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using PathText = std::array<char, MAX_PATH_CHARS>;
-
-fs::path path_of(std::string_view text) { return {std::u8string(text.begin(), text.end())}; }
-std::string utf8_of(const fs::path& path) {
-  const std::u8string text = path.generic_u8string();
-  return {text.begin(), text.end()};
-}
 
 bool is_file(const fs::path& path) {
   std::error_code failed;
@@ -60,7 +55,7 @@ void Files::look_for_folder() {
   if (object_obex_lookup(box_, gensym("#P"), &patcher) == 0 && patcher)
     if (const t_symbol* file = jpatcher_get_filepath(patcher);
         file && file->s_name && *file->s_name) {
-      folder_ = utf8_of(path_of(system_path(file->s_name)).parent_path());
+      folder_ = to_generic_utf8(utf8_path(system_path(file->s_name)).parent_path());
       return;
     }
   PathText full{};
@@ -69,26 +64,26 @@ void Files::look_for_folder() {
 }
 
 std::string Files::find(std::string_view name) {
-  const fs::path path = path_of(name);
+  const fs::path path = utf8_path(name);
   if (path.is_absolute())
     return is_file(path) ? std::string(name) : std::string();
   look_for_folder();
-  if (const fs::path beside = path_of(folder_) / path; is_file(beside))
-    return utf8_of(beside);
+  if (const fs::path beside = utf8_path(folder_) / path; is_file(beside))
+    return to_generic_utf8(beside);
   if (!in_main_thread())
     return {};
   std::string found = locate(name);
   if (found.empty() && path.has_parent_path())
-    found = locate(utf8_of(path.filename()));
+    found = locate(to_generic_utf8(path.filename()));
   return found;
 }
 
 std::string Files::to_write(std::string_view name) {
-  const fs::path path = path_of(name);
+  const fs::path path = utf8_path(name);
   if (path.is_absolute())
     return std::string(name);
   look_for_folder();
-  return utf8_of(path_of(folder_) / path);
+  return to_generic_utf8(utf8_path(folder_) / path);
 }
 
 bool Files::read_buffer(std::string_view name, std::vector<double>& values) const {

@@ -1,7 +1,7 @@
 // Commands on boxes: making, messages, attributes.
+#include "files/utf8_path.hpp"
 #include "max/stub/module.hpp"
 #include "max/stub/script.hpp"
-#include "max/stub/utf8.hpp"
 
 #include <fstream>
 
@@ -132,7 +132,7 @@ void Script::cord(Arguments a) {
 
 void Script::save(Arguments a) {
   const bool all = a.size() > 1 && a[1].text == "all";
-  std::ofstream file(from_utf8(a[0].text));
+  std::ofstream file(utf8_path(a[0].text));
   for (const auto& [id, object] : boxes_)
     for (const Attribute* attribute : object->type->attributes)
       if (attribute->setter && (all || attribute->saved()))
@@ -143,7 +143,7 @@ void Script::save(Arguments a) {
 }
 
 void Script::restore(Arguments a) {
-  std::ifstream file(from_utf8(a[0].text));
+  std::ifstream file(utf8_path(a[0].text));
   if (!file)
     throw ScriptError("cannot read " + a[0].text);
   std::string text;

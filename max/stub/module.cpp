@@ -1,8 +1,8 @@
 #include "max/stub/module.hpp"
+#include "files/utf8_path.hpp"
 
 #include "max/stub/kernel.hpp"
 #include "max/stub/realtime_watch.hpp"
-#include "max/stub/utf8.hpp"
 
 #include <filesystem>
 
@@ -20,7 +20,7 @@ void* open_module(const std::string& file, std::string& reason) {
   static const HMODULE audio = LoadLibraryW(L"MaxAudio.dll");
   if (!audio)
     violation("MaxAudio.dll does not lie beside the host");
-  const std::filesystem::path path = std::filesystem::absolute(from_utf8(file));
+  const std::filesystem::path path = std::filesystem::absolute(utf8_path(file));
   const HMODULE module = LoadLibraryW(path.c_str());
   if (!module)
     reason = "Windows' error " + std::to_string(GetLastError());

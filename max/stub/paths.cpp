@@ -1,7 +1,7 @@
 // Max's search path. Texts go out in whole buffers of the documented size, so that one that is too
 // small is overrun where a sanitizer sees it.
+#include "files/utf8_path.hpp"
 #include "max/stub/kernel.hpp"
-#include "max/stub/utf8.hpp"
 
 #include <algorithm>
 
@@ -27,7 +27,7 @@ void give(const std::string& text, char* to, std::size_t size) {
 std::vector<std::string> searched() {
   std::vector<std::string> all;
   if (!patcher_path.empty())
-    all.push_back(to_utf8(from_utf8(patcher_path).parent_path()));
+    all.push_back(to_generic_utf8(utf8_path(patcher_path).parent_path()));
   const std::lock_guard lock(kernel_mutex());
   for (const std::string& folder : folders)
     all.push_back(folder);
@@ -36,15 +36,17 @@ std::vector<std::string> searched() {
 } // namespace
 
 void add_search_path(const std::string& folder) {
-  number_of(to_utf8(fs::absolute(from_utf8(folder))));
+  number_of(to_generic_utf8(fs::absolute(utf8_path(folder))));
 }
 void set_patcher_path(const std::string& path) {
-  patcher_path = path.empty() ? "" : to_utf8(fs::absolute(from_utf8(path)));
+  patcher_path = path.empty() ? "" : to_generic_utf8(fs::absolute(utf8_path(path)));
 }
 
 } // namespace tactus::stub
 
 using namespace tactus::stub;
+using tactus::to_generic_utf8;
+using tactus::utf8_path;
 
 short locatefile_extended(char* name, short* path, t_fourcc* type, const t_fourcc*, short) {
   const ApiCall api("locatefile_extended", static_cast<unsigned>(Role::kMain));
@@ -54,17 +56,17 @@ short locatefile_extended(char* name, short* path, t_fourcc* type, const t_fourc
   }
   const std::string wanted = name;
   std::vector<fs::path> candidates;
-  if (from_utf8(wanted).is_absolute())
-    candidates.push_back(from_utf8(wanted));
+  if (utf8_path(wanted).is_absolute())
+    candidates.push_back(utf8_path(wanted));
   else
     for (const std::string& folder : searched())
-      candidates.push_back(from_utf8(folder) / from_utf8(wanted));
+      candidates.push_back(utf8_path(folder) / utf8_path(wanted));
   std::error_code error;
   for (const fs::path& candidate : candidates)
     if (fs::is_regular_file(candidate, error)) {
-      *path = number_of(to_utf8(candidate.parent_path()));
+      *path = number_of(to_generic_utf8(candidate.parent_path()));
       *type = 0;
-      give(to_utf8(candidate.filename()), name, MAX_FILENAME_CHARS);
+      give(to_generic_utf8(candidate.filename()), name, MAX_FILENAME_CHARS);
       return 0;
     }
   return -1;
@@ -72,7 +74,7 @@ short locatefile_extended(char* name, short* path, t_fourcc* type, const t_fourc
 
 short path_getdefault() {
   const ApiCall api("path_getdefault", static_cast<unsigned>(Role::kMain));
-  return number_of(to_utf8(fs::current_path()));
+  return number_of(to_generic_utf8(fs::current_path()));
 }
 
 short path_topathname(short path, const char* file, char* to) {

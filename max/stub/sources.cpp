@@ -1,5 +1,5 @@
 #include "max/stub/sources.hpp"
-#include "max/stub/utf8.hpp"
+#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -16,7 +16,7 @@ namespace tactus::stub {
 namespace {
 
 std::string read_file(const std::string& file) {
-  std::ifstream stream(from_utf8(file), std::ios::binary);
+  std::ifstream stream(utf8_path(file), std::ios::binary);
   if (!stream)
     throw std::runtime_error("cannot read " + file);
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -132,7 +132,7 @@ std::vector<double> read_wav(const std::string& file, std::size_t channel) {
 }
 
 void write_samples(const std::string& file, std::span<const double> samples) {
-  std::ofstream stream(from_utf8(file), std::ios::binary);
+  std::ofstream stream(utf8_path(file), std::ios::binary);
   stream.write(reinterpret_cast<const char*>(samples.data()),
                static_cast<std::streamsize>(samples.size_bytes()));
   if (!stream.flush())
