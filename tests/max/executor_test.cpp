@@ -43,6 +43,9 @@ struct Notes {
       holds = true;
       while (!block_begins)
         continue;
+      const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(3);
+      while (std::chrono::steady_clock::now() < end)
+        continue;
     }
     heard_gain = gain;
     host.send(0, {gain});
@@ -51,11 +54,13 @@ struct Notes {
     for (S& sample : block.out(0))
       sample = static_cast<S>(gain);
     blocks += 1;
+    loads_before_block = loads;
   }
 
   static inline bool plant = false;
   static inline double planted = 0;
-  static inline int strikes = 0, loads = 0, blocks = 0; // of the one object of a test
+  static inline int strikes = 0, loads = 0, blocks = 0,
+                    loads_before_block = 0; // of the one object of a test
   static inline double heard_gain = 0;
   static inline bool meet_block = false;
   static inline std::atomic<bool> holds{false}, block_begins{false};
@@ -199,6 +204,31 @@ TEST_CASE("a block that meets a short command sounds") {
   WARN(ended_soon == kShort);
   CHECK(sounded >= 0.9 * ended_soon);
   CHECK(Notes::loads == meetings);
+}
+
+TEST_CASE("a block comes before the commands that wait behind the one at hand") {
+  Rig rig;
+  rig.audio = true;
+  Notes::meet_block = true;
+  constexpr int kMaxMeetings = 2000, kSounded = 20;
+  int sounded = 0, before_the_second = 0;
+  for (int i = 0; i < kMaxMeetings && sounded < kSounded; ++i) {
+    Notes::loads = 0;
+    Notes::holds = Notes::block_begins = false;
+    std::thread sender([&] { rig.message(1); });
+    while (!Notes::holds)
+      std::this_thread::yield();
+    rig.message(1); // left to the sender, which has the object
+    Notes::block_begins = true;
+    if (rig.block()) {
+      ++sounded;
+      before_the_second += Notes::loads_before_block == 1 ? 1 : 0;
+    }
+    sender.join();
+    CHECK(Notes::loads == 2);
+  }
+  WARN(sounded == kSounded);
+  CHECK(before_the_second >= 0.5 * sounded);
 }
 
 TEST_CASE("a block that meets a long command is given up after a bounded number of tries") {
