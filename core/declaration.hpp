@@ -45,8 +45,16 @@ struct Message {
   /// True if it allocates nothing, locks nothing and makes no system call, whatever its arguments:
   /// a host may carry it out in its audio thread, at the start of a block.
   bool realtime = false;
+  /// True if its first argument may be the name of a file, so that a host can send it a file that
+  /// is dropped onto the object's box.
+  bool file = false;
 };
 
+/// The message, whose first argument may be the name of a file.
+[[nodiscard]] constexpr Message takes_file(Message message) {
+  message.file = true;
+  return message;
+}
 /// The message, which a host may carry out in its audio thread.
 [[nodiscard]] constexpr Message realtime(Message message) {
   message.realtime = true;

@@ -78,11 +78,12 @@ enum MessageIndex : std::size_t {
   kReset
 };
 inline constexpr std::array kMessages{
-    Message{"surface",
-            "[left|right] "
-            "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
-            "dirt|puddle|water|carpet|file.txt [another [mix]]",
-            1, 4, "the ground, or two and how much of the second; of both feet, or of one"},
+    takes_file(Message{
+        "surface",
+        "[left|right] "
+        "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
+        "dirt|puddle|water|carpet|file.txt [another [mix]]",
+        1, 4, "the ground, or two and how much of the second; of both feet, or of one"}),
     realtime(Message{"step", "[left|right]", 0, 1,
                      "one step; a foot that is down lands once more beside it"}),
     realtime(Message{"bang", "", 0, 0, "one step; with feet 2 the feet in turn"}),

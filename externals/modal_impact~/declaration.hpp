@@ -113,8 +113,8 @@ enum MessageIndex : std::size_t {
   kRing,
 };
 inline constexpr std::array kMessages{
-    Message{"load", "file.npz [-sync]", 1, 2,
-            "read a body's table; the old body sounds until then"},
+    takes_file(Message{"load", "file.npz [-sync]", 1, 2,
+                       "read a body's table; the old body sounds until then"}),
     realtime(Message{"hit", "[x y z] v", 1, 4,
                      "strike at x y z mm with v m/s; without a position where the last one was"}),
     realtime(Message{"hitv", "vertex v", 2, 2, "strike at a vertex of the table"}),

@@ -55,7 +55,7 @@ public:
       Message{"cancel", "", 0, 0, "stop computing and drawing"},
       Message{"draw", "", 0, 0, "send all cells of the finished map again"},
       Message{"write", "file", 1, 1, "keep all maps made so far in a file"},
-      Message{"read", "file", 1, 1, "find maps of a file again"},
+      takes_file(Message{"read", "file", 1, 1, "find maps of a file again"}),
   };
   static constexpr std::array kArguments{CreationArgument{"preset"}};
   static constexpr Declaration declaration{

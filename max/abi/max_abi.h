@@ -106,6 +106,7 @@ MAX_IMPORT short path_getdefault(void);
 MAX_IMPORT short path_topathname(short, const char*, char*);
 MAX_IMPORT short path_nameconform(const char*, char*, long, long);
 MAX_IMPORT t_symbol* jpatcher_get_filepath(t_object*);
+MAX_IMPORT void jdrag_object_add(t_object*, t_object*, t_symbol*);
 
 /* MaxAudio */
 MAX_IMPORT void class_dspinit(t_class*);

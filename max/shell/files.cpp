@@ -63,10 +63,13 @@ void Files::look_for_folder() {
     folder_ = system_path(full.data());
 }
 
-std::string Files::find(std::string_view name) {
+std::string Files::find(std::string_view given) {
+  // A file that is dropped in Max on macOS comes with the name of its volume.
+  const std::string name =
+      given.find(":/") == given.npos ? std::string(given) : system_path(std::string(given).c_str());
   const fs::path path = utf8_path(name);
   if (path.is_absolute())
-    return is_file(path) ? std::string(name) : std::string();
+    return is_file(path) ? name : std::string();
   look_for_folder();
   if (const fs::path beside = utf8_path(folder_) / path; is_file(beside))
     return to_generic_utf8(beside);

@@ -24,6 +24,12 @@ struct {
 
 bool processes() { return the_class.module->traits.processes; }
 
+const Message* file_message(const Declaration& declaration) {
+  const auto found = std::find_if(declaration.messages.begin(), declaration.messages.end(),
+                                  [](const Message& message) { return message.file; });
+  return found == declaration.messages.end() ? nullptr : &*found;
+}
+
 void destroy(Instance* instance) {
   // Only an object that was set up has a place in the signal chain.
   if (instance->self && processes())
@@ -85,6 +91,14 @@ void on_assist(Instance*, void*, long direction, long index, char* text) {
   text[size] = '\0';
 }
 
+/// Whether a file may be dropped onto the box: Max then sends it to the first message that takes
+/// one. The file itself is looked at by the message, which says what is wrong with it.
+t_atom_long on_drag(Instance* instance, t_object* drag, t_object*) {
+  const Message* message = file_message(*the_class.module->traits.declaration);
+  jdrag_object_add(drag, &instance->object.z_ob, symbol_of(message->name));
+  return 1;
+}
+
 void on_perform(t_object* object, t_object*, double** in, long in_count, double** out,
                 long out_count, long frames, long, void*) {
   auto* instance = reinterpret_cast<Instance*>(object);
@@ -126,6 +140,9 @@ void register_class(const ModuleObject<double>& module) {
   add_messages(handle, declaration);
   add_attributes(handle, declaration);
   class_addmethod(handle, method_of(&on_assist), "assist", A_CANT, 0);
+  if (file_message(declaration))
+    for (const char* name : {"acceptsdrag_locked", "acceptsdrag_unlocked"})
+      class_addmethod(handle, method_of(&on_drag), name, A_CANT, 0);
   if (module.traits.processes) {
     class_addmethod(handle, method_of(&on_dsp), "dsp64", A_CANT, 0);
     class_dspinit(handle);

@@ -66,6 +66,13 @@ void Script::send(Arguments a) {
   send_message(box(a[0]), to_long(a[1]), a[2].text, atoms);
 }
 
+void Script::drop(Arguments a) {
+  if (a[1].text != "locked" && a[1].text != "unlocked")
+    throw ScriptError("drop: a patcher is locked or unlocked");
+  if (!drop_file(box(a[0]), a[1].text, a[2].text))
+    print_line("refused: " + a[0].text + " " + a[2].text);
+}
+
 void Script::set(Arguments a) {
   std::vector<t_atom> atoms = to_atoms(a.subspan(2));
   set_attribute(box(a[0]), a[1].text, atoms);

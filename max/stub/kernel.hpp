@@ -276,6 +276,9 @@ void add_search_path(const std::string& folder);
 
 /// Sends as a patch cord does.
 void send_message(Object& object, long inlet, std::string_view selector, std::span<t_atom> atoms);
+/// Drops a file onto a box in a patcher that is "locked" or "unlocked": sends the message that the
+/// box asks for (drag.cpp). False if it wants none.
+[[nodiscard]] bool drop_file(Object& object, std::string_view state, const std::string& file);
 /// As the inspector or pattr does. False when there is no such attribute or it cannot be set.
 bool set_attribute(Object& object, std::string_view name, std::span<t_atom> atoms);
 [[nodiscard]] std::vector<t_atom> get_attribute(Object& object, const Attribute& attribute);

@@ -62,6 +62,7 @@ std::span<const Script::Command> Script::commands() {
       Command{"new", 2, "ID CLASS [ATOM...] [@ATTRIBUTE ATOM...]", &Script::make},
       Command{"free", 1, "ID", &Script::free},
       Command{"send", 3, "ID INLET SELECTOR [ATOM...]", &Script::send},
+      Command{"drop", 3, "ID locked|unlocked FILE", &Script::drop},
       Command{"set", 2, "ID ATTRIBUTE [ATOM...]", &Script::set},
       Command{"get", 2, "ID ATTRIBUTE", &Script::get},
       Command{"describe", 1, "ID", &Script::describe},

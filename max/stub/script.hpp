@@ -51,6 +51,7 @@ private:
   void make(Arguments a);
   void free(Arguments a);
   void send(Arguments a);
+  void drop(Arguments a);
   void set(Arguments a);
   void get(Arguments a);
   void describe(Arguments a);

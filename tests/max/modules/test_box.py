@@ -142,3 +142,22 @@ def test_vectors_of_any_length_give_the_same_sound(tmp_path):
              "send b 2 float 200.", "dsp on", f"record b {tmp_path}/{size}", f"run {16384 // size}", "dsp off"])
         sounds[size] = (tmp_path / str(size)).read_bytes()
     assert len(set(sounds.values())) == 1
+
+
+@pytest.mark.parametrize("state", ["locked", "unlocked"])
+def test_a_file_is_loaded_when_it_is_dropped_onto_the_box(state, tmp_path):
+    def played(name, file, *then):
+        return run([load(name), *ON, f"new b {name}", "dsp on", f'drop b {state} "{file}"', *then, "run 10", "send b 0 dump"])
+    ground = tmp_path / "my ground.txt"
+    ground.write_bytes((STAGE / "surfaces" / "snow.txt").read_bytes())
+    result = played("footstep~", ground)
+    assert not result.of("error") and not result.of("refused")
+    assert any("my ground.txt" in line for line in result.of("out")), result.lines
+    wrong = played("footstep~", STAGE / "plate.modal.npz")
+    assert "plate.modal.npz" in wrong.of("error")[0] and not wrong.of("refused")
+    assert "plate.modal.npz" in played("greed~", STAGE / "plate.modal.npz").of("refused")[0]
+    for turns in (100, 10000, 1000000):  # a table is read by a thread of its own, in its own time
+        table = played("modal_impact~", STAGE / "plate.modal.npz", f"repeat {turns}", "advance 1", "end")
+        if any(" loaded " in line or line.endswith(" loaded") for line in table.of("out")):
+            return
+    pytest.fail("the table is not loaded: " + "; ".join(table.lines[:20]))

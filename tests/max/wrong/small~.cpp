@@ -288,6 +288,17 @@ void assist(Small*, void*, long direction, long index, char* text) {
       text[i] = 'a';
 }
 
+t_atom_long accepts_drag(Small* x, t_object* drag, t_object*) {
+  if (wrong("accepts a drag without a message"))
+    return 1;
+  t_object other{};
+  jdrag_object_add(wrong("drag of its own") ? &other : drag,
+                   wrong("drag for another object") ? static_cast<t_object*>(x->clock)
+                                                    : &x->header.z_ob,
+                   gensym(wrong("drag to no message") ? "assist" : "find"));
+  return wrong("refuses a drag that it named a message for") ? 0 : 1;
+}
+
 t_max_err get_gain(Small* x, void*, long* count, t_atom** atoms) {
   static t_atom own;
   char allocated = 0;
@@ -457,6 +468,8 @@ extern "C" MAX_EXPORT void ext_main(void*) {
     class_addmethod(c, erased(dsp64), "dsp64", wrong("other types than Max's") ? A_GIMME : A_CANT,
                     0);
   class_addmethod(c, erased(assist), "assist", A_CANT, 0);
+  class_addmethod(c, erased(accepts_drag), "acceptsdrag_locked", A_CANT, 0);
+  class_addmethod(c, erased(accepts_drag), "acceptsdrag_unlocked", A_CANT, 0);
   class_addmethod(c, erased(loadbang), "loadbang", A_CANT, 0);
   class_addmethod(c, erased(bang), "bang", 0);
   class_addmethod(c, erased(float_message), "float", wrong("float as int") ? A_LONG : A_FLOAT, 0);
