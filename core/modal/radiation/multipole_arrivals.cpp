@@ -313,7 +313,8 @@ private:
     std::size_t degree;
     int octave;
     double radius;
-    auto operator<=>(const Key&) const = default;
+    // clang-tidy 14 takes the 0 of the compiler's own comparison for a pointer.
+    auto operator<=>(const Key&) const = default; // NOLINT(modernize-use-nullptr)
   };
   const ModalTable& table_;
   std::vector<double> omega_;
@@ -376,8 +377,8 @@ std::array<RigidDipole, 3> rigid_dipoles(double mass_kg, const std::array<Vec3, 
     double alpha = 0;
     constexpr double kStep = 0.02;
     const double scale = square[0] + square[1] + square[2];
-    for (double u = -30; u < 30; u += kStep) {
-      const double lambda = scale * std::exp(u);
+    for (int step = -1500; step < 1500; ++step) {
+      const double lambda = scale * std::exp(step * kStep);
       alpha += kStep * lambda * product /
                ((square[i] + lambda) *
                 std::sqrt((square[0] + lambda) * (square[1] + lambda) * (square[2] + lambda)));

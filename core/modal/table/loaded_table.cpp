@@ -37,7 +37,7 @@ LoadedTable::LoadedTable(ModalTable solved, const LoadedTable& before,
   predecessor_ = before.serial_;
 }
 
-LoadedTable::LoadedTable(std::shared_ptr<const LoadedTable> body, const LoadedTable& before)
+LoadedTable::LoadedTable(const std::shared_ptr<const LoadedTable>& body, const LoadedTable& before)
     : LoadedTable(body, before.parts[kBoard].loaded, before.parts[kBoard].displacement_m) {
   const auto number = [](std::size_t mode) { return static_cast<std::uint32_t>(mode); };
   for (const ModeShare& s : body->share)

@@ -35,7 +35,7 @@ struct LoadedTable {
   LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
               const Vec3& displacement_m);
   /// The body solved anew on the same board: the new body must follow the one of `before`.
-  LoadedTable(std::shared_ptr<const LoadedTable> body, const LoadedTable& before);
+  LoadedTable(const std::shared_ptr<const LoadedTable>& body, const LoadedTable& before);
   LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
   LoadedTable& operator=(const LoadedTable&) = delete;
 

@@ -196,8 +196,11 @@ double max_squared_magnitude(const DigitalBlocks<blocks>& filter,
   const int points = rate < 40e3 ? 400 : 60;
   for (int i = 1; i <= points; ++i)
     check(std::numbers::pi * i / points);
-  for (double angle = kLowestFitted * period; angle > 1e-3 * kLowestFitted * period; angle *= 0.7)
+  double angle = kLowestFitted * period;
+  while (angle > 1e-3 * kLowestFitted * period) {
     check(angle);
+    angle *= 0.7;
+  }
   for (const Termination::Block& block : analog)
     if (block.oscillates)
       for (const double side : {-2.0, -1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0, 2.0})

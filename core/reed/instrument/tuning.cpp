@@ -166,7 +166,8 @@ double nominal_length(const Parameters& parameters, double bore_frequency,
   }
   if (!(parameters.highest_mode > 0))
     return parameters.length;
-  for (double mode = parameters.highest_mode; mode < 100; ++mode) {
+  for (int above = 0; parameters.highest_mode + above < 100; ++above) {
+    const double mode = parameters.highest_mode + above;
     const double quarter_waves = parameters.shape == BoreShape::kCone ? mode : 2 * mode - 1;
     const double length = bore.length_for(bore_frequency / quarter_waves);
     if (length > kShortestTube)
