@@ -71,7 +71,7 @@ def main():
         silent = []
         if arguments.renders:
             subprocess.run([sys.executable, "-B", ROOT / "scripts/hash_renders.py", arguments.renders, "--stage", library,
-                            "--scenes", pathlib.Path(name) / "none", "--only", "-help", "--pd", shlex.join(arguments.pd)], check=True)
+                            "--scenes", pathlib.Path(name) / "none", "--only=-help", "--pd", shlex.join(arguments.pd)], check=True)
             rows = [line.split("\t") for line in arguments.renders.read_text().splitlines()]
             silent = [patch for _, patch, digest in rows if len(digest) != 64]
             print(f"{len(rows) - len(silent)} of {len(rows)} help patches are rendered", *silent, sep="\n")
