@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Makes one scene of ./play: runs scripts/scenes/NAME.py and keeps what it made in out/NAME/.
 
+    make_scene.py NAME [FOLDER]     FOLDER instead of out
+
 A scene has a docstring whose first line ./play --list shows (what follows goes on the page), a
 function make(scene), and lines that ./play reads: NEEDS, PATCH, LONG (scenes/README.md).
 """
@@ -109,7 +111,7 @@ def main():
     sys.modules["make_scene"] = sys.modules["__main__"]  # scenes import spectrogram, fade_out
     spec.loader.exec_module(module)
     title, _, description = module.__doc__.partition("\n")
-    folder = ROOT / "out" / name
+    folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ROOT / "out") / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     scene = Scene(name, folder, title, description.strip())

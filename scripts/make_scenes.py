@@ -107,20 +107,26 @@ class Work:
                 self.changed.wait()
         return None
 
+    def make_scene(self, name):
+        """(status, processor seconds) of make_scene.py."""
+        # Two solvers side by side: idle threads of OpenBLAS would wait by spinning.
+        environment = dict(os.environ, TACTUS_STAGE=str(self.build_folder / "tactus"), MPLBACKEND="Agg",
+                           PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
+        process = subprocess.Popen([sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,
+                                   env=environment)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)  # waited for already
+        return process.returncode, usage.ru_utime + usage.ru_stime
+
     def make_scenes(self):
         while name := self.next_scene():
             self.say(f"{name}: {contents.title(name)}")
             began = time.time()
-            # Two solvers side by side: idle threads of OpenBLAS would wait by spinning.
-            environment = dict(os.environ, TACTUS_STAGE=str(self.build_folder / "tactus"), MPLBACKEND="Agg",
-                               PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
-            process = subprocess.Popen([sys.executable, ROOT / "scripts" / "make_scene.py", name], env=environment)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)  # waited for already
+            status, processor_seconds = self.make_scene(name)
             with self.changed:
                 self.running.remove(name)
-                self.note(name, began, usage.ru_utime + usage.ru_stime)
-                if process.returncode:
+                self.note(name, began, processor_seconds)
+                if status:
                     self.failed.append(name)
                     self.say(f"{name}: FAILED")
                 else:

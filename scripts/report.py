@@ -133,7 +133,8 @@ def page(scenes, coming=(), failed=()):
     coming = [name for name in coming if name not in failed]
     made = {name: scene for name, scene in scenes.items() if name not in (*coming, *failed)}
     parts = sections({*made, *coming, *failed})
-    links = "<a href=\"#first\"><b>Hear first</b></a>" + "".join(
+    best = highlights(made, coming)
+    links = ("<a href=\"#first\"><b>Hear first</b></a>" if best else "") + "".join(
         f"<div><b>{say(heading)}</b>" + "".join(
             f"<a href=\"#{say(n)}\"{'' if n in made else ' class=coming'}>{say(n)}</a>" for n in names)
         + "</div>" for heading, names in parts)
@@ -148,7 +149,7 @@ def page(scenes, coming=(), failed=()):
             f"<main><p class=introduction>{say(INTRODUCTION)}</p><p class=links>{documents}</p>"
             f"<p>With Pd's window: <code>./play --gui reed</code>, or <code>./play --gui greed~</code> for an object's "
             f"help patch. <code>./play --list</code> names the scenes, <code>./play --all</code> makes the long ones "
-            f"too.</p>{state}{highlights(made, coming)}{body}"
+            f"too.</p>{state}{best}{body}"
             f"<footer>Rendered by ./play through the Pd objects, without a screen or sound card. Take care with "
             f"headphones: the reeds are as loud as they like, up to full scale.</footer></main></body></html>\n")
 
