@@ -55,11 +55,11 @@ def test_a_sound_that_begins_and_ends_in_silence_has_no_fault(name):
 @pytest.mark.parametrize("name", ["silence", "a low tone", "a tone", "a struck body"])
 @pytest.mark.parametrize("sign", (-1, 1))
 def test_a_jump_of_a_fiftieth_is_a_click_wherever_it_falls(name, sign):
-    for place in range(28003, 28003 + 7 * 12, 7):
+    for index in range(28003, 28003 + 7 * 12, 7):
         cut = SOUNDS[name].copy()
-        cut[place:place + 9000] += sign * 0.02
+        cut[index:index + 9000] += sign * 0.02
         found = sound_check.clicks(cut, RATE)
-        assert any(abs(time - place / RATE) < 3 / RATE and 0.015 < height < 0.03 for time, height in found), place
+        assert any(abs(time - index / RATE) < 3 / RATE and 0.015 < height < 0.03 for time, height in found), index
 
 
 def test_a_dropped_block_is_a_click():
