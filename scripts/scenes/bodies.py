@@ -20,6 +20,7 @@ import _tour  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
+NEEDS = "modal_impact~ modal_fem"
 
 
 def mono_room(parts):

@@ -22,6 +22,7 @@ import _tour  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
+NEEDS = "modal_impact~ modal_fem"
 ROSIN = "friction 0.8 0.3 0.1 0.5 3000000 2 0.1"
 WET_FINGER = "friction 0.7 0.3 0.08 0.5 50000 1 0.1"
 STICK = "friction 0.5 0.35 0.05 0.3 200000 5 0.1 0.6"
