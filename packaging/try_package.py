@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tries a package as its users do: unpacks it, loads every object in Pd, renders every help patch.
 
-    try_package.py PACKAGE.dek [--pd COMMAND] [--renders TABLE.tsv]
+    try_package.py PACKAGE.dek [--pd COMMAND] [--renders TABLE.tsv [--keep FOLDER]]
 
 Needs Python and Pd (Debian: puredata-core, or puredata64-core with --pd pd64), nothing else. TABLE gets the hash of each help patch's
 sound, to be compared with another system's by `scripts/hash_renders.py --compare`. Status 0 when every
@@ -60,6 +60,7 @@ def main():
     parser.add_argument("package", type=pathlib.Path)
     parser.add_argument("--pd", type=shlex.split, default=["pd"], metavar="COMMAND")
     parser.add_argument("--renders", type=pathlib.Path, metavar="TABLE")
+    parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="keeps the sounds there")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         library = unpack(arguments.package, pathlib.Path(name))
@@ -71,7 +72,8 @@ def main():
         silent = []
         if arguments.renders:
             subprocess.run([sys.executable, "-B", ROOT / "scripts/hash_renders.py", arguments.renders, "--stage", library,
-                            "--scenes", pathlib.Path(name) / "none", "--only=-help", "--pd", shlex.join(arguments.pd)], check=True)
+                            "--scenes", pathlib.Path(name) / "none", "--only=-help", "--pd", shlex.join(arguments.pd),
+                            *(["--keep", arguments.keep] if arguments.keep else [])], check=True)
             rows = [line.split("\t") for line in arguments.renders.read_text().splitlines()]
             silent = [patch for _, patch, digest in rows if len(digest) != 64]
             print(f"{len(rows) - len(silent)} of {len(rows)} help patches are rendered", *silent, sep="\n")

@@ -2,6 +2,7 @@
 """Hashes what tactus sounds like, to prove that a change of the code changes no render.
 
     hash_renders.py FILE.tsv [--stage build/tactus] [--scenes out] [--seconds 4]   writes the hashes
+                    [--keep FOLDER]                                            and keeps the patches' sounds
     hash_renders.py --compare BEFORE.tsv AFTER.tsv [--varying BEFORE_AGAIN.tsv]    lists what differs
 
 Each line of the table is KIND, NAME and the SHA-256 of the bytes:
@@ -85,7 +86,7 @@ def hash_patch(patch, folder, stage, seconds, pd=("pd",)):
     return hashlib.sha256(sound.read_bytes()).hexdigest() if sound.exists() else "no sound file"
 
 
-def hash_patches(stage, seconds, pd=("pd",), only=""):
+def hash_patches(stage, seconds, pd=("pd",), only="", keep=None):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         copies = {}
@@ -103,6 +104,9 @@ def hash_patches(stage, seconds, pd=("pd",), only=""):
             if only not in patch.name:
                 continue
             digest = hash_patch(patch, folder, copies[stage], seconds, pd)
+            if keep and (folder / "sound.wav").exists():
+                keep.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(folder / "sound.wav", keep / f"{patch.parent.name}_{patch.stem}.wav")
             yield "patch", str(patch.relative_to(folder)), digest
 
 
@@ -138,6 +142,7 @@ def main():
     parser.add_argument("--pd", type=shlex.split, default=["pd"], metavar="COMMAND",
                         help="another system's Pd under its emulator (docs/cross_build.md)")
     parser.add_argument("--only", default="", metavar="WORD", help="patches with this in their name")
+    parser.add_argument("--keep", type=pathlib.Path, metavar="FOLDER", help="keeps the sounds of patches there, WAV of floats")
     parser.add_argument("--compare", nargs=2, metavar=("BEFORE", "AFTER"))
     parser.add_argument("--varying", metavar="BEFORE_AGAIN")
     arguments = parser.parse_args()
@@ -148,7 +153,7 @@ def main():
     if not arguments.table:
         parser.error("give the table to write, or --compare")
     with open(arguments.table, "w") as table:
-        for row in [*hash_patches(arguments.stage.resolve(), arguments.seconds, arguments.pd, arguments.only), *hash_scenes(arguments.scenes)]:
+        for row in [*hash_patches(arguments.stage.resolve(), arguments.seconds, arguments.pd, arguments.only, arguments.keep), *hash_scenes(arguments.scenes)]:
             table.write("\t".join(row) + "\n")
             table.flush()
 
