@@ -6,8 +6,10 @@
 
 /// The module `tactus`, for [declare -lib tactus] and `pd -lib tactus`: puts its own folder into
 /// Pd's search path, so that every object, abstraction and table of the library is found by its
-/// bare name, and each module loads when it is first used.
+/// bare name, and each module loads when it is first used. A box [tactus/tactus] does the same.
 namespace {
+
+t_class* library;
 
 /// A path as Pd's own dialogs send it: '+' in front, and for what would end a message.
 std::string encoded(const std::string& path) {
@@ -35,6 +37,9 @@ std::string encoded(const std::string& path) {
   return text;
 }
 
+/// A module is expected to bring a class of its name.
+void* make_box() { return pd_new(library); }
+
 } // namespace
 
 #ifdef _WIN32
@@ -44,6 +49,8 @@ std::string encoded(const std::string& path) {
 #endif
 extern "C" TACTUS_SET_UP void tactus_setup();
 extern "C" TACTUS_SET_UP void tactus_setup() {
+  library = class_new(gensym("tactus"), reinterpret_cast<t_newmethod>(&make_box), nullptr,
+                      sizeof(t_object), CLASS_NOINLET, A_NULL);
   const std::string folder = tactus::pd::module_folder();
   t_pd* pd = gensym("pd")->s_thing;
   if (folder.empty() || !pd)

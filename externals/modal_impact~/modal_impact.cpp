@@ -183,7 +183,10 @@ const BodyModel* ModalImpact::body(Host& host) {
   return body_.model();
 }
 
-void ModalImpact::dump(Host& host) { post_info(host); }
+void ModalImpact::dump(Host& host) {
+  body_.adopt();
+  post_info(host);
+}
 
 void ModalImpact::post_info(Host& host) {
   host.info({"version", "0.1.0"});
