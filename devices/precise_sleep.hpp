@@ -7,7 +7,7 @@ namespace tactus::devices {
 class PreciseSleep {
 public:
   PreciseSleep() noexcept;
-  ~PreciseSleep();
+  ~PreciseSleep(); // NOLINT(performance-trivially-destructible): on Windows it closes a timer
   PreciseSleep(const PreciseSleep&) = delete;
   PreciseSleep& operator=(const PreciseSleep&) = delete;
 

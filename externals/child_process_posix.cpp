@@ -122,6 +122,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
       !set_nonblocking(parent_end.get()) || !set_nonblocking(errors.get()))
     return failed("no pipe to a program", errno);
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words)
     arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -210,7 +211,7 @@ std::string ChildProcess::end(double grace_s) {
     ::close(p.stream);
     ::close(p.errors);
   }
-  if (const std::string line = last_line(p.stderr_tail); !line.empty())
+  if (std::string line = last_line(p.stderr_tail); !line.empty())
     return line;
   return WIFSIGNALED(p.status) ? "signal " + std::to_string(WTERMSIG(p.status))
                                : "status " + std::to_string(WEXITSTATUS(p.status));

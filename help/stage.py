@@ -96,17 +96,17 @@ def reference_patch(declaration):
         y += 16 * max(wrap(left, 40), wrap(right, 62)) + 3
 
     if declaration["arguments"]:
-        heading("arguments, in this order before the flags")
+        heading("arguments, before, between or after flags")
         for i, name in enumerate(declaration["arguments"]):
             row(f"{i + 1}: {name}", f"as the message {name}")
     if declaration["parameters"]:
         heading("parameters: flag -name value, message name value, get name")
         for p in declaration["parameters"]:
             row(f"{p['name']}  {range_text(p)}", f"{p['text']} (initially {initial_text(p)})")
-    heading("messages")
+    heading("messages, and flags: -name with what follows")
     for m in declaration["messages"]:
         row(f"{m['name']} {m['arguments']}".strip(), m["text"])
-    row("get [name ...]", "the value of the named or of all parameters, out of the info outlet")
+    row("get [name ...]", "the named lines of dump, or all parameters, out of the info outlet")
     row("dump", "all parameters and what follows from them, out of the info outlet")
     return lines
 
@@ -156,6 +156,22 @@ def fill_help(source, declaration):
     return "\n".join(out) + "\n"
 
 
+def in_the_box(declaration):
+    """What may be written in the object's box, as a paragraph."""
+    name, arguments = declaration["name"], declaration["arguments"]
+    flags = [f"-{p['name']} {initial_text(p)}" for p in declaration["parameters"][:1]]
+    flags += [f"-{m['name']} {m['arguments'].split('|')[0].split()[0]}" for m in declaration["messages"]
+              if m["arguments"] and m["arguments"][0].isalpha()][:1]
+    text = "In the box: "
+    if arguments:
+        text += f"`[{name} {' '.join(arguments)}]`, the first word or number without a flag being the message " \
+                f"`{arguments[0]}`. "
+    return text + ("Every parameter and every message below is also a flag, before or after that: `-name` with what "
+                   "follows the name in the message"
+                   + (f", as in `[{name} {' '.join(flags)}]`" if flags else "")
+                   + ". Flags are carried out in order when the object is made.")
+
+
 def markdown(declaration):
     """A page for readers and for object browsers (YAML front matter in the form ELSE uses)."""
     d = declaration
@@ -170,11 +186,12 @@ def markdown(declaration):
     for p in d["parameters"]:
         out += [f"  - name: -{p['name']}", f"    description: {json.dumps(p['text'])}",
                 f"    default: {initial_text(p)}"]
+    for m in d["messages"]:
+        if m["name"] not in ("bang", "list"):
+            out += [f"  - name: -{m['name']} {m['arguments']}".rstrip(), f"    description: {json.dumps(m['text'])}"]
     out += ["---", "", f"# {d['name']}", "", d["description"], "",
             "Written from the object's own declaration by `help/stage.py`.", ""]
-    if d["arguments"]:
-        out += ["Creation arguments, in order: " + ", ".join(f"`{a}`" for a in d["arguments"])
-                + ".", ""]
+    out += [in_the_box(d), ""]
     out += ["| parameter | range | initially | meaning |", "|---|---|---|---|"]
     for p in d["parameters"]:
         shown = range_text(p).replace(" | ", ", ")
@@ -183,7 +200,7 @@ def markdown(declaration):
     for m in d["messages"]:
         arguments = m["arguments"].replace("|", "\\|")  # a bare one ends the table's cell
         out.append(f"| `{m['name']}` | {arguments} | {m['text']} |")
-    out += ["| `get` | names | the value of the named or of all parameters |",
+    out += ["| `get` | names | the named lines of `dump`; without a name all parameters |",
             "| `dump` | | all parameters and what follows from them |", ""]
     return "\n".join(out)
 
