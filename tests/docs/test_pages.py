@@ -56,15 +56,23 @@ def dead(out):
     return found
 
 
-def test_no_link_of_any_page_is_broken(tmp_path):
-    site = make_pages.make(tmp_path)
-    assert not site.faults, "\n".join(site.faults)
-    assert not dead(tmp_path)
-    assert len(site.pages) > 100 and (tmp_path / "docs" / "greed.html").is_file()
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The pages of this checkout, made by the command once."""
+    out = tmp_path_factory.mktemp("pages")
+    done = subprocess.run([sys.executable, ROOT / "scripts" / "make_pages.py", "--out", out], capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stderr
+    assert str(out / "index.html") in done.stdout
+    return make_pages.Site(make_pages.tracked(), out)
 
 
-def test_every_page_of_the_docs_is_reached_from_the_index(tmp_path):
-    site = make_pages.make(tmp_path)
+def test_no_link_of_any_page_is_broken(site):
+    assert not dead(site.out)
+    assert len(site.pages) > 100 and (site.out / "docs" / "greed.html").is_file()
+
+
+def test_every_page_of_the_docs_is_reached_from_the_index(site):
     reached, left = set(), ["docs/README.md"]
     while left:
         name = left.pop()
@@ -134,13 +142,6 @@ def test_what_a_scene_was_said_to_make_and_did_not_is_a_fault(tmp_path):
 def test_a_written_page_with_a_dead_link_is_found(tmp_path):
     (tmp_path / "a.html").write_text('<a href="b.html">b</a><a href="#x">x</a><img src="https://example.org/p.png">')
     assert len(dead(tmp_path)) == 3
-
-
-def test_the_command_makes_the_pages_and_says_where(tmp_path):
-    done = subprocess.run([sys.executable, ROOT / "scripts" / "make_pages.py", "--out", tmp_path], capture_output=True,
-                          text=True)
-    assert done.returncode == 0, done.stderr
-    assert "index.html" in done.stdout and (tmp_path / "index.html").is_file()
 
 
 @pytest.mark.skipif(not shutil.which("chromium"), reason="Chromium is not installed")
