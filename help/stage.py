@@ -8,8 +8,8 @@ sub-patch [pd META] that Pd's help browser and deken read.
 
     stage.py --declarations declarations.json --version 0.1.0 --stage FOLDER SOURCE...
     stage.py --stage FOLDER SOURCE...                             abstractions alone, which need no declaration
-    stage.py --declarations declarations.json --docs FOLDER       one Markdown page an object
-    stage.py --declarations declarations.json --check FOLDER      are those pages up to date?
+
+reference_page.py writes the same as Markdown, docs/reference/NAME.md.
 """
 import argparse
 import json
@@ -23,6 +23,22 @@ WEBSITE = "see README.md"
 TITLE_COLOUR = "#2f4f5f"
 RULE_COLOUR = "#dcdcdc"
 LINE = 19  # pixels between two lines of text
+RELATED = {  # what to look at next
+    "contact_friction~": "contact_impact~, modal_impact~",
+    "contact_impact~": "contact_friction~, modal_impact~",
+    "footstep~": "particle~, modal_impact~, footstep_map.pd",
+    "greed_gradient~": "greed~, playability_map, reed_haptic.pd",
+    "greed~": "playability~, greed_gradient~, wind_controller.pd",
+    "haptic_server": "phantom, stress_haptic",
+    "ioa_link": "ioa_net, audiohaptics.pd",
+    "modal_impact~": "contact_impact~, struck_disk.pd, struck_beam.pd",
+    "particle~": "footstep~, modal_impact~",
+    "phantom": "phantom~, haptic_server, struck_disk.pd",
+    "phantom~": "phantom, modal_impact~, mass_spring.pd",
+    "playability_map": "playability~, greed_gradient~, reed_haptic.pd",
+    "playability~": "greed~, playability_map, greed_gradient~",
+    "stress_haptic": "phantom, haptic_server, beam.pd",
+}
 
 
 def escape(text):
@@ -44,7 +60,8 @@ def rule(x, y, width, height, label="", colour=RULE_COLOUR, text_colour="#303030
 
 
 def number(value):
-    return f"{value:.7g}"
+    digits = 8 if value == int(value) else 7  # 16777216 as it is
+    return f"{value:.{digits}g}".replace("e+0", "e").replace("e+", "e")
 
 
 def range_text(parameter):
@@ -60,6 +77,23 @@ def initial_text(parameter):
     if parameter["choices"]:
         return parameter["choices"][int(parameter["initial"])]
     return number(parameter["initial"])
+
+
+def spaced(text):
+    """Choices that read "left | right" where the declaration has left|right; in parentheses where
+    more stands beside them: "number (0 | 1)", "[left | right] (wood | snow)"."""
+    def spell(match):
+        inner = match[1] or match[2]
+        choices = " | ".join(inner.split("|"))
+        return f"[{choices}]" if match[1] else choices if inner == text else f"({choices})"
+    return re.sub(r"\[([^\s\[\]|]+(?:\|[^\s\[\]|]+)+)\]|([^\s\[\]|,;]+(?:\|[^\s\[\]|,;]+)+)", spell, text)
+
+
+def spell_choices(declaration):
+    """Spaces the choices in what a declaration says of messages and ports."""
+    for entry in declaration["messages"] + declaration["inlets"] + declaration["outlets"]:
+        for key in {"arguments", "text"} & entry.keys():
+            entry[key] = spaced(entry[key])
 
 
 def ports(declaration, side):
@@ -156,55 +190,6 @@ def fill_help(source, declaration):
     return "\n".join(out) + "\n"
 
 
-def in_the_box(declaration):
-    """What may be written in the object's box, as a paragraph."""
-    name, arguments = declaration["name"], declaration["arguments"]
-    flags = [f"-{p['name']} {initial_text(p)}" for p in declaration["parameters"][:1]]
-    flags += [f"-{m['name']} {m['arguments'].split('|')[0].split()[0]}" for m in declaration["messages"]
-              if m["arguments"] and m["arguments"][0].isalpha()][:1]
-    text = "In the box: "
-    if arguments:
-        text += f"`[{name} {' '.join(arguments)}]`, the first word or number without a flag being the message " \
-                f"`{arguments[0]}`. "
-    return text + ("Every parameter and every message below is also a flag, before or after that: `-name` with what "
-                   "follows the name in the message"
-                   + (f", as in `[{name} {' '.join(flags)}]`" if flags else "")
-                   + ". Flags are carried out in order when the object is made.")
-
-
-def markdown(declaration):
-    """A page for readers and for object browsers (YAML front matter in the form ELSE uses)."""
-    d = declaration
-    out = ["---", f"title: {d['name']}", f"description: {json.dumps(d['title'])}", "categories: [tactus]",
-           "pdcategory: tactus"]
-    for side in ("inlets", "outlets"):
-        out.append(f"{side}:")
-        for i, (kind, name, unit, text) in enumerate(ports(d, side)):
-            label = f"{name}{', ' + unit if unit else ''}: {text}"
-            out += [f"  {i + 1}:", f"  - type: {kind}", f"    description: {json.dumps(label)}"]
-    out.append("flags:")
-    for p in d["parameters"]:
-        out += [f"  - name: -{p['name']}", f"    description: {json.dumps(p['text'])}",
-                f"    default: {initial_text(p)}"]
-    for m in d["messages"]:
-        if m["name"] not in ("bang", "list"):
-            out += [f"  - name: -{m['name']} {m['arguments']}".rstrip(), f"    description: {json.dumps(m['text'])}"]
-    out += ["---", "", f"# {d['name']}", "", d["description"], "",
-            "Written from the object's own declaration by `help/stage.py`.", ""]
-    out += [in_the_box(d), ""]
-    out += ["| parameter | range | initially | meaning |", "|---|---|---|---|"]
-    for p in d["parameters"]:
-        shown = range_text(p).replace(" | ", ", ")
-        out.append(f"| `{p['name']}` | {shown} | {initial_text(p)} | {p['text']} |")
-    out += ["", "| message | arguments | meaning |", "|---|---|---|"]
-    for m in d["messages"]:
-        arguments = m["arguments"].replace("|", "\\|")  # a bare one ends the table's cell
-        out.append(f"| `{m['name']}` | {arguments} | {m['text']} |")
-    out += ["| `get` | names | the named lines of `dump`; without a name all parameters |",
-            "| `dump` | | all parameters and what follows from them |", ""]
-    return "\n".join(out)
-
-
 def library_meta(version, declarations):
     lines = ["#N canvas 100 100 500 300 12;", "#N canvas 100 100 500 300 META 0;"]
     entries = [("NAME", "tactus"), ("DESCRIPTION", "instruments and worlds that are heard and felt"),
@@ -219,27 +204,14 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--declarations", type=pathlib.Path)
     parser.add_argument("--version", default="0")
-    parser.add_argument("--stage", type=pathlib.Path)
-    parser.add_argument("--docs", type=pathlib.Path)
-    parser.add_argument("--check", type=pathlib.Path)
+    parser.add_argument("--stage", type=pathlib.Path, required=True)
     parser.add_argument("sources", nargs="*", type=pathlib.Path)
     arguments = parser.parse_args()
     declarations = json.loads(arguments.declarations.read_text()) if arguments.declarations else []
     by_name = {d["name"]: d for d in declarations}
+    for d in declarations:
+        spell_choices(d)
 
-    if arguments.docs:
-        arguments.docs.mkdir(parents=True, exist_ok=True)
-        for d in declarations:
-            (arguments.docs / f"{d['name']}.md").write_text(markdown(d))
-    if arguments.check:
-        stale = [d["name"] for d in declarations
-                 if not (page := arguments.check / f"{d['name']}.md").exists()
-                 or page.read_text() != markdown(d)]
-        if stale:
-            raise SystemExit(f"{arguments.check}: out of date for {', '.join(stale)}; "
-                             "run: ninja -C build reference")
-    if not arguments.stage:
-        return
     arguments.stage.mkdir(parents=True, exist_ok=True)
     for source in arguments.sources:
         for path in sorted(source.rglob("*")):

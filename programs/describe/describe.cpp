@@ -1,9 +1,12 @@
 // tactus_describe: prints what every object says of itself as one JSON array.
 // Each entry: name, title, description, keywords, inlets, outlets, arguments, parameters, messages
-// and traits, as in core/declaration.hpp.
+// and traits, as in core/declaration.hpp. `tactus_describe surface_keys` prints the keys of a
+// ground's text (docs/surfaces.md) instead: section, name, unit, range, initial value, text.
 #include "programs/describe/describe.hpp"
 
+#include "core/footstep/recipe.hpp"
 #include "files/json.hpp"
+#include "files/recipe.hpp"
 
 #include <cstdio>
 #include <string>
@@ -76,9 +79,27 @@ std::string object(const ObjectDescription& described) {
          field("multichannel", flag(described.traits.multichannel)) + "}";
 }
 
+/// The initial value is the one in a text that opens the section and leaves the key out.
+std::string surface_key(const footstep::RecipeKey& key) {
+  const std::string section(key.section);
+  footstep::Recipe recipe;
+  const std::string mistake =
+      files::read_recipe((section.empty() ? "" : "[" + section + "]\n") + "[solid]\n", recipe);
+  if (!mistake.empty())
+    std::fprintf(stderr, "tactus_describe: [%s]: %s\n", section.c_str(), mistake.c_str());
+  return "{" + field("section", files::quoted_json(section)) + ", " +
+         field("name", files::quoted_json(key.name)) + ", " +
+         field("unit", files::quoted_json(key.unit)) + ", " + field("lowest", number(key.lowest)) +
+         ", " + field("highest", number(key.highest)) + ", " +
+         field("initial", number(key.member(recipe))) + ", " +
+         field("text", files::quoted_json(key.text)) + "}";
+}
+
 } // namespace
 
-int main() {
-  std::printf("%s\n", array(described_objects(), object).c_str());
+int main(int count, char** arguments) {
+  const bool keys = count == 2 && std::string_view(arguments[1]) == "surface_keys";
+  std::printf("%s\n", keys ? array(footstep::recipe_keys(), surface_key).c_str()
+                           : array(described_objects(), object).c_str());
   return 0;
 }

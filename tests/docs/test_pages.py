@@ -1,0 +1,154 @@
+"""scripts/make_pages.py: every page becomes HTML whose links, anchors, pictures and sounds exist; a small site shows
+that each kind of broken link is found."""
+import html.parser
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import urllib.parse
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import make_pages  # noqa: E402
+import pages_browser  # noqa: E402
+
+pytestmark = pytest.mark.skipif(not shutil.which("cmark-gfm"), reason="needs cmark-gfm")
+
+
+class Links(html.parser.HTMLParser):
+    """What a page links to, and its anchors."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.links, self.anchors, self.fetched = [], set(), []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.anchors.add(attributes.get("id"))
+        link = attributes.get("href") or attributes.get("src")
+        if link:
+            self.links.append(link)
+            if tag != "a":
+                self.fetched.append(link)
+
+
+def dead(out):
+    """Links of the written pages that lead to no file or anchor: independent of what make_pages itself found."""
+    pages = {path: Links(path.read_text()) for path in out.rglob("*.html")}
+    found = []
+    for path, page in pages.items():
+        for link in page.links:
+            parts = urllib.parse.urlsplit(link)
+            if parts.scheme:
+                found += [f"{path}: fetches {link}"] if link in page.fetched else []
+                continue
+            target = pathlib.Path(os.path.normpath(path.parent / urllib.parse.unquote(parts.path))) if parts.path else path
+            anchor = urllib.parse.unquote(parts.fragment)
+            if not target.is_file() or out not in target.parents:
+                found.append(f"{path}: {link}")
+            elif anchor and anchor not in pages[target].anchors:
+                found.append(f"{path}: {link} has no such anchor")
+    return found
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The pages of this checkout, made by the command once."""
+    out = tmp_path_factory.mktemp("pages")
+    done = subprocess.run([sys.executable, ROOT / "scripts" / "make_pages.py", "--out", out], capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stderr
+    assert str(out / "index.html") in done.stdout
+    return make_pages.Site(make_pages.tracked(), out)
+
+
+def test_no_link_of_any_page_is_broken(site):
+    assert not dead(site.out)
+    assert len(site.pages) > 100 and (site.out / "docs" / "greed.html").is_file()
+
+
+def test_every_page_of_the_docs_is_reached_from_the_index(site):
+    reached, left = set(), ["docs/README.md"]
+    while left:
+        name = left.pop()
+        if name in reached or name not in site.pages:
+            continue
+        reached.add(name)
+        for link in Links(site.pages[name].body).links:
+            target = site.target(name, link)
+            if target:
+                left.append(target[0])
+    lost = {name for name in site.pages if name.startswith("docs/")} - reached
+    assert not lost, f"no page leads to {', '.join(sorted(lost))}"
+
+
+FIRST = "# One\n\n## Two words, `code`~\n\n## Two words, `code`~\n\n"
+GOOD = ("[a](b.md) [own](#two-words-code) [second](#two-words-code-1) [deep](sub/c.md#see) [file](sub/x.txt) "
+        "[folder](sub) [web](https://example.org/x) ![p](p.png) [sound](out/walk/s.wav)")
+
+
+def small_site(folder, text=GOOD):
+    """A checkout of a few files in folder/in, its pages in folder/out."""
+    root = folder / "in"
+    files = {"README.md": FIRST + text, "b.md": "# B\n", "sub/c.md": "# C\n\n### See?\n", "sub/x.txt": "<&>",
+             "p.png": "png", "scripts/scenes/walk.py": ""}
+    for name, content in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(content)
+    return root, list(files)
+
+
+def faults(folder, text):
+    root, files = small_site(folder, text)
+    return make_pages.make(folder / "out", root, files).faults
+
+
+def test_a_small_site_without_faults(tmp_path):
+    assert faults(tmp_path, GOOD) == [] and dead(tmp_path / "out") == []
+    page = (tmp_path / "out" / "README.html").read_text()
+    assert "./play makes it" in page and "&lt;&amp;&gt;" in (tmp_path / "out" / "sub" / "x.txt.html").read_text()
+    sound = tmp_path / "in" / "out" / "walk" / "s.wav"
+    sound.parent.mkdir(parents=True)
+    sound.write_text("RIFF")
+    assert faults(tmp_path, GOOD) == [] and dead(tmp_path / "out") == []
+    page = (tmp_path / "out" / "README.html").read_text()
+    assert '<audio controls preload="none" src="out/walk/s.wav">' in page and "makes it" not in page
+
+
+@pytest.mark.parametrize("text, said", [
+    ("[a](nothing.md)", "leads to no file"), ("[a](sub/nothing.txt)", "leads to no file"),
+    ("[a](b.md#nothing)", "b.md has no heading #nothing"), ("[a](#two)", "README.md has no heading #two"),
+    ("[a](#two-words-code-2)", "has no heading"), ("![a](q.png)", "leads to no file"),
+    ("[a](../../elsewhere.md)", "leads to no file"), ("[a](out/swim/s.wav)", "there is no scene swim"),
+    ("<img src=\"q.png\" alt=\"\">", "leads to no file"), ("[a][ref]\n\n[ref]: nothing.md", "leads to no file")])
+def test_a_broken_link_is_one_line_with_its_page(tmp_path, text, said):
+    found = faults(tmp_path, text)
+    assert len(found) == 1 and found[0].startswith("README.md: (") and said in found[0]
+
+
+def test_what_a_scene_was_said_to_make_and_did_not_is_a_fault(tmp_path):
+    small_site(tmp_path)
+    scene = tmp_path / "in" / "out" / "walk"
+    scene.mkdir(parents=True)
+    (scene / "scene.json").write_text("{}")
+    assert faults(tmp_path, "[a](out/walk/s.wav)") == ["README.md: (out/walk/s.wav) ./play walk has not made it"]
+
+
+def test_a_written_page_with_a_dead_link_is_found(tmp_path):
+    (tmp_path / "a.html").write_text('<a href="b.html">b</a><a href="#x">x</a><img src="https://example.org/p.png">')
+    assert len(dead(tmp_path)) == 3
+
+
+@pytest.mark.skipif(not shutil.which("chromium"), reason="Chromium is not installed")
+def test_a_browser_shows_every_picture_and_says_which_it_cannot(tmp_path):
+    root, files = small_site(tmp_path)
+    shutil.copyfile(ROOT / "docs" / "results" / "reed_sound.png", root / "p.png")
+    make_pages.make(tmp_path / "out", root, files)
+    assert pages_browser.faults(tmp_path / "out", 120) == []
+    (tmp_path / "out" / "p.png").write_text("no picture")
+    assert pages_browser.faults(tmp_path / "out", 120) == ["README.html: picture p.png"]
