@@ -58,8 +58,9 @@ class Work:
     def run_ninja(self, targets, name):
         """None, or what the compiler said where it failed."""
         log = (self.build_folder / "build.log").open("a")
-        process = subprocess.Popen(["nice", "ninja", "-C", self.build_folder, *targets], stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, text=True, errors="replace")
+        command = ["nice", "ninja", "-j", str(os.cpu_count() or 1), "-C", self.build_folder, *targets]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                   errors="replace")
         said, shown = [], 0
         for line in process.stdout:
             log.write(line)
@@ -112,7 +113,7 @@ class Work:
         # Two solvers side by side: idle threads of OpenBLAS would wait by spinning.
         environment = dict(os.environ, TACTUS_STAGE=str(self.build_folder / "tactus"), MPLBACKEND="Agg",
                            PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
-        process = subprocess.Popen([sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,
+        process = subprocess.Popen(["nice", sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,
                                    env=environment)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)  # waited for already
