@@ -150,9 +150,9 @@ def main():
     OUT.mkdir(exist_ok=True)
     work = Work(names, arguments.build.resolve(), arguments.begun)
     work.write_page()
-    threads = [threading.Thread(target=work.make_scenes)
+    threads = [threading.Thread(target=work.make_scenes, daemon=True)  # an interrupt ends them, too
                for _ in range(min(os.cpu_count() or 1, MOST_AT_A_TIME, len(names)))]
-    builder = threading.Thread(target=work.build)
+    builder = threading.Thread(target=work.build, daemon=True)
     for thread in [builder, *threads]:
         thread.start()
     for thread in [builder, *threads]:
@@ -168,4 +168,7 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit("./play: interrupted; the page has what was made")
