@@ -26,7 +26,7 @@ HIGHLIGHTS = (
 # The order of the work: what is heard first and needs little to be built; what takes longest before the short
 # ones of its kind, so that no processor waits at the end.
 WORK = ("fanfare", "walking", "particles", "bodies", "reed", "rubbing", "audiohaptics", "footsteps", "design",
-        "disk-hollow", "walk-on-plate", "map", "greed", "finger", "board", "spring", "strike", "disk", "reed-study")
+        "walk-on-plate", "map", "greed", "finger", "board", "spring", "strike", "disk", "disk-hollow", "reed-study")
 
 
 def file(name):

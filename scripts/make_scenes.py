@@ -33,6 +33,13 @@ def target(need):
     return need
 
 
+def wait(process):
+    """(status, processor seconds of a process and of those that it started and waited for)"""
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)  # waited for already
+    return process.returncode, usage.ru_utime + usage.ru_stime
+
+
 class Work:
     """The scenes to be made and how far they are. What threads share is guarded by `changed`."""
 
@@ -56,10 +63,11 @@ class Work:
         report.write(OUT, coming=[*self.waiting, *self.running], failed=self.failed)
 
     def run_ninja(self, targets, name):
-        """None, or what the compiler said where it failed."""
+        """(what the compiler said where it failed, else None; processor seconds)"""
         log = (self.build_folder / "build.log").open("a")
-        process = subprocess.Popen(["nice", "ninja", "-C", self.build_folder, *targets], stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, text=True, errors="replace")
+        command = ["nice", "ninja", "-j", str(os.cpu_count() or 1), "-C", self.build_folder, *targets]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                   errors="replace")
         said, shown = [], 0
         for line in process.stdout:
             log.write(line)
@@ -70,29 +78,30 @@ class Work:
                 shown = tenth
                 self.say(f"  built {10 * tenth} % of what {name} needs")
         log.close()
-        if process.wait() == 0:
-            return None
+        status, seconds = wait(process)
+        if status == 0:
+            return None, seconds
         text = "".join(said)
-        return text[max(text.find("FAILED"), 0):][:6000] or "ninja failed"
+        return text[max(text.find("FAILED"), 0):][:6000] or "ninja failed", seconds
 
     def build(self):
         """Of each scene in turn, what it needs."""
         built = set()
         for name in list(self.waiting):
             began = time.time()
-            before = sum(os.times()[2:4])
             wanted = [t for t in dict.fromkeys(map(target, contents.needs(name))) if t not in built]
-            trouble = self.run_ninja(wanted, name) if wanted else None
-            built.update(wanted)
+            trouble, seconds = self.run_ninja(wanted, name) if wanted else (None, 0)
             with self.changed:
                 if wanted:
-                    self.note(f"build for {name}", began, sum(os.times()[2:4]) - before)
+                    self.note(f"build for {name}", began, seconds)
                 if trouble:
                     print(trouble, file=sys.stderr)
                     self.waiting.remove(name)
                     self.failed.append(name)
                     self.say(f"{name}: what it needs cannot be built")
+                    self.write_page()
                 else:
+                    built.update(wanted)
                     self.ready.add(name)
                 self.changed.notify_all()
 
@@ -112,11 +121,9 @@ class Work:
         # Two solvers side by side: idle threads of OpenBLAS would wait by spinning.
         environment = dict(os.environ, TACTUS_STAGE=str(self.build_folder / "tactus"), MPLBACKEND="Agg",
                            PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1")
-        process = subprocess.Popen([sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,
+        process = subprocess.Popen(["nice", sys.executable, ROOT / "scripts" / "make_scene.py", name, OUT], cwd=ROOT,
                                    env=environment)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)  # waited for already
-        return process.returncode, usage.ru_utime + usage.ru_stime
+        return wait(process)
 
     def make_scenes(self):
         while name := self.next_scene():
@@ -149,9 +156,9 @@ def main():
     OUT.mkdir(exist_ok=True)
     work = Work(names, arguments.build.resolve(), arguments.begun)
     work.write_page()
-    threads = [threading.Thread(target=work.make_scenes)
+    threads = [threading.Thread(target=work.make_scenes, daemon=True)  # an interrupt ends them, too
                for _ in range(min(os.cpu_count() or 1, MOST_AT_A_TIME, len(names)))]
-    builder = threading.Thread(target=work.build)
+    builder = threading.Thread(target=work.build, daemon=True)
     for thread in [builder, *threads]:
         thread.start()
     for thread in [builder, *threads]:
@@ -167,4 +174,7 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit("./play: interrupted; the page has what was made")

@@ -9,18 +9,17 @@ Ends    The first millisecond and the last 10 ms stay below -60 dB. (A struck bo
         milliseconds after the beginning; it may not still sound at the end.)
 Clipping  Three or more samples in a row that are equal and the largest of their channel, above -40 dB, or one
         sample beyond full scale. What limits softly never gives equal samples.
-Clicks  A jump of the waveform, above -60 dB, that stands out of the sound in two ways, each CLICK_RATIO times
-        the largest value around it: within 25 ms on each side, but for the 4 samples next to it. 25 ms are a period
-        of 40 Hz: the shock waves of a loud trombone jump as well, once a period.
-        One measure is the step that its neighbours do not have: from one sample to the next the sound moves
-        further than just before and just after, in one direction, by about as much; its height is by how much.
-        (A ramp of two samples counts where it is four times as steep as the sound.)
-        The other is the third difference, a filter that rises by 18 dB an octave: a jump of height h comes out as
-        h, -2h, h, while sounds fall off towards high frequencies.
-        A bubble, which begins with a bend, has the second alone; the tongue that lets go of a reed the first
-        alone; an impact neither, as its body goes on sounding with steps of the same order. What natural sounds
-        reach is 5.7 times, what a cut leaves 19 times and more. A jump below a fiftieth of a loud tone of 2 kHz
-        is not found, nor heard.
+Clicks  A jump of the waveform, above -60 dB, that stands out of the sound around it.
+        A jump is a step that its neighbours do not have: from one sample to the next the sound moves further than
+        just before and just after, in one direction, by about as much; its height is by how much. (A ramp of two
+        samples counts where it is four times as steep as the sound.) So a bubble or an impact, which begins with
+        a bend, does not jump.
+        How far it stands out is measured by the third difference, a filter that rises by 18 dB an octave: a jump
+        of height h comes out as h, -2h, h, while sounds fall off towards high frequencies. It is a click where it
+        has CLICK_RATIO times the largest third difference around it: within 25 ms on each side, but for the 4
+        samples next to it. 25 ms are a period of 40 Hz: the shock waves of a loud trombone jump as well, once a
+        period. Of the sounds of ./play none reaches more than 5.7 times; where they were cut off they had 14 and
+        more. In a tone of 440 Hz at half scale a jump of 1 % is found, in one of 2 kHz one of 5 %.
 """
 import pathlib
 import sys
@@ -31,7 +30,7 @@ import scipy.ndimage
 
 SILENCE = 1e-3         # -60 dB of full scale
 START_S, END_S = 0.001, 0.01
-CLICK_RATIO, RAMP_RATIO, SYMMETRY = 8.0, 4.0, 0.5
+CLICK_RATIO, RAMP_RATIO, SYMMETRY = 8.0, 4.0, 0.4
 CLICK_AROUND_S, CLICK_NEXT = 0.025, 4
 CLIPPED_IN_A_ROW, CLIPPED_ABOVE = 3, 0.01
 
@@ -74,11 +73,9 @@ def prominence(values, rate):
 
 
 def jumps_and_ratios(channel, rate):
-    """(height of the jump before each sample, by how many times it stands out in both measures)"""
-    jumps = heights(channel)
+    """(height of the jump before each sample, by how many times its third difference stands out)"""
     bends = abs(numpy.diff(numpy.pad(channel, (2, 2)), 3))
-    bends = scipy.ndimage.maximum_filter1d(bends, 3)  # the same sample of a jump in both
-    return jumps, numpy.minimum(prominence(jumps, rate), prominence(bends, rate))
+    return heights(channel), prominence(bends, rate)
 
 
 def clicks(channel, rate):

@@ -21,6 +21,7 @@ from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
 NEEDS = "modal_impact~ modal_fem"
+LONG = True
 COLOURS = {"solid": "#2b5c8a", "hollow": "#c4552d"}
 
 
