@@ -212,6 +212,13 @@ def test_the_first_argument_chooses_what_one_would_guess_wherever_it_stands():
     assert preset("particle~", "-seed", 3, "ice", outlet=3) == ["preset", "ice"]
 
 
+def test_an_empty_list_is_a_bang():
+    patch = Patch()
+    patch.at(1, patch.obj("contact_friction~"), "list")
+    result = patch.render(0.05, expect_errors=["no message 'bang'; there are modes, pickup and reset"])
+    assert len(result.errors) == 1
+
+
 def test_a_list_to_greed_is_a_number_for_each_inlet():
     patch = Patch()
     listed, played = patch.obj("greed~", "trumpet"), patch.obj("greed~", "trumpet")
