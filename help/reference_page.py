@@ -33,6 +33,16 @@ MODELS = {  # the pages that explain an object: title and file in docs/
     "playability~": [("the model", "playability.md")],
     "stress_haptic": [("the model", "stress_haptic.md"), ("making a table", "part_stress.md")],
 }
+HEARD = {  # a sound of it that ./play makes: scene, file, what it is
+    "footstep~": ("walking", "tour.wav", "one walker in one take"),
+    "greed_gradient~": ("reed", "adagio_room.wav", "the clarinet of Mozart's Adagio, played by a hand"),
+    "greed~": ("fanfare", "fanfare.wav", "two trumpets and two trombones"),
+    "modal_impact~": ("bodies", "piece.wav", "a piece for nine bodies"),
+    "particle~": ("particles", "piece.wav", "maraca, cabasa, tambourine and coins over rain and bubbles"),
+    "phantom": ("strike", "struck_disk.wav", "a hand strikes a disk"),
+    "phantom~": ("spring", "string.wav", "a string that a hand plucks"),
+    "stress_haptic": ("design", "struck_beam.wav", "a beam struck while it changes shape"),
+}
 SECTIONS = {  # of a ground's text
     "": "Before the first section",
     "solid": "`[solid]`: a floor that heel and ball strike",
@@ -100,6 +110,9 @@ def page(declaration):
     out = [f"# {name}", "", f"**{d['title'][0].upper()}{d['title'][1:]}.** {d['description']}", "",
            f"First steps: [tutorial](../tutorials/{name}.md). Read more: {pages}. Related: {related(name)}. Help patch: "
            f"right-click the object in Pd, or [{name}-help.pd](../../help/{name}-help.pd).", ""]
+    if name in HEARD:
+        scene, file, text = HEARD[name]
+        out += [f"Listen, once `./play {scene}` has made it: [{text}](../../out/{scene}/{file}).", ""]
     out += ["## In the box", "", in_the_box(d), ""]
     for side in ("inlets", "outlets"):
         out += [f"## {side.capitalize()}", ""]

@@ -199,14 +199,15 @@ class Site:
             f"<body><nav>{self.side(page)}</nav><main>{body}</main></body></html>\n")
 
     def photographed(self, page, body):
-        """A page about an object, with the picture of its patch after the first paragraph."""
+        """A page about an object, with the picture of its patch after the first paragraph, or the command that opens it."""
         path = pathlib.PurePosixPath(page)
         kind = {"docs/reference": "help", "docs/tutorials": "tutorial"}.get(path.parent.as_posix())
         picture = self.out / "pictures" / f"{path.stem}-{kind}.png"
         if not kind or not picture.exists():
             return body
         source = urllib.parse.quote(os.path.relpath(picture, self.out / path.parent))
-        return body.replace("</p>", f'</p>\n<p><img src="{source}" alt="the {kind} patch in Pd"></p>', 1)
+        end = "</p>" if kind == "help" else "</pre>"
+        return body.replace(end, f'{end}\n<p><img src="{source}" alt="the {kind} patch in Pd"></p>', 1)
 
     def write_all(self):
         for page in self.pages.values():

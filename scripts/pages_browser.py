@@ -1,12 +1,18 @@
 """Loads every page of make_pages.py in headless Chromium, as a reader's browser does, and says what is broken there."""
+import contextlib
 import json
+import os
 import pathlib
 import re
+import select
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
+import urllib.parse
 
-PROBE = """<!doctype html><meta charset="utf-8"><body><pre id="said">running</pre><script>
+PROBE = """<!doctype html><meta charset="utf-8"><body><script>
 const pages = PAGES, faults = [];
 function show(page) { return new Promise(done => {
   const frame = document.createElement("iframe");
@@ -28,31 +34,57 @@ async function run() {
       if (!await heard(audio)) faults.push(page + ": sound " + audio.getAttribute("src"));
     if (seen.documentElement.scrollWidth > 1210) faults.push(page + ": wider than its window");
     frame.remove(); }
-  document.getElementById("said").textContent = JSON.stringify({ loaded: pages.length, faults: faults }); }
+  console.log("pages-browser " + encodeURIComponent(JSON.stringify({ loaded: pages.length, faults: faults }))); }
 run();
 </script>"""
 
 
-def faults(out, seconds=600):
+@contextlib.contextmanager
+def running(command):
+    """Chromium with its children, which end with it."""
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               start_new_session=True)
+    try:
+        yield process
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        process.stderr.close()
+
+
+def answer_of(process, seconds):
+    """What the probe wrote on the console, None when the time is over or Chromium has ended; and all it said."""
+    said, end = b"", time.monotonic() + seconds
+    while time.monotonic() < end:
+        ready, _, _ = select.select([process.stderr], [], [], 1)
+        if not ready:
+            continue
+        piece = os.read(process.stderr.fileno(), 1 << 16)
+        if not piece:
+            break
+        said += piece
+        found = re.search(rb"pages-browser (\S+?)[\", ]", said)
+        if found:
+            return json.loads(urllib.parse.unquote(found[1].decode())), said
+    return None, said
+
+
+def faults(out, seconds=900):
     """What Chromium could not show, one line each; an error of its own if it is missing or says nothing."""
     browser = shutil.which("chromium")
     if not browser:
         return ["--browse: needs Debian's chromium"]
     pages = sorted(p.relative_to(out).as_posix() for p in out.rglob("*.html") if p != out / "index.html")
-    urls = [(out / page).as_uri() for page in pages]
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         probe = pathlib.Path(folder) / "probe.html"
-        probe.write_text(PROBE.replace("PAGES", json.dumps(urls)))
-        try:
-            done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                                   "--allow-file-access-from-files", f"--user-data-dir={folder}/profile",
-                                   f"--timeout={1000 * seconds}", "--virtual-time-budget=100000000", "--dump-dom",
-                                   probe.as_uri()], capture_output=True, text=True, timeout=seconds + 30)
-        except subprocess.TimeoutExpired:
-            return [f"--browse: Chromium did not end within {seconds} s"]
-    said = re.search(r'<pre id="said">(.*?)</pre>', done.stdout, re.S)
-    if not said or not said[1].startswith("{"):
-        return [f"--browse: Chromium gave no answer: {done.stderr.strip()[-400:]}"]
-    answer = json.loads(said[1].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">"))
+        probe.write_text(PROBE.replace("PAGES", json.dumps([(out / page).as_uri() for page in pages])))
+        command = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+                   "--allow-file-access-from-files", "--enable-logging=stderr", "--remote-debugging-port=0",
+                   f"--user-data-dir={folder}/profile", probe.as_uri()]
+        with running(command) as process:
+            answer, said = answer_of(process, seconds)
+    if not answer:
+        return [f"--browse: no answer from Chromium within {seconds} s: {said.decode(errors='replace').strip()[-400:]}"]
     print(f"  Chromium loaded {answer['loaded']} pages")
     return [fault.replace(out.as_uri() + "/", "") for fault in answer["faults"]]

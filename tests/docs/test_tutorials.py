@@ -1,4 +1,5 @@
-"""The tutorials of docs/tutorials: the patch of each plays in headless Pd, and every message that its page shows is taken.
+"""The tutorials of docs/tutorials: the patch of each plays in headless Pd, and every message that its page shows, or that
+stands in the patch to be clicked, is taken.
 
 A page's ```pd blocks hold one message a line, for the object of its patch: what [r NAME] of that patch gets."""
 import pathlib
@@ -33,15 +34,23 @@ def messages(name):
             for line in block.splitlines() if line.strip()]
 
 
+def to_click(name):
+    """The message boxes `; receiver words` of a patch, but the first, which begins: (receiver, words)."""
+    boxes = re.findall(r"^#X msg \d+ \d+ \\; (\S+) (.*);$", (FOLDER / f"{name}-tutorial.pd").read_text(), re.M)
+    assert boxes[0][0] == "pd" and len(boxes) > 3
+    return boxes[1:]
+
+
 def play(name, sent=(), seconds=2.0):
+    """The patch begins, then gets the messages (receiver, words), one after the other."""
     patch = Patch(opens=FOLDER / f"{name}-tutorial.pd")
     patch.record("left", patch.dac(1))
     if name in SHOWN:
         patch.log("shown", patch.obj("r", SHOWN[name]))
     if name not in ON_A_NETWORK:
         patch.send(50, "tutorial-start", "bang")
-    for index, message in enumerate(sent):
-        patch.send(800 + STEP * index, RECEIVER[name], message)
+    for index, (receiver, message) in enumerate(sent):
+        patch.send(800 + STEP * index, receiver, message)
     return patch.render(seconds + STEP / 1000 * len(sent))
 
 
@@ -59,10 +68,19 @@ def test_begin_sounds_or_moves(name):
 @pytest.mark.parametrize("name", OBJECTS)
 def test_the_messages_of_the_page_are_taken(name):
     sent = messages(name)
-    assert sent or name in ON_A_NETWORK, f"{name}.md has no ```pd block"
-    result = play(name, sent)  # an error in Pd's window is a failure
+    assert sent, f"{name}.md has no ```pd block"
+    result = play(name, [(RECEIVER[name], message) for message in sent])  # an error in Pd's window is a failure
     if name.endswith("~"):
         assert abs(result["left"]).max() <= 1
+
+
+@pytest.mark.parametrize("name", sorted(set(OBJECTS) - ON_A_NETWORK))
+def test_the_messages_to_click_are_taken(name):
+    listening = set(re.findall(r"^#X obj \d+ \d+ r (\S+);|^#X obj .* hsl \S+ \S+ \S+ \S+ \S+ \S+ \S+ (\S+) ",
+                               (FOLDER / f"{name}-tutorial.pd").read_text(), re.M))
+    receivers = {word for pair in listening for word in pair if word}
+    assert {receiver for receiver, _ in to_click(name)} <= receivers
+    play(name, to_click(name))
 
 
 def test_every_object_has_a_tutorial_and_every_tutorial_an_object():
