@@ -2,7 +2,10 @@
 
 #include "core/declaration_text.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 namespace tactus {
@@ -59,6 +62,23 @@ std::string argument_count(const Message& message, std::size_t given) {
          std::string(message.arguments) + "), got " + std::to_string(given);
 }
 
+/// The largest number of values that the parameter or message of this name takes.
+std::optional<std::size_t> max_arguments(const Declaration& declaration, std::string_view name) {
+  if (find_parameter(declaration, name))
+    return 1;
+  if (const auto message = find_message(declaration, name))
+    return declaration.messages[*message].max_arguments;
+  return std::nullopt;
+}
+
+/// What may stand in a box: "preset, then -name value".
+std::string usage(const Declaration& declaration) {
+  std::string words;
+  for (const CreationArgument& argument : declaration.arguments)
+    words += std::string(argument.parameter) + ", then ";
+  return words + "-name value";
+}
+
 } // namespace
 
 std::string text_of(const Atom& atom) {
@@ -67,29 +87,39 @@ std::string text_of(const Atom& atom) {
 
 std::string creation_commands(const Declaration& declaration, std::span<const Atom> given,
                               std::vector<Command>& commands) {
-  std::size_t i = 0;
-  for (std::size_t position = 0; i < given.size() && !is_flag(given[i]); ++position) {
-    if (position >= declaration.arguments.size())
-      return "creation argument '" + text_of(given[i]) + "': expected " +
-             (declaration.arguments.empty()
-                  ? std::string("-name value")
-                  : "at most " + std::to_string(declaration.arguments.size()) +
-                        " before the flags (-name value)");
-    Command command{declaration.arguments[position].parameter, {given[i++]}};
-    if (find_message(declaration, command.name))
-      while (i < given.size() && !is_flag(given[i]))
-        command.arguments.push_back(given[i++]);
-    commands.push_back(std::move(command));
-  }
-  while (i < given.size()) {
-    Command command{given[i].word.substr(1), {}};
-    if (!find_parameter(declaration, command.name) && !find_message(declaration, command.name))
-      return "creation flag '" + text_of(given[i]) +
+  std::vector<Command> flags;
+  std::size_t position = 0;
+  for (std::size_t i = 0; i < given.size();) {
+    const bool flag = is_flag(given[i]);
+    if (!flag && position == declaration.arguments.size())
+      return "creation argument '" + text_of(given[i]) + "': expected " + usage(declaration);
+    Command command{flag ? given[i++].word.substr(1) : declaration.arguments[position++].parameter,
+                    {}};
+    const auto most = max_arguments(declaration, command.name);
+    if (!most)
+      return "creation flag '" + text_of(given[i - 1]) +
              "': " + unknown_name_text(declaration, command.name);
-    for (++i; i < given.size() && !is_flag(given[i]); ++i)
+    for (; i < given.size() && !is_flag(given[i]) && command.arguments.size() < *most; ++i)
       command.arguments.push_back(given[i]);
-    commands.push_back(std::move(command));
+    (flag ? flags : commands).push_back(std::move(command));
   }
+  std::move(flags.begin(), flags.end(), std::back_inserter(commands));
+  return {};
+}
+
+std::string list_refusal(const Declaration& declaration, std::span<const Atom> numbers) {
+  std::string inlets;
+  for (const Port& inlet : declaration.inlets) {
+    inlets += (inlets.empty() ? "" : ", ") + std::string(inlet.name);
+    if (!inlet.unit.empty())
+      inlets += " (" + std::string(inlet.unit) + ")";
+  }
+  for (const Atom& atom : numbers)
+    if (atom.is_word)
+      return "list: '" + text_of(atom) + "' is no number: expected one for each inlet: " + inlets;
+  if (numbers.size() > declaration.inlets.size())
+    return "list: " + std::to_string(numbers.size()) + " numbers: expected at most " +
+           std::to_string(declaration.inlets.size()) + ", one for each inlet: " + inlets;
   return {};
 }
 

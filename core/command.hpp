@@ -18,11 +18,16 @@ struct Command {
   std::vector<Atom> arguments;
 };
 
-/// Splits creation arguments into commands: positional ones first, by the declaration's order
-/// (a message takes all that are left), then `-name value ...` or `@name value ...`.
-/// Returns a sentence when they are malformed, else an empty one.
+/// Splits creation arguments into commands: flags, `-name value ...` or `@name value ...`, each
+/// with as many values as its parameter or message takes, and before, between or after them
+/// positional arguments in the declaration's order. Positional ones become the first commands, so
+/// that flags refine them. Returns a sentence when they are malformed, else an empty one.
 [[nodiscard]] std::string creation_commands(const Declaration&, std::span<const Atom> given,
                                             std::vector<Command>& commands);
+
+/// Why a list to the first inlet of an object without a message `list` cannot be one number for
+/// each inlet from the left; empty if it can.
+[[nodiscard]] std::string list_refusal(const Declaration&, std::span<const Atom> numbers);
 
 /// What a command asks for: a parameter's new value or one of the declared messages.
 struct Request {

@@ -32,14 +32,40 @@ std::size_t edits(std::string_view a, std::string_view b) {
 }
 
 /// "closed, open or swing"
-template <class List, class Text> std::string alternatives(const List& list, Text text) {
+template <class List, class Text>
+std::string alternatives(const List& list, Text text, std::string_view last = " or ") {
   std::string sentence;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (i > 0)
-      sentence += i + 1 == list.size() ? " or " : ", ";
+      sentence += i + 1 == list.size() ? last : ", ";
     sentence += text(list[i]);
   }
   return sentence;
+}
+
+/// The candidate that differs from the name by the fewest letters, two at most; else empty.
+class Nearest {
+public:
+  explicit Nearest(std::string_view name) : name_(name) {}
+  void consider(std::string_view candidate) {
+    const std::size_t distance = edits(name_, candidate);
+    if (distance < min_distance_ && distance < candidate.size())
+      min_distance_ = distance, nearest_ = candidate;
+  }
+  [[nodiscard]] std::string_view found() const { return nearest_; }
+
+private:
+  std::string_view name_, nearest_{};
+  std::size_t min_distance_ = 3;
+};
+
+std::string did_you_mean(std::string_view name) {
+  return "; did you mean '" + std::string(name) + "'?";
+}
+
+/// Messages of the host's own: none of an object's is a misspelling of them.
+bool is_of_the_host(std::string_view name) {
+  return name == "bang" || name == "float" || name == "list" || name == "symbol";
 }
 
 } // namespace
@@ -85,23 +111,31 @@ std::string out_of_range_text(const Parameter& parameter, std::string_view given
 }
 
 std::string unknown_name_text(const Declaration& declaration, std::string_view name) {
-  std::string_view nearest;
-  std::size_t min_distance = 3;
-  const auto consider = [&](std::string_view candidate) {
-    const std::size_t distance = edits(name, candidate);
-    if (distance < min_distance && distance < candidate.size())
-      min_distance = distance, nearest = candidate;
-  };
+  const std::string sentence = "no message '" + std::string(name) + "'";
+  if (is_of_the_host(name) && !declaration.messages.empty())
+    return sentence + "; there are " +
+           alternatives(
+               declaration.messages, [](const Message& m) { return std::string(m.name); }, " and ");
+  Nearest nearest(name);
   for (const Parameter& parameter : declaration.parameters)
-    consider(parameter.name);
+    nearest.consider(parameter.name);
   for (const Message& message : declaration.messages)
-    consider(message.name);
-  std::string sentence = "no message '" + std::string(name) + "'";
-  if (!nearest.empty())
-    sentence += "; did you mean '" + std::string(nearest) + "'?";
-  else
-    sentence += "; 'get' lists the parameters, the help patch all messages";
-  return sentence;
+    nearest.consider(message.name);
+  if (!nearest.found().empty())
+    return sentence + did_you_mean(nearest.found());
+  return sentence + "; 'get' lists the parameters, the help patch all messages";
+}
+
+std::string no_answer_text(const Declaration& declaration, std::string_view name) {
+  const std::string sentence = "get " + std::string(name) + ": ";
+  if (find_message(declaration, name))
+    return sentence + "a message without a value; 'dump' shows all that have one";
+  Nearest nearest(name);
+  for (const Parameter& parameter : declaration.parameters)
+    nearest.consider(parameter.name);
+  return sentence + "nothing of that name" +
+         (nearest.found().empty() ? std::string("; 'dump' shows all that have a value")
+                                  : did_you_mean(nearest.found()));
 }
 
 } // namespace tactus

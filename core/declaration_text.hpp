@@ -24,7 +24,11 @@ namespace tactus {
 /// Sentence for a refused value: "theta0 9 rad: expected -1..1", "type oval: expected closed, open
 /// or swing", "os 3: expected 0, 1, 2 or 4".
 [[nodiscard]] std::string out_of_range_text(const Parameter&, std::string_view given);
-/// Sentence for an unknown message: "no message 'presset'; did you mean 'preset'?"
+/// Sentence for an unknown message: "no message 'presset'; did you mean 'preset'?", "no message
+/// 'bang'; there are preset, reset and tongue".
 [[nodiscard]] std::string unknown_name_text(const Declaration&, std::string_view name);
+/// Sentence for `get` of a name that the object has no answer to: "get gian: nothing of that name;
+/// did you mean 'gain'?", "get reset: a message without a value; 'dump' shows all that have one".
+[[nodiscard]] std::string no_answer_text(const Declaration&, std::string_view name);
 
 } // namespace tactus

@@ -27,7 +27,9 @@
 ///   void tick(std::size_t timer, Host&);                       answer to Host::wake_in
 ///   void posted(Host&);                                        answer to Host::wake_from_thread
 ///   void created(Host&);                                       once, after the creation arguments
-///   void dump(Host&);                                          more lines after the parameters
+///   void dump_first(Host&);          lines before the parameters, which refine them: a preset
+///   void dump(Host&);                more lines after the parameters; both only tell, since
+///                                    `get NAME` runs them for one line
 ///   static constexpr std::size_t timers = N;                   timers used with wake_in
 ///   static constexpr bool multichannel = true;                 one copy of the object a channel
 namespace tactus {
@@ -118,6 +120,7 @@ public:
   virtual void tick(std::size_t timer, Host& host) = 0;
   virtual void posted(Host& host) = 0;
   virtual void created(Host& host) = 0;
+  virtual void dump_first(Host& host) = 0;
   virtual void dump(Host& host) = 0;
   /// A copy with the same parameters; null when the object cannot be copied.
   [[nodiscard]] virtual AnyObject* clone() const = 0;
@@ -126,15 +129,16 @@ public:
 /// Properties of an object's type that the shell needs before it makes one.
 struct Traits {
   const Declaration* declaration;
-  bool processes, reports, posts, multichannel;
+  bool processes, reports, posts, multichannel, takes_numbers;
   std::size_t timers;
 };
 
 template <class T> constexpr Traits traits_of() {
-  Traits traits{&T::declaration, false, false, false, false, 0};
+  Traits traits{&T::declaration, false, false, false, false, false, 0};
   traits.processes = requires(T & t, const Block<float>& b) { t.process(b); };
   traits.reports = requires(T & t, Host & h) { t.report(h); };
   traits.posts = requires(T & t, Host & h) { t.posted(h); };
+  traits.takes_numbers = requires(T & t, Host & h) { t.scalar(std::size_t{}, 0.0, h); };
   if constexpr (requires { T::multichannel; })
     traits.multichannel = T::multichannel;
   if constexpr (requires { T::timers; })
@@ -190,6 +194,10 @@ public:
   void created(Host& host) override {
     if constexpr (requires { object_.created(host); })
       object_.created(host);
+  }
+  void dump_first(Host& host) override {
+    if constexpr (requires { object_.dump_first(host); })
+      object_.dump_first(host);
   }
   void dump(Host& host) override {
     if constexpr (requires { object_.dump(host); })

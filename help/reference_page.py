@@ -88,6 +88,22 @@ def forms(message):
     return [code(f"{message['name']} {form}".strip()) for form in given]
 
 
+def in_the_box(declaration):
+    """What may be written in the object's box, as a paragraph."""
+    name, arguments = declaration["name"], declaration["arguments"]
+    flags = [f"-{p['name']} {initial_text(p)}" for p in declaration["parameters"][:1]]
+    flags += [f"-{m['name']} {m['arguments'].split()[0]}" for m in declaration["messages"]
+              if m["arguments"] and m["arguments"][0].isalpha()][:1]
+    text = "**In the box:** "
+    if arguments:
+        text += f"`[{name} {' '.join(arguments)}]`, the first word or number without a flag being the message " \
+                f"`{arguments[0]}`. "
+    return text + ("Every parameter and every message below is also a flag, before or after that: `-name` with what "
+                   "follows the name in the message"
+                   + (f", as in `[{name} {' '.join(flags)}]`" if flags else "")
+                   + ". Flags are carried out in order when the object is made.")
+
+
 def page(declaration):
     d = declaration
     name = d["name"]
@@ -98,8 +114,7 @@ def page(declaration):
     if name in HEARD:
         scene, file, text = HEARD[name]
         out += [f"Listen, once `./play {scene}` has made it: [{text}](../../out/{scene}/{file}).", ""]
-    if d["arguments"]:
-        out += ["**Creation arguments**, in order, before the flags: " + ", ".join(map(code, d["arguments"])) + ".", ""]
+    out += [in_the_box(d), ""]
     for side in ("inlets", "outlets"):
         out += [f"## {side.capitalize()}", ""]
         out += table(["", "type", "name", "unit", "meaning"],
@@ -112,7 +127,7 @@ def page(declaration):
                        p["text"]] for p in d["parameters"]])
     out += ["## Messages", ""]
     rows = [[forms(m), m["text"]] for m in d["messages"]]
-    rows += [(["`get [name ...]`"], "the value of the named or of all parameters, out of the info outlet"),
+    rows += [(["`get [name ...]`"], "the named lines of `dump`, or all parameters, out of the info outlet"),
              (["`dump`"], "all parameters and what follows from them, out of the info outlet")]
     out += table(["message", "meaning"], [["<br>".join(typed), text] for typed, text in rows])
     return "\n".join(out + ["Written from the object's own declaration by `help/reference_page.py`.", ""])

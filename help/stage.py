@@ -129,17 +129,17 @@ def reference_patch(declaration):
         y += 16 * max(wrap(left, 40), wrap(right, 62)) + 3
 
     if declaration["arguments"]:
-        heading("arguments, in this order before the flags")
+        heading("arguments, before, between or after flags")
         for i, name in enumerate(declaration["arguments"]):
             row(f"{i + 1}: {name}", f"as the message {name}")
     if declaration["parameters"]:
         heading("parameters: flag -name value, message name value, get name")
         for p in declaration["parameters"]:
             row(f"{p['name']}  {range_text(p)}", f"{p['text']} (initially {initial_text(p)})")
-    heading("messages")
+    heading("messages, and flags: -name with what follows")
     for m in declaration["messages"]:
         row(f"{m['name']} {m['arguments']}".strip(), m["text"])
-    row("get [name ...]", "the value of the named or of all parameters, out of the info outlet")
+    row("get [name ...]", "the named lines of dump, or all parameters, out of the info outlet")
     row("dump", "all parameters and what follows from them, out of the info outlet")
     return lines
 

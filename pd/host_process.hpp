@@ -9,6 +9,10 @@ namespace tactus::pd {
 /// The address of a function of the host; null if it has none of that name.
 [[nodiscard]] void* host_symbol(const char* name) noexcept;
 
+/// The folder of the module that this code is part of, with slashes; empty if it cannot be told.
+[[nodiscard]] std::string module_folder();
+[[nodiscard]] bool is_absolute(const std::string& path) noexcept;
+
 /// The process's arguments, each with a zero in front and behind.
 [[nodiscard]] std::string command_line();
 

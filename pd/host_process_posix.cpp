@@ -1,5 +1,6 @@
 #include "pd/host_process.hpp"
 
+#include <cstddef>
 #include <cstdio>
 
 #include <dlfcn.h>
@@ -10,6 +11,20 @@
 namespace tactus::pd {
 
 void* host_symbol(const char* name) noexcept { return dlsym(RTLD_DEFAULT, name); }
+
+std::string module_folder() {
+  Dl_info found{};
+  static const char here = 0;
+  if (dladdr(&here, &found) == 0 || !found.dli_fname)
+    return {};
+  const std::string path = found.dli_fname;
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string::npos ? std::string() : path.substr(0, slash);
+}
+
+bool is_absolute(const std::string& path) noexcept {
+  return path.starts_with('/') || path.starts_with('~');
+}
 
 std::string command_line() {
   std::string all(1, '\0');

@@ -1,5 +1,8 @@
 #include "pd/host_process.hpp"
 
+#include <algorithm>
+#include <cstddef>
+
 #include <windows.h>
 
 #include <m_pd.h>
@@ -13,6 +16,29 @@ void* host_symbol(const char* name) noexcept {
                          GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
                      reinterpret_cast<LPCSTR>(&pd_typedmess), &host);
   return host ? reinterpret_cast<void*>(GetProcAddress(host, name)) : nullptr;
+}
+
+// In UTF-8, as Pd's own paths.
+std::string module_folder() {
+  static const char here = 0;
+  HMODULE module = nullptr;
+  if (!GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
+                              GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
+                          reinterpret_cast<LPCWSTR>(&here), &module))
+    return {};
+  std::wstring wide(32768, L'\0'); // the longest path
+  wide.resize(GetModuleFileNameW(module, wide.data(), static_cast<DWORD>(wide.size())));
+  std::string path(4 * wide.size(), '\0');
+  path.resize(static_cast<std::size_t>(
+      WideCharToMultiByte(CP_UTF8, 0, wide.data(), static_cast<int>(wide.size()), path.data(),
+                          static_cast<int>(path.size()), nullptr, nullptr)));
+  std::replace(path.begin(), path.end(), '\\', '/');
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string::npos ? std::string() : path.substr(0, slash);
+}
+
+bool is_absolute(const std::string& path) noexcept {
+  return path.starts_with('/') || path.starts_with('~') || (path.size() > 1 && path[1] == ':');
 }
 
 std::string command_line() {

@@ -2,8 +2,10 @@
 
 #include "core/command.hpp"
 #include "core/declaration_text.hpp"
+#include "core/named_lines.hpp"
 #include "pd/atoms.hpp"
 #include "pd/host_features.hpp"
+#include "pd/host_process.hpp"
 #include "pd/published.hpp"
 
 #include <algorithm>
@@ -99,13 +101,16 @@ public:
 
   void receive(const t_symbol* selector, int count, const t_atom* atoms) {
     const std::string_view name = selector->s_name;
-    if (!signal_inlets_ &&
-        (name == "float" || (name == "list" && !find_message(declaration_, name))))
-      return numbers_to_inlets(count, atoms);
     if (name == "get")
       return get(count, atoms);
     if (name == "dump")
       return dump();
+    if ((name == "float" || name == "list") && !find_message(declaration_, name)) {
+      if (count == 0) // Pd's empty list is a bang
+        return run({"bang", {}});
+      if (signal_inlets_ > 0 || record_.traits().takes_numbers)
+        return numbers_to_inlets(to_atoms(count, atoms));
+    }
     run({name, to_atoms(count, atoms)});
   }
 
@@ -176,14 +181,13 @@ public:
   }
   double now_ms() const override { return clock_gettimesince(creation_time_); }
   std::string find_file(std::string_view name) const override {
-    char folder[MAXPDSTRING];
-    char* base = nullptr;
     const std::string text(name);
-    const int file = canvas_open(canvas_, text.c_str(), "", folder, &base, MAXPDSTRING, 1);
-    if (file < 0)
-      return {};
-    sys_close(file);
-    return std::string(folder) + "/" + base;
+    if (std::string found = open_in_path(text); !found.empty() || is_absolute(text))
+      return found;
+    if (const std::string folder = module_folder(); !folder.empty())
+      if (std::string found = open_in_path(folder + "/" + text); !found.empty())
+        return found;
+    return open_in_path(std::string(kLibrary) + "/" + text);
   }
   std::string new_file(std::string_view name) const override {
     char path[MAXPDSTRING];
@@ -221,14 +225,16 @@ public:
 
 private:
   static constexpr double kPollMilliseconds = 5;
+  static constexpr std::string_view kLibrary = "tactus"; // its folder, in a folder of Pd's path
   static constexpr HostPrecision kPrecision =
       sizeof(t_float) == sizeof(float) ? HostPrecision::kSingle : HostPrecision::kDouble;
 
   void make_ports() {
     t_object* object = &instance_.object;
+    inlets_.resize(declaration_.inlets.size());
     for (std::size_t i = 1; i < declaration_.inlets.size(); ++i) {
       if (declaration_.inlets[i].kind == Port::Kind::kSignal)
-        inlet_new(object, &object->ob_pd, &s_signal, &s_signal);
+        inlets_[i] = inlet_new(object, &object->ob_pd, &s_signal, &s_signal);
       else if (declaration_.inlets[i].kind == Port::Kind::kList)
         inlet_new(object, &object->ob_pd, &s_list, gensym(("_list" + std::to_string(i)).c_str()));
       else
@@ -256,28 +262,40 @@ private:
     }
   }
 
-  void numbers_to_inlets(int count, const t_atom* atoms) {
-    const auto requested =
-        std::min<std::size_t>(static_cast<std::size_t>(count), declaration_.inlets.size());
-    for (std::size_t i = requested; i-- > 0;)
-      if (atoms[i].a_type == A_FLOAT)
-        scalar(i, static_cast<double>(atoms[i].a_w.w_float));
+  /// A number for each inlet from the left, the right ones first.
+  void numbers_to_inlets(std::span<const Atom> numbers) {
+    if (const std::string refusal = list_refusal(declaration_, numbers); !refusal.empty())
+      return error(refusal);
+    for (std::size_t i = numbers.size(); i-- > 0;) {
+      const Port::Kind kind = declaration_.inlets[i].kind;
+      const auto number = static_cast<t_float>(numbers[i].number);
+      if (kind == Port::Kind::kSignal && i == 0)
+        instance_.main_inlet = number;
+      else if (kind == Port::Kind::kSignal)
+        pd_float(reinterpret_cast<t_pd*>(inlets_[i]), number);
+      else if (kind == Port::Kind::kControl)
+        scalar(i, numbers[i].number);
+      else
+        for (auto& voice : voices_)
+          voice->list(i, numbers.subspan(i, 1), *this);
+    }
   }
 
   void get(int count, const t_atom* atoms) {
     const std::vector<Atom> names = to_atoms(count, atoms);
     if (names.empty())
       return list_parameters();
-    for (const Atom& name : names) {
-      const auto index = find_parameter(declaration_, text_of(name));
-      if (index)
+    for (const Atom& given : names) {
+      const std::string name = text_of(given);
+      if (const auto index = find_parameter(declaration_, name))
         send_parameter(*index);
-      else
-        error("get " + text_of(name) + ": " + unknown_name_text(declaration_, text_of(name)));
+      else if (!send_named_lines(*voices_[0], name, *this))
+        error(no_answer_text(declaration_, name));
     }
   }
 
   void dump() {
+    voices_[0]->dump_first(*this);
     list_parameters();
     voices_[0]->dump(*this);
   }
@@ -295,6 +313,18 @@ private:
       Host::info({parameter.name, parameter.choices[choice]});
     else
       Host::info({parameter.name, value});
+  }
+
+  /// Full path of a file beside the patch or in Pd's path, or of an absolute name; empty if there
+  /// is none.
+  [[nodiscard]] std::string open_in_path(const std::string& name) const {
+    char folder[MAXPDSTRING];
+    char* base = nullptr;
+    const int file = canvas_open(canvas_, name.c_str(), "", folder, &base, MAXPDSTRING, 1);
+    if (file < 0)
+      return {};
+    sys_close(file);
+    return std::string(folder) + "/" + base;
   }
 
   void send_to(t_outlet* outlet, std::span<const Atom> atoms) {
@@ -371,6 +401,7 @@ private:
   double performed_ms_ = -1, next_block_ms_ = 0;
   std::size_t signal_inlets_, signal_outlets_;
   std::vector<std::unique_ptr<AnyObject<t_sample>>> voices_;
+  std::vector<t_inlet*> inlets_; // of signals right of the first
   std::vector<t_outlet*> outlets_;
   t_outlet* info_ = nullptr;
   std::vector<Timer> timers_;

@@ -79,7 +79,8 @@ public:
       contact_friction::kInlets,
       contact_friction::kOutlets,
       contact_friction::kParameters,
-      contact_friction::kMessages};
+      contact_friction::kMessages,
+      contact::kBodyArguments};
   static constexpr bool multichannel = true;
 
   ContactFriction() {
@@ -130,7 +131,7 @@ public:
       }
       body_.run_rub(0, std::span(speed).first(count), pressure, output, friction_force);
       for (std::size_t n = 0; n < count; ++n) {
-        sound[from + n] = static_cast<S>(reed::soft_clip(gain * output[n]));
+        sound[from + n] = static_cast<S>(soft_clip(gain * output[n]));
         friction[from + n] = static_cast<S>(friction_force[n]);
       }
     }

@@ -69,7 +69,8 @@ public:
       contact_impact::kInlets,
       contact_impact::kOutlets,
       contact_impact::kParameters,
-      contact_impact::kMessages};
+      contact_impact::kMessages,
+      contact::kBodyArguments};
   static constexpr bool multichannel = true;
 
   ContactImpact() {
@@ -129,7 +130,7 @@ public:
         drive[n] = static_cast<double>(force[from + n]) + weight;
       body_.run_mass(0, std::span(drive).first(count), output, contact_force);
       for (std::size_t n = 0; n < count; ++n) {
-        sound[from + n] = static_cast<S>(reed::soft_clip(gain * output[n]));
+        sound[from + n] = static_cast<S>(soft_clip(gain * output[n]));
         contact[from + n] = static_cast<S>(contact_force[n]);
       }
     }

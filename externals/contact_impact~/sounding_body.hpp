@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/contact/excited_body.hpp"
+#include "core/dsp/soft_clip.hpp"
 #include "core/object.hpp"
-#include "core/reed/instrument/soft_clip.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,6 +28,9 @@ inline constexpr Message kModesMessage{
 inline constexpr Message kPickupMessage{
     "pickup", "[g1 g2 ...]", 0, kMaxModes,
     "gains of the modes where the body is heard; none: where it is touched"};
+
+/// The box's positional argument: the body.
+inline constexpr std::array kBodyArguments{CreationArgument{"modes"}};
 
 /// Samples of a part of a block, in the core's precision.
 using ChunkBuffer = std::array<double, 64>;

@@ -226,8 +226,11 @@ inline constexpr std::array kMessages{
     Message{
         "valves", "[VALVE...|auto]", 0, 3,
         "with tune and end trumpet: valves pressed, of 1 2 3, or none; auto: the player's choice"},
+    realtime(Message{"bang", "", 0, 0, "with tune: the note is tongued anew"}),
 };
-enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles, kValves };
+enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles, kValves, kBang };
+
+inline constexpr std::array kArguments{CreationArgument{"preset"}};
 
 inline constexpr std::array kInlets{
     Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace tactus {
 
@@ -27,7 +28,8 @@ public:
       greed::kInlets,
       greed::kOutlets,
       greed::kParameters,
-      greed::kMessages};
+      greed::kMessages,
+      greed::kArguments};
   static constexpr bool multichannel = true;
 
   void prepare(double sample_rate, std::size_t max_block) {
@@ -47,14 +49,19 @@ public:
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
     if (index == greed::kReset)
       return instrument_.restart();
-    if (index == greed::kTongue)
+    if (index == greed::kTongue || (index == greed::kBang && instrument_.parameters().tune))
       return instrument_.articulate();
+    if (index == greed::kBang)
+      return host.error("bang: expected tune 1, with which a player tongues the note; without it "
+                        "the breath p_m makes the sound");
     if (index == greed::kHoles)
       return finger(arguments, host);
     if (index == greed::kValves)
       return set_valves(arguments, host);
-    if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
+    if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host)) {
       instrument_.set(*preset);
+      preset_ = reed::preset_name(arguments[0].word);
+    }
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -72,6 +79,10 @@ public:
     host.info({"range", refusal.note, now.lowest_note, now.highest_note});
   }
 
+  void dump_first(Host& host) {
+    if (!preset_.empty())
+      host.info({"preset", preset_});
+  }
   void dump(Host& host) {
     const reed::Parameters& now = instrument_.parameters();
     host.info({"P_M", reed::closing_pressure(now)});
@@ -132,6 +143,7 @@ private:
   }
 
   reed::Instrument instrument_;
+  std::string_view preset_;        // the last one chosen; empty: none
   unsigned reported_refusals_ = 0; // Refusal::count at the last report
 };
 

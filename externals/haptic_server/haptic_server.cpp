@@ -139,6 +139,8 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
     return open(host);
   if (name == "close")
     return close(host);
+  if (name == "bang")
+    return host.send(0, {sent_n_.x, sent_n_.y, sent_n_.z});
   if (name == "list") {
     std::array<double, 3> mm{};
     if (!numbers(arguments, mm))

@@ -43,7 +43,9 @@ public:
       Message{"button", "n 0|1", 2, 2, "a button of the handle; 0 drags control points"},
       Message{"estop", "", 0, 0, "no force until motors 1 and a client's start"},
       Message{"motors", "1", 1, 1, "releases estop"},
+      Message{"bang", "", 0, 0, "send the force now"},
   };
+  static constexpr std::array kArguments{CreationArgument{"port"}};
   static constexpr Declaration declaration{
       "haptic_server",
       "lets other computers move a haptic device",
@@ -54,7 +56,8 @@ public:
       kInlets,
       kOutlets,
       kParameters,
-      kMessages};
+      kMessages,
+      kArguments};
   static constexpr std::size_t timers = 1;
 
   HapticServerObject();

@@ -41,6 +41,7 @@ public:
       Message{"time", "ms", 1, 1,
               "the time on this side's bus now; without it bus time begins with the object"},
   };
+  static constexpr std::array kArguments{CreationArgument{"listen"}};
   static constexpr Declaration declaration{
       "ioa_link",
       "mirrors a bus of modules over TCP",
@@ -52,7 +53,8 @@ public:
       kInlets,
       kOutlets,
       {},
-      kMessages};
+      kMessages,
+      kArguments};
   static constexpr std::size_t timers = 1;
 
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);

@@ -44,9 +44,9 @@ void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
         kMillimetre * Vec3{arguments[1].number, arguments[2].number, arguments[3].number};
   }
   if (board.name != "none" || displaced) {
-    board.path = host.find_file(board.name);
+    board.path = find_table("board", board.name, host);
     if (board.path.empty())
-      return host.error("board " + board.name + ": there is no such file");
+      return;
   } else if (table_ && table_->parts.empty() && value_[kSync] >= 0.5) {
     return;
   }

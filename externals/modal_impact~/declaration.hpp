@@ -15,6 +15,9 @@ inline constexpr double kFarthest = 1e6;     ///< mm, the largest coordinate of 
 inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "body", "none"};
 inline constexpr std::array<std::string_view, 2> kContacts{"coupled", "pulse"};
 inline constexpr std::array<std::string_view, 2> kResolveModes{"auto", "off"};
+inline constexpr std::array<std::string_view, 3> kLimits{"auto", "on", "off"};
+/// With limit auto: gains from here on are for measuring, and nothing is limited.
+inline constexpr double kMeasuringGain = 0.1;
 
 enum ParameterIndex : std::size_t {
   kRadiation,
@@ -24,6 +27,7 @@ enum ParameterIndex : std::size_t {
   kCull,
   kChoke,
   kGain,
+  kLimit,
   kRestitution,
   kSpring,
   kPosition,
@@ -54,6 +58,10 @@ inline constexpr std::array kParameters{
         Parameter{"choke", "s", 0, 0, 100, "decay time by which a hand damps the body; 0: none"}),
     Parameter{"gain", "1/Pa", 0.01, 0, 1000,
               "output for 1 Pa of sound pressure: 100 Pa reach full scale at 0.01"},
+    Parameter{"limit", "", 0, 0, 2,
+              "soft limit of the sound, within +-1 and linear up to 0.5; auto: on for gains below "
+              "0.1, off above, where the outlets are for measuring",
+              kLimits},
     Parameter{"restitution", "", 1, 0.01, 1,
               "speed after over speed before on a wall; below 1 it sets the contact's loss"},
     Parameter{"spring", "N/m", 0, 0, 100000,
@@ -113,8 +121,10 @@ enum MessageIndex : std::size_t {
   kRing,
 };
 inline constexpr std::array kMessages{
-    takes_file(Message{"load", "file.npz [-sync]", 1, 2,
-                       "read a body's table; the old body sounds until then"}),
+    takes_file(Message{
+        "load", "name [-sync]", 1, 2,
+        "read a body's table, name or name.modal.npz: beside the patch, in Pd's path, beside the "
+        "object (bar bell board bowl glass plate tube ...); the old body sounds until then"}),
     realtime(Message{"hit", "[x y z] v", 1, 4,
                      "strike at x y z mm with v m/s; without a position where the last one was"}),
     realtime(Message{"hitv", "vertex v", 2, 2, "strike at a vertex of the table"}),
@@ -133,7 +143,7 @@ inline constexpr std::array kMessages{
             "where inlets 3 and 4 rub the body, mm, and the direction of positive velocity"},
     Message{"friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness",
             1, 8, "friction law as in contact_friction~, with its defaults for missing numbers"},
-    Message{"board", "file.npz [dx dy dz] or none", 1, 4,
+    Message{"board", "name [dx dy dz] or none", 1, 4,
             "read the table of a second body, held by supports, that the first lies on; displaced "
             "by dx dy dz mm in its axes"},
     Message{"rest", "[x y z] ...", 0, 24,
@@ -144,7 +154,7 @@ inline constexpr std::array kMessages{
     Message{"preset",
             "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
             "polycarbonate|rubber|table",
-            1, 1, "elasticity, density and damping of a material"},
+            1, 1, "elasticity, density and damping of a material; table: as it was read"},
     Message{
         "shape", "d1 d2 ...", 1, 3 * 4096,
         "displacements of the table's shape parameters, mm, in their order; 0: the table's shape"},

@@ -65,7 +65,6 @@ constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, 
 
 } // namespace
 
-// One piece: a table from messages to functions.
 void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
   host_ = &host;
   if (index == kLoad)
@@ -80,7 +79,7 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     if (atom.is_word || !std::isfinite(atom.number))
       return refuse_words(kMessages[index], host);
   // Realtime messages have few numbers, and allocate nothing.
-  std::array<double, 8> few{};
+  std::array<double, kFewNumbers> few{};
   std::vector<double> many;
   if (arguments.size() > few.size())
     many.resize(arguments.size());
@@ -88,6 +87,12 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
       (many.empty() ? std::span<double>(few) : std::span<double>(many)).first(arguments.size());
   std::transform(arguments.begin(), arguments.end(), numbers.begin(),
                  [](const Atom& atom) { return atom.number; });
+  if (!waits_for_body(index, numbers, host))
+    carry_out(index, numbers, host);
+}
+
+// One piece: a table from messages to functions.
+void ModalImpact::carry_out(std::size_t index, Numbers numbers, Host& host) {
   switch (index) {
   case kHit:
     return hit(numbers, host);
@@ -135,28 +140,6 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
   default:
     return;
   }
-}
-
-void ModalImpact::load(std::span<const Atom> arguments, Host& host) {
-  if (!arguments[0].is_word)
-    return host.error("load: expected a file's name");
-  bool at_once = value_[kSync] >= 0.5;
-  if (arguments.size() > 1) {
-    if (!arguments[1].is_word || arguments[1].word != "-sync")
-      return host.error("load: expected a file's name and perhaps -sync");
-    at_once = true;
-  }
-  const std::string name(arguments[0].word);
-  if (created_ || at_once)
-    return load(name, at_once, host);
-  first_name_ = name;
-}
-
-void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
-  const std::string path = host.find_file(name);
-  if (path.empty())
-    return host.error("load " + name + ": there is no such file");
-  execute({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
 }
 
 void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
@@ -392,6 +375,7 @@ void ModalImpact::set_preset(const Atom& name, Host& host) {
   if (word == "table") {
     settings_.youngs_modulus_pa = settings_.density_kg_per_m3 = 0;
     settings_.damping = Damping::kTable;
+    preset_ = "table";
     return rebuild_model();
   }
   const auto preset = find_material(word);
@@ -401,6 +385,7 @@ void ModalImpact::set_preset(const Atom& name, Host& host) {
       sentence += std::string(known.name) + ", ";
     return host.error(sentence + "or table");
   }
+  preset_ = preset->name;
   settings_.youngs_modulus_pa = preset->youngs_modulus_pa;
   settings_.density_kg_per_m3 = preset->density_kg_per_m3;
   settings_.damping = preset->loss_factor > 0 ? Damping::kLoss : Damping::kRayleigh;

@@ -71,6 +71,9 @@ void ModalImpact::update_options() noexcept {
   options.doppler = value_[kDoppler] >= 0.5;
   options.spring_n_per_m = value_[kSpring];
   options.gain = value_[kGain];
+  constexpr double kAuto = 0, kOn = 1; // of kLimits
+  options.soft_limit =
+      value_[kLimit] == kOn || (value_[kLimit] == kAuto && value_[kGain] < kMeasuringGain);
   options.cull_db = value_[kCull];
   body_.set_options(options);
   Striker striker = body_.striker();
@@ -162,6 +165,8 @@ void ModalImpact::posted(Host& host) {
     accept(std::move(*result), &host);
   if (auto result = solver_.take())
     accept_solution(std::move(*result), host);
+  if (waiting_count_ > 0)
+    carry_out_waiting(host);
 }
 
 void ModalImpact::created(Host& host) {
@@ -178,13 +183,16 @@ const BodyModel* ModalImpact::body(Host& host) {
   return body_.model();
 }
 
-void ModalImpact::dump(Host& host) { post_info(host); }
+void ModalImpact::dump(Host& host) {
+  body_.adopt();
+  post_info(host);
+}
 
 void ModalImpact::post_info(Host& host) {
   host.info({"version", "0.1.0"});
   const BodyModel* model = body_.model();
   if (!model) {
-    host.info({"body", "none"});
+    host.info({"body", worker_.loads_first() ? "loading" : "none"});
     return;
   }
   const ModalTable& table = model->loaded->table;

@@ -46,6 +46,7 @@ public:
   void posted(Host& host);
   void tick(std::size_t timer, Host& host);
   void created(Host& host);
+  void dump_first(Host& host) { host.info({"preset", preset_}); }
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -58,9 +59,24 @@ public:
 
 private:
   using Numbers = std::span<const double>;
+  static constexpr std::size_t kFewNumbers = 8; ///< of a message that allocates nothing
+  static constexpr std::size_t kMaxWaiting = 64;
+  /// A message to a body that is still being read.
+  struct WaitingMessage {
+    std::size_t index = 0, count = 0;
+    std::array<double, kFewNumbers> numbers{};
+  };
   void begin_block(double start_ms) noexcept;
   /// The sample of a message that arrives now.
   [[nodiscard]] std::int64_t sample_now(const Host& host) const;
+  void carry_out(std::size_t index, Numbers numbers, Host& host);
+  /// Whether the message must wait for the first body, which is being read: it is then kept. A full
+  /// queue refuses it in a sentence. Allocates nothing.
+  [[nodiscard]] bool waits_for_body(std::size_t index, Numbers numbers, Host& host);
+  void carry_out_waiting(Host& host);
+  /// Full path of a table, by its name with or without .modal.npz; empty after an error.
+  [[nodiscard]] static std::string find_table(std::string_view message, const std::string& name,
+                                              Host& host);
   void load(std::span<const Atom> arguments, Host& host);
   void load(const std::string& name, bool at_once, Host& host);
   void hit(Numbers numbers, Host& host);
@@ -131,6 +147,9 @@ private:
   Host* host_ = nullptr; ///< lives as long as the object; for the worker's callback
   bool created_ = false;
   std::string first_name_; ///< a creation argument: read when all flags are known
+  std::string_view preset_ = "table";
+  std::array<WaitingMessage, kMaxWaiting> waiting_;
+  std::size_t waiting_count_ = 0;
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;

@@ -10,6 +10,14 @@
 #include <vector>
 
 namespace tactus::modal {
+namespace {
+
+bool reads_first(const TableWorker::Request& request) {
+  return !request.path.empty() && !request.table;
+}
+
+} // namespace
+
 TableWorker::~TableWorker() {
   if (!thread_.joinable())
     return;
@@ -45,6 +53,8 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
     if (waiting_ && !next.board)
       next.board = waiting_->board;
     waiting_ = std::move(next);
+    if (reads_first(*waiting_))
+      loads_first_ = true;
     ready_ = std::move(ready);
   }
   wake_.notify_all();
@@ -67,6 +77,7 @@ std::optional<TableWorker::Result> TableWorker::take() {
   if (waiting_)
     follow(*waiting_);
   pending_before_ = pending_table_ = nullptr;
+  loads_first_ = reading_first_ || (waiting_ && reads_first(*waiting_));
   return std::exchange(done_, std::nullopt);
 }
 
@@ -132,9 +143,11 @@ void TableWorker::work(const std::stop_token& stop) {
       request = std::move(*waiting_);
       waiting_.reset();
       follow(request);
+      reading_first_ = reads_first(request);
     }
     Result result = execute(request);
     const std::lock_guard lock(mutex_);
+    reading_first_ = false;
     // A newer result replaces one that has not been taken, unless it failed or its table has been
     // replaced meanwhile.
     if (done_ && done_->model && !result.model) {

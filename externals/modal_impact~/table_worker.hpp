@@ -2,6 +2,7 @@
 
 #include "core/modal/body/body_model.hpp"
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -47,6 +48,9 @@ public:
   /// or why no thread could be started: the caller may then call execute().
   [[nodiscard]] std::string request(const Request& request, std::function<void()> ready);
   [[nodiscard]] std::optional<Result> take();
+  /// Whether a table is being read while there is none yet, until its result has been taken. Any
+  /// thread; waits for nothing.
+  [[nodiscard]] bool loads_first() const noexcept { return loads_first_.load(); }
   /// Executes a request in the caller's thread.
   [[nodiscard]] static Result execute(const Request& request);
 
@@ -61,6 +65,8 @@ private:
   /// The table in `done_` and the one that it replaces: requests for that one are for the new one.
   std::shared_ptr<const LoadedTable> pending_before_, pending_table_;
   std::function<void()> ready_;
+  bool reading_first_ = false; ///< the request at hand reads the first table
+  std::atomic<bool> loads_first_{false};
   std::jthread thread_;
 };
 

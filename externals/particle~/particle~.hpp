@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/declaration_text.hpp"
+#include "core/dsp/soft_clip.hpp"
 #include "core/object.hpp"
 #include "core/particle/particle_system.hpp"
 #include "core/particle/presets.hpp"
-#include "core/reed/instrument/soft_clip.hpp"
 #include "externals/particle~/declaration.hpp"
 
 #include <array>
@@ -13,6 +13,7 @@
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -78,12 +79,13 @@ public:
     const auto sound = block.out(0), collisions = block.out(1), energy = block.out(2);
     for (std::size_t n = 0; n < block.frames; ++n) {
       const auto sample = system_.next(static_cast<double>(power[n]));
-      sound[n] = static_cast<S>(reed::soft_clip(sample.sound));
+      sound[n] = static_cast<S>(soft_clip(sample.sound));
       collisions[n] = static_cast<S>(sample.collisions);
       energy[n] = static_cast<S>(sample.energy);
     }
   }
 
+  void dump_first(Host& host) { host.info({"preset", preset_}); }
   void dump(Host& host) {
     std::vector<Atom> modes{"modes"};
     for (const particle::RingingMode& m : system_.modes())
@@ -118,6 +120,7 @@ private:
              {kLevel, c.level},
              {kDirect, preset->direct}})
       value_[parameter] = value;
+    preset_ = preset->name;
     modes_.assign(preset->body().begin(), preset->body().end());
     update();
   }
@@ -152,6 +155,7 @@ private:
   particle::ParticleSystem system_;
   std::array<double, particle::kParameters.size()> value_{};
   std::vector<particle::RingingMode> modes_;
+  std::string_view preset_ = "maraca"; // the last one chosen
   double last_shake_ = 1;
 };
 

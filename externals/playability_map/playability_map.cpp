@@ -212,6 +212,7 @@ void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> argu
   case kPreset:
     if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
       parameters_ = *preset;
+      preset_ = preset_name(arguments[0].word);
       range_ = range_for(parameters_);
     }
     break;
@@ -258,6 +259,11 @@ void PlayabilityMapObject::scalar(std::size_t inlet, double value, Host& host) {
   const Gradient slope = field_.gradient(value, z_);
   host.send(1, {slope.y, slope.z});
   host.send(0, {field_.value(value, z_)});
+}
+
+void PlayabilityMapObject::dump_first(Host& host) {
+  if (!preset_.empty())
+    host.info({"preset", preset_});
 }
 
 void PlayabilityMapObject::dump(Host& host) {

@@ -78,6 +78,7 @@ public:
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void scalar(std::size_t inlet, double value, Host& host);
   void tick(std::size_t timer, Host& host);
+  void dump_first(Host& host);
   void dump(Host& host);
 
 private:
@@ -106,6 +107,7 @@ private:
   [[nodiscard]] MapWorker::Portion portion() const;
 
   Parameters parameters_{};
+  std::string_view preset_; ///< the last one chosen; empty: none
   ControlRange range_{};
   std::array<double, kOwnCount> own_{};
   double z_ = 0;

@@ -44,7 +44,9 @@ struct PlayabilityObject {
   };
   static constexpr std::array kMessages{
       realtime(Message{"reset", "", 0, 0, "start anew: envelope, crossings and analysis"}),
+      realtime(Message{"bang", "", 0, 0, "send playability, envelope, crossings, variation now"}),
   };
+  enum MessageIndex : std::size_t { kReset, kBang };
   static constexpr std::array kArguments{CreationArgument{"mode"}};
   static constexpr Declaration declaration{
       "playability~",
@@ -116,7 +118,9 @@ struct PlayabilityObject {
     }
   }
 
-  void message(std::size_t, std::span<const Atom>, Host&) {
+  void message(std::size_t index, std::span<const Atom>, Host& host) {
+    if (index == kBang)
+      return report(host);
     estimator.reset();
     reported = 0;
   }

@@ -61,7 +61,9 @@ enum ParameterIndex : std::size_t {
 static_assert(kParameters.size() == kParameterCount);
 
 inline constexpr std::array kMessages{
-    takes_file(Message{"load", "file", 1, 1, "a stress table, NAME.stress.npz"}),
+    takes_file(Message{"load", "name", 1, 1,
+            "a stress table, name or name.stress.npz: beside the patch, in Pd's path, beside the "
+            "object"}),
     Message{"cp", "id x y z", 4, 4, "position of a control point, mm"},
     Message{"list", "d ...", 1, 12288, "displacements of all parameters, mm, in the table's order"},
     Message{"grab", "id [0|1]", 1, 2,

@@ -93,7 +93,9 @@ void StressHaptic::load(const Atom& name, Host& host) {
     first_name_ = name.word;
     return;
   }
-  const std::string path = host.find_file(name.word);
+  std::string path = host.find_file(name.word);
+  if (path.empty())
+    path = host.find_file(std::string(name.word) + ".stress.npz");
   if (path.empty())
     return host.error("load " + std::string(name.word) +
                       ": there is no such file beside the patch or in the search path");

@@ -15,7 +15,18 @@ namespace tactus::max {
 
 /// One call of an object's member. Words point to Max's symbols, which live as long as Max.
 struct QueuedCommand {
-  enum class Kind { kParameter, kMessage, kScalar, kList, kTick, kPosted, kCreated, kDump };
+  enum class Kind {
+    kParameter,
+    kMessage,
+    kScalar,
+    kList,
+    kTick,
+    kPosted,
+    kCreated,
+    kDumpFirst,
+    kDump,
+    kGet ///< of a name that is no parameter's
+  };
   static constexpr std::size_t kFewAtoms = 8;
 
   Kind kind = Kind::kMessage;

@@ -1,5 +1,10 @@
 #include "max/shell/executor.hpp"
 
+#include "core/command.hpp"
+#include "core/declaration_text.hpp"
+#include "core/named_lines.hpp"
+
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -175,9 +180,18 @@ void Executor::carry_out(const QueuedCommand& command) {
   case Kind::kCreated:
     object_->created(host_);
     break;
+  case Kind::kDumpFirst:
+    object_->dump_first(host_);
+    break;
   case Kind::kDump:
     object_->dump(host_);
     break;
+  case Kind::kGet: {
+    const std::string name = text_of(command.atoms()[0]);
+    if (!send_named_lines(*object_, name, host_))
+      host_.error(no_answer_text(*traits_.declaration, name));
+    break;
+  }
   }
   view_.refresh(*object_);
   if (command.kind == Kind::kParameter)

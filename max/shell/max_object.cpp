@@ -39,11 +39,12 @@ bool is_flag(const Atom& atom) {
 }
 
 /// Whether a message may open a file or read a buffer~, which belongs into the main thread.
-bool may_name_file(std::span<const Atom> arguments) {
-  return std::any_of(arguments.begin(), arguments.end(), [](const Atom& atom) {
-    return atom.is_word && (atom.word.find_first_of("./\\") != std::string_view::npos ||
-                            atom.word == "load" || atom.word == "array");
-  });
+bool may_name_file(std::string_view message, std::span<const Atom> arguments) {
+  return message == "load" || message == "board" ||
+         std::any_of(arguments.begin(), arguments.end(), [](const Atom& atom) {
+           return atom.is_word && (atom.word.find_first_of("./\\") != std::string_view::npos ||
+                                   atom.word == "load" || atom.word == "array");
+         });
 }
 
 double scheduler_ms() noexcept {
@@ -121,6 +122,8 @@ void MaxObject::number(std::size_t inlet, double value) {
     const Atom atom(value);
     return list(inlet, {&atom, 1});
   }
+  if (inlet == 0 && !takes_numbers())
+    return message("float", {value});
   QueuedCommand command;
   command.kind = QueuedCommand::Kind::kScalar;
   command.index = inlet;
@@ -140,17 +143,29 @@ void MaxObject::list(std::size_t inlet, std::span<const Atom> atoms) {
     command.set_atoms({atoms.begin(), atoms.end()});
     return executor_->post(std::move(command));
   }
-  const std::size_t inlets =
-      inlet < declaration_.inlets.size() ? declaration_.inlets.size() - inlet : 0;
-  for (std::size_t i = std::min(atoms.size(), inlet == 0 ? inlets : 1); i-- > 0;)
+  if (inlet == 0) {
+    if (!takes_numbers())
+      return message(atoms.empty() ? "bang" : "list", {atoms.begin(), atoms.end()});
+    if (const std::string refusal = list_refusal(declaration_, atoms); !refusal.empty())
+      return say_error(refusal);
+  }
+  for (std::size_t i = std::min<std::size_t>(atoms.size(), inlet == 0 ? atoms.size() : 1); i-- > 0;)
     if (!atoms[i].is_word)
       number(inlet + i, atoms[i].number);
+}
+
+/// Whether a number to the left inlet means something.
+bool MaxObject::takes_numbers() const noexcept {
+  return traits_.takes_numbers ||
+         std::any_of(declaration_.inlets.begin(), declaration_.inlets.end(),
+                     [](const Port& port) { return port.kind == Port::Kind::kSignal; });
 }
 
 void MaxObject::message(std::string_view name, std::vector<Atom> arguments) {
   if (name == "get")
     return get(arguments);
   if (name == "dump") {
+    post(QueuedCommand::Kind::kDumpFirst);
     get({});
     return post(QueuedCommand::Kind::kDump);
   }
@@ -164,7 +179,7 @@ void MaxObject::message(std::string_view name, std::vector<Atom> arguments) {
     command.realtime = declaration_.parameters[request.index].realtime;
     command.value = request.value;
   } else {
-    if (may_name_file(arguments) && !in_main_thread())
+    if (may_name_file(name, arguments) && !in_main_thread())
       return leave_to_main_thread(name, std::move(arguments));
     command.kind = QueuedCommand::Kind::kMessage;
     command.realtime = declaration_.messages[request.index].realtime;
@@ -185,10 +200,14 @@ void MaxObject::get(std::span<const Atom> names) {
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
       send_parameter(i);
   for (const Atom& name : names) {
-    if (const auto index = find_parameter(declaration_, text_of(name)))
+    if (const auto index = find_parameter(declaration_, text_of(name))) {
       send_parameter(*index);
-    else
-      say_error("get " + text_of(name) + ": " + unknown_name_text(declaration_, text_of(name)));
+      continue;
+    }
+    QueuedCommand command;
+    command.kind = QueuedCommand::Kind::kGet;
+    command.set_atoms({name});
+    executor_->post(std::move(command));
   }
 }
 

@@ -87,6 +87,7 @@ private:
   void lost() noexcept override;
 
   void get(std::span<const Atom> names);
+  [[nodiscard]] bool takes_numbers() const noexcept;
   void send_parameter(std::size_t index);
   void post(QueuedCommand::Kind kind, std::size_t index = 0);
   void carry_out_left();

@@ -47,15 +47,18 @@ def _arguments(root, d):
     for name in d["arguments"]:
         parameter = by_name.get(name)
         digest = parameter["text"] if parameter else f"as the message {name}"
-        described(listed, "objarg", digest, name=name, optional="1",
-                  type="symbol" if not parameter or parameter["choices"] else "float")
+        if parameter:
+            kind = "symbol" if parameter["choices"] else "float"
+        else:
+            kind = "list" if next(m["most"] for m in d["messages"] if m["name"] == name) > 1 else "symbol"
+        described(listed, "objarg", digest, name=name, optional="1", type=kind)
 
 
 def _methods(root, d):
     listed = xml.SubElement(root, "methodlist")
     messages = [(m["name"], m["arguments"], m["fewest"], m["most"], m["text"]) for m in d["messages"]]
     own = {m[0] for m in messages}
-    messages += [m for m in (("get", "name", 0, 64, "the value of the named or of all parameters, "
+    messages += [m for m in (("get", "name", 0, 64, "the named lines of dump, or all parameters, "
                               "out of the info outlet"),
                              ("dump", "", 0, 0, "all parameters and what follows from them, out of the "
                               "info outlet")) if m[0] not in own]

@@ -1,8 +1,10 @@
+#include "core/declaration_text.hpp"
 #include "tests/pd/host.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -25,6 +27,14 @@ MessageAtoms value_of(Box& box, std::string_view name) {
     if (answer.selector == name)
       return answer.atoms;
   return {};
+}
+
+/// Whether it came out of the info outlet.
+bool is_info(const Declaration& declaration, const Sent& line) {
+  for (std::size_t i = 0; i < declaration.outlets.size(); ++i)
+    if (declaration.outlets[i].name == kInfoOutlet)
+      return line.outlet == static_cast<int>(i);
+  return line.outlet == static_cast<int>(declaration.outlets.size()); // added at the right
 }
 
 void check_finite(const Buffers& outputs, const Declaration& declaration) {
@@ -103,6 +113,136 @@ TEST_CASE("every object starts with the values it declares and tells them") {
     box.send("dump");
     CHECK(sent().size() >= declaration.parameters.size());
     CHECK(errors().empty());
+  }
+}
+
+TEST_CASE("get answers to every name that dump prints, with the lines that dump prints") {
+  for (const ObjectDescription& described : objects()) {
+    CAPTURE(described.declaration->name);
+    MessageAtoms arguments;
+    for (const Message& message : described.declaration->messages)
+      if (message.name == "preset") // so that there is one to tell
+        arguments = {"-preset",
+                     std::string(message.arguments.substr(0, message.arguments.find('|')))};
+    Box box(described.declaration->name, arguments);
+    REQUIRE(box.made());
+    static_cast<void>(sent());
+    box.send("dump");
+    std::map<std::string, std::vector<MessageAtoms>> lines;
+    for (const Sent& line : sent())
+      if (is_info(*described.declaration, line))
+        lines[line.selector].push_back(line.atoms);
+    CHECK(lines.size() >= described.declaration->parameters.size());
+    CHECK(lines.contains("preset") == !arguments.empty());
+    for (const auto& [name, values] : lines) {
+      CAPTURE(name);
+      box.send("get", {name});
+      const auto answers = sent();
+      for (const std::string& sentence : errors())
+        FAIL_CHECK(sentence);
+      REQUIRE(!answers.empty());
+      if (find_parameter(*described.declaration, name)) {
+        CHECK(answers.size() == 1);
+        continue;
+      }
+      REQUIRE(answers.size() == values.size());
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        CHECK(answers[i].selector == name);
+        CHECK(answers[i].atoms.size() == values[i].size());
+      }
+    }
+    box.send("get", {"no-such-name"});
+    CHECK(errors().size() == 1);
+    box.send("get", {"no-such-name"});
+    CHECK(sent().empty());
+  }
+}
+
+TEST_CASE("bang, an empty list, numbers and lists do something or are refused in one sentence") {
+  for (const ObjectDescription& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    const bool takes_signals =
+        std::any_of(declaration.inlets.begin(), declaration.inlets.end(),
+                    [](const Port& port) { return port.kind == Port::Kind::kSignal; });
+    for (const std::string selector : {"bang", "list", "float"}) {
+      CAPTURE(selector);
+      Box box(declaration.name);
+      box.send(selector, selector == "list"    ? MessageAtoms{0.5, 0.25}
+                         : selector == "float" ? MessageAtoms{0.5}
+                                               : MessageAtoms{});
+      const auto said = errors();
+      CHECK(said.size() <= 1);
+      const bool declared = find_message(declaration, selector).has_value();
+      if (!declared && (selector == "bang" || !(takes_signals || described.traits.takes_numbers))) {
+        REQUIRE(said.size() == 1);
+        CHECK(
+            said[0].rfind(std::string(declaration.name) + ": no message '" + selector + "'; there ",
+                          0) == 0);
+      }
+      if (!declared && selector == "float" && (takes_signals || described.traits.takes_numbers))
+        CHECK((said.empty() || said[0].find("no message") == std::string::npos));
+    }
+  }
+}
+
+TEST_CASE("the first argument of a box is what one would guess, before and after flags") {
+  // A word or number for the first argument, and what `get` answers then.
+  struct Guess {
+    const char *object, *get;
+    MessageAtoms given, answer;
+  };
+  const Guess guesses[] = {
+      {"contact_friction~", "modes", {440, 1, 0.5}, {440, 1, 0.5}},
+      {"contact_impact~", "modes", {440, 1, 0.5}, {440, 1, 0.5}},
+      {"footstep~", "surface", {"snow"}, {"snow", "snow", 0.0}},
+      {"greed_gradient~", "preset", {"trumpet"}, {"trumpet"}},
+      {"greed~", "preset", {"trumpet"}, {"trumpet"}},
+      {"haptic_server", "port", {7788}, {7788}},
+      {"ioa_link", "status", {0.0}, {"open"}},
+      {"modal_impact~", "", {"no-such-table"}, {}},
+      {"particle~", "preset", {"gravel"}, {"gravel"}},
+      {"phantom", "backend", {"sim"}, {"sim"}},
+      {"phantom~", "name", {"left"}, {"left"}},
+      {"playability_map", "preset", {"oboe"}, {"oboe"}},
+      {"playability~", "mode", {"paper"}, {"paper"}},
+      {"probe~", "gain", {2}, {2}},
+      {"stress_haptic", "", {"no-such-table"}, {}},
+  };
+  CHECK(std::size(guesses) == objects().size());
+  for (const Guess& guess : guesses) {
+    CAPTURE(guess.object);
+    const auto described =
+        std::find_if(objects().begin(), objects().end(), [&](const ObjectDescription& o) {
+          return o.declaration->name == guess.object;
+        });
+    REQUIRE(described != objects().end());
+    MessageAtoms flag; // any other parameter, at its initial value
+    for (const Parameter& parameter : described->declaration->parameters)
+      if (flag.empty() && parameter.name != std::string_view(guess.get))
+        flag = {"-" + std::string(parameter.name),
+                parameter.choices.empty() ? MessageAtom(parameter.initial)
+                                          : MessageAtom(std::string(parameter.choices[0]))};
+    for (const bool after : {false, true}) {
+      CAPTURE(after);
+      MessageAtoms arguments = after ? flag : guess.given;
+      const MessageAtoms& rest = after ? guess.given : flag;
+      arguments.insert(arguments.end(), rest.begin(), rest.end());
+      Box box(guess.object, arguments);
+      REQUIRE(box.made());
+      const auto said = errors();
+      static_cast<void>(sent());
+      if (guess.answer.empty()) { // a file, which is looked for
+        REQUIRE(said.size() == 1);
+        CHECK(said[0].find("load no-such-table: there is no such file") != std::string::npos);
+        continue;
+      }
+      CHECK(said.empty());
+      box.send("get", {guess.get});
+      const auto answers = sent();
+      REQUIRE(answers.size() == 1);
+      CHECK(answers[0].atoms == guess.answer);
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 #include "core/modal/body/struck_body.hpp"
 
+#include "core/dsp/soft_clip.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -395,6 +397,9 @@ void StruckBody::finish(std::size_t frames) noexcept {
       sound[n] *= steady;
     for (n = 0; n < frames; ++n)
       sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // NaN and infinity become 0
+    if (options_.soft_limit)
+      for (n = 0; n < frames; ++n)
+        sound[n] = static_cast<float>(soft_clip(static_cast<double>(sound[n])));
   }
   silent_samples_ = std::min(silent, kSilence);
   if (listeners == 1) // both channels

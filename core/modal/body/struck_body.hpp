@@ -119,6 +119,7 @@ public:
     bool doppler = false;      ///< a moving listener hears the pitch change
     double spring_n_per_m = 0; ///< above 0: the driven striker meets this spring, without sound
     double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
+    bool soft_limit = false;   ///< the sound goes through soft_clip() after the gain
     double cull_db = 90;
   };
   /// A new gain is smoothed while something sounds; in silence it is applied at once.

@@ -1,6 +1,6 @@
 #include "core/reed/instrument/instrument.hpp"
 
-#include "core/reed/instrument/soft_clip.hpp"
+#include "core/dsp/soft_clip.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "core/reed/playability/gradient.hpp"
 
+#include "core/dsp/soft_clip.hpp"
 #include "core/reed/bore/bore_design.hpp"
-#include "core/reed/instrument/soft_clip.hpp"
 #include "core/reed/instrument/tuning.hpp"
 
 #include <algorithm>

@@ -33,6 +33,31 @@ def test_control_inlets_take_numbers_and_lists():
     assert not result.of("error") and result.sent("b")
 
 
+def test_lists_and_bangs_that_mean_nothing_are_one_error_that_names_what_there_is():
+    result = run([load("greed_gradient~"), "new b greed_gradient~", "send b 0 bang", "send b 0 list 1. word",
+                  "send b 0 list 1. 2. 3. 4.", "send b 0 list 1. 2. 3.", load("ioa_link"), "new c ioa_link",
+                  "send c 0 float 5.", "send c 0 list 5. 6.", "send c 0 bang"])
+    errors = result.of("error")
+    assert len(errors) == 6, errors
+    assert "no message 'bang'; there are preset, range and reset" in errors[0]
+    assert "list: 'word' is no number: expected one for each inlet: y, z, f_b (Hz)" in errors[1]
+    assert "list: 4 numbers: expected at most 3" in errors[2]
+    assert "no message 'float'; there are send" in errors[3] and "no message 'list'" in errors[4]
+
+
+def test_get_answers_to_every_name_that_dump_sends_and_preset_comes_first():
+    lines = run([load("greed~"), "new b greed~ -gain 1 trumpet", "send b 0 dump"]).sent("b")
+    names = [atoms[0] for _, _, atoms in lines]
+    assert names[0] == "preset" and len(names) > 60
+    for name in dict.fromkeys(names):
+        answers = run([load("greed~"), "new b greed~ -gain 1 trumpet", f"send b 0 get {name}"])
+        assert [atoms for _, _, atoms in answers.sent("b")] == [atoms for _, _, atoms in lines if atoms[0] == name], name
+        assert not answers.of("error")
+    asked = run([load("greed~"), "new b greed~", "send b 0 get preset", "send b 0 get gian"]).of("error")
+    assert len(asked) == 2 and "get preset: a message without a value" in asked[0]
+    assert "get gian: nothing of that name; did you mean 'gain'?" in asked[1]
+
+
 def test_a_muted_object_is_silent_and_goes_on():
     result = run([load("greed~"), *ON, "new b greed~ -preset clarinet", "signal b 0 constant 3000", "dsp on", "run 200",
                   "mute b 1", "levels b", "run 100", "levels b", "mute b 0", "run 100", "levels b"])

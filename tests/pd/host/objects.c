@@ -251,6 +251,17 @@ void host_message(host_object* o, int inlet, const char* selector, int count,
   free(given);
 }
 
+/* To an inlet of an object. */
+void pd_float(t_pd* x, t_float number) {
+  for (host_object* o = objects; o; o = o->next)
+    for (int i = 0; i < o->inlet_count; ++i)
+      if ((void*)o->inlets[i] == (void*)x && is_signal_inlet(o->inlets[i])) {
+        o->inlets[i]->value = number;
+        return;
+      }
+  host_die("pd_float to what is no signal inlet");
+}
+
 const char* class_getname(const t_class* c) { return c->name->s_name; }
 
 /* Names hold one thing: what is bound here takes care of that itself. */

@@ -29,7 +29,7 @@ struct Probe {
       Message{"echo", "anything", 0, 100, "comes back out of the info outlet"},
       Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
   };
-  static constexpr std::array kArguments{CreationArgument{"gain"}};
+  static constexpr std::array kArguments{CreationArgument{"gain"}, CreationArgument{"echo"}};
   static constexpr Declaration declaration{"probe~",
                                            "one of everything",
                                            "For the tests of the shells.",
@@ -64,6 +64,12 @@ struct Probe {
       block.outputs[0][n] = static_cast<S>(factor * static_cast<double>(block.inputs[0][n]) *
                                            static_cast<double>(block.inputs[1][n]));
     ++blocks;
+  }
+  void dump_first(Host& host) { host.info({"kind", "probe"}); }
+  void dump(Host& host) {
+    host.info({"block", 1.0, static_cast<double>(blocks)});
+    host.info({"block", 2.0, "last"});
+    host.send(1, {-1.0}); // of no name: for dump alone
   }
   void report(Host& host) { host.send(1, {static_cast<double>(blocks)}); }
   void tick(std::size_t, Host& host) { host.info({"awake", host.now_ms()}); }

@@ -1,4 +1,5 @@
 // Where a body's sound ends, what no body stands, and where a ball comes down.
+#include "core/dsp/soft_clip.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+using namespace tactus;
 using namespace tactus::modal;
 using namespace tactus::test;
 
@@ -38,6 +40,29 @@ TEST_CASE("a mode rings until it is 160 dB below full scale, and not longer") {
     CHECK(!rig.body.model()->bank.idle());
     static_cast<void>(rig.run(static_cast<std::size_t>(0.07 * 48000)));
     CHECK(rig.body.model()->bank.idle());
+  }
+}
+
+TEST_CASE("the soft limit clips what is heard after the gain, and neither quiet sound nor forces") {
+  for (const double gain : {0.01, 300.0}) {
+    CAPTURE(gain);
+    const auto struck = [gain](bool limit) {
+      Rig rig(48000, one_mode(1000, 50));
+      rig.options.gain = gain;
+      rig.options.soft_limit = limit;
+      rig.hit({}, 20);
+      return rig.run(4800);
+    };
+    const Output free = struck(false), limited = struck(true);
+    float largest = 0;
+    for (std::size_t n = 0; n < free.left.size(); ++n) {
+      largest = std::max(largest, std::abs(free.left[n]));
+      REQUIRE(limited.left[n] == static_cast<float>(soft_clip(static_cast<double>(free.left[n]))));
+      REQUIRE(limited.right[n] ==
+              static_cast<float>(soft_clip(static_cast<double>(free.right[n]))));
+      REQUIRE(limited.contact[n] == free.contact[n]);
+    }
+    CHECK((largest > 1) == (gain > 1)); // both sides of the limit are tried
   }
 }
 

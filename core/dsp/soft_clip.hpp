@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace tactus::reed {
+namespace tactus {
 
 /// |x| up to which soft_clip() is the identity.
 inline constexpr double kLinearLimit = 0.5;
@@ -14,4 +14,4 @@ inline constexpr double kLinearLimit = 0.5;
   return size <= kLinearLimit ? x : std::copysign(1 - 0.25 / size, x);
 }
 
-} // namespace tactus::reed
+} // namespace tactus

@@ -1,0 +1,90 @@
+#include "core/sentence.hpp"
+#include "externals/modal_impact~/modal_impact~.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+
+/// The message `load`, and messages to a body that is still being read.
+namespace tactus::modal {
+
+using namespace modal_impact;
+
+namespace {
+
+bool is_strike(std::size_t message) { return message >= kHit && message <= kBang; }
+
+} // namespace
+
+bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host) {
+  const bool for_a_body = is_strike(index) || index == kPoint || index == kRub || index == kShape ||
+                          index == kControlPoint;
+  if (index == kReset) // silence: strikes that wait are not for later
+    waiting_count_ = static_cast<std::size_t>(
+        std::remove_if(waiting_.begin(),
+                       waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_),
+                       [](const WaitingMessage& kept) { return is_strike(kept.index); }) -
+        waiting_.begin());
+  if (!for_a_body || !worker_.loads_first())
+    return false;
+  body_.adopt();
+  if (body_.model())
+    return false;
+  if (waiting_count_ == waiting_.size() || numbers.size() > kFewNumbers) {
+    Sentence sentence(kMessages[index].name);
+    sentence += ": the body is still being read; send it after `loaded` has come out";
+    host.error(sentence);
+    return true;
+  }
+  WaitingMessage& kept = waiting_[waiting_count_++];
+  kept.index = index;
+  kept.count = numbers.size();
+  std::copy(numbers.begin(), numbers.end(), kept.numbers.begin());
+  return true;
+}
+
+void ModalImpact::carry_out_waiting(Host& host) {
+  body_.adopt();
+  if (!body_.model() && worker_.loads_first())
+    return;
+  const std::size_t count = std::exchange(waiting_count_, 0);
+  if (!body_.model()) // the error has said why
+    return;
+  for (const WaitingMessage& kept : std::span(waiting_).first(count))
+    carry_out(kept.index, std::span(kept.numbers).first(kept.count), host);
+}
+
+std::string ModalImpact::find_table(std::string_view message, const std::string& name, Host& host) {
+  for (const char* end : {"", ".modal.npz"})
+    if (std::string path = host.find_file(name + end); !path.empty())
+      return path;
+  host.error(std::string(message) + " " + name +
+             ": there is no such file beside the patch, in the search path or beside the object");
+  return {};
+}
+
+void ModalImpact::load(std::span<const Atom> arguments, Host& host) {
+  if (!arguments[0].is_word)
+    return host.error("load: expected a file's name");
+  bool at_once = value_[kSync] >= 0.5;
+  if (arguments.size() > 1) {
+    if (!arguments[1].is_word || arguments[1].word != "-sync")
+      return host.error("load: expected a file's name and perhaps -sync");
+    at_once = true;
+  }
+  const std::string name(arguments[0].word);
+  if (created_ || at_once)
+    return load(name, at_once, host);
+  first_name_ = name;
+}
+
+void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
+  const std::string path = find_table("load", name, host);
+  if (path.empty())
+    return;
+  execute({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
+}
+
+} // namespace tactus::modal

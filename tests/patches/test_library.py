@@ -1,0 +1,232 @@
+"""The library folder in Pd: how objects and files are found, which bodies it holds and how loud they are."""
+import json
+import shutil
+
+import numpy
+import pytest
+from harness import Patch, run, stage_folder
+
+BODIES = ("bar", "bell", "board", "bowl", "glass", "plate", "tube")  # what README promises
+RATE = 48000
+
+
+def body_name(path):
+    return json.loads(bytes(numpy.load(path)["meta"]))["body_name"]
+
+
+@pytest.fixture
+def parent(tmp_path, monkeypatch):
+    """A folder whose tactus/ is the library, which is not in Pd's path by itself."""
+    stage = stage_folder()
+    empty = tmp_path / "empty"
+    folder = tmp_path / "a folder, with + and blanks"
+    empty.mkdir()
+    folder.mkdir()
+    (folder / "tactus").symlink_to(stage)
+    monkeypatch.setenv("TACTUS_STAGE", str(empty))
+    return folder
+
+
+def boxes(folder, names, declare="", **options):
+    """What Pd prints when a patch with these boxes is opened."""
+    lines = ["#N canvas 0 0 400 300 12;"] + ([f"#X declare {declare};"] if declare else [])
+    lines += [f"#X obj 10 10 {name};" for name in names]
+    lines += ["#X obj 10 40 loadbang;", "#X obj 10 60 delay 20;", "#X msg 10 80 \\; pd quit;"]
+    lines += [f"#X connect {i} 0 {i + 1} 0;" for i in (len(names), len(names) + 1)]
+    (folder / "boxes.pd").write_text("\n".join(lines) + "\n")
+    return run.run_pd([folder / "boxes.pd"], **options)
+
+
+@pytest.mark.parametrize("form", ["declare", "declare_slash", "flag", "flag_slash", "flag_in_the_folder", "declare_path"])
+def test_the_library_is_loaded_by_its_name(tmp_path, parent, form):
+    names = [line.split("\t")[0] for line in (parent / "tactus" / "tactus-objects.txt").read_text().splitlines()]
+    assert len(names) == 14
+    names.append("struck_disk")  # and an abstraction
+    home = tmp_path / "home"  # where every Pd looks by itself
+    (home / ".local/lib/pd").mkdir(parents=True)
+    (home / ".local/lib/pd/extra").symlink_to(parent)
+    options = {"declare": dict(declare="-lib tactus", path=[parent]),
+               "declare_slash": dict(declare="-lib tactus/tactus", path=[parent]),
+               "flag": dict(path=[parent], arguments=["-lib", "tactus"]),
+               "flag_slash": dict(path=[parent], arguments=["-lib", "tactus/tactus"]),
+               "flag_in_the_folder": dict(path=[parent / "tactus"], arguments=["-lib", "tactus"]),
+               "declare_path": dict(declare="-stdpath tactus", environment={"HOME": str(home)})}[form]
+    said = boxes(tmp_path, names, **options)
+    assert "couldn't create" not in said and "error" not in said and "can't load" not in said, said
+    if form.startswith("declare"):
+        alone = boxes(tmp_path, names, path=[parent])
+        assert alone.count("couldn't create") == len(names)  # nothing else finds them
+
+
+def test_the_library_is_also_a_box_and_may_be_loaded_twice(tmp_path, parent):
+    said = boxes(tmp_path, ["tactus/tactus", "greed~ trumpet", "tactus/greed~ trumpet", "tactus", "particle~ ice"],
+                 declare="-lib tactus", path=[parent])
+    assert not said.strip(), said
+    said = boxes(tmp_path, ["tactus/tactus", "greed~ trumpet"], path=[parent])
+    assert not said.strip(), said
+
+
+def load(words, path, **options):
+    """What [modal_impact~] has loaded, by its info outlet."""
+    patch = Patch()
+    box = patch.obj(*words, "-sync", 1)
+    patch.log("info", box[3])
+    patch.at(0, box, "get body")  # before the first block of audio
+    lines = patch.render(0.1, path=path, **options).logs["info"]
+    return next(atoms[1] for _, atoms in lines if atoms[0] == "body")
+
+
+def test_a_table_is_found_beside_the_patch_in_the_path_beside_the_object_and_in_the_library(tmp_path, parent):
+    bowl, glass = (body_name(parent / "tactus" / f"{name}.modal.npz") for name in ("bowl", "glass"))
+    for name in ("bowl", "bowl.modal.npz"):  # beside the object
+        assert load(["tactus/modal_impact~", name], [parent]) == bowl
+    own = tmp_path / "own"  # the object alone, elsewhere: then the library's table
+    own.mkdir()
+    for module in (parent / "tactus").glob("modal_impact~.l_*"):
+        shutil.copy(module, own)
+    assert load(["modal_impact~", "bowl"], [own, parent]) == bowl
+    assert load(["modal_impact~", "bowl"], [own], expect_errors=[
+        "load bowl: there is no such file beside the patch, in the search path or beside the object"]) == "none"
+    other = tmp_path / "other"  # Pd's path comes before both
+    other.mkdir()
+    shutil.copy(parent / "tactus" / "glass.modal.npz", other / "bowl.modal.npz")
+    assert load(["tactus/modal_impact~", "bowl"], [parent, other]) == glass
+    here = tmp_path / "here"  # and the patch's folder before that
+    here.mkdir()
+    shutil.copy(parent / "tactus" / "bell.modal.npz", here / "bowl.modal.npz")
+    assert load(["tactus/modal_impact~", "bowl"], [parent, other], keep=here) == body_name(here / "bowl.modal.npz")
+    assert load(["tactus/modal_impact~", str(other / "bowl")], [parent]) == glass  # an absolute name
+
+
+def test_other_objects_find_their_files_beside_themselves(parent):
+    patch = Patch()
+    part = patch.obj("tactus/stress_haptic", "beam")
+    patch.log("info", part[2])
+    patch.at(50, part, "get table")
+    walker = patch.obj("tactus/footstep~", "gravel")
+    patch.log("surface", walker[8])
+    patch.at(50, walker, "get surface")
+    result = patch.render(0.2, path=[parent])
+    assert [atoms[0] for _, atoms in result.logs["info"]].count("table") >= 1
+    assert [atoms for _, atoms in result.logs["surface"]] == [["surface", "gravel", "gravel", 0]]
+
+
+def ring(sync, *messages):
+    """The levels of the plate's modes in dB, some 50 ms after the messages have been carried out: at time 0, or when
+    the table has been read."""
+    patch = Patch()
+    box = patch.obj("modal_impact~", "plate", "-sync", int(sync))
+    for message in messages:
+        patch.at(0, box, message)
+    patch.log("info", box[3])
+    if sync:
+        patch.at(50, box, "ring")
+    else:
+        box[3] >> patch.obj("route", "loaded") >> patch.obj("t", "b") >> patch.obj("delay", 50) >> patch.msg("ring") >> box
+    patch.end_on(box[3], "ring")
+    lines = patch.render(3600).logs["info"]  # as long as the thread takes: logical time runs ahead of it
+    return numpy.array(next(atoms[1:] for _, atoms in lines if atoms[0] == "ring"))
+
+
+def test_strikes_sent_while_the_first_table_is_read_happen_when_it_is_there():
+    one, other = "hit 40 30 0 1", "hit -60 20 0 1"
+    assert ring(True, one).max() > -60
+    assert abs(ring(False, one) - ring(True, one)).max() < 0.5
+    assert abs(ring(False, one, other) - ring(True, one, other)).max() < 0.5
+    assert abs(ring(True, one, other) - ring(True, one)).max() > 3  # the second is heard, too
+    assert ring(False, one, other, "reset").max() <= -119  # silence is meant for what waits, too
+    assert abs(ring(False, "reset", one) - ring(True, one)).max() < 0.5
+
+
+def test_of_a_table_that_cannot_be_read_only_that_is_said(tmp_path):
+    (tmp_path / "bad.modal.npz").write_bytes(b"no table")
+    patch = Patch()
+    box = patch.obj("modal_impact~", "bad")
+    for i in range(3):
+        patch.at(i, box, "hit 1")
+    patch.at(1199000, box, "hit 1")
+    result = patch.render(1200, path=[tmp_path], expect_errors=["load bad: .*", "there is no body yet: load one"])
+    assert len(result.errors) == 2
+
+
+def test_more_messages_than_wait_are_refused_in_a_sentence():
+    patch = Patch()
+    box = patch.obj("modal_impact~", "plate")
+    for _ in range(66):
+        patch.at(0, box, "hit 0.1")
+    result = patch.render(1, expect_errors=["hit: the body is still being read; send it after `loaded`"])
+    assert len(result.errors) == 2
+
+
+def soft_clip(x):
+    size = numpy.maximum(abs(x), 0.5)
+    return numpy.where(abs(x) <= 0.5, x, numpy.sign(x) * (1 - 0.25 / size))
+
+
+def struck(name, hits, *flags):
+    """Both sides of the body under `hits`, messages 100 ms apart, from rest each."""
+    patch = Patch()
+    box = patch.obj("modal_impact~", name, "-sync", 1, *flags)
+    for i, hit in enumerate(hits):
+        patch.at(100 * i + 1, box, "reset")
+        patch.at(100 * i + 30, box, hit)
+    for side in (0, 1):
+        patch.record(str(side), box[side])
+    result = patch.render(0.1 * len(hits) + 0.05)
+    return numpy.stack([result["0"], result["1"]])
+
+
+@pytest.mark.parametrize("name", (*BODIES, "disk", "disk_hollow", "disk_solid", "plank"))
+def test_no_body_of_the_library_leaves_the_linear_range_at_1_m_per_s_and_all_share_one_gain(name):
+    table = numpy.load(stage_folder() / f"{name}.modal.npz")
+    # Where some mode moves most, where all together do, and anywhere.
+    motion = (table["phi"].astype(float) ** 2).sum(2)
+    spots = [*motion.argmax(1)[:12], (motion / motion.max(1, keepdims=True)).sum(0).argmax(),
+             *numpy.random.default_rng(1).integers(0, len(table["xyz"]), 27)]
+    hits = ["hit 1", *(f"hitv {v} 1" for v in spots)]
+    ours, pascal = struck(name, hits), struck(name, hits, "-gain", 1)
+    assert 0.005 < abs(ours).max() < 0.5  # heard, and not bent by the soft limit
+    assert abs(100 * ours - pascal).max() < 1e-5 * abs(pascal).max()
+
+
+def test_the_soft_limit_keeps_listening_levels_within_1_and_measuring_levels_exact():
+    hits = ["hit 0 0 2.5 1", "hit 40 30 2.5 8", "hit 80 50 2.5 50"]
+    pascal = struck("plate", hits, "-gain", 1)
+    assert abs(pascal).max() > 300
+    for flags, expected in [((), soft_clip(0.01 * pascal)), (("-gain", 0.05), soft_clip(0.05 * pascal)),
+                            (("-gain", 0.1), 0.1 * pascal), (("-gain", 0.05, "-limit", "off"), 0.05 * pascal),
+                            (("-gain", 1, "-limit", "on"), soft_clip(pascal))]:
+        assert struck("plate", hits, *flags) == pytest.approx(expected, abs=1e-4 * abs(expected).max()), flags
+
+
+def test_the_first_argument_chooses_what_one_would_guess_wherever_it_stands():
+    def preset(*words, outlet):
+        patch = Patch()
+        box = patch.obj(*words)
+        patch.log("info", box[outlet])
+        patch.at(1, box, "get preset")
+        return patch.render(0.05).logs["info"][0][1]
+
+    for words in (("trumpet",), ("trumpet", "-gain", 1), ("-gain", 1, "trumpet")):
+        assert preset("greed~", *words, outlet=4) == ["preset", "trumpet"]
+    assert preset("particle~", "-seed", 3, "ice", outlet=3) == ["preset", "ice"]
+
+
+def test_an_empty_list_is_a_bang():
+    patch = Patch()
+    patch.at(1, patch.obj("contact_friction~"), "list")
+    result = patch.render(0.05, expect_errors=["no message 'bang'; there are modes, pickup and reset"])
+    assert len(result.errors) == 1
+
+
+def test_a_list_to_greed_is_a_number_for_each_inlet():
+    patch = Patch()
+    listed, played = patch.obj("greed~", "trumpet"), patch.obj("greed~", "trumpet")
+    patch.at(0, listed, "list 3000 300 0")
+    for i, value in enumerate((3000, 300, 0)):
+        patch.signal(numpy.full(RATE // 2, value)) >> played[i]
+    for name, box in (("listed", listed), ("played", played)):
+        patch.record(name, box[1])
+    result = patch.render(0.4)
+    assert numpy.ptp(result["played"]) > 1e-3
+    assert numpy.array_equal(result["listed"], result["played"])
