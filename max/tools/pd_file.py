@@ -20,8 +20,11 @@ class PdBox:
 
 
 class PdCanvas:
-    def __init__(self, name, width, height):
-        self.name, self.width, self.height = name, width, height
+    """A window: its boxes, cords (outlet's box, outlet, inlet's box, inlet), arrays (name, size), the fields of
+    `coords`, and the font size, which is the outermost window's."""
+
+    def __init__(self, name, width, height, font=12):
+        self.name, self.width, self.height, self.font = name, width, height, font
         self.boxes, self.cords, self.arrays, self.coordinates = [], [], [], None
 
 
@@ -53,7 +56,8 @@ def read(path):
         kind, rest = record.split(" ", 1)
         fields = rest.split(" ")
         if kind == "#N" and fields[0] == "canvas":
-            canvas = PdCanvas(plain(fields[5]) if len(fields) > 5 else "", int(fields[3]), int(fields[4]))
+            font = stack[0].font if stack else int(fields[5])
+            canvas = PdCanvas(plain(fields[5]) if len(fields) > 5 else "", int(fields[3]), int(fields[4]), font)
             root = root or canvas
             stack.append(canvas)
         elif kind == "#X":
