@@ -194,8 +194,8 @@ def graph_box(box, canvas, size):
     y = box.y - 1
     across, tall = cell(canvas.font or size)
     for name, _ in canvas.arrays:
-        y -= tall
-        if not hidden:
+        if not hidden and name not in canvas.hidden_names:
+            y -= tall
             name = name.replace("$0", "1000")
             drawn.labels.append((name, Rectangle(box.x, y, box.x + across * len(name), y + tall)))
     if not hidden and not canvas.arrays and len(canvas.coordinates) > 8:

@@ -16,7 +16,7 @@ RULES = ("crossed", "overlap", "cut", "up", "hidden", "astride", "web")
 INSET = 2  # a cord or a box that touches an edge is drawn beside it
 ROW_INSET = 3  # above and below the letters of a line
 SMALL_PANEL = 40  # a panel no wider or higher than this carries a heading: boxes beside it are not on it
-COUNTER = 70  # across and down, of the cord that closes a counter
+COUNTER = 80  # across and down, of the cord that closes a counter
 WEB = 4  # crossings that any patch may have; one more for each eight cords
 
 
@@ -128,9 +128,10 @@ def cut(drawing):
 
 
 def counts(drawing, cord):
-    """Whether the cord closes a counter as Pd's users draw it: [f] and, close below it, [+ 1] whose cord goes back
-    up into its right inlet."""
-    forth = any((c.source, c.target) == (cord.target, cord.source) for c in drawing.cords)
+    """Whether the cord closes a counter as Pd's users draw it: [f] and, close below it, [+ 1], or [+ 1] and
+    [mod], whose cord goes back up into its right inlet."""
+    after = {c.target for c in drawing.cords if c.source == cord.target}
+    forth = cord.source in after or any(c.source in after and c.target == cord.source for c in drawing.cords)
     (x0, y0), (x1, y1) = cord.start, cord.end
     return forth and cord.inlet > 0 and abs(x1 - x0) <= COUNTER and y0 - y1 <= COUNTER
 
