@@ -1,13 +1,7 @@
 """Boxes that stand better elsewhere in Max than in the Pd patch: {patch: {"text@x,y": (x, y)}}, in Pd's
 pixels. In Pd a cord may run behind a box or upwards; here none does (check_patcher.py)."""
 
-POSITIONS = {
-    "struck_disk": {
-        "tabwrite~ struck-sound@190,670": (120, 560),
-        "vib acts along the surface's normal , only while the hand touches@20,560": (430, 660),
-        "tabwrite~ struck-vib@22,670": (430, 606),
-    },
-}
+POSITIONS = {}
 
 
 def move(canvas, positions):
