@@ -7,6 +7,7 @@ argument along the bottom, what to look at next, a sub-patch [pd reference] with
 parameter and message, and the sub-patch [pd META] that Pd's help browser and deken read.
 
     stage.py --declarations declarations.json --version 0.1.0 --stage FOLDER SOURCE...
+    stage.py --stage FOLDER SOURCE...                             abstractions alone, which need no declaration
 
 reference_page.py writes the same as Markdown, docs/reference/NAME.md.
 """
@@ -217,12 +218,12 @@ def library_meta(version, declarations):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--declarations", type=pathlib.Path, required=True)
+    parser.add_argument("--declarations", type=pathlib.Path)
     parser.add_argument("--version", default="0")
     parser.add_argument("--stage", type=pathlib.Path, required=True)
     parser.add_argument("sources", nargs="*", type=pathlib.Path)
     arguments = parser.parse_args()
-    declarations = json.loads(arguments.declarations.read_text())
+    declarations = json.loads(arguments.declarations.read_text()) if arguments.declarations else []
     by_name = {d["name"]: d for d in declarations}
     for d in declarations:
         spell_choices(d)
@@ -237,6 +238,8 @@ def main():
                 (arguments.stage / path.name).write_text(fill_help(path.read_text(), by_name[name]))
             else:
                 shutil.copyfile(path, arguments.stage / path.name)
+    if not declarations:
+        return
     (arguments.stage / "tactus-meta.pd").write_text(library_meta(arguments.version, declarations))
     (arguments.stage / "tactus-objects.txt").write_text(
         "".join(f"{d['name']}\t{d['title']}\n" for d in declarations))

@@ -60,18 +60,31 @@ set_up() {
 # The compiler's own list of what a file reads tells ccache enough: no second look at a new file.
 export CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
-# build PRESET LABEL CMAKE-ARGUMENTS...: configures where needed, builds, shows progress; the log on failure
-build() {
-  local folder log preset=$1 label=$2
-  shift 2
-  case $preset in release | library) folder=$root/build ;; *) folder=$root/build-$preset ;; esac
-  log=$folder/build.log
-  mkdir -p "$folder"
-  say "Building $label"
+# build_folder PRESET: where it builds
+build_folder() {
+  case $1 in release | library) printf '%s/build' "$root" ;; *) printf '%s/build-%s' "$root" "$1" ;; esac
+}
+
+# configure PRESET CMAKE-ARGUMENTS...: shows the end of the log on failure
+configure() {
+  local preset=$1 log
+  log=$(build_folder "$preset")/build.log
+  shift
+  mkdir -p "${log%/*}"
   if ! (cd "$root" && cmake --preset "$preset" "$@") >"$log" 2>&1; then
     tail -n 30 "$log" >&2
     return 1
   fi
+}
+
+# build PRESET LABEL CMAKE-ARGUMENTS...: configures where needed, builds, shows progress; the log on failure
+build() {
+  local folder log preset=$1 label=$2
+  shift 2
+  folder=$(build_folder "$preset")
+  log=$folder/build.log
+  say "Building $label"
+  configure "$preset" "$@" || return 1
   if ! nice ninja -C "$folder" 2>&1 | tee -a "$log" | progress built; then
     grep -E -A12 'FAILED|error:' "$log" | head -n 60 >&2
     return 1

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Makes one scene of ./play: runs scripts/scenes/NAME.py and keeps what it made in out/NAME/.
 
+    make_scene.py NAME [FOLDER]     FOLDER instead of out
+
 A scene has a docstring whose first line ./play --list shows (what follows goes on the page), a
-function make(scene), and, when ./play --gui can open a patch of it, a line PATCH = "patches/...".
+function make(scene), and lines that ./play reads: NEEDS, PATCH, LONG (scenes/README.md).
 """
 import importlib.util
 import json
@@ -14,6 +16,8 @@ import time
 import numpy
 import scipy.io.wavfile
 
+import sound_check
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "patches"))  # the harness that runs Pd without a screen
 
@@ -23,7 +27,8 @@ class Scene:
 
     def __init__(self, name, folder, title, description):
         self.name, self.folder = name, folder
-        self.page = {"name": name, "title": title, "description": description, "parts": []}
+        self.page = {"name": name, "title": title, "description": description, "parts": [],
+                     "faults": []}
         self.begun = time.monotonic()
 
     def _add(self, kind, **what):
@@ -31,7 +36,8 @@ class Scene:
 
     def progress(self, text):
         """One line on the terminal, for anything that takes more than a few seconds."""
-        print(f"  {text}", flush=True)
+        text = text.removeprefix(f"{self.name}: ")
+        print(f"  {self.name}: {text}", flush=True)
 
     def heading(self, text):
         self._add("heading", text=text)
@@ -41,11 +47,15 @@ class Scene:
         self._add("text", text=text)
 
     def sound(self, name, samples, rate, caption=""):
-        """A WAV of 32-bit floats; samples of shape (n,) or (n, channels), at most 1 in size."""
+        """A WAV of 32-bit floats; samples of shape (n,) or (n, channels), at most 1 in size. It begins and ends
+        in silence: end the gesture and let it ring out, or use fade_out(). What sound_check.py finds is named."""
         samples = numpy.asarray(samples, dtype=numpy.float32)
         if not numpy.isfinite(samples).all() or abs(samples).max(initial=0) > 1:
             raise ValueError(f"{name}: a sound must be finite and within -1..1")
         scipy.io.wavfile.write(self.folder / f"{name}.wav", int(rate), samples)
+        for fault in sound_check.faults(samples, rate):
+            self.page["faults"].append(f"{name}.wav: {fault}")
+            self.progress(f"{name}.wav: {fault}")
         self._add("sound", file=f"{name}.wav", caption=caption or name,
                   seconds=len(samples) / rate)
 
@@ -68,6 +78,17 @@ class Scene:
                   caption=caption)
 
 
+def fade_out(samples, rate, seconds):
+    """The recording with its last seconds turned down to silence by a raised cosine: for what still sounds
+    where the recording ends. The last 20 ms are silent."""
+    faded = numpy.array(samples, float)
+    count, silent = round(seconds * rate), round(0.02 * rate)
+    gain = numpy.concatenate([0.5 + 0.5 * numpy.cos(numpy.pi * numpy.arange(count) / count), numpy.zeros(silent)])
+    gain = gain[-len(faded):]
+    faded[-len(gain):] *= gain if faded.ndim == 1 else gain[:, None]
+    return faded
+
+
 def spectrogram(axes, samples, rate, top_hz=8000, floor_db=-90):
     """Draws a spectrogram in dB below the loudest bin, on a linear frequency axis."""
     import scipy.signal
@@ -87,17 +108,16 @@ def main():
     path = ROOT / "scripts" / "scenes" / f"{name.replace('-', '_')}.py"
     spec = importlib.util.spec_from_file_location("scene", path)
     module = importlib.util.module_from_spec(spec)
-    sys.modules["make_scene"] = sys.modules["__main__"]  # scenes may import spectrogram
+    sys.modules["make_scene"] = sys.modules["__main__"]  # scenes import spectrogram, fade_out
     spec.loader.exec_module(module)
     title, _, description = module.__doc__.partition("\n")
-    folder = ROOT / "out" / name
+    folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ROOT / "out") / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     scene = Scene(name, folder, title, description.strip())
     module.make(scene)
     scene.page["took_seconds"] = round(time.monotonic() - scene.begun, 1)
     (folder / "scene.json").write_text(json.dumps(scene.page, indent=1))
-    print(f"  {name}: {len(scene.page['parts'])} parts in {scene.page['took_seconds']} s", flush=True)
 
 
 if __name__ == "__main__":

@@ -2,57 +2,56 @@
 """Writes out/index.html from the scenes in out/: one page that needs nothing but its neighbours.
 
 report.py FOLDER
+
+./play calls write() after each scene: sounds to hear first at the top, then the scenes in their sections, those
+still to come by name.
 """
 import html
 import json
 import pathlib
+import re
 import sys
 
-STYLE = """
-:root { --ink: #22303a; --soft: #5c6b75; --line: #d9e0e4; --paper: #fbfcfc; --accent: #2f4f5f; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #dfe7ea; --soft: #9fb0b9; --line: #33424b; --paper: #161d21; --accent: #8fb8c9; } }
-* { box-sizing: border-box; }
-body { margin: 0; background: var(--paper); color: var(--ink);
-       font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; }
-header { background: #2f4f5f; color: #fff; padding: 2.2rem max(1.2rem, calc(50vw - 34rem)); }
-header h1 { margin: 0; font-size: 2.4rem; letter-spacing: .02em; }
-header p { margin: .3rem 0 0; opacity: .85; }
-nav { padding: .8rem max(1.2rem, calc(50vw - 34rem)); border-bottom: 1px solid var(--line); }
-nav a { margin-right: 1.2rem; color: var(--accent); text-decoration: none; font-weight: 600; }
-nav a:hover { text-decoration: underline; }
-main { max-width: 68rem; margin: 0 auto; padding: 0 1.2rem 4rem; }
-section { padding-top: 2rem; }
-h2 { color: var(--accent); font-size: 1.7rem; margin: 0; }
-h2 + p { color: var(--soft); margin-top: .2rem; }
-h3 { margin: 2rem 0 .3rem; border-bottom: 1px solid var(--line); }
-figure { margin: 1rem 0; }
-figcaption, .note { color: var(--soft); font-size: .92rem; }
-img { max-width: 100%; background: #fff; border: 1px solid var(--line); border-radius: 6px; }
-.sound { display: flex; flex-wrap: wrap; align-items: center; gap: .8rem; padding: .5rem 0; }
-.sound audio { width: min(30rem, 100%); }
-.sound span { flex: 1 1 16rem; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .9rem .3rem 0; text-align: left; border-bottom: 1px solid var(--line); }
-th { color: var(--soft); font-weight: 600; }
-caption { text-align: left; color: var(--soft); font-size: .92rem; padding-bottom: .3rem; }
-footer { color: var(--soft); border-top: 1px solid var(--line); margin-top: 3rem; padding-top: 1rem;
-         font-size: .9rem; }
-"""
+import contents
+
+STYLE = (pathlib.Path(__file__).parent / "page.css").read_text()
+ROOT = "../"  # of the page, which is out/index.html
+INTRODUCTION = (
+    "tactus makes instruments and worlds that are heard and felt from one physical model: reeds and lips on a bore, "
+    "feet on fifteen grounds, solid bodies by finite elements, grains, strings and membranes. They are objects for "
+    "Pure Data. A musician plays them, a researcher drives them from a haptic device, a studio renders them. Every "
+    "sound here was rendered through these objects and patches; nothing was recorded. Begin with the sounds "
+    "below, then look at what interests you.")
+LINKS = (("README.md", "README"), ("docs/install.md", "Installing"), ("docs/architecture.md", "How it is made"),
+         ("docs/reference/", "Reference of the objects"), ("patches/README.md", "Patches to play"),
+         ("CHANGELOG.md", "Changes"))
+DOCS = {"greed": "greed.md", "fanfare": "greed.md", "reed": "results/reed_piece.md", "map": "guidance.md",
+        "reed-study": "results/reed_study.md", "bodies": "modal_fem.md", "board": "modal_impact.md",
+        "rubbing": "contact.md", "disk": "results/modal_disk.md", "disk-hollow": "modal_impact.md",
+        "footsteps": "footstep.md", "walking": "footstep.md", "walk-on-plate": "footstep.md",
+        "particles": "particle.md", "audiohaptics": "audiohaptics.md", "finger": "audiohaptics.md",
+        "strike": "scene.md", "spring": "network.md", "design": "stress_haptic.md"}
+
+say = html.escape
+
+
+def capital(text):
+    return text[:1].upper() + text[1:]
+
+
+def player(link, caption, seconds):
+    return (f"<div class=sound><audio controls preload=none src=\"{link}\"></audio>"
+            f"<span>{say(caption)} <span class=note>{seconds:.1f} s, <a href=\"{link}\">WAV</a></span></span></div>")
 
 
 def part(folder, p):
-    say = html.escape
     link = say(f"{folder}/{p.get('file', '')}")
     if p["kind"] == "heading":
-        return f"<h3>{say(p['text'])}</h3>"
+        return f"<h4>{say(p['text'])}</h4>"
     if p["kind"] == "text":
         return f"<p>{say(p['text'])}</p>"
     if p["kind"] == "sound":
-        return (f"<div class=sound><audio controls preload=none src=\"{link}\"></audio>"
-                f"<span>{say(p['caption'])} <span class=note>{p['seconds']:.1f} s, "
-                f"<a href=\"{link}\">WAV</a></span></span></div>")
+        return player(link, p["caption"], p["seconds"])
     if p["kind"] == "picture":
         return (f"<figure><a href=\"{link}\"><img loading=lazy src=\"{link}\" "
                 f"alt=\"{say(p['caption'])}\"></a><figcaption>{say(p['caption'])}</figcaption></figure>")
@@ -64,28 +63,104 @@ def part(folder, p):
     return f"<div class=wide><table>{caption}<tr>{head}</tr>{rows}</table></div>"
 
 
-def page(scenes):
-    say = html.escape
-    links = "".join(f"<a href=\"#{say(s['name'])}\">{say(s['name'])}</a>" for s in scenes)
-    sections = "".join(
-        f"<section id=\"{say(s['name'])}\"><h2>{say(s['name'])}</h2><p>{say(s['title'])}</p>"
-        + "".join(f"<p>{say(t)}</p>" for t in s["description"].split("\n\n") if t)
-        + "\n".join(part(s["name"], p) for p in s["parts"])
-        + f"<p class=note>./play {say(s['name'])}, {s['took_seconds']} s</p></section>" for s in scenes)
-    return (f"<!doctype html><html lang=en><head><meta charset=utf-8><title>tactus</title>"
+def opening(parts):
+    """The indices of what shows without a click: a scene's first two sounds, its first picture, and what is
+    said between."""
+    shown, sounds = [], 0
+    for index, p in enumerate(parts):
+        sounds += p["kind"] == "sound"
+        if sounds > 2 or p["kind"] not in ("heading", "text", "sound"):
+            break
+        shown.append(index)
+    while shown and parts[shown[-1]]["kind"] == "heading":
+        shown.pop()
+    picture = next((i for i, p in enumerate(parts) if p["kind"] == "picture"), None)
+    return shown if picture is None else shown + [picture]
+
+
+def paragraphs(text):
+    """Blank lines divide them; `words` between back quotes are code."""
+    return "".join(f"<p>{re.sub('`(.+?)`', '<code>' + chr(92) + '1</code>', say(t))}</p>"
+                   for t in text.split("\n\n") if t)
+
+
+def scene_section(scene):
+    name = scene["name"]
+    shown = opening(scene["parts"])
+    first = "\n".join(part(name, scene["parts"][index]) for index in shown)
+    rest = [p for index, p in enumerate(scene["parts"]) if index not in shown]
+    if rest:
+        counts = [(sum(p["kind"] == kind for p in rest), kind) for kind in ("sound", "picture", "table")]
+        words = ", ".join(f"{n} {kind}{'s' * (n > 1)}" for n, kind in counts if n)
+        first += (f"<details><summary>More: {words or 'text'}</summary>" + "\n".join(part(name, p) for p in rest)
+                  + "</details>")
+    about = [f"<code>./play {say(name)}</code>, {scene['took_seconds']} s"]
+    if contents.file(name).is_file() and contents.declared(name, "PATCH"):
+        about.insert(0, f"open its patch in Pd: <code>./play --gui {say(name)}</code>")
+    if name in DOCS:
+        about.insert(0, f"<a href=\"{ROOT}docs/{DOCS[name]}\">read more</a>")
+    faults = "".join(f"<p class=fault>{say(f)}</p>" for f in scene.get("faults", ()))
+    return (f"<section id=\"{say(name)}\"><h3>{say(capital(scene['title']))}</h3>"
+            + f"{paragraphs(scene['description'])}{first}{faults}<p class=note>{'; '.join(about)}</p></section>")
+
+
+def to_come(name, failed):
+    state = "could not be made: the terminal says why" if name in failed else "still to come: load this page again"
+    return f"<section id=\"{say(name)}\" class=coming><h3>{say(capital(contents.title(name)))}</h3><p>{state}</p></section>"
+
+
+def highlights(scenes, coming):
+    found = []
+    for name, sound, words in contents.HIGHLIGHTS:
+        parts = scenes[name]["parts"] if name in scenes else []
+        for p in parts:
+            if p["kind"] == "sound" and p["file"] == f"{sound}.wav":
+                found.append(player(say(f"{name}/{p['file']}"), words, p["seconds"]))
+        if not parts and name in coming:
+            found.append(f"<div class=\"sound coming\">{say(words)}: still to come</div>")
+    return f"<section id=first><h2>Hear first</h2>{''.join(found)}</section>" if found else ""
+
+
+def sections(shown):
+    """[(heading, names)] of the scenes shown, in the page's order."""
+    listed = {name for _, names in contents.SECTIONS for name in names}
+    return [(heading, found) for heading, names in (*contents.SECTIONS, ("More", sorted(shown - listed)))
+            if (found := [name for name in names if name in shown])]
+
+
+def page(scenes, coming=(), failed=()):
+    """The page of {name: scene}; names of scenes that are being made or could not be."""
+    coming = [name for name in coming if name not in failed]
+    made = {name: scene for name, scene in scenes.items() if name not in (*coming, *failed)}
+    parts = sections({*made, *coming, *failed})
+    best = highlights(made, coming)
+    links = ("<a href=\"#first\"><b>Hear first</b></a>" if best else "") + "".join(
+        f"<div><b>{say(heading)}</b>" + "".join(
+            f"<a href=\"#{say(n)}\"{'' if n in made else ' class=coming'}>{say(n)}</a>" for n in names)
+        + "</div>" for heading, names in parts)
+    body = "".join(f"<h2>{say(heading)}</h2>" + "".join(
+        scene_section(made[n]) if n in made else to_come(n, failed) for n in names) for heading, names in parts)
+    state = f"<p class=state>{len(coming)} of {len(made) + len(coming)} scenes are still to come.</p>" if coming else ""
+    documents = " ".join(f"<a href=\"{ROOT}{link}\">{say(words)}</a>" for link, words in LINKS)
+    return (f"<!doctype html><html lang=en><head><meta charset=utf-8><title>tactus: sounds and pictures</title>"
             f"<meta name=viewport content=\"width=device-width, initial-scale=1\">"
             f"<style>{STYLE}</style></head><body><header><h1>tactus</h1>"
             f"<p>instruments and worlds that are heard and felt</p></header><nav>{links}</nav>"
-            f"<main>{sections}<footer>Rendered by ./play through the Pd objects, without a screen or "
-            f"sound card. Take care with headphones: the reeds are as loud as they like, up to full "
-            f"scale.</footer></main></body></html>\n")
+            f"<main><p class=introduction>{say(INTRODUCTION)}</p><p class=links>{documents}</p>"
+            f"<p>With Pd's window: <code>./play --gui reed</code>, or <code>./play --gui greed~</code> for an object's "
+            f"help patch. <code>./play --list</code> names the scenes, <code>./play --all</code> makes the long ones "
+            f"too.</p>{state}{best}{body}"
+            f"<footer>Rendered by ./play through the Pd objects, without a screen or sound card. Take care with "
+            f"headphones: the reeds are as loud as they like, up to full scale.</footer></main></body></html>\n")
 
 
-def main():
-    out = pathlib.Path(sys.argv[1])
-    scenes = [json.loads(p.read_text()) for p in sorted(out.glob("*/scene.json"))]
-    (out / "index.html").write_text(page(scenes))
+def write(out, coming=(), failed=()):
+    """index.html of a folder, replaced at once."""
+    scenes = {p.parent.name: json.loads(p.read_text()) for p in pathlib.Path(out).glob("*/scene.json")}
+    new = pathlib.Path(out) / "index.html.new"
+    new.write_text(page(scenes, coming, failed))
+    new.replace(pathlib.Path(out) / "index.html")
 
 
 if __name__ == "__main__":
-    main()
+    write(pathlib.Path(sys.argv[1]))

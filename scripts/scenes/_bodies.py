@@ -1,4 +1,5 @@
 """Struck bodies for scenes: tables from modal_fem, kept between runs, and strikes in headless Pd."""
+import fcntl
 import hashlib
 import pathlib
 import subprocess
@@ -31,12 +32,14 @@ def table(*words, sheet=False):
     folder.mkdir(exist_ok=True)
     path = folder / f"{pathlib.Path(words[0]).stem}-{key.hexdigest()[:16]}.modal.npz"
     picture = path.with_suffix("").with_suffix(".png")
-    if not path.is_file() or (sheet and not picture.is_file()):
-        drawn = ["--sheet", picture] if sheet else []
-        done = subprocess.run([program(), *words, "--quiet", "-o", path, *drawn],
-                              capture_output=True, text=True)
-        if done.returncode or not path.is_file():
-            raise RuntimeError(f"modal_fem {' '.join(words)}: {(done.stderr + done.stdout).strip()}")
+    with open(path.with_suffix(".lock"), "w") as lock:  # scenes that run side by side share tables
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.is_file() or (sheet and not picture.is_file()):
+            drawn = ["--sheet", picture] if sheet else []
+            done = subprocess.run([program(), *words, "--quiet", "-o", path, *drawn],
+                                  capture_output=True, text=True)
+            if done.returncode or not path.is_file():
+                raise RuntimeError(f"modal_fem {' '.join(words)}: {(done.stderr + done.stdout).strip()}")
     return path
 
 

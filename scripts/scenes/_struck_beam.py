@@ -2,7 +2,7 @@
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch, stage_folder
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 RATE = 48000
 SECONDS, STEP_MS, STRIKE_MS = 12.0, 20, 500
@@ -50,7 +50,7 @@ def make(scene):
     solved = render("struck_cantilever.modal.npz", "auto")
     series = render("struck_cantilever.modal.npz", "off")
     sound = numpy.stack([solved["left"], solved["right"]], axis=1)
-    scene.sound("struck_beam", 0.9 * sound / abs(sound).max(), RATE,
+    scene.sound("struck_beam", fade_out(0.9 * sound / abs(sound).max(), RATE, 0.4), RATE,
                 "a cantilever struck twice a second while its height goes from 20 mm to 30, to 14 and back")
     marks = numpy.array([[t / 1000, atoms[2]] for t, atoms in solved.logs["info"] if atoms[0] == "resolved"])
     figure, axes = plt.subplots(2, 1, figsize=(11, 8), sharex=True, constrained_layout=True)

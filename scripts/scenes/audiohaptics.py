@@ -20,6 +20,7 @@ import _bodies  # noqa: E402
 from _audiohaptics import FAR, NEAR, RATE  # noqa: E402
 
 PATCH = "patches/audiohaptics/audiohaptics.pd"
+NEEDS = "stage_patches phantom phantom~ modal_impact~ stage_disk stage_disk_solid stage_disk_hollow"
 BLUE, RED, GREEN = "#2b5c8a", "#c4552d", "#6d8f3a"
 FACE = 6  # mm
 

@@ -11,12 +11,13 @@ import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
 from harness.struck_reference import closed_form_bar, closed_form_board
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import _room  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
+NEEDS = "modal_impact~"
 BOARD = ["board board.npz 0 0 -15", "rest -110 0 -6 60 0 -6"]
 HARD = ["rest_exponent 1.5", "rest_loss 0.2"]
 WAYS = {
@@ -51,7 +52,8 @@ def make(scene):
         for axis, (name, settings) in zip(axes, WAYS.items()):
             sound = strike(folder, settings)
             mono = sound.sum(axis=1)
-            scene.sound(name.replace(" ", "-"), _room.full_scale(mono, 0.7), RATE, f"the bar {name}")
+            scene.sound(name.replace(" ", "-"), fade_out(_room.full_scale(mono, 0.7), RATE, 0.7), RATE,
+                        f"the bar {name}")
             spectrogram(axis, mono, RATE, top_hz=6000)
             axis.set_title(name, loc="left")
             spectrum = abs(numpy.fft.rfft(mono[:RATE] * numpy.hanning(RATE)))  # 1 Hz a bin

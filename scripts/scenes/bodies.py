@@ -11,7 +11,7 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import _bodies  # noqa: E402
@@ -20,6 +20,7 @@ import _tour  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
+NEEDS = "modal_impact~ modal_fem"
 
 
 def mono_room(parts):
@@ -42,7 +43,7 @@ def show_sheet(scene, name):
 def make(scene):
     sounds = {}
     for name in _tour.BODIES:
-        sounds[name] = _tour.visit(name)
+        sounds[name] = fade_out(_tour.visit(name), RATE, 0.8)
         scene.progress(f"{name}")
     scene.heading("A piece for nine bodies")
     piece = mono_room(_tour.perform())

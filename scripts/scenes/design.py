@@ -29,6 +29,7 @@ from _design import Part  # noqa: E402
 from _design_search import CHOSEN, NOTICED, PAPER, ROUNDS, STEP, Shapes, at_random, by_feel, descend  # noqa: E402
 
 PATCH = "patches/design/beam.pd"
+NEEDS = "stage_patches phantom stress_haptic modal_impact~ part_stress modal_fem stage_cantilever stage_lift_arm stage_struck_cantilever"
 # patch, table, control points in a layer, the one that is dragged, seconds of its path
 PARTS = {"beam": ("cantilever", 10, 6, 8.9), "arm": ("lift_arm", 18, 15, 9.9)}
 FEELS = {"mean, spring": (), "weighted, spring": ("mode weighted",), "each axis, spring": ("mode axis",),

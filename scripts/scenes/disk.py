@@ -20,6 +20,8 @@ import _disk  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
+NEEDS = "modal_impact~ modal_fem"
+LONG = True
 SECONDS = 3.0
 
 

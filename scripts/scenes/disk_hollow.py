@@ -11,6 +11,7 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy
+from make_scene import fade_out
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import _bodies  # noqa: E402
@@ -19,7 +20,21 @@ import _room  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
+NEEDS = "modal_impact~ modal_fem"
+LONG = True
 COLOURS = {"solid": "#2b5c8a", "hollow": "#c4552d"}
+
+
+def one_after_another(sounds):
+    """As the classifier hears them, with the noise of its microphone, which fades in and out around each."""
+    silence = numpy.zeros(RATE // 50)
+    rise = 0.5 - 0.5 * numpy.cos(numpy.pi * numpy.arange(RATE // 1000) / (RATE // 1000))
+    parts = []
+    for sound in sounds:
+        part = fade_out(0.8 * sound / abs(sound).max(), RATE, 0.1)
+        part[:len(rise)] *= rise
+        parts += [silence, part]
+    return numpy.concatenate(parts)
 
 
 def draw(found):
@@ -49,8 +64,7 @@ def make(scene):
     scene.progress("modes of both disks")
     found = _hollow.experiment()
     for name in _hollow.DISKS:
-        six = numpy.concatenate([0.1 * s / abs(s).max() * 8 for s in found["heard"]["tried", name][:6]])
-        scene.sound(name, six, RATE, f"the {name} disk, six blows, each at another place and strength")
+        scene.sound(name, one_after_another(found["heard"]["tried", name][:6]), RATE, f"the {name} disk, six blows, each at another place and strength")
     scene.table(["asked", "right"], [[k, f"{100 * v:.1f} %"] for k, v in found["right"].items()]
                 + [["taught with shuffled names", f"{100 * found['shuffled']:.0f} %"],
                    ["the paper's six listeners", "97 %"]],

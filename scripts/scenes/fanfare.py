@@ -25,6 +25,7 @@ import _room  # noqa: E402
 from _brass import RATE  # noqa: E402
 
 PATCH = "build/tactus/greed~-help.pd"
+NEEDS = "greed~"
 
 
 def mix(parts):

@@ -15,8 +15,9 @@ from harness import Patch
 from make_scene import spectrogram
 
 PATCH = "patches/audiohaptics/finger_on_reed.pd"
+NEEDS = "stage_patches greed~ playability~ phantom phantom~"
 PATH = pathlib.Path(__file__).resolve().parents[2] / PATCH
-RATE, SECONDS = 48000, 11
+RATE, SECONDS, DECAY = 48000, 11, 0.8  # s until the breath ends, and until the note has
 BLUE, RED, GREEN = "#2b5c8a", "#c4552d", "#6d8f3a"
 MOMENTS = (("free", 1.3), ("touched", 2.9), ("pressed", 5.4), ("closed", 8.0), ("lifted", 10.4))
 
@@ -32,7 +33,8 @@ def play():
         patch.send(90, "finger.phantom", f"trace {folder}/ticks.csv")
         patch.send(100, "help-play", "bang")
         patch.send(1000 * SECONDS - 5, "finger.phantom", "trace stop")
-        result = patch.render(SECONDS, RATE, timeout=120)
+        patch.send(1000 * SECONDS, "finger-breath", 0)
+        result = patch.render(SECONDS + DECAY, RATE, timeout=120)
         with open(f"{folder}/ticks.csv", encoding="utf-8") as file:
             ticks = numpy.array([[float(row[key]) for key in ("ms", "z_mm", "fz_n")]
                                  for row in csv.DictReader(file)]).T

@@ -11,16 +11,19 @@ import sys
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "bench" / "realism_footstep"))
 
 PATCH = "build/tactus/footstep~-help.pd"
+NEEDS = "footstep~"
 RATE = 48000
 FOUR = ("wood", "creak", "snow", "underbrush")
 ALL = ("wood", "creak", "underbrush", "snow", "frozensnow", "sand", "gravel", "metal", "highgrass",
        "dryleaves", "concrete", "dirt", "puddle", "water", "carpet")
+HALT = 1.5       # s: the last steps, and what they leave sounding
+FELT_GAIN = 0.5  # of the drives that are kept as sounds: quick steps on snow drive an actuator to its limit
 SPEEDS = (("slow", 0.9), ("usual", 1.4), ("quick", 1.9))
 PATH = ("wood", "gravel", "snow", "dryleaves", "water")
 NAMES = ("sound", "heel_drive", "ball_drive", "force", "sound_2", "heel_drive_2", "ball_drive_2",
@@ -28,17 +31,19 @@ NAMES = ("sound", "heel_drive", "ball_drive", "force", "sound_2", "heel_drive_2"
 
 
 def walk(seconds, surface, speed=1.4, *flags):
-    """Both feet walk; every outlet by its name."""
+    """Both feet walk for some seconds and halt; every outlet by its name."""
     patch = Patch()
     box = patch.obj("footstep~", surface, "-feet", 2, "-speed", speed, *flags)
     for i, name in enumerate(NAMES):
         patch.record(name, box[i])
     patch.at(100, box, "walk 1")
-    return patch.render(seconds, RATE)
+    patch.at(1000 * seconds, box, "walk 0")
+    return patch.render(seconds + HALT, RATE)
 
 
 def stereo(result):
-    return numpy.stack([result["sound"], result["sound_2"]], axis=1)
+    """Both feet, and the last rustle turned down."""
+    return fade_out(numpy.stack([result["sound"], result["sound_2"]], axis=1), RATE, HALT / 2)
 
 
 def recorded():
@@ -57,12 +62,12 @@ def four_surfaces(scene):
         figure, axes = plt.subplots(3, 3, figsize=(14, 7), constrained_layout=True,
                                     gridspec_kw={"height_ratios": [3, 1.2, 1.2]})
         for column, (word, speed) in zip(axes.T, SPEEDS):
-            result = walk(6, surface, speed)
+            result = walk(6, surface, speed, "-drive_gain", FELT_GAIN)
             sound = stereo(result)
             scene.sound(f"{surface}_{word}", sound, RATE, f"{surface}, {word}: {speed} m/s")
             felt = numpy.stack([result["heel_drive"], result["ball_drive"]], axis=1)
             scene.sound(f"{surface}_{word}_felt", felt, RATE,
-                        f"{surface}, {word}: drives of the left foot, heel left, ball right")
+                        f"{surface}, {word}: drives of the left foot, heel left, ball right; half of their gain")
             spectrogram(column[0], sound.sum(axis=1), RATE)
             column[0].set_title(f"{surface}, {speed} m/s", loc="left")
             time = numpy.arange(len(felt)) / RATE
@@ -84,7 +89,8 @@ def fifteen_surfaces(scene):
     figure, axes = plt.subplots(5, 3 * columns, figsize=(16, 15), constrained_layout=True)
     rows = []
     for k, surface in enumerate(ALL):
-        result = walk(5, surface)
+        seconds = 5
+        result = walk(seconds, surface)
         sound = stereo(result)
         scene.sound(f"ground_{surface}", sound, RATE, surface)
         ours, beside = axes.flat[columns * k], axes.flat[columns * k + columns - 1]
@@ -98,7 +104,7 @@ def fifteen_surfaces(scene):
             beside.set_title("a recording", loc="left")
         elif recordings:
             beside.axis("off")
-        drives = [numpy.sqrt(numpy.mean(result[n] ** 2)) for n in ("heel_drive", "ball_drive")]
+        drives = [numpy.sqrt(numpy.mean(result[n][:seconds * RATE] ** 2)) for n in ("heel_drive", "ball_drive")]
         peaks = [abs(result[n]).max() for n in ("heel_drive", "ball_drive")]
         rows.append([surface, f"{abs(sound).max():.2f}", *(f"{d:.4f}" for d in drives),
                      *(f"{3 * p:.2f}" for p in peaks)])
@@ -120,7 +126,8 @@ def across(scene):
         for step in range(51):
             message = f"surface {a} {b} 0" if step == 0 else f"mix {step / 50}"
             patch.at(begin + 1000 * fade * step / 50, box, message)
-    sound = stereo(patch.render(seconds, RATE))
+    patch.at(1000 * seconds, box, "walk 0")
+    sound = stereo(patch.render(seconds + HALT, RATE))
     scene.sound("across", sound, RATE, ", ".join(PATH))
     figure, axes = plt.subplots(figsize=(14, 4), constrained_layout=True)
     spectrogram(axes, sound.sum(axis=1), RATE, top_hz=12000)

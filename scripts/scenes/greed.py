@@ -4,17 +4,15 @@ One [greed~] a preset in headless Pd, at its own bore length and reed frequency.
 rises for three seconds, stays for one and falls for two. Blown-closed reeds choke when the pressure
 holds the reed shut; blown-open lips and the swinging syrinx do not.
 """
-import json
-import pathlib
-
 import matplotlib.pyplot as plt
 import numpy
-from harness import Patch, stage_folder
+from harness import Patch
 from make_scene import spectrogram
 
 PATCH = "build/tactus/greed~-help.pd"
+NEEDS = "greed~"
 RATE = 48000
-# Where the rise ends, Pa: about twice what each plays well at.
+# Every preset of the object, and where the rise ends, Pa: about twice what each plays well at.
 TOP_PRESSURE = {"clarinet": 4500, "sax": 5000, "oboe": 4500, "trumpet": 8000, "trombone": 4000,
                 "voice": 3000, "syrinx": 2000}
 
@@ -23,14 +21,6 @@ def breath(top):
     rise, hold, fall = (numpy.linspace(0, top, 3 * RATE), numpy.full(RATE, float(top)),
                         numpy.linspace(top, 0, 2 * RATE))
     return numpy.concatenate([rise, hold, fall])
-
-
-def presets():
-    """The presets that the object itself names."""
-    declarations = json.loads((stage_folder().parent / "declarations.json").read_text())
-    greed = next(d for d in declarations if d["name"] == "greed~")
-    message = next(m for m in greed["messages"] if m["name"] == "preset")
-    return message["arguments"].split("|")
 
 
 def play(preset, pressure):
@@ -85,8 +75,8 @@ def draw(scene, preset, sound, pressure):
 
 def make(scene):
     rows = []
-    for preset in presets():
-        pressure = breath(TOP_PRESSURE.get(preset, 4000))
+    for preset, top in TOP_PRESSURE.items():
+        pressure = breath(top)
         result = play(preset, pressure)
         sound = result["sound"]
         scene.progress(f"{preset}: {len(sound) / RATE:.1f} s of sound in {result.wall_seconds:.1f} s")

@@ -16,6 +16,7 @@ import numpy
 from harness import stage_folder
 
 PATCH = "patches/reed/reed_haptic.pd"
+NEEDS = "tactus_reed_map"
 PRESETS = ["trumpet", "clarinet", "sax", "oboe", "trombone", "voice", "syrinx"]
 PLAYS = 0.3  # f_p above which a reed counts as playing
 

@@ -7,9 +7,10 @@ rain and bubbles.
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 PATCH = "build/tactus/particle~-help.pd"
+NEEDS = "particle~"
 
 RATE = 48000
 PRESETS = ("maraca", "sekere", "cabasa", "tambourine", "gravel", "ice", "coins", "rain", "sand", "leaves",
@@ -80,7 +81,7 @@ def make(scene):
     for axis, preset in zip(axes, PRESETS):
         result = visit(preset)
         sound = numpy.asarray(result["sound"], float)
-        scene.sound(preset, sound, RATE, preset)
+        scene.sound(preset, fade_out(sound, RATE, 0.5), RATE, preset)
         spectrogram(axis, sound, RATE, top_hz=16000)
         axis.set_title(preset, loc="left")
         rows.append([preset, numpy.count_nonzero(result["collisions"]), f"{abs(sound).max():.2f}",

@@ -23,6 +23,8 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "programs" / "
 import study  # noqa: E402
 
 PATCH = "patches/reed/reed_haptic.pd"
+NEEDS = "tactus_reed_map tactus_reed_study"
+LONG = True
 PLANES = {"trumpet": ("0", "8000", "80", "900"), "clarinet": ("0", "5000", "1000", "3500")}
 COLOURS = {"off": "#8a8a8a", "reeds": "#c98b2b", "growth": "#7aa36f", "height": "#4d8fac",
            "guidance": "#2f4f9f"}

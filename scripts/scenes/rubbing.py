@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
 from harness.struck_reference import closed_form_string
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import _bodies  # noqa: E402
@@ -22,6 +22,7 @@ import _tour  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/modal_impact~-help.pd"
+NEEDS = "modal_impact~ modal_fem"
 ROSIN = "friction 0.8 0.3 0.1 0.5 3000000 2 0.1"
 WET_FINGER = "friction 0.7 0.3 0.08 0.5 50000 1 0.1"
 STICK = "friction 0.5 0.35 0.05 0.3 200000 5 0.1 0.6"
@@ -127,7 +128,7 @@ def string(scene):
             axis.set_ylabel("m/s")
             slips = ((velocity[part][1:] < 0) & (velocity[part][:-1] >= 0)).sum()
             rows.append([word, force, f"{slips / (0.03 * hz):.1f}"])
-            sounds.append(_room.full_scale(numpy.asarray(render["right"], float), 0.5))
+            sounds.append(fade_out(_room.full_scale(numpy.asarray(render["right"], float), 0.5), RATE, 0.2))
     axes[-1].set_xlabel("time, ms")
     scene.heading("A bowed string")
     scene.sound("string", numpy.concatenate(sounds), RATE, "a bow too light, right, and too heavy")
@@ -145,8 +146,8 @@ def make(scene):
     rows = []
     figure, axes = plt.subplots(len(rendered), 1, figsize=(12, 2.6 * len(rendered)), constrained_layout=True)
     for axis, (name, (sound, normal, velocity, path)) in zip(axes, rendered.items()):
-        scene.sound(name, _room.full_scale(_room.reverberate(sound.sum(axis=1), RATE, wet=0.1), 0.7), RATE,
-                    RUBBED[name].__doc__)
+        scene.sound(name, _room.full_scale(_room.reverberate(fade_out(sound.sum(axis=1), RATE, 0.8), RATE, wet=0.1), 0.7),
+                    RATE, RUBBED[name].__doc__)
         spectrogram(axis, sound.sum(axis=1), RATE, top_hz=12000)
         axis.set_title(name, loc="left")
         pressed = numpy.flatnonzero(normal > 0.7 * normal.max())

@@ -11,11 +11,12 @@ import tempfile
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 PATCH = "patches/haptic/mass_spring.pd"
+NEEDS = "stage_patches phantom phantom~"
 RATE = 48000
-SECONDS = 5
+SECONDS, FADE = 5, 0.6
 MASSES, MASS, TENSION, LENGTH = 40, 1e-3, 12, 0.09  # of the patch's string
 
 
@@ -79,11 +80,11 @@ def make(scene):
     string, rows = played("help-play")
     scene.progress("spring: the string")
     membrane, taps = played("spring-drum")
-    scene.sound("string", string, RATE, "the string, plucked every 900 ms")
+    scene.sound("string", fade_out(string, RATE, FADE), RATE, "the string, plucked every 900 ms")
     scene.picture("spring_string", draw(string, rows, "y", 4000), "handle, force and sound of the string")
     spectrum, first = draw_spectrum(string)
     scene.picture("spring_spectrum", spectrum, "one pluck; lines: the discrete string's partials")
-    scene.sound("membrane", membrane, RATE, "the membrane, tapped three times a second")
+    scene.sound("membrane", fade_out(membrane, RATE, FADE), RATE, "the membrane, tapped three times a second")
     scene.picture("spring_membrane", draw(membrane, taps, "z", 2000), "handle, force and sound of the membrane")
     scene.table(["", "by theory", "found"],
                 [["string's first partial, Hz", f"{string_hertz(1):.2f}", f"{first:.2f}"],

@@ -12,9 +12,10 @@ import tempfile
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 PATCH = "patches/haptic/struck_disk.pd"
+NEEDS = "stage_patches phantom phantom~ modal_impact~ stage_disk"
 RATE = 48000
 SECONDS = 4
 TOP = 6  # mm, height of the face that is struck
@@ -73,7 +74,7 @@ def make(scene):
     sound, rows = strike(1)
     scene.progress("strike: with the vibration felt")
     _, still = strike(0)
-    scene.sound("struck_disk", sound, RATE, "a hand strikes the disk every 480 ms")
+    scene.sound("struck_disk", fade_out(sound, RATE, 0.3), RATE, "a hand strikes the disk every 480 ms")
     scene.picture("strike", draw(sound, rows), "handle, force and sound")
     scene.picture("strike_blow", draw_contact(rows, still),
                   "one contact: the scene's spring, and the disk's loudness as 250 Hz on it")

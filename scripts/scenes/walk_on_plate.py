@@ -20,6 +20,7 @@ import _room  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 PATCH = "build/tactus/walk_on_plate.pd"
+NEEDS = "stage_patches footstep~ modal_impact~ modal_fem"
 PATH = pathlib.Path(__file__).resolve().parents[2] / "patches" / "footsteps" / "walk_on_plate.pd"
 FLOORS = {
     "spruce plank": ("board", "--length", 1200, "--width", 400, "--thickness", 20,
@@ -28,7 +29,7 @@ FLOORS = {
                     "--fix", "x=-400", "--fix", "x=400", "--modes", 40, "--tolerance", 1),
 }
 SHOES = ((0, 0.15, "soft rubber"), (5, 0.5, "leather"), (10, 0.95, "hard heel"))
-SECONDS = 15
+SECONDS, HALT = 15, 2.5  # s of walking, and for the last step and what it leaves sounding
 
 
 def walk(table, seconds=SECONDS):
@@ -45,7 +46,8 @@ def walk(table, seconds=SECONDS):
         patch.send(10, "help-play", "bang")
         for time, shoe, _ in SHOES:
             patch.send(1000 * time, "walk-on-plate-shoe", shoe)
-        return patch.render(seconds, RATE, path=[folder], timeout=300)
+        patch.send(1000 * seconds, "walk-on-plate", "walk 0")
+        return patch.render(seconds + HALT, RATE, path=[folder], timeout=300)
 
 
 def centroid(x):

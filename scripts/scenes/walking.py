@@ -6,10 +6,12 @@ movement; then each of them alone on gravel, with the forces under both feet.
 import matplotlib.pyplot as plt
 import numpy
 from harness import Patch
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 PATCH = "build/tactus/footstep~-help.pd"
+NEEDS = "footstep~"
 RATE = 48000
+ALONE, HALT = 4, 1.5  # s of each way alone, and for the last steps
 TOUR = (  # s, message, what it is
     (0.2, "walk 1", "walk"), (5.0, "turn 90", "turn"), (7.0, "surface wood", ""),
     (8.5, "speed 3, gait run", "run"), (11.5, "speed 1.4, gait walk", "walk"), (13.0, "jump 0.35", "jump"),
@@ -32,7 +34,7 @@ def walk(seconds, surface, messages, *flags):
         for message in text.split(", "):
             patch.at(1000 * t, box, message)
     result = patch.render(seconds, RATE)
-    sound = numpy.stack([result["sound"], result["sound_2"]], axis=1)
+    sound = fade_out(numpy.stack([result["sound"], result["sound_2"]], axis=1), RATE, HALT / 2)
     return sound, numpy.asarray(result["force"], float), numpy.asarray(result["force_2"], float)
 
 
@@ -65,12 +67,12 @@ def make(scene):
     figure, axes = plt.subplots(len(EACH), 2, figsize=(15, 2.2 * len(EACH)), constrained_layout=True)
     rows = []
     for (name, text), (above, below) in zip(EACH, axes):
-        sound, left, right = walk(4, "gravel", [(0.1, text)], "-weight", 700)
+        sound, left, right = walk(ALONE + HALT, "gravel", [(0.1, text), (ALONE, "walk 0")], "-weight", 700)
         scene.sound(name, sound, RATE, name)
         spectrogram(above, sound.sum(axis=1), RATE, top_hz=12000)
         above.set_title(name, loc="left")
         forces(below, left, right)
-        rms = 20 * numpy.log10(numpy.sqrt(numpy.mean(sound ** 2)) + 1e-9)
+        rms = 20 * numpy.log10(numpy.sqrt(numpy.mean(sound[:ALONE * RATE] ** 2)) + 1e-9)
         rows.append([name, f"{max(left.max(), right.max()) / 700:.2f}", f"{(left + right).max() / 700:.2f}",
                      f"{rms:.1f}"])
     scene.picture("each", figure, "each way of walking on gravel")

@@ -1,0 +1,64 @@
+"""What ./play makes: the scenes, their order, and what each says of itself in its first lines."""
+import pathlib
+import re
+
+SCENES = pathlib.Path(__file__).resolve().parent / "scenes"
+
+# The page's sections. Scenes in no section come last, so that a new one needs no line here.
+SECTIONS = (
+    ("Blown", ("fanfare", "reed", "greed", "finger", "map")),
+    ("Struck and rubbed", ("bodies", "rubbing", "board", "disk", "disk-hollow")),
+    ("Walked and shaken", ("walking", "particles", "footsteps", "walk-on-plate")),
+    ("Touched", ("audiohaptics", "spring", "strike", "design")),
+    ("Studied", ("reed-study",)),
+)
+# Heard first, at the top of the page: (scene, sound, what it is).
+HIGHLIGHTS = (
+    ("fanfare", "fanfare", "Four players of lip reeds: two trumpets and two trombones"),
+    ("walking", "tour", "One walker in one take: gravel, wood, concrete; turns, runs, jumps, sneaks, climbs"),
+    ("bodies", "piece", "A piece for nine bodies that were never built: bowl, glass, bell, wood, tube, metal"),
+    ("reed", "adagio_room", "The clarinet of Mozart's Adagio, played by a hand on a haptic device"),
+    ("fanfare", "dawn", "A thrush, a warbler and a dove: the same valve as the trumpets, swinging"),
+    ("rubbing", "glass", "A wet finger goes round the rim of a glass"),
+    ("particles", "piece", "Maraca, cabasa, tambourine and coins over rain and bubbles"),
+    ("audiohaptics", "taps_chair", "A hand taps a disk, feels it push back, and hears it"),
+)
+# The order of the work: what is heard first and needs little to be built; what takes longest before the short
+# ones of its kind, so that no processor waits at the end.
+WORK = ("fanfare", "walking", "particles", "bodies", "reed", "rubbing", "audiohaptics", "footsteps", "design",
+        "walk-on-plate", "map", "greed", "finger", "board", "spring", "strike", "disk", "disk-hollow", "reed-study")
+
+
+def file(name):
+    return SCENES / f"{name.replace('-', '_')}.py"
+
+
+def names():
+    """Every scene, in the page's order."""
+    found = {path.stem.replace("_", "-") for path in SCENES.glob("[a-z]*.py")}
+    listed = [name for _, section in SECTIONS for name in section if name in found]
+    return listed + sorted(found - set(listed))
+
+
+def work_order(wanted):
+    return sorted(wanted, key=lambda name: WORK.index(name) if name in WORK else len(WORK))
+
+
+def declared(name, word):
+    """The value of a line WORD = "..." of a scene, "" where it has none."""
+    found = re.search(rf'^{word} = "(.*)"$', file(name).read_text(), re.MULTILINE)
+    return found.group(1) if found else ""
+
+
+def needs(name):
+    """What must be built first: externals as they are named in Pd, and other targets of the build."""
+    return declared(name, "NEEDS").split()
+
+
+def is_long(name):
+    """Left to ./play --all."""
+    return bool(re.search(r"^LONG = True$", file(name).read_text(), re.MULTILINE))
+
+
+def title(name):
+    return file(name).read_text().split('"""')[1].partition("\n")[0]
