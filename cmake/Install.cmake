@@ -1,5 +1,6 @@
 # `cmake --install build [--prefix FOLDER] [--component NAME]`, when every target is known. Components:
-#   pd           the library folder, PDLIBDIR/tactus: externals, help, abstractions, bodies
+#   pd           the library folder, PDLIBDIR/tactus: externals, help, abstractions, bodies; needs Pd alone
+#   solvers      in the library folder: programs of finite elements that externals start, with their libraries
 #   programs     what users run, into bin/
 #   development  headers, static libraries and find_package(tactus)
 # docs/install.md says how they are used.
@@ -10,15 +11,19 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # Every Pd on Linux looks into ~/.local/lib/pd/extra, /usr/local/lib/pd-externals and, where it is
-# itself in /usr, /usr/lib/pd/extra.
-if(CMAKE_INSTALL_PREFIX STREQUAL "/usr/local")
-  set(pd_folder lib/pd-externals)
-else()
-  set(pd_folder lib/pd/extra)
-endif()
-set(PDLIBDIR "" CACHE PATH "where Pd looks for library folders; empty: ${pd_folder} under the prefix")
+# itself in /usr, /usr/lib/pd/extra. The prefix is known when the installation runs: it decides then.
+set(PDLIBDIR "" CACHE PATH "where Pd looks for library folders; empty: by the prefix, under it")
 if(PDLIBDIR)
   set(pd_folder ${PDLIBDIR})
+else()
+  set(pd_folder "\${tactus_pd_folder}")
+  install(CODE [[
+    if("${CMAKE_INSTALL_PREFIX}" MATCHES "/usr/local/?$")
+      set(tactus_pd_folder lib/pd-externals)
+    else()
+      set(tactus_pd_folder lib/pd/extra)
+    endif()
+  ]] ALL_COMPONENTS)
 endif()
 
 # The externals by name, so that one that is not built ends the installation; the rest of the library
@@ -28,8 +33,18 @@ install(TARGETS ${modules} LIBRARY DESTINATION ${pd_folder}/tactus COMPONENT pd
                            RUNTIME DESTINATION ${pd_folder}/tactus COMPONENT pd)
 install(DIRECTORY ${TACTUS_STAGE}/ DESTINATION ${pd_folder}/tactus USE_SOURCE_PERMISSIONS COMPONENT pd
         PATTERN "*.${pd_legacy}${pd_processor}" EXCLUDE
-        PATTERN "*.${pd_system}-${pd_processor}-64.${pd_library}" EXCLUDE)
-install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${pd_folder}/tactus COMPONENT pd)
+        PATTERN "*.${pd_system}-${pd_processor}-64.${pd_library}" EXCLUDE
+        PATTERN modal_fem EXCLUDE PATTERN part_stress EXCLUDE PATTERN "*_sheet.py" EXCLUDE)
+foreach(solver modal_fem part_stress)
+  if(TARGET ${solver})
+    install(TARGETS ${solver} RUNTIME DESTINATION ${pd_folder}/tactus COMPONENT solvers)
+  endif()
+endforeach()
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/CHANGELOG.md
+              ${CMAKE_SOURCE_DIR}/packaging/third_party.md ${CMAKE_SOURCE_DIR}/packaging/library/README.md
+        DESTINATION ${pd_folder}/tactus COMPONENT pd)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION ${pd_folder}/tactus COMPONENT pd
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN results/build_time.md EXCLUDE)
 
 foreach(program haptic_server haptic_check)
   if(TARGET ${program})

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Makes packages of a build of tactus: the same commit gives the same bytes.
+
+    make_packages.py --source FOLDER --build FOLDER --cmake PROGRAM --version 0.1.0 --output FOLDER deken|debian
+
+deken: `tactus[v0.1.0](Linux-amd64-32)(Linux-amd64-64).dek`, a zip with one folder `tactus/` of what
+`cmake --install --component pd` installs, stripped; beside it its SHA-256 as Pd's package manager compares
+it (the digest alone) and the list of objects (`NAME TAB TITLE`), and `tactus[v0.1.0](Sources).dek`.
+The names are deken's: github.com/pure-data/deken, developer/README.md.
+
+debian: pd-tactus and tactus-programs, by CPack.
+"""
+import argparse
+import hashlib
+import os
+import pathlib
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+
+NAME = "tactus"
+MACHINES = {"x86_64": "amd64", "aarch64": "arm64", "armv7l": "armv7", "i686": "i386"}
+
+
+def fail(sentence):
+    sys.exit(f"make_packages: {sentence}")
+
+
+def run(*words, **options):
+    done = subprocess.run([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, check=False, **options)
+    if done.returncode != 0:
+        fail(f"{' '.join(map(str, words))}: status {done.returncode}:\n{done.stdout}")
+    return done.stdout
+
+
+def commit_time(source):
+    """Seconds since 1970 of the commit; of SOURCE_DATE_EPOCH if it is set (reproducible-builds.org)."""
+    if "SOURCE_DATE_EPOCH" in os.environ:
+        return int(os.environ["SOURCE_DATE_EPOCH"])
+    if not (source / ".git").exists():
+        return int((source / "CHANGELOG.md").stat().st_mtime)
+    return int(run("git", "-C", source, "log", "-1", "--format=%ct"))
+
+
+def install(arguments, component, folder):
+    run(arguments.cmake, "--install", arguments.build, "--strip", "--prefix", folder, "--component", component)
+    return folder
+
+
+def precisions(library):
+    """The sizes of Pd's numbers that modules of a library folder are for, smallest first."""
+    sizes = [bits for bits, pattern in ((32, "*.l_*"), (64, "*.linux-*-64.so")) if any(library.glob(pattern))]
+    if not sizes:
+        fail(f"{library}: no external is in it")
+    return sizes
+
+
+def write_zip(path, top, files, seconds):
+    """A zip whose bytes follow from the names and contents of files, {name in it: Path}, alone."""
+    moment = time.gmtime(max(seconds, 315532800))[:6]  # a zip knows no time before 1980
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(f"{top}/{name}", moment)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix: the mode below
+            runnable = os.access(files[name], os.X_OK)
+            entry.external_attr = (0o100755 if runnable else 0o100644) << 16
+            archive.writestr(entry, files[name].read_bytes())
+
+
+def write_digest(path):
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    path.with_name(path.name + ".sha256").write_text(digest + "\n")
+    return digest
+
+
+def files_below(folder):
+    return {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+
+
+def make_deken(arguments, seconds):
+    machine = MACHINES.get(platform.machine(), platform.machine())
+    with tempfile.TemporaryDirectory() as prefix:
+        install(arguments, "pd", pathlib.Path(prefix))
+        library = next(pathlib.Path(prefix).glob(f"**/{NAME}/{NAME}-objects.txt")).parent
+        systems = "".join(f"(Linux-{machine}-{bits})" for bits in precisions(library))
+        package = arguments.output / f"{NAME}[v{arguments.version}]{systems}.dek"
+        write_zip(package, NAME, files_below(library), seconds)
+        shutil.copyfile(library / f"{NAME}-objects.txt", f"{package}.txt")
+    made = [package]
+    if (arguments.source / ".git").exists():
+        sources = arguments.output / f"{NAME}[v{arguments.version}](Sources).dek"
+        run("git", "-C", arguments.source, "archive", "--format=zip", f"--prefix={NAME}/", "-o", sources, "HEAD")
+        made.append(sources)
+    return made
+
+
+def make_debian(arguments, seconds):
+    for old in arguments.output.glob("*.deb"):
+        old.unlink()
+    run(arguments.cmake.with_name("cpack"), "-G", "DEB", "-B", arguments.output, cwd=arguments.build,
+        env={**os.environ, "SOURCE_DATE_EPOCH": str(seconds)})
+    shutil.rmtree(arguments.output / "_CPack_Packages", ignore_errors=True)
+    return sorted(arguments.output.glob("*.deb"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("--source", "--build", "--cmake", "--output"):
+        parser.add_argument(name, type=pathlib.Path, required=True)
+    parser.add_argument("--version", required=True)
+    parser.add_argument("kind", choices=("deken", "debian"))
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    make = make_deken if arguments.kind == "deken" else make_debian
+    for package in make(arguments, commit_time(arguments.source)):
+        digest = write_digest(package)
+        print(f"{package}\n  {package.stat().st_size / 1e6:.1f} MB, sha256 {digest}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
