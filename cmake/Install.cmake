@@ -44,7 +44,7 @@ install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/CHANGELOG.md
               ${CMAKE_SOURCE_DIR}/packaging/third_party.md ${CMAKE_SOURCE_DIR}/packaging/library/README.md
         DESTINATION ${pd_folder}/tactus COMPONENT pd)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION ${pd_folder}/tactus COMPONENT pd
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN results/build_time.md EXCLUDE)
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.pd" PATTERN "*.png" PATTERN results/build_time.md EXCLUDE)
 
 foreach(program haptic_server haptic_check)
   if(TARGET ${program})

@@ -2,9 +2,9 @@
 """Fills the flat library folder that Pd loads: help patches, abstractions, object list, meta patch.
 
 A help patch in this folder is drawn by hand: a window, an example, nothing else. On its way to the
-library it gets, from the object's declaration, a title bar, one line for each inlet and outlet
-along the bottom, a sub-patch [pd reference] with every argument, parameter and message, and the
-sub-patch [pd META] that Pd's help browser and deken read.
+library it gets, from the object's declaration, a title bar, one line for each inlet, outlet and
+argument along the bottom, what to look at next, a sub-patch [pd reference] with every argument,
+parameter and message, and the sub-patch [pd META] that Pd's help browser and deken read.
 
     stage.py --declarations declarations.json --version 0.1.0 --stage FOLDER SOURCE...
     stage.py --stage FOLDER SOURCE...                             abstractions alone, which need no declaration
@@ -22,7 +22,8 @@ LICENCE = "GPL-3.0-or-later"
 WEBSITE = "see README.md"
 TITLE_COLOUR = "#2f4f5f"
 RULE_COLOUR = "#dcdcdc"
-LINE = 19  # pixels between two lines of text
+LINE = 17  # pixels between two lines of text
+PAGE = 640  # pixels of [pd reference] that one window shows
 RELATED = {  # what to look at next
     "contact_friction~": "contact_impact~, modal_impact~",
     "contact_impact~": "contact_friction~, modal_impact~",
@@ -105,43 +106,50 @@ def ports(declaration, side):
 
 
 def wrap(text, width):
-    """How many lines a Pd comment of that width takes."""
-    lines, used = 1, 0
-    for word in text.split():
-        if used and used + 1 + len(word) > width:
-            lines, used = lines + 1, 0
-        used += len(word) + (1 if used else 0)
+    """How many lines a Pd comment of that width takes: broken at blanks, a longer word within itself."""
+    lines = 1
+    while len(text) > width:
+        blank = text[:width + 1].rfind(" ")
+        text = text[blank + 1:] if blank >= 0 else text[width:]
+        lines += 1
     return lines
 
 
-def reference_patch(declaration):
-    """The lines of [pd reference]: arguments, parameters, messages."""
-    lines, y = ["#N canvas 80 80 760 640 reference 0;"], 10
-
-    def heading(label):
-        nonlocal y
-        lines.append(rule(10, y, 730, 20, label))
-        y += 24
-
-    def row(left, right):
-        nonlocal y
-        lines.append(comment(14, y, left, 40))
-        lines.append(comment(300, y, right, 62))
-        y += 16 * max(wrap(left, 40), wrap(right, 62)) + 3
-
+def reference_rows(declaration):
+    """What [pd reference] says, row by row: a heading, or a left and a right text."""
     if declaration["arguments"]:
-        heading("arguments, before, between or after flags")
+        yield "arguments, before, between or after flags", None
         for i, name in enumerate(declaration["arguments"]):
-            row(f"{i + 1}: {name}", f"as the message {name}")
+            yield f"{i + 1}: {name}", f"as the message {name}"
     if declaration["parameters"]:
-        heading("parameters: flag -name value, message name value, get name")
+        yield "parameters: flag -name value, message name value, get name", None
         for p in declaration["parameters"]:
-            row(f"{p['name']}  {range_text(p)}", f"{p['text']} (initially {initial_text(p)})")
-    heading("messages, and flags: -name with what follows")
+            yield f"{p['name']}  {range_text(p)}", f"{p['text']} (initially {initial_text(p)})"
+    yield "messages, and flags: -name with what follows", None
     for m in declaration["messages"]:
-        row(f"{m['name']} {m['arguments']}".strip(), m["text"])
-    row("get [name ...]", "the named lines of dump, or all parameters, out of the info outlet")
-    row("dump", "all parameters and what follows from them, out of the info outlet")
+        yield f"{m['name']} {m['arguments']}".strip(), m["text"]
+    yield "get [name ...]", "the named lines of dump, or all parameters, out of the info outlet"
+    yield "dump", "all parameters and what follows from them, out of the info outlet"
+
+
+def reference_patch(declaration):
+    """The lines of [pd reference]: arguments, parameters, messages. Each window holds a page and the box of the
+    next one."""
+    pages, page, y = [], [], 10
+    for left, right in reference_rows(declaration):
+        step = 24 if right is None else 16 * max(wrap(left, 40), wrap(right, 62)) + 3
+        if y + step > PAGE:
+            pages.append((page, y))
+            page, y = [], 10
+        if right is None:
+            page.append(rule(10, y, 730, 20, left))
+        else:
+            page += [comment(14, y, left, 40), comment(300, y, right, 62)]
+        y += step
+    lines = [f"#N canvas 80 80 760 {y + 10} more 0;", *page]
+    for page, y in reversed(pages):
+        lines = [f"#N canvas 80 80 760 {y + 40} more 0;", *page, *lines, f"#X restore 14 {y + 8} pd more;"]
+    lines[0] = lines[0].replace(" more 0;", " reference 0;")
     return lines
 
 
@@ -153,8 +161,11 @@ def meta_patch(declaration):
         for i, (kind, name, unit, text) in enumerate(ports(declaration, side)):
             entries.append((f"{side[:-1].upper()}_{i}", f"{kind} {name} {unit} {text}"))
     entries.append(("AUTHOR", AUTHOR))
-    for i, (key, value) in enumerate(entries):
-        lines.append(comment(10, 10 + LINE * i, f"{key} {value}"))
+    y = 10
+    for key, value in entries:
+        lines.append(comment(10, y, f"{key} {value}", 66))
+        y += 15 * wrap(f"{key} {value}", 66) + 4
+    lines[0] = f"#N canvas 100 100 500 {y + 10} META 0;"
     return lines
 
 
@@ -169,6 +180,10 @@ def fill_help(source, declaration):
         for i, (kind, name, unit, text) in enumerate(ports(declaration, side)):
             rows.append((side if i == 0 else "", f"{i + 1}  {kind}",
                          f"{name}{', ' + unit if unit else ''}: {text}"))
+    rows += [("arguments" if i == 0 else "", f"{i + 1}  {name}", f"as the message {name}")
+             for i, name in enumerate(declaration["arguments"])]
+    if declaration["name"] in RELATED:
+        rows.append(("see also", "", RELATED[declaration["name"]]))
     columns = (width - 190) // 7
     heights = [LINE * wrap(text, columns) for _, _, text in rows]
     y = height - sum(heights) - 38
@@ -181,7 +196,8 @@ def fill_help(source, declaration):
     for (side, kind, text), step in zip(rows, heights):
         if side:
             out.append(comment(10, y, side))
-        out.append(comment(70, y, kind))
+        if kind:
+            out.append(comment(86, y, kind))
         out.append(comment(170, y, text, columns))
         y += step
     out += reference_patch(declaration) + [f"#X restore 10 {height - 28} pd reference;"]

@@ -30,11 +30,14 @@ SOUNDS = {".wav", ".flac", ".ogg"}
 COPIED = {".png", ".jpg", ".svg", ".npz", ".mid", ".stl", ".step", *SOUNDS}  # all else is shown as text
 
 
+PACKAGED = re.compile(r"packaging/(library/|third_party\.md)")  # read in a package, beside other files than here
+
+
 def tracked():
-    """Every file of the checkout, as POSIX paths."""
+    """Every file of the checkout that its pages may link to, as POSIX paths."""
     names = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"], cwd=ROOT,
                            capture_output=True, text=True, check=True)
-    return [name for name in names.stdout.split("\0") if name and (ROOT / name).exists()]
+    return [name for name in names.stdout.split("\0") if name and (ROOT / name).exists() and not PACKAGED.match(name)]
 
 
 def slug(text, taken):

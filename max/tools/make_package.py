@@ -21,7 +21,6 @@ import check_patcher
 import check_reference
 import help_patcher
 import max_objects
-import pd_file
 import pd_to_max
 import reference_page
 
@@ -32,14 +31,14 @@ ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 MEDIA = ("docs/results/reed_map.png",)
 
 # The patches that stand in patchers/, in the order in which they use each other.
-ABSTRACTIONS = ("reed_sigma", "reed_difference", "reed_force", "reed_choice", "reed_guide")
+ABSTRACTIONS = ("reed_sigma", "reed_point", "reed_difference", "reed_force", "reed_choice", "reed_guide")
 PATCHES = ("reed/reed_haptic", "haptic/struck_disk")
 DRAWN = "Pd draws its cells by data structures"
 # What of a Pd patch has no equivalent in Max: {patch: {object or beginning of a text: reason}}.
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
-    "reed_haptic": {"pd map": "the map of playability; " + DRAWN},
-    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "; reed-map quantity": ""},
+    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN},
+    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": ""},
 }
 
 
@@ -71,7 +70,7 @@ def all_names(declarations):
     paths = [help_source(d["name"]) for d in declarations]
     paths += [ROOT / "patches" / "reed" / f"{name}.pd" for name in ABSTRACTIONS]
     paths += [ROOT / "patches" / f"{name}.pd" for name in PATCHES]
-    return pd_to_max.Names([pd_file.read(path) for path in paths])
+    return pd_to_max.Names([pd_to_max.read(path, ABSTRACTIONS) for path in paths])
 
 
 def write_patchers(folder, names):

@@ -2,6 +2,7 @@
 import re
 
 OBJECTS_OF_PD = ("obj", "msg", "floatatom", "symbolatom", "text")
+HIDDEN_NAME = 8  # a flag of an array
 
 
 class PdBox:
@@ -20,9 +21,13 @@ class PdBox:
 
 
 class PdCanvas:
-    def __init__(self, name, width, height):
-        self.name, self.width, self.height = name, width, height
+    """A window: its boxes, cords (outlet's box, outlet, inlet's box, inlet), arrays (name, size), the fields of
+    `coords`, and the font size, which is the outermost window's."""
+
+    def __init__(self, name, width, height, font=12):
+        self.name, self.width, self.height, self.font = name, width, height, font
         self.boxes, self.cords, self.arrays, self.coordinates = [], [], [], None
+        self.hidden_names = set()  # of arrays whose graph does not show them
 
 
 def records(text):
@@ -47,13 +52,16 @@ def plain(word):
     return re.sub(r"\\(.)", r"\1", word)
 
 
-def read(path):
+def read(path, own=None):
+    """The outermost canvas. `own` stands for $0, the number that makes a patch's names its own."""
     stack, root = [], None
-    for record in records(path.read_text()):
+    text = path.read_text()
+    for record in records(text.replace("\\$0", own) if own else text):
         kind, rest = record.split(" ", 1)
         fields = rest.split(" ")
         if kind == "#N" and fields[0] == "canvas":
-            canvas = PdCanvas(plain(fields[5]) if len(fields) > 5 else "", int(fields[3]), int(fields[4]))
+            font = stack[0].font if stack else int(fields[5])
+            canvas = PdCanvas(plain(fields[5]) if len(fields) > 5 else "", int(fields[3]), int(fields[4]), font)
             root = root or canvas
             stack.append(canvas)
         elif kind == "#X":
@@ -71,6 +79,8 @@ def _element(stack, fields, rest):
         canvas.coordinates = [float(n) for n in fields[1:]]
     elif what == "array":
         canvas.arrays.append((plain(fields[1]), int(fields[2])))
+        if int(fields[4]) & HIDDEN_NAME:
+            canvas.hidden_names.add(plain(fields[1]))
         canvas.boxes.append(PdBox("array", 0, 0, [plain(fields[1])]))
     elif what == "restore":
         inner = stack.pop()

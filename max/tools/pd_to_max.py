@@ -440,10 +440,15 @@ class _Canvas:
         self.patcher.fit()
 
 
+def read(path, abstractions=()):
+    """A Pd file whose own names begin with the file's name: in Max #0 is a number in abstractions only."""
+    return pd_file.read(path, "#0" if path.stem in abstractions else path.stem.removesuffix("-help"))
+
+
 def convert_file(path, names, abstractions=(), without=None, top=20, patcher=None):
     """The patcher of a Pd file, and what was left out of it with the reasons."""
     converter = Converter(path, names, abstractions, without, top)
-    converter.root = pd_file.read(path)
+    converter.root = read(path, abstractions)
     positions = max_positions.POSITIONS.get(path.stem, {})
     if unknown := set(positions) - max_positions.move(converter.root, positions):
         raise ValueError(f"{path.name}: no box {sorted(unknown)[0]} (max_positions.py)")

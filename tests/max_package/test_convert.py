@@ -203,7 +203,7 @@ def drawn_cords(path, plain_names):
 
 def test_the_netlist_of_a_patch_is_kept():
     path = ROOT / "patches" / "reed" / "reed_sigma.pd"
-    names = {"inlet y": "inlet", "inlet z": "inlet", "outlet~ p_m": "outlet", "outlet~ f_r": "outlet",
+    names = {"r $1-range": "r #1-range", "inlet y": "inlet", "inlet z": "inlet", "outlet~ p_m": "outlet", "outlet~ f_r": "outlet",
              "clip 0 1": "clip 0. 1.", "pack f 5": "pack 0. 5.", "unpack 0 8000 80 900":
              "unpack 0. 8000. 80. 900.", "expr $f2*pow($f3/$f2 , $f1)": "expr $f2*pow($f3/$f2\\, $f1)"}
     converted, _ = pd_to_max.convert_file(path, pd_to_max.Names([pd_file.read(path)]))
@@ -216,7 +216,7 @@ def test_a_grid_of_buttons_becomes_a_matrix_with_the_same_positions(package):
     cells = next(b["box"] for b in example if b["box"].get("text") == "p cells")["patcher"]["boxes"]
     across, up = (python_of(b["box"]["text"]) for b in cells if b["box"].get("text", "").startswith("expr"))
     source = (ROOT / "help" / "modal_impact~-help.pd").read_text()
-    positions = re.findall(r"r modal-cell-(\d)-(\d);\n#X msg \d+ \d+ (-?\d+) (-?\d+);", source)
+    positions = re.findall(r"r \\\$0-cell-(\d)-(\d);\n#X msg \d+ \d+ (-?\d+) (-?\d+);", source)
     assert len(positions) == 40
     for row, column, x, y in positions:
         assert (across(x1=int(column)), up(x1=int(row))) == (int(x), int(y))

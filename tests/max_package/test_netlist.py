@@ -52,7 +52,7 @@ def in_pd(canvas, index, outlet):
 
 @pytest.mark.parametrize("path", PATCHES, ids=lambda path: path.stem)
 def test_every_control_cord_is_there_and_fires_in_its_turn(path, canvases, declarations):
-    names = pd_to_max.Names([pd_file.read(p) for p in PATCHES])
+    names = pd_to_max.Names([pd_to_max.read(p, make_package.ABSTRACTIONS) for p in PATCHES])
     pd_to_max.convert_file(path, names, make_package.ABSTRACTIONS, make_package.WITHOUT.get(path.stem))
     compared = 0
     for canvas in canvases:

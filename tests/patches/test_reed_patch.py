@@ -109,7 +109,7 @@ def test_the_whole_patch_finds_the_slope_of_a_known_playability(tmp_path):
 def settled_force(gradient, messages=()):
     """[reed_force]'s output after a second of the gradient every 2 ms, and its way there."""
     patch = Patch()
-    box = patch.obj("reed_force")
+    box = patch.obj("reed_force", "reed")
     metro, number = patch.obj("metro", 2), patch.obj("f", gradient)
     metro >> number >> box
     for name, value in messages:
