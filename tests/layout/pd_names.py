@@ -64,7 +64,7 @@ def crosstalk(patches):
     {name: {patch: uses}}. A name that is only heard, or only sent, connects nobody."""
     found = {}
     for patch, canvas in patches.items():
-        for name, ways in shared(canvas).items():
-            found.setdefault(name, {})[patch] = ways
+        for name, how in shared(canvas).items():
+            found.setdefault(name, {})[patch] = how
     return {name: users for name, users in found.items()
-            if {"sent", "heard"} <= set().union(*users.values()) or any("owned" in w for w in users.values())}
+            if {"sent", "heard"} <= set().union(*users.values()) or any("owned" in how for how in users.values())}
