@@ -22,10 +22,10 @@ def render(listener, seconds, path="taps.txt", pair=False, begin_ms=100):
     """Dictionary: sound [samples, 2], ticks (columns of the servo's trace), hits [rows of numbers
     t x y z nx ny nz vn vt], bodies [their names]. The hand follows `path` from begin_ms on."""
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
-        patch = Patch(opens=PATCH)
+        patch = Patch(opens=PATCH, own="own")
         for channel in (1, 2):
             patch.record(str(channel), patch.dac(channel))
-        patch.log("hit", patch.obj("ioa_bus", "ah", "hit") >> patch.obj("route hit"))
+        patch.log("hit", patch.obj("ioa_bus", "own-bus", "hit") >> patch.obj("route hit"))
         patch.send(1, listener, "bang")
         if pair:
             patch.send(2, "ah-pair", "bang")

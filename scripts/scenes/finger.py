@@ -28,7 +28,7 @@ def play():
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         patch = Patch(opens=PATH)
         patch.record("sound", patch.dac(1))
-        patch.record("force", patch.obj("r~", "finger-force"))
+        patch.record("force", patch.obj("r~", "own-force"))
         patch.log("opening", patch.obj("r", "finger-opening-now"))
         patch.send(90, "finger.phantom", f"trace {folder}/ticks.csv")
         patch.send(100, "help-play", "bang")

@@ -36,7 +36,7 @@ def walk(table, seconds=SECONDS):
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         for name in ("plank", "floor"):
             (pathlib.Path(folder) / f"{name}.modal.npz").symlink_to(table)
-        patch = Patch(opens=PATH)
+        patch = Patch(opens=PATH, own="walk-on-plate")
         patch.record("left", patch.dac(1))
         patch.record("right", patch.dac(2))
         patch.log("body", patch.obj("r", "walk-on-plate-body"))

@@ -471,12 +471,12 @@ def test_each_foot_has_its_own_ground():
 
 
 def test_each_button_of_the_help_moves_the_walker():
-    patch = Patch(opens=stage_folder() / "footstep~-help.pd")
-    patch.log("messages", patch.obj("r", "footstep-help"))
+    patch = Patch(opens=stage_folder() / "footstep~-help.pd", own="help")
+    patch.log("messages", patch.obj("r", "help-help"))
     for i, name in enumerate(("jump", "scuff", "drag", "turn")):
-        patch.send(100 + 10 * i, f"footstep-ui-{name}", "bang")
+        patch.send(100 + 10 * i, f"help-{name}", "bang")
     for i in range(5):
-        patch.send(200 + 10 * i, "footstep-ui-gait", i)
+        patch.send(200 + 10 * i, "help-gait", i)
     told = [" ".join(str(a if isinstance(a, str) else round(a, 3)) for a in atoms)
             for _, atoms in patch.render(.5).logs["messages"]]
     for wanted in ("jump 0.3", "scuff", "drag", "turn", "gait walk", "gait run", "gait sneak", "gait upstairs",
@@ -505,7 +505,7 @@ def test_a_walk_on_a_modal_table_strikes_it_where_each_heel_and_ball_lands(tmp_p
         numpy.savez(tmp_path / f"{name}.modal.npz", **table)
 
     def walk(shoe):
-        patch = Patch(opens=ROOT / "patches/footsteps/walk_on_plate.pd")
+        patch = Patch(opens=ROOT / "patches/footsteps/walk_on_plate.pd", own="walk-on-plate")
         patch.record("sound", patch.dac(1))
         patch.log("body", patch.obj("r", "walk-on-plate-body"))
         patch.send(0, "walk-on-plate-body", "load mine.modal.npz -sync")

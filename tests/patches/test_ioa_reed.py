@@ -37,9 +37,9 @@ class Play:
     in `ticks`, what the servo wrote (ms, mm, N)."""
 
     def __init__(self, folder, seconds, *messages):
-        patch = Patch(opens=PATCH)
+        patch = Patch(opens=PATCH, own="own")
         patch.record("sound", patch.dac(1))
-        patch.record("force", patch.obj("r~", "finger-force"))
+        patch.record("force", patch.obj("r~", "own-force"))
         patch.log("opening", patch.obj("r", "finger-opening-now"))
         patch.log("reed", patch.obj("r", "finger-reed"))
         patch.send(90, "finger.phantom", f"hand rigid, trace {folder}/ticks.csv")  # the mouse's hand is made

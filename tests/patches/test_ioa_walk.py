@@ -15,9 +15,9 @@ pytestmark = pytest.mark.skipif(not (stage_folder() / "plank.modal.npz").is_file
 
 
 def played(folder, walking):
-    patch = Patch(opens=PATCH)
+    patch = Patch(opens=PATCH, own="own")
     patch.record("left", patch.dac(1))
-    patch.log("excite", patch.obj("ioa_bus", "walk", "excite") >> patch.obj("route excite"))
+    patch.log("excite", patch.obj("ioa_bus", "own-bus", "excite") >> patch.obj("route excite"))
     patch.send(1, "walk.phantom", f"trace {folder}/ticks.csv")
     patch.send(50, "help-play", "bang")
     if not walking:

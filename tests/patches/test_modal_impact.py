@@ -283,10 +283,10 @@ def test_a_drop_from_nowhere_is_refused(tmp_path, wrong, sentence):
 
 
 def test_the_help_patchs_hammer_strikes_at_the_speed_it_is_thrown_with():
-    patch = Patch(opens=[stage_folder() / "modal_impact~-help.pd"])
-    patch.log("hits", patch.obj("r", "modal-help") >> patch.obj("route", "hit"))
+    patch = Patch(opens=[stage_folder() / "modal_impact~-help.pd"], own="help")
+    patch.log("hits", patch.obj("r", "help-help") >> patch.obj("route", "hit"))
     for ms, height_mm in [(300, 120), (310, 100), (330, 40), (350, 0), (600, 90), (640, 0)]:
-        patch.send(ms, "modal-hammer", height_mm)
+        patch.send(ms, "help-hammer", height_mm)
     hits = [line for _, line in patch.render(1.0).logs["hits"]]
     # 60 mm in 20 ms; 90 mm in 40 ms
     assert [hit[-1] for hit in hits] == pytest.approx([3.0, 2.25], rel=0.05)

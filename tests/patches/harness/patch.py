@@ -172,14 +172,15 @@ class Patch(Canvas):
 
     opens   patches to open beside it, for instance one that is being tested: their [dac~] is
             replaced, so that dac() hears them
+    own     what stands for $0 in these patches: with own="walk" the name $0-speed is walk-speed
     block   block size of everything drawn here, 1 to 4096, or block~'s arguments "1024 2 1"
     """
 
-    def __init__(self, opens=(), block=None):
+    def __init__(self, opens=(), block=None, own=None):
         super().__init__("graph", self)
         self.opens = [pathlib.Path(p) for p in ([opens] if isinstance(opens, (str, pathlib.Path))
                                                 else opens)]
-        self.block = block
+        self.block, self.own = block, own
         self.inputs, self.recordings, self.log_tables, self.arrays = {}, {}, {}, []
         self._names = (f"harness-{i}" for i in itertools.count())
         if block is not None:

@@ -255,6 +255,8 @@ def render(patch, seconds, rate=48000, expect_errors=(), timeout=60, keep=None, 
             (folder / "harness-dac~.pd").write_text(DAC)
             for source in [*patch.opens, *stage.glob("*.pd")]:
                 text = source.read_text()
+                if patch.own and source in patch.opens:
+                    text = text.replace("\\$0", patch.own)
                 if source in patch.opens or "dac~" in text:
                     (folder / source.name).write_text(hear_dac(text))
             opened = [folder / p.name for p in patch.opens]

@@ -1,0 +1,116 @@
+"""Two copies of any help patch or instrument live side by side, and so does each with every other: no name by which
+boxes reach each other without a cord is sent by one and heard by another.
+
+A name that carries $0 or an argument is an instance's own. What is left is compared over all patches of the library:
+a name may be heard (the controls of [pd outside]) or sent (what others may listen to), not both, and nothing may be
+defined by it: an array, a text, a template, a device's name.
+"""
+import os
+import pathlib
+import sys
+
+import pytest
+from pd_canvas import ROOT, Stage, pd_file
+from pd_names import crosstalk
+
+sys.path.insert(0, str(ROOT / "tests" / "patches"))
+from harness import Patch  # noqa: E402
+
+BUILD = pathlib.Path(os.environ.get("TACTUS_BUILD", ROOT / "build"))
+STAGE = Stage(os.environ.get("TACTUS_STAGE", BUILD / "tactus"), BUILD / "declarations.json")
+# Deliberately one for all, with the reason; a patch of this list is not opened twice.
+SHARED = {
+    "ioa_clock": "the one clock from which all modules of a Pd read their time",
+    "four_device": "one computer's part of a scene on four: a second copy would take the first one's port",
+    "four_interaction": "as four_device", "four_sound": "as four_device", "four_screen": "as four_device",
+    "design_link": "a client of a program on another computer; its names are those of beam and arm, which it moves",
+    "wind_controller": "played by one wind controller; recorded streams (wind_stream.py) name their receiver",
+}
+
+STILL = 0.03  # of the workspace: what the force on a free hand of reed_haptic moves it in half a second
+
+
+def canvases():
+    return {path.stem: pd_file.read(path) for path in STAGE.patches()}
+
+
+def test_no_patch_reaches_another_or_a_copy_of_itself_by_a_name():
+    found = {name: users for name, users in crosstalk(canvases()).items() if not users.keys() & SHARED.keys()}
+    assert found == {}
+
+
+def test_the_list_of_shared_names_is_no_longer_than_it_must_be():
+    users = set().union(*crosstalk(canvases()).values())
+    assert SHARED.keys() - {"four_screen"} <= users
+
+
+@pytest.mark.parametrize("text,fault", [
+    ("#X obj 10 10 s level;\n#X obj 10 40 r level;\n", True),
+    ("#X obj 10 10 s \\$0-level;\n#X obj 10 40 r \\$0-level;\n", False),
+    ("#X obj 10 40 r level;\n", False),
+    ("#X msg 10 10 \\; level 1;\n#X obj 10 40 r level;\n", True),
+    ("#X msg 10 10 level 1;\n#X obj 10 40 r level;\n", False),
+    ("#X obj 10 10 hsl 100 15 0 1 0 0 level level empty 0 0 0 12 #ffffff #000000 #000000 0 1;\n", True),
+    ("#X obj 10 10 hsl 100 15 0 1 0 0 \\$1-level \\$1-level empty 0 0 0 12 #ffffff #000000 #000000 0 1;\n", False),
+    ("#X floatatom 10 10 5 0 0 0 - level -;\n#X obj 10 40 s level;\n", True),
+    ("#X obj 10 10 array define level 10;\n", True), ("#X obj 10 10 array define \\$0-level 10;\n", False),
+    ("#X obj 10 10 phantom sim -name hand;\n", True), ("#X obj 10 10 phantom sim -name \\$0-hand;\n", False),
+    ("#X obj 10 10 v level;\n", True), ("#X obj 10 10 struct cell float x;\n", True),
+    ("#N canvas 0 0 100 100 inner 0;\n#X obj 10 10 s level;\n#X restore 10 10 pd inner;\n#X obj 10 40 r level;\n", True),
+])
+def test_a_planted_name_is_found(tmp_path, text, fault):
+    path = tmp_path / "drawn.pd"
+    path.write_text("#N canvas 0 0 400 300 12;\n" + text)
+    assert bool(crosstalk({"drawn": pd_file.read(path)})) == fault
+
+
+def test_a_name_between_two_patches_is_found(tmp_path):
+    def patch(name, text):
+        path = tmp_path / name
+        path.write_text("#N canvas 0 0 400 300 12;\n" + text)
+        return pd_file.read(path)
+    one, two = patch("one.pd", "#X obj 10 10 s reed-y;\n"), patch("two.pd", "#X obj 10 10 r reed-y;\n")
+    assert crosstalk({"one": one, "two": two}) == {"reed-y": {"one": {"sent"}, "two": {"heard"}}}
+    assert crosstalk({"one": one}) == crosstalk({"two": two}) == {}
+
+
+def copies(folder, *patches):
+    """Copies of staged patches in which $0 has a name instead of a number."""
+    made = []
+    for own, name in patches:
+        made.append(folder / f"{own}.pd")
+        made[-1].write_text((STAGE.folder / f"{name}.pd").read_text().replace("\\$0", own))
+    return made
+
+
+def moved(log):
+    return max(atoms[0] for _, atoms in log) - min(atoms[0] for _, atoms in log) if log else 0
+
+
+@pytest.mark.parametrize("first,second,name", [
+    ("phantom-help", "phantom-help", "y"), ("greed_gradient~-help", "phantom-help", "y"),
+    ("reed_haptic", "reed_haptic", "y"), ("struck_disk", "mass_spring", "y")])
+def test_a_hand_that_moves_in_one_leaves_the_other_alone(tmp_path, first, second, name):
+    """In Pd: the first is played, the second only opened."""
+    patch = Patch(opens=copies(tmp_path, ("one", first), ("two", second)))
+    for own in ("one", "two"):
+        patch.log(own, patch.obj("r", f"{own}-{name}"))
+    patch.log("hand", patch.obj("r", "one-hand") if first != "phantom-help" else patch.obj("r", "one-help"))
+    receiver = "one-help" if first == "phantom-help" else "one-hand"
+    patch.send(50, receiver, "hand spring 300 3, target 0 20 10")
+    result = patch.render(0.6, 48000)
+    assert result.logs["hand"]
+    assert moved(result.logs["two"]) < STILL
+    if first in ("phantom-help", "reed_haptic"):
+        assert moved(result.logs["one"]) > 3 * STILL
+
+
+def test_the_map_of_one_patch_does_not_move_the_hand_of_another(tmp_path):
+    """What happened before: playability_map-help moved the hand of an open reed_haptic."""
+    patch = Patch(opens=copies(tmp_path, ("map", "playability_map-help"), ("reeds", "reed_haptic")))
+    patch.log("map", patch.obj("r", "map-y"))
+    patch.log("reeds", patch.obj("r", "reeds-y"))
+    for ms in range(50, 500, 50):
+        patch.send(ms, "map-y", ms / 500)
+    result = patch.render(0.6, 48000)
+    assert moved(result.logs["map"]) > 0.5 and moved(result.logs["reeds"]) < STILL
