@@ -104,6 +104,7 @@ def test_fade_out_leaves_what_comes_before_as_it_was_and_ends_in_silence():
     assert (numpy.diff(gain[:, 0]) <= 0).all() and gain[len(gain) // 2, 0] == pytest.approx(0.5, abs=1e-3)
     assert abs(numpy.diff(gain[:, 0], 2)).max() < 1e-6  # no bend at either end: nothing to be heard
     assert (make_scene.fade_out(sound[:, 0], RATE, 0.25) == faded[:, 0]).all()
+    assert make_scene.fade_out(sound.astype(numpy.float32), RATE, 0.25).dtype == numpy.float32
     assert not make_scene.fade_out(sound[:100], RATE, 0.25).any()  # shorter than its fade
 
 
