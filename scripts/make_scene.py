@@ -81,7 +81,7 @@ class Scene:
 def fade_out(samples, rate, seconds):
     """The recording with its last seconds turned down to silence by a raised cosine: for what still sounds
     where the recording ends. The last 20 ms are silent."""
-    faded = numpy.array(samples, float)
+    faded = numpy.array(samples)  # of the same type, so that what comes before keeps its bits
     count, silent = round(seconds * rate), round(0.02 * rate)
     gain = numpy.concatenate([0.5 + 0.5 * numpy.cos(numpy.pi * numpy.arange(count) / count), numpy.zeros(silent)])
     gain = gain[-len(faded):]

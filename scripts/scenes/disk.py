@@ -12,7 +12,7 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy
-from make_scene import spectrogram
+from make_scene import fade_out, spectrogram
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import _bodies  # noqa: E402
@@ -88,9 +88,9 @@ def make(scene):
     scale = 0.9 / max(abs(sound).max() for sound, _ in heard.values())
     scene.heading("The three disks")
     for index, (name, (sound, _)) in enumerate(heard.items()):
-        scene.sound(f"disk_{index + 1}", scale * sound, RATE, name)
+        scene.sound(f"disk_{index + 1}", fade_out(scale * sound, RATE, 0.5), RATE, name)
     bounced = _disk.bounce(tables["held, fitted"])
-    scene.sound("disk_bouncing", 0.9 * bounced / abs(bounced).max(), RATE,
+    scene.sound("disk_bouncing", fade_out(0.9 * bounced / abs(bounced).max(), RATE, 0.5), RATE,
                 "held, fitted: the ball bounces until it lies still")
     scene.table(["", "near 3956 Hz", "error", "near 5986 Hz", "error", "near 15170 Hz", "error",
                  "first against the paper's simulation", "second"],

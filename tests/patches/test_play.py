@@ -102,8 +102,10 @@ def test_fade_out_leaves_what_comes_before_as_it_was_and_ends_in_silence():
     assert (faded[:begin] == sound[:begin]).all() and not faded[-round(0.02 * RATE):].any()
     gain = faded[begin:-960] / sound[begin:-960]
     assert (numpy.diff(gain[:, 0]) <= 0).all() and gain[len(gain) // 2, 0] == pytest.approx(0.5, abs=1e-3)
-    assert abs(numpy.diff(gain[:, 0], 2)).max() < 1e-6  # no bend at either end: nothing to be heard
+    whole = numpy.concatenate([numpy.ones(3), gain[:, 0], numpy.zeros(3)])
+    assert abs(numpy.diff(whole, 2)).max() < 1e-6  # no bend at either end: nothing to be heard
     assert (make_scene.fade_out(sound[:, 0], RATE, 0.25) == faded[:, 0]).all()
+    assert make_scene.fade_out(sound.astype(numpy.float32), RATE, 0.25).dtype == numpy.float32
     assert not make_scene.fade_out(sound[:100], RATE, 0.25).any()  # shorter than its fade
 
 
@@ -154,7 +156,7 @@ class RecordedWork(make_scenes.Work):
     """Builds and makes nothing: the second need is built only when the first scene has been made."""
 
     def __init__(self, out, broken=()):
-        super().__init__(["fanfare", "walking", "particles"], out, 0.0)
+        super().__init__(["fanfare", "walking", "particles", "greed"], out, 0.0)
         self.out, self.broken, self.order, self.first_made = out, broken, [], threading.Event()
 
     def run_ninja(self, targets, name):
@@ -187,8 +189,8 @@ def test_a_scene_is_made_and_on_the_page_while_the_rest_is_built(tmp_path, monke
     run_threads(work)
     assert work.order[:2] == [("built", "greed_tilde_f32"), ("made", "fanfare")] \
         or work.order[:3] == [("built", "greed_tilde_f32"), ("built", "footstep_tilde_f32"), ("made", "fanfare")]
-    assert sorted(work.made) == ["fanfare", "particles", "walking"] and not work.failed
-    assert (tmp_path / "times.tsv").read_text().count("\n") == 1 + 6
+    assert sorted(work.made) == ["fanfare", "greed", "particles", "walking"] and not work.failed
+    assert (tmp_path / "times.tsv").read_text().count("\n") == 1 + 3 + 4  # what two scenes need is built once
     assert "still to come" not in (tmp_path / "index.html").read_text()
 
 
@@ -196,6 +198,6 @@ def test_a_need_that_cannot_be_built_fails_its_scene_alone(tmp_path, monkeypatch
     monkeypatch.setattr(make_scenes, "OUT", tmp_path)
     work = RecordedWork(tmp_path, broken=("fanfare",))
     run_threads(work)
-    assert work.failed == ["fanfare"] and sorted(work.made) == ["particles", "walking"]
+    assert work.failed == ["fanfare"] and sorted(work.made) == ["greed", "particles", "walking"]
     assert "could not be made" in (tmp_path / "index.html").read_text()
     assert "FAILED: greed" in capsys.readouterr().err
