@@ -136,6 +136,8 @@ def test_strikes_sent_while_the_first_table_is_read_happen_when_it_is_there():
     assert abs(ring(True, one, other) - ring(True, one)).max() > 3  # the second is heard, too
     assert ring(False, one, other, "reset").max() <= -119  # silence is meant for what waits, too
     assert abs(ring(False, "reset", one) - ring(True, one)).max() < 0.5
+    at_a_point = "point 40 30 0", "reset", "hit 1"  # which a reset leaves where it is
+    assert abs(ring(False, *at_a_point) - ring(True, one)).max() < 0.5
 
 
 def test_of_a_table_that_cannot_be_read_only_that_is_said(tmp_path):

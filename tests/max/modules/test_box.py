@@ -147,7 +147,7 @@ def test_externals_share_a_device_by_name():
 
 
 def test_a_refused_box_leaves_nothing():
-    result = run([load("particle~"), load("greed~"), "new b particle~ -nonsense 1", "new c greed~ clarinet",
+    result = run([load("particle~"), load("greed~"), "new b particle~ -nonsense 1", "new c greed~ clarinet oboe",
                   "new d greed~ -gian 1", "new e particle~ -preset maraca -gain 3", "get e gain"])
     assert sum("could not be made" in e for e in result.of("error")) == 3, result.of("error")
     assert result.values("e") == {"gain": "3.0"}
