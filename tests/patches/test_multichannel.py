@@ -34,7 +34,8 @@ def test_an_older_pd_says_what_is_missing_and_is_silent():
 def test_every_note_sounds_in_a_channel_of_its_own_and_ends():
     _, sound = played()
     for key, _, begin, end in keys.NOTES:
-        if (key, end - begin > 1) != (69, True):  # that one is bent, which this patch does not do
+        bent = key == 69 and end - begin > 1  # which this patch does not do
+        if not bent and key != 57:  # the oldest of five, whose channel the fifth takes
             last = min(end - 0.05, begin + 1.2)
             assert keys.peak(sound, max(begin + 0.1, last - 0.5), last, keys.frequency(key)) > 12, key
     end = keys.stream()[-1][0]
