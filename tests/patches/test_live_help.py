@@ -1,0 +1,55 @@
+"""The help patches of patches/live: silent until one click, then they sound; no name of theirs is another copy's."""
+import pathlib
+import re
+
+import numpy
+import pytest
+
+from harness import Patch
+
+LIVE = pathlib.Path(__file__).resolve().parents[2] / "patches" / "live"
+PATCHES = sorted(LIVE.glob("*.pd"))
+
+
+def front(path):
+    """The lines of the outermost canvas."""
+    depth, lines = 0, []
+    for line in path.read_text().splitlines():
+        if line.startswith("#N canvas"):
+            depth += 1
+        if depth == 1:
+            lines.append(line)
+        if line.startswith("#X restore"):
+            depth -= 1
+    return lines
+
+
+def test_every_abstraction_has_a_help_patch():
+    made = {p.stem for p in PATCHES if any(re.match(r"#X obj \d+ \d+ inlet", line) for line in front(p))}
+    assert {"tactus_preset", "tactus_osc", "tactus_keys", "tactus_pads", "keys_reed_voice", "keys_body_voice"} <= made
+    assert all((LIVE / f"{name}-help.pd").is_file() for name in made)
+
+
+@pytest.mark.parametrize("path", [p for p in PATCHES if p.stem.endswith("-help")], ids=lambda p: p.stem)
+def test_a_help_patch_sounds_by_one_click_and_not_before(path):
+    patch = Patch(opens=path)
+    patch.send(500, "help-play", "bang")
+    patch.record("sound", patch.dac(1))
+    sound = patch.render(2.5, path=[LIVE], timeout=200)["sound"]
+    assert numpy.abs(sound[:24000]).max() == 0
+    assert 0.01 < numpy.abs(sound).max() <= 1
+
+
+@pytest.mark.parametrize("path", PATCHES, ids=lambda p: p.stem)
+def test_two_copies_live_side_by_side(path):
+    """All names are the copy's own ($0), an argument's ($1, $2), or those that everybody shares."""
+    shared = {"help-play", "pd", "empty", "-", "$0"}
+    names = set(re.findall(r"^#X obj -?\d+ -?\d+ (?:s|r|send|receive|v|value|table|throw~|catch~|s~|r~) (\S+?)[;,]?(?: |$)",
+                           path.read_text(), re.M))
+    names |= {name for pair in re.findall(r"^#X obj -?\d+ -?\d+ (?:bng \d+ \d+ \d+ \d+|tgl \d+ \d+|(?:hsl|vsl|nbx) \S+ \S+ "
+                                          r"\S+ \S+ \S+ \S+|[hv]radio \S+ \S+ \S+ \S+) (\S+) (\S+)", path.read_text(), re.M)
+              for name in pair}
+    names = {name.rstrip(";").replace("\\", "") for name in names}
+    assert names or path.stem.endswith("-help")
+    wrong = {n for n in names if n not in shared and not re.match(r"(pd-)?\$[0-9]-", n)}
+    assert not wrong

@@ -1,0 +1,163 @@
+"""[tactus_osc]: OSC packets become messages of an object, its answers become packets; a damaged packet is one
+error and does nothing. Packets go in and out as lists of bytes, and once over UDP."""
+import pathlib
+import random
+import socket
+import struct
+import subprocess
+
+import pytest
+
+from harness import Patch, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LIVE = ROOT / "patches" / "live"
+
+
+def padded(text):
+    return text.encode() + b"\0" * (4 - len(text.encode()) % 4)
+
+
+def message(address, *values):
+    kinds = "".join("s" if isinstance(v, str) else "i" if isinstance(v, int) else "f" for v in values)
+    packed = b"".join(padded(v) if isinstance(v, str) else struct.pack(">i" if isinstance(v, int) else ">f", v)
+                      for v in values)
+    return padded(address) + padded("," + kinds) + packed
+
+
+def bundle(*messages):
+    return b"#bundle\0" + struct.pack(">Q", 1) + b"".join(struct.pack(">i", len(m)) + m for m in messages)
+
+
+def unpacked(packet):
+    """(address, values) of a message, read by the OSC 1.0 specification."""
+    end = packet.index(b"\0")
+    at = end + 4 - end % 4
+    kinds_end = packet.index(b"\0", at)
+    kinds, at2 = packet[at + 1:kinds_end].decode(), kinds_end + 4 - kinds_end % 4
+    values = []
+    for kind in kinds:
+        if kind == "f":
+            values.append(struct.unpack(">f", packet[at2:at2 + 4])[0])
+            at2 += 4
+        else:
+            assert kind == "s"
+            stop = packet.index(b"\0", at2)
+            values.append(packet[at2:stop].decode())
+            at2 = stop + 4 - stop % 4
+    assert at2 == len(packet) and len(packet) % 4 == 0
+    return packet[:end].decode(), values
+
+
+def exchange(packets, spacing=10, errors=(), name="greed"):
+    """Packets to [greed~] through [tactus_osc]: messages, answers, status by packet."""
+    patch = Patch()
+    reed, osc = patch.obj("greed~ -preset clarinet"), patch.obj("tactus_osc", name, 0)
+    osc >> reed
+    reed[4] >> osc[1]
+    for i, packet in enumerate(packets):
+        patch.at(10 + spacing * i, osc, list(packet))
+    for outlet, label in enumerate(("messages", "packets", "status")):
+        patch.log(label, osc[outlet])
+    result = patch.render((10 + spacing * len(packets) + 20) / 1000, path=[LIVE], expect_errors=errors)
+    return [[(round((ms - 10) / spacing), atoms) for ms, atoms in result.logs[label]]
+            for label in ("messages", "packets", "status")] + [result]
+
+
+def test_addresses_become_messages_and_answers_come_back():
+    messages, packets, status, _ = exchange([
+        message("/greed/theta0", -0.0371), message("/greed/get", "theta0"), message("/greed/preset", "oboe"),
+        message("/greed/get", "bore", "seed"), bundle(message("/greed/seed", 17), message("/greed/get", "seed")),
+        message("/greed/reset")])
+    assert [m for i, m in messages if i == 0] == [["theta0", pytest.approx(-0.0371)]]
+    assert [unpacked(bytes(map(int, p))) for i, p in packets] == [
+        ("/greed/theta0", [pytest.approx(-0.0371)]), ("/greed/bore", ["cone"]), ("/greed/seed", [1]),
+        ("/greed/seed", [17])]
+    assert messages[-1][1] == ["reset"] and not status
+
+
+def test_signal_inlets_are_played_by_names():
+    """What the help patch does: /greed/mouth_pressure is routed to a ramp of the first inlet."""
+    patch = Patch()
+    osc, route = patch.obj("tactus_osc greed 0"), patch.obj("route mouth_pressure")
+    reed = patch.obj("greed~ -preset clarinet")
+    ramp = patch.obj("pack f 20")
+    osc >> route
+    route >> ramp
+    ramp >> patch.obj("line~") >> reed
+    route[1] >> reed
+    patch.at(50, osc, list(message("/greed/mouth_pressure", 2000.0)))
+    patch.record("sound", reed)
+    sound = patch.render(1, path=[LIVE])["sound"]
+    assert abs(sound[:2000]).max() < 1e-3 < 0.05 < abs(sound[-9600:]).max()
+
+
+GOOD = bundle(message("/greed/seed", 3), message("/greed/mass", 1e-5))
+DAMAGED = {
+    "too short": b"/a\0\0", "not whole words": message("/greed/seed", 3)[:-1], "no slash": b"greed\0\0\0,i\0\0\0\0\0\3",
+    "a bundle cut": GOOD[:-4], "a size beyond the packet": GOOD[:16] + struct.pack(">i", 1 << 20) + GOOD[20:],
+    "a negative size": GOOD[:16] + struct.pack(">i", -8) + GOOD[20:], "a size of 0": GOOD[:16] + bytes(4) + GOOD[20:],
+    "a bundle in a bundle": bundle(GOOD), "the second message damaged": bundle(message("/greed/seed", 3), b"xyz\0,\0\0\0abcd"),
+    "another name": message("/bell/seed", 3), "a number alone": message("/greed", 2000.0),
+    "a program": message("/greed/solver", "/bin/true"), "a file written": message("/greed/write", "x"),
+    "no types": b"/greed/seed\0abcd", "the numbers missing": message("/greed/seed", 3)[:-4],
+}
+
+
+@pytest.mark.parametrize("what", DAMAGED)
+def test_a_damaged_packet_is_one_error_and_does_nothing(what):
+    messages, packets, status, result = exchange([DAMAGED[what]], errors=["."])
+    assert not messages and not packets
+    said = [line for line in result.errors if line.startswith(("error", "tactus_osc", "greed~", "oscparse"))]
+    assert len(said) == 1, result.errors
+    assert len(status) <= 1
+
+
+def test_three_thousand_random_packets_do_nothing_and_the_next_good_one_works():
+    generator = random.Random(1)
+    packets = []
+    for _ in range(3000):
+        packet = bytearray(generator.choice((GOOD, message("/greed/get", "seed"), message("/bell/x", 1.0))))
+        for _ in range(generator.randrange(1, 5)):
+            packet[generator.randrange(len(packet))] = generator.randrange(256)
+        packets.append(bytes(packet[:generator.randrange(1, len(packet) + 1)] if generator.random() < 0.5 else packet))
+    packets.append(message("/greed/get", "os"))
+    _, answers, _, result = exchange(packets, spacing=1, errors=["."])
+    assert unpacked(bytes(map(int, answers[-1][1]))) == ("/greed/os", [0])
+    # A flood does not fill the console: at most two lines a second of our own.
+    assert len([line for line in result.errors if line.startswith("tactus_osc")]) <= 2 * 3.1 + 1
+
+
+def test_packets_go_through_udp_of_this_machine(tmp_path):
+    """In real time: Pd reads no sockets in batch mode."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as answers:
+        answers.bind(("127.0.0.1", 0))
+        answers.settimeout(0.3)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        patch = tmp_path / "reed.pd"
+        patch.write_text(f"""#N canvas 0 0 400 200 12;
+#X obj 20 20 tactus_osc greed {port} 127.0.0.1 {answers.getsockname()[1]};
+#X obj 20 80 greed~ -preset clarinet;
+#X connect 0 0 1 0;
+#X connect 1 4 0 1;
+""")
+        pd = subprocess.Popen(["pd", "-nogui", "-nosound", "-noprefs", "-stderr", "-path", str(LIVE), "-path",
+                               str(run.stage_folder()), "-open", str(patch)], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        packet = None
+        try:
+            for _ in range(100):
+                answers.sendto(message("/greed/get", "os"), ("127.0.0.1", port))
+                try:
+                    packet = answers.recv(1000)
+                    break
+                except OSError:
+                    continue  # Pd has not opened its port yet
+            listening = pathlib.Path("/proc/net/udp").read_text()
+        finally:
+            pd.kill()
+            said = pd.communicate()[1].decode()
+        assert packet and unpacked(packet) == ("/greed/os", [0]), said
+        assert f"0100007F:{port:04X}" in listening  # of this machine only, where nobody says otherwise
