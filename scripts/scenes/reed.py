@@ -32,7 +32,7 @@ import _room  # noqa: E402
 from _reed_patch import PRESET, RATE, SIGMA  # noqa: E402
 
 PATCH = "patches/reed/reed_haptic.pd"
-NEEDS = "stage_patches greed~ playability~ playability_map phantom tactus_reed_map"
+NEEDS = "stage_patches greed~ greed_gradient~ playability~ playability_map phantom tactus_reed_map"
 SPRING = "spring 2000 20"  # a firm grip, N/m and N s/m
 PLAYS = 0.3                # f_p above which a reed counts as playing
 

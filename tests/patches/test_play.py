@@ -38,6 +38,30 @@ def test_every_need_of_a_scene_is_a_target_of_the_build():
             assert make_scenes.target(need) in targets, f"{name}: {need}"
 
 
+def externals_of(patch, seen=None):
+    """The externals that a patch makes, also within its abstractions."""
+    seen = set() if seen is None else seen
+    found = set()
+    for name in re.findall(r"^#X obj -?\d+ -?\d+ (?:tactus/)?([^ ;,]+)", patch.read_text(), re.MULTILINE):
+        if (ROOT / "externals" / name / "CMakeLists.txt").is_file():
+            found.add(name)
+        abstraction = stage_folder() / f"{name}.pd"
+        if abstraction.is_file() and name not in seen:
+            seen.add(name)
+            found |= externals_of(abstraction, seen)
+    return found
+
+
+def test_a_scene_needs_every_external_that_its_patch_makes():
+    checked = 0
+    for name in contents.names():
+        patch = ROOT / contents.declared(name, "PATCH")
+        if patch.suffix == ".pd" and patch.is_relative_to(ROOT / "patches") and "stage_patches" in contents.needs(name):
+            assert externals_of(patch) <= set(contents.needs(name)), name
+            checked += 1
+    assert checked >= 6
+
+
 def test_the_scenes_that_are_named_exist_and_the_page_names_every_scene():
     names = set(contents.names())
     assert {name for _, section in contents.SECTIONS for name in section} <= names
