@@ -7,7 +7,7 @@ FIXED = {  # name: inlets, outlets; with arguments that do not matter
     "clip": (3, 1), "clip~": (3, 1), "clone": (1, 0), "cos~": (1, 1), "declare": (0, 0), "delay": (2, 1), "del": (2, 1),
     "drawcurve": (1, 0), "drawpolygon": (1, 0), "env~": (1, 1), "f": (2, 1), "file define": (1, 1),
     "filledcurve": (1, 0), "filledpolygon": (1, 0), "float": (2, 1), "hip~": (2, 1), "i": (2, 1), "int": (2, 1),
-    "key": (0, 1), "line": (3, 1), "line~": (2, 1), "list": (2, 1), "list append": (2, 1), "list fromsymbol": (1, 1),
+    "key": (0, 1), "keyup": (0, 1), "fudiformat": (1, 1), "fudiparse": (1, 1), "line": (3, 1), "line~": (2, 1), "list": (2, 1), "list append": (2, 1), "list fromsymbol": (1, 1),
     "list length": (1, 1), "list prepend": (2, 1), "list split": (2, 3), "list store": (2, 2), "list trim": (1, 1),
     "list tosymbol": (1, 1), "loadbang": (0, 1), "lop~": (2, 1), "makefilename": (1, 1), "metro": (2, 1),
     "midiin": (0, 2), "midiparse": (1, 7), "mod": (2, 1), "moses": (2, 2), "mtof": (1, 1), "ftom": (1, 1),
