@@ -9,6 +9,9 @@ from harness import Patch
 
 LIVE = pathlib.Path(__file__).resolve().parents[2] / "patches" / "live"
 PATCHES = sorted(LIVE.glob("*.pd"))
+SENDERS = r"^#X obj -?\d+ -?\d+ (?:s|r|send|receive|v|value|table|throw~|catch~|s~|r~) (\S+?)[;,]?(?: |$)"
+WIDGETS = (r"^#X obj -?\d+ -?\d+ (?:bng \d+ \d+ \d+ \d+|tgl \d+ \d+|[hv]radio \S+ \S+ \S+ \S+"
+           r"|(?:hsl|vsl|nbx) \S+ \S+ \S+ \S+ \S+ \S+) (\S+) (\S+)")  # send and receive
 
 
 def front(path):
@@ -44,11 +47,9 @@ def test_a_help_patch_sounds_by_one_click_and_not_before(path):
 def test_two_copies_live_side_by_side(path):
     """All names are the copy's own ($0), an argument's ($1, $2), or those that everybody shares."""
     shared = {"help-play", "pd", "empty", "-", "$0"}
-    names = set(re.findall(r"^#X obj -?\d+ -?\d+ (?:s|r|send|receive|v|value|table|throw~|catch~|s~|r~) (\S+?)[;,]?(?: |$)",
-                           path.read_text(), re.M))
-    names |= {name for pair in re.findall(r"^#X obj -?\d+ -?\d+ (?:bng \d+ \d+ \d+ \d+|tgl \d+ \d+|(?:hsl|vsl|nbx) \S+ \S+ "
-                                          r"\S+ \S+ \S+ \S+|[hv]radio \S+ \S+ \S+ \S+) (\S+) (\S+)", path.read_text(), re.M)
-              for name in pair}
+    text = path.read_text()
+    names = set(re.findall(SENDERS, text, re.M))
+    names |= {name for pair in re.findall(WIDGETS, text, re.M) for name in pair}
     names = {name.rstrip(";").replace("\\", "") for name in names}
     assert names or path.stem.endswith("-help")
     wrong = {n for n in names if n not in shared and not re.match(r"(pd-)?\$[0-9]-", n)}

@@ -94,10 +94,12 @@ def test_signal_inlets_are_played_by_names():
 
 GOOD = bundle(message("/greed/seed", 3), message("/greed/mass", 1e-5))
 DAMAGED = {
-    "too short": b"/a\0\0", "not whole words": message("/greed/seed", 3)[:-1], "no slash": b"greed\0\0\0,i\0\0\0\0\0\3",
+    "too short": b"/a\0\0", "not whole words": message("/greed/seed", 3)[:-1], "a byte too many": message("/greed/seed", 3) + b"\0",
+    "no slash": b"greed\0\0\0,i\0\0\0\0\0\3",
     "a bundle cut": GOOD[:-4], "a size beyond the packet": GOOD[:16] + struct.pack(">i", 1 << 20) + GOOD[20:],
     "a negative size": GOOD[:16] + struct.pack(">i", -8) + GOOD[20:], "a size of 0": GOOD[:16] + bytes(4) + GOOD[20:],
-    "a bundle in a bundle": bundle(GOOD), "the second message damaged": bundle(message("/greed/seed", 3), b"xyz\0,\0\0\0abcd"),
+    "a bundle in a bundle": bundle(GOOD),
+    "the second message damaged": bundle(message("/greed/seed", 3), b"xyz\0,\0\0\0abcd"),
     "another name": message("/bell/seed", 3), "a number alone": message("/greed", 2000.0),
     "a program": message("/greed/solver", "/bin/true"), "a file written": message("/greed/write", "x"),
     "no types": b"/greed/seed\0abcd", "the numbers missing": message("/greed/seed", 3)[:-4],
