@@ -124,7 +124,7 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "ball_drive_2", "", "feet 2: right ball"},
     Port{Port::Kind::kSignal, "force_2", "N", "feet 2: under the right foot"},
     Port{Port::Kind::kControl, "info", "",
-         "step left|right heel|ball (with m/s) or heel_up|toe_off, and answers"},
+         "step left|right heel|ball (with m/s), heel_up|toe_off; answers"},
 };
 
 } // namespace tactus::footstep
