@@ -82,7 +82,7 @@ class Work:
         if status == 0:
             return None, seconds
         text = "".join(said)
-        return text[max(text.find("FAILED"), 0):][:6000] or "ninja failed", seconds
+        return f"{text[max(text.find('FAILED'), 0):][:6000]}\nninja ended with status {status}", seconds
 
     def build(self):
         """Of each scene in turn, what it needs."""
