@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import subprocess
 import sys
 
 import numpy
@@ -21,6 +22,7 @@ BUILD = pathlib.Path(os.environ.get("TACTUS_BUILD", ROOT / "build"))
 GUARD = BUILD / "tests" / "guard" / "librtguard.so"
 OBJECTS = {o["name"]: o for o in json.loads((BUILD / "declarations.json").read_text())}
 SOUNDING = [name for name, o in OBJECTS.items() if o["signal"]]
+PD_MINOR = int(re.search(r"Pd-0\.(\d+)", subprocess.run(["pd", "-version"], capture_output=True, text=True, check=False).stderr)[1])
 NEED_ARGUMENTS = {"design_part"}  # a table; beam.pd and arm.pd open it with theirs
 PATCHES = [path for path in sorted([*(BUILD / "tactus").glob("*-help.pd"), *ROOT.glob("patches/*/*.pd")])
            if path.stem not in NEED_ARGUMENTS]
@@ -89,6 +91,8 @@ def test_a_body_that_is_shaped_while_it_rings_keeps_the_rules_of_the_audio_path(
 
 @pytest.mark.parametrize("path", PATCHES, ids=lambda p: p.stem)
 def test_a_patch_keeps_the_rules_of_the_audio_path(path):
+    if path.stem == "reed_multichannel" and PD_MINOR < 54:
+        pytest.skip("needs Pd 0.54 or newer")
     patch = Patch(opens=path)
     patch.record("left", patch.dac())
     patch.send(10, "help-play", "bang")
