@@ -253,7 +253,8 @@ def render(patch, seconds, rate=48000, expect_errors=(), timeout=60, keep=None, 
             raise PdFailure(f"no library folder {stage}: build first")
         if patch.opens:
             (folder / "harness-dac~.pd").write_text(DAC)
-            for source in [*patch.opens, *stage.glob("*.pd")]:
+            own = {p.name for p in patch.opens}
+            for source in [*patch.opens, *(p for p in stage.glob("*.pd") if p.name not in own)]:
                 text = source.read_text()
                 if patch.own and source in patch.opens:
                     text = text.replace("\\$0", patch.own)
