@@ -26,14 +26,14 @@ def play():
     """The patch's own demonstration: sound and the force at the reed as the patch sends them, and the
     servo's ticks (ms, mm, N)."""
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
-        patch = Patch(opens=PATH)
+        patch = Patch(opens=PATH, own="own")
         patch.record("sound", patch.dac(1))
         patch.record("force", patch.obj("r~", "own-force"))
-        patch.log("opening", patch.obj("r", "finger-opening-now"))
-        patch.send(90, "finger.phantom", f"trace {folder}/ticks.csv")
+        patch.log("opening", patch.obj("r", "own-opening-now"))
+        patch.send(90, "own-bus.phantom", f"trace {folder}/ticks.csv")
         patch.send(100, "help-play", "bang")
-        patch.send(1000 * SECONDS - 5, "finger.phantom", "trace stop")
-        patch.send(1000 * SECONDS, "finger-breath", 0)
+        patch.send(1000 * SECONDS - 5, "own-bus.phantom", "trace stop")
+        patch.send(1000 * SECONDS, "own-breath", 0)
         result = patch.render(SECONDS + DECAY, RATE, timeout=120)
         with open(f"{folder}/ticks.csv", encoding="utf-8") as file:
             ticks = numpy.array([[float(row[key]) for key in ("ms", "z_mm", "fz_n")]

@@ -46,7 +46,7 @@ def walk(table, seconds=SECONDS):
         patch.send(10, "help-play", "bang")
         for time, shoe, _ in SHOES:
             patch.send(1000 * time, "walk-on-plate-shoe", shoe)
-        patch.send(1000 * seconds, "walk-on-plate", "walk 0")
+        patch.send(1000 * seconds, "walk-on-plate-walker", "walk 0")
         return patch.render(seconds + HALT, RATE, path=[folder], timeout=300)
 
 
