@@ -134,7 +134,9 @@ TEST_CASE("get answers to every name that dump prints, with the lines that dump 
         lines[line.selector].push_back(line.atoms);
     CHECK(lines.size() >= described.declaration->parameters.size());
     CHECK(lines.contains("preset") == !arguments.empty());
-    for (const auto& [name, values] : lines) {
+    for (const auto& line : lines) {
+      const std::string& name = line.first; // clang 14 lets no structured binding into CAPTURE
+      const std::vector<MessageAtoms>& values = line.second;
       CAPTURE(name);
       box.send("get", {name});
       const auto answers = sent();
