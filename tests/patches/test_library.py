@@ -8,6 +8,8 @@ from harness import Patch, run, stage_folder
 
 BODIES = ("bar", "bell", "board", "bowl", "glass", "plate", "tube")  # what README promises
 RATE = 48000
+with_bodies = pytest.mark.skipif(not (stage_folder() / "bowl.modal.npz").is_file(),
+                                 reason="this build does not make the bodies of finite elements")
 
 
 def body_name(path):
@@ -41,7 +43,7 @@ def boxes(folder, names, declare="", **options):
 def test_the_library_is_loaded_by_its_name(tmp_path, parent, form):
     names = [line.split("\t")[0] for line in (parent / "tactus" / "tactus-objects.txt").read_text().splitlines()]
     assert len(names) == 14
-    names.append("struck_disk")  # and an abstraction
+    names.append("mass_spring")  # and an abstraction
     home = tmp_path / "home"  # where every Pd looks by itself
     (home / ".local/lib/pd").mkdir(parents=True)
     (home / ".local/lib/pd/extra").symlink_to(parent)
@@ -76,6 +78,7 @@ def load(words, path, **options):
     return next(atoms[1] for _, atoms in lines if atoms[0] == "body")
 
 
+@with_bodies
 def test_a_table_is_found_beside_the_patch_in_the_path_beside_the_object_and_in_the_library(tmp_path, parent):
     bowl, glass = (body_name(parent / "tactus" / f"{name}.modal.npz") for name in ("bowl", "glass"))
     for name in ("bowl", "bowl.modal.npz"):  # beside the object
@@ -178,6 +181,7 @@ def struck(name, hits, *flags):
     return numpy.stack([result["0"], result["1"]])
 
 
+@with_bodies
 @pytest.mark.parametrize("name", (*BODIES, "disk", "disk_hollow", "disk_solid", "plank"))
 def test_no_body_of_the_library_leaves_the_linear_range_at_1_m_per_s_and_all_share_one_gain(name):
     table = numpy.load(stage_folder() / f"{name}.modal.npz")
