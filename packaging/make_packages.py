@@ -38,11 +38,15 @@ def run(*words, **options):
     return done.stdout
 
 
+def has_history(source):
+    return (source / ".git").exists() and shutil.which("git") is not None
+
+
 def commit_time(source):
     """Seconds since 1970 of the commit; of SOURCE_DATE_EPOCH if it is set (reproducible-builds.org)."""
     if "SOURCE_DATE_EPOCH" in os.environ:
         return int(os.environ["SOURCE_DATE_EPOCH"])
-    if not (source / ".git").exists():
+    if not has_history(source):
         return int((source / "CHANGELOG.md").stat().st_mtime)
     return int(run("git", "-C", source, "log", "-1", "--format=%ct"))
 
@@ -93,7 +97,7 @@ def make_deken(arguments, seconds):
         write_zip(package, NAME, files_below(library), seconds)
         shutil.copyfile(library / f"{NAME}-objects.txt", f"{package}.txt")
     made = [package]
-    if (arguments.source / ".git").exists():
+    if has_history(arguments.source):
         sources = arguments.output / f"{NAME}[v{arguments.version}](Sources).dek"
         run("git", "-C", arguments.source, "archive", "--format=zip", f"--prefix={NAME}/", "-o", sources, "HEAD")
         made.append(sources)
