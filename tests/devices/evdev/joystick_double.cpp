@@ -218,7 +218,7 @@ private:
 int main(int count, char** words) {
   if (count < 2)
     return std::fputs("umockdev-wrapper joystick_double PROGRAM ARGUMENTS...\n", stderr), 2;
-  UMockdevTestbed* bed = umockdev_testbed_new();
+  UMockdevTestbed* bed = tactus::mock::new_test_bed();
   GError* error = nullptr;
   if (!umockdev_testbed_add_from_string(bed, kRecord, &error)) {
     std::fprintf(stderr, "joystick_double: %s\n", error->message);

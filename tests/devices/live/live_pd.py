@@ -98,20 +98,21 @@ class Live(Pd):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
             door.sendto(f"{message};\n".encode(), ("127.0.0.1", self.port))
 
-    def push(self, force):
+    def push(self, force, receiver=""):
         """Until the double's motors feel it. A machine that stalls for 20 ms looks like a device
-        that has failed, after which the motors have to be asked for again."""
+        that has failed, after which the motors have to be asked for again. receiver: of [phantom],
+        where it has one of its own."""
         def felt():
             return any(abs(m) > 100 for m in motors(self.state()))
 
         for _ in range(20):
-            self.tell_phantom(f"list {force}")
+            self.tell_phantom(f"{receiver} list {force}".strip())
             end = time.monotonic() + 2
             while time.monotonic() < end:
                 if felt():
                     return
                 time.sleep(0.05)
-            self.tell_phantom("motors 1")
+            self.tell_phantom(f"{receiver} motors 1".strip())
         raise AssertionError(f"no force came; Pd said:\n{self.read()[-3000:]}")
 
     def state(self):

@@ -114,14 +114,6 @@ def test_an_estop_holds_over_close_replug_and_another_phantom_of_its_device(tmp_
         live.end()
 
 
-def push(live, enough):
-    end = time.monotonic() + 40
-    while not enough():
-        assert time.monotonic() < end, f"in vain; Pd said:\n{live.read()[-3000:]}"
-        live.tell_phantom("say list 0 0 2")
-        time.sleep(0.05)
-
-
 def test_an_estop_holds_for_a_new_phantom_with_the_same_device(tmp_path):
     """The object is deleted and made again, as when its box is edited."""
     patch = Patch("")
@@ -154,7 +146,7 @@ def test_an_estop_holds_for_a_new_phantom_with_the_same_device(tmp_path):
         time.sleep(0.3)
         live.tell_phantom("say open")
         live.wait_for(r"^info: status homed 1")
-        push(live, lambda: any(abs(m) > 100 for m in motors(live.state())))
+        live.push("0 0 2", "say")
         live.tell_phantom("say estop")
         live.wait_for(r"^info: status estop 1")
         live.tell_phantom("clear bang")
@@ -162,12 +154,14 @@ def test_an_estop_holds_for_a_new_phantom_with_the_same_device(tmp_path):
         live.tell_phantom("say open")
         live.wait_for(r"^info: status open falcon", 2)
         frames, seen = live.state()["frames"], set()
-        push(live, lambda: seen.update(motors(live.state())) or
-             live.state()["frames"] > frames + 700)
+        while live.state()["frames"] < frames + 700:
+            live.tell_phantom("say list 0 0 2")
+            seen.update(motors(live.state()))
+            time.sleep(0.05)
         assert seen == {0}
         live.wait_for(r"the estop of an earlier phantom holds for this one")
         live.tell_phantom("say motors 1")
-        push(live, lambda: any(abs(m) > 100 for m in motors(live.state())))
+        live.push("0 0 2", "say")
         live.end()
     assert motors(live.state()) == [0, 0, 0]
 

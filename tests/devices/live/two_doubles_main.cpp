@@ -27,7 +27,7 @@ int main(int count, char** words) try {
     return 2;
   }
   const std::string file = words[2];
-  UMockdevTestbed* bed = umockdev_testbed_new();
+  UMockdevTestbed* bed = new_test_bed();
   if (!umockdev_in_mock_environment()) {
     std::fputs("two_doubles: start it through umockdev-wrapper\n", stderr);
     return 2;

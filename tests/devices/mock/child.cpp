@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,7 +36,20 @@ struct Lines {
   }
 };
 
+constexpr int kHardwarePriority = 80; // devices/thread_priority.hpp: drivers have 60 and 61
+
+void set_scheduling(int policy, int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  static_cast<void>(sched_setscheduler(0, policy, &parameters)); // else as all others
+}
+
 } // namespace
+
+UMockdevTestbed* new_test_bed() {
+  set_scheduling(SCHED_FIFO, kHardwarePriority); // which the test bed's own thread inherits
+  return umockdev_testbed_new();
+}
 
 int run_child(char** arguments, const std::function<std::string(const std::string&)>& answer,
               const std::function<void()>& idle, bool from_stdin) {
@@ -47,6 +61,7 @@ int run_child(char** arguments, const std::function<std::string(const std::strin
   std::signal(SIGPIPE, SIG_IGN);
   const pid_t child = fork();
   if (child == 0) {
+    set_scheduling(SCHED_OTHER, 0);
     close(up[0]);
     close(down[1]);
     const std::string descriptors = std::to_string(down[0]) + " " + std::to_string(up[1]);

@@ -55,7 +55,7 @@ int main(int count, char** words) try {
   if (at >= count)
     return usage();
 
-  UMockdevTestbed* bed = umockdev_testbed_new();
+  UMockdevTestbed* bed = tactus::mock::new_test_bed();
   if (!umockdev_in_mock_environment()) {
     std::fputs("falcon_double: start it through umockdev-wrapper\n", stderr);
     return 2;

@@ -48,7 +48,7 @@ int main(int count, char** words) try {
     return usage();
   setenv("TACTUS_DOUBLE_KIND", kind.c_str(), 1);
   setenv("TACTUS_DOUBLE_TRANSPORT", libusb ? "libusb" : "hidraw", 1);
-  UMockdevTestbed* bed = umockdev_testbed_new();
+  UMockdevTestbed* bed = tactus::mock::new_test_bed();
   if (!umockdev_in_mock_environment()) {
     std::fputs("hid_double: start it through umockdev-wrapper\n", stderr);
     return 2;
