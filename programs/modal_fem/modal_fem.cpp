@@ -13,6 +13,7 @@
 #include "fem/io/modal_table.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
+#include "programs/body/blas_kernels.hpp"
 #include "programs/body/output_files.hpp"
 #include "programs/modal_fem/options.hpp"
 #include "programs/modal_fem/outputs.hpp"
@@ -100,6 +101,7 @@ int run(const std::vector<std::string>& words) {
 } // namespace
 
 int main(int argc, char** argv) {
+  restart_with_faster_blas_kernels(argv);
   const std::vector<std::string> words(argv + 1, argv + argc);
   clean_up_on_interrupt();
   try {

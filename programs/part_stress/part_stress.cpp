@@ -13,6 +13,7 @@
 #include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
 #include "fem/modes/body.hpp"
+#include "programs/body/blas_kernels.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
 #include "programs/part_stress/picture.hpp"
@@ -299,6 +300,7 @@ int run(const std::vector<std::string>& words) {
 } // namespace
 
 int main(int argc, char** argv) {
+  restart_with_faster_blas_kernels(argv);
   const std::vector<std::string> words(argv + 1, argv + argc);
   clean_up_on_interrupt();
   try {

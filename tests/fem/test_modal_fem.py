@@ -541,3 +541,15 @@ def test_what_the_skin_yields_beyond_the_modes_is_written_on_request(tmp_path):
     assert corner > 2 * middle > 0
     assert "orthotropic" in refusal("board", "--length", 200, "--width", 100, "--thickness", 4, "--residual",
                                     "--modes", 3, "-o", "b.modal.npz", folder=tmp_path)
+
+
+@pytest.mark.parametrize("set_by_user", [None, "Nehalem"])
+def test_a_processor_that_openblas_does_not_know_gets_fast_kernels(tmp_path, set_by_user):
+    """OpenBLAS says which kernels it chose; on this machine it may know the processor, too."""
+    if " avx2 " not in open("/proc/cpuinfo").read():
+        pytest.skip("the processor has no AVX2")
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
+    environment |= {"OPENBLAS_VERBOSE": "2"} | ({"OPENBLAS_CORETYPE": set_by_user} if set_by_user else {})
+    said = run("--help", folder=tmp_path, env=environment)
+    chosen = [line.split()[1] for line in said.stderr.splitlines() if line.startswith("Core:")]
+    assert chosen[-1] == set_by_user if set_by_user else chosen[-1] not in ("Prescott", "Nehalem")
