@@ -77,7 +77,8 @@ configure() {
   fi
 }
 
-# build PRESET LABEL CMAKE-ARGUMENTS...: configures where needed, builds, shows progress; the log on failure
+# build PRESET LABEL CMAKE-ARGUMENTS...: configures where needed, builds, shows progress; the log on failure.
+# Where the array `targets` names some, these alone.
 build() {
   local folder log preset=$1 label=$2
   shift 2
@@ -85,7 +86,7 @@ build() {
   log=$folder/build.log
   say "Building $label"
   configure "$preset" "$@" || return 1
-  if ! nice ninja -C "$folder" 2>&1 | tee -a "$log" | progress built; then
+  if ! nice ninja -C "$folder" ${targets+"${targets[@]}"} 2>&1 | tee -a "$log" | progress built; then
     grep -E -A12 'FAILED|error:' "$log" | head -n 60 >&2
     return 1
   fi
