@@ -4,10 +4,39 @@
 say() { printf '%s\n' "$*"; }
 fail() { printf '%s: %s\n' "$command" "$*" >&2; exit 2; }
 
-# packages GROUP...: the Debian packages of these groups
+# packages GROUP...: the words of these groups, one a line
 packages() {
   local group
   for group; do sed -n "s/^$group: //p" "$root/scripts/packages"; done | tr ' ' '\n' | sort -u
+}
+
+installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
+
+# fetch_lists: Debian's package lists, where there are none yet
+fetch_lists() {
+  compgen -G '/var/lib/apt/lists/*Packages*' >/dev/null || update_lists
+}
+
+update_lists() {
+  local log
+  log=$(mktemp)
+  say "  fetching Debian's package lists" >&2
+  as_root apt-get update -q -o APT::Update::Error-Mode=any >"$log" 2>&1 ||
+    fail "cannot fetch Debian's package lists; is there a network? ($(grep -m1 '^[EW]:' "$log"))"
+  rm -f "$log"
+}
+
+# choose_packages WORD...: the packages that these words stand for in this release of Debian, one a line
+choose_packages() {
+  local word package
+  for word; do
+    case $word in *'|'* | *'?') ;; *) printf '%s\n' "$word"; continue ;; esac
+    for package in ${word//[|?]/ }; do
+      installed "$package" || { fetch_lists; apt-cache show "$package" >/dev/null 2>&1; } || continue
+      printf '%s\n' "$package"
+      break
+    done
+  done
 }
 
 # progress LABEL TOTAL_PATTERN: shows how far a command's output says it is, every tenth part
@@ -25,7 +54,8 @@ as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
 # set_up GROUP...: installs what is missing of these groups; quick when nothing is
 set_up() {
   local wanted missing plan log
-  wanted=$(packages "$@")
+  # shellcheck disable=SC2046
+  wanted=$(choose_packages $(packages "$@") | sort -u)
   # shellcheck disable=SC2086
   missing=$(comm -13 <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' $wanted 2>/dev/null |
                          sed -n 's/^ii *//p' | sort -u) <(printf '%s\n' $wanted))
@@ -39,9 +69,7 @@ set_up() {
   log=$(mktemp)
   # With lists that are old or absent the dry run fails; then they are fetched.
   if ! plan=$(apt-get install -s --no-install-recommends $missing 2>/dev/null); then
-    say "  fetching Debian's package lists"
-    as_root apt-get update -q -o APT::Update::Error-Mode=any >"$log" 2>&1 ||
-      fail "cannot fetch Debian's package lists; is there a network? ($(grep -m1 '^[EW]:' "$log"))"
+    update_lists
     plan=$(apt-get install -s --no-install-recommends $missing 2>"$log") ||
       fail "Debian cannot install them together: $(grep -m1 '^E:' "$log")"
   fi
