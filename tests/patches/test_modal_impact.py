@@ -185,7 +185,7 @@ def far_from_tones(sound, tones, width):
     return 10 * numpy.log10(spectrum[far].sum() / spectrum.sum())
 
 
-@pytest.mark.parametrize("every", [1, 4 / 3, 5, 37])
+@pytest.mark.parametrize("every", [pytest.param(1, marks=pytest.mark.slow), 4 / 3, 5, 37])
 @pytest.mark.parametrize("doppler", [0, 1])
 @pytest.mark.parametrize("jumps", [False, True])
 def test_a_moving_listener_never_clicks(tmp_path, every, doppler, jumps):
