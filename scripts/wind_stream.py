@@ -6,7 +6,8 @@
 A short performance as a MIDI wind controller sends it: breath as CC 2 in steps of 1/127 and 10 ms,
 note numbers, bite as pitch bend. Breath rises and falls exponentially (attack 25 ms, release 30 ms,
 single tongued notes quicker), follows the phrase between, and is never quite still. The stream is
-written for Pd's [qlist]: `ms wind-event message`."""
+written as for Pd's [qlist], `ms wind-event message`: a patch of your own can send it, and wind_controller.pd
+reads it line by line."""
 import dataclasses
 import math
 import random

@@ -24,7 +24,6 @@ SHARED = {
     "four_device": "one computer's part of a scene on four: a second copy would take the first one's port",
     "four_interaction": "as four_device", "four_sound": "as four_device", "four_screen": "as four_device",
     "design_link": "a client of a program on another computer; its names are those of beam and arm, which it moves",
-    "wind_controller": "played by one wind controller; recorded streams (wind_stream.py) name their receiver",
 }
 
 STILL = 0.03  # of the workspace: what the force on a free hand of reed_haptic moves it in half a second
@@ -114,3 +113,16 @@ def test_the_map_of_one_patch_does_not_move_the_hand_of_another(tmp_path):
         patch.send(ms, "map-y", ms / 500)
     result = patch.render(0.6, 48000)
     assert moved(result.logs["map"]) > 0.5 and moved(result.logs["reeds"]) < STILL
+
+
+def test_what_one_wind_controller_plays_the_other_does_not(tmp_path):
+    """In Pd: the recorded player of the first, then a message to the outside name, which both hear."""
+    patch = Patch(opens=copies(tmp_path, ("one", "wind_controller"), ("two", "wind_controller")))
+    for own in ("one", "two"):
+        patch.log(own, patch.obj("r", f"{own}-key"))
+    patch.send(50, "one-play", "bang")
+    patch.send(900, "one-stop", "bang")
+    patch.send(1000, "wind-event", "note 62 90")
+    logs = patch.render(1.2, 48000).logs
+    assert [atoms[0] for _, atoms in logs["two"]] == [62]
+    assert len(logs["one"]) >= 2 and logs["one"][-1][1][0] == 62
