@@ -21,9 +21,7 @@ STAGE = Stage(os.environ.get("TACTUS_STAGE", BUILD / "tactus"), BUILD / "declara
 # Deliberately one for all, with the reason; a patch of this list is not opened twice.
 SHARED = {
     "ioa_clock": "the one clock from which all modules of a Pd read their time",
-    "four_device": "one computer's part of a scene on four: a second copy would take the first one's port",
-    "four_interaction": "as four_device", "four_sound": "as four_device", "four_screen": "as four_device",
-    "design_link": "a client of a program on another computer; its names are those of beam and arm, which it moves",
+    "design_link": "moves the parts of beam and arm by the name at which they hear every patch, design-part",
 }
 
 STILL = 0.03  # of the workspace: what the force on a free hand of reed_haptic moves it in half a second
@@ -40,7 +38,7 @@ def test_no_patch_reaches_another_or_a_copy_of_itself_by_a_name():
 
 def test_the_list_of_shared_names_is_no_longer_than_it_must_be():
     users = set().union(*crosstalk(canvases()).values())
-    assert SHARED.keys() - {"four_screen"} <= users
+    assert SHARED.keys() <= users
 
 
 @pytest.mark.parametrize("text,fault", [
