@@ -122,7 +122,7 @@ LISTENER = """#N canvas 900 40 200 200 12;
 
 def test_dragging_the_finger_onto_the_reed_is_felt_and_ends_the_note(tmp_path):
     (tmp_path / "listener.pd").write_text(LISTENER)
-    with opened(ROOT / "patches" / "audiohaptics" / "finger_on_reed.pd", 690, "-open",
+    with opened(ROOT / "patches" / "audiohaptics" / "finger_on_reed.pd", 734, "-open",
                 str(tmp_path / "listener.pd"), "-send", "pd dsp 1", "-send", "finger-breath 2200") as desk:
         def last(name):
             found = re.findall(rf"^{name}: (\S+)$", desk.words(), re.M)

@@ -3,7 +3,8 @@
 crossed   a cord runs through a box, a comment, a label or the name of a graph
 overlap   two boxes, comments, labels or graphs' names share more than an edge
 cut       something reaches beyond its window, or beyond the part of it that the parent shows
-up        a cord ends above the place where it begins; except in a counter, [f] with [+ 1] close below it
+up        a cord ends above the place where it begins; except in a counter, [f] with [+ 1] close below it, and where
+          a box hears itself ([list split] that takes a list apart), for which no place is better
 hidden    a coloured panel is drawn over something that came before it
 astride   something lies half on a coloured panel and half beside it
 web       more cords cross each other than a reader can follow
@@ -138,7 +139,7 @@ def counts(drawing, cord):
 
 def up(drawing):
     for cord in drawing.cords:
-        if cord.end[1] <= cord.start[1] and not counts(drawing, cord):
+        if cord.end[1] <= cord.start[1] and cord.source != cord.target and not counts(drawing, cord):
             yield Fault("up", f"{cord_name(drawing, cord)} goes up", ((cord.start, cord.end),))
 
 

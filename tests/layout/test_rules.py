@@ -110,6 +110,12 @@ def test_a_cord_that_goes_up(stage):
     assert found(stage, "#X obj 20 100 f;\n#X obj 100 119 f;\n" + cord) == ["up"]
 
 
+def test_a_box_that_hears_itself_may_go_up(stage):
+    boxes = "#X obj 20 60 list split 1;\n#X obj 20 100 list split 1;\n#X connect 0 1 1 0;\n"
+    assert found(stage, boxes + "#X connect 0 1 0 0;\n") == []
+    assert found(stage, boxes + "#X connect 1 1 0 0;\n") == ["up"]
+
+
 def test_a_counter_may_go_up_and_a_longer_loop_may_not(stage):
     counter = "#X obj 20 60 f;\n#X obj {} 84 + 1;\n#X connect 0 0 1 0;\n#X connect 1 0 0 1;\n"
     assert found(stage, counter.format(52)) == []
