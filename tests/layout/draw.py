@@ -1,12 +1,9 @@
 #!/usr/bin/env python3
 """Lists the faults of patches, and draws them on a sketch of each canvas: cords and boxes at fault in red.
 
-    draw.py PATCH.pd... [--pictures FOLDER] [--stage FOLDER] [--declarations FILE] [--count]
-
---count prints the number of faults of each file and rule, as tests/layout/known_faults.txt holds them.
+    draw.py [PATCH.pd...] [--pictures FOLDER] [--stage FOLDER] [--declarations FILE]
 """
 import argparse
-import collections
 import pathlib
 
 import rules
@@ -51,21 +48,15 @@ def main():
     parser.add_argument("--pictures", type=pathlib.Path)
     parser.add_argument("--stage", type=pathlib.Path, default=ROOT / "build" / "tactus")
     parser.add_argument("--declarations", type=pathlib.Path, default=ROOT / "build" / "declarations.json")
-    parser.add_argument("--count", action="store_true")
     a = parser.parse_args()
     stage = Stage(a.stage, a.declarations)
     for path in a.patches or stage.patches():
-        counts = collections.Counter()
         for drawing in drawings(pd_file.read(path), stage):
             found = rules.faults(drawing)
-            counts.update(fault.rule for fault in found)
-            if not a.count:
-                print(*(f"{path.name}: {drawing.where}: {f.rule}: {f.text}\n" for f in found), sep="", end="")
+            print(*(f"{path.name}: {drawing.where}: {f.rule}: {f.text}\n" for f in found), sep="", end="")
             if a.pictures:
                 a.pictures.mkdir(exist_ok=True)
                 sketch(drawing, found, a.pictures / f"{path.stem}.{drawing.where.replace('/', '.')}.png")
-        if a.count and counts:
-            print(path.name, *(f"{rule}={counts[rule]}" for rule in rules.RULES if counts[rule]))
 
 
 if __name__ == "__main__":
