@@ -7,6 +7,9 @@ defined by it: an array, a text, a template, a device's name.
 """
 import os
 import pathlib
+import re
+import shutil
+import subprocess
 import sys
 
 import pytest
@@ -69,6 +72,40 @@ def test_a_name_between_two_patches_is_found(tmp_path):
     one, two = patch("one.pd", "#X obj 10 10 s reed-y;\n"), patch("two.pd", "#X obj 10 10 r reed-y;\n")
     assert crosstalk({"one": one, "two": two}) == {"reed-y": {"one": {"sent"}, "two": {"heard"}}}
     assert crosstalk({"one": one}) == crosstalk({"two": two}) == {}
+
+
+def said_of_two(folder, patches):
+    """What Pd complains of while it opens these and a copy of each - in a folder of its own, since Pd opens no file
+    twice - and plays for a second."""
+    second = folder / "copies"
+    second.mkdir()
+    patches = [*patches, *(pathlib.Path(shutil.copy(path, second)) for path in patches)]
+    end = folder / "end.pd"
+    end.write_text("#N canvas 0 0 400 300 12;\n#X obj 10 10 loadbang;\n#X obj 10 40 delay 1000;\n"
+                   "#X msg 10 70 \\; pd quit;\n#X connect 0 0 1 0;\n#X connect 1 0 2 0;\n")
+    words = [word for path in (*patches, end) for word in ("-open", path)]
+    done = subprocess.run(["pd", "-nogui", "-batch", "-noprefs", "-stderr", "-path", STAGE.folder, *words],
+                          capture_output=True, text=True, timeout=300, check=True)
+    return [line for line in done.stderr.splitlines() if re.search("multiply defined|couldn't create|^error", line)]
+
+
+def test_two_copies_of_every_help_patch_open_at_once(tmp_path):
+    """In one Pd, so each with each."""
+    patches = [path for path in STAGE.patches() if path.stem.endswith("-help")]
+    assert len(patches) > 40 and said_of_two(tmp_path, patches) == []
+
+
+def test_two_copies_of_every_patch_open_at_once(tmp_path):
+    """Modules without their arguments say what they miss."""
+    said = said_of_two(tmp_path, STAGE.patches())
+    assert [line for line in said if "expected" not in line] == []
+
+
+def test_what_two_copies_define_is_heard(tmp_path):
+    path = tmp_path / "wave.pd"
+    path.write_text("#N canvas 0 0 400 300 12;\n#X obj 10 10 array define wave 10;\n#X obj 10 40 loadbang;\n"
+                    "#X obj 10 70 array get wave;\n#X connect 1 0 2 0;\n")
+    assert "multiply defined" in said_of_two(tmp_path, [path])[0]
 
 
 def copies(folder, *patches):
