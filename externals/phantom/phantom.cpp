@@ -166,7 +166,7 @@ void Phantom::begin(Host& host) {
       if (std::string refusal = driver_ ? worker(host).run({rig_, runner_}, period_s(), ticket_)
                                         : runner_->start(rig_->servo, period_s());
           !refusal.empty())
-        return without_thread(std::move(refusal), host);
+        return without_thread(refusal, host);
       if (driver_)
         host.wake_in(kWatchWorker, 0);
     }
@@ -175,7 +175,7 @@ void Phantom::begin(Host& host) {
 }
 
 /// The system provided no thread for the servo: reports that and closes the device.
-void Phantom::without_thread(std::string refusal, Host& host) {
+void Phantom::without_thread(const std::string& refusal, Host& host) {
   thread_refusal_.clear();
   host.error((wall_ && !driver_ ? "clock wall: " : "open: ") + refusal);
   disconnect(host);

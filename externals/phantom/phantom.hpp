@@ -88,7 +88,7 @@ private:
     if (was_running)
       thread_refusal_ = runner_->start(rig_->servo, period_s()); // reported at the next tick
   }
-  void without_thread(std::string refusal, Host& host);
+  void without_thread(const std::string& refusal, Host& host);
 
   // connection.cpp: choosing, opening and closing the device
   [[nodiscard]] const haptic::Backend& device() const noexcept;
