@@ -63,6 +63,7 @@ TEST_CASE("a guard ends the force 50 ms after the last call, again and again, an
     std::atomic<int> ends{0};
   } seen;
   StallGuard guard;
+  const auto begun = std::chrono::steady_clock::now();
   REQUIRE(guard.start([](void* context) noexcept { ++static_cast<Seen*>(context)->ends; }, &seen) ==
           "");
   const auto wait_ms = [](int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); };
@@ -72,7 +73,6 @@ TEST_CASE("a guard ends the force 50 ms after the last call, again and again, an
     return seen.ends >= ends;
   };
   // From the start on it waits for the first call as for any other.
-  const auto begun = std::chrono::steady_clock::now();
   CHECK(until(1));
   CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(49));
   CHECK(until(4));
