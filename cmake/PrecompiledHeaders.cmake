@@ -56,6 +56,12 @@ function(precompile_headers)
       string(APPEND kind _WATCHED)
     endif()
     get_property(first GLOBAL PROPERTY TACTUS_FIRST_OF_${kind})
+    # A header with definitions of one target's own is none for the others.
+    get_target_property(definitions ${target} COMPILE_DEFINITIONS)
+    get_property(of_folder DIRECTORY ${folder} PROPERTY COMPILE_DEFINITIONS)
+    if(NOT first AND NOT "${definitions}" STREQUAL "${of_folder}" AND NOT "${definitions}:${of_folder}" STREQUAL "definitions-NOTFOUND:")
+      continue()
+    endif()
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
       target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>) # ccache asks for it
       if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
