@@ -30,7 +30,7 @@ std::string solver_path(const MpiEngine& engine) {
 std::string mpirun_path() {
   const char* path = std::getenv("PATH");
   for (const std::string& folder : split(path ? path : "/usr/bin", ':'))
-    if (const std::string file = folder + "/mpirun"; ::access(file.c_str(), X_OK) == 0)
+    if (std::string file = folder + "/mpirun"; ::access(file.c_str(), X_OK) == 0)
       return file;
   return {};
 }
@@ -58,6 +58,7 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
     throw InputError(std::string(engine.option) + ": no pipe: " + std::strerror(errno));
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words)
     arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

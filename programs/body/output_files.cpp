@@ -30,6 +30,7 @@ std::string beside_program(const std::string& script) {
 bool python(std::vector<std::string> words) {
   words.insert(words.begin(), {"python3", "-I"});
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words)
     arguments.push_back(word.data());
   arguments.push_back(nullptr);

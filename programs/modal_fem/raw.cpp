@@ -144,7 +144,7 @@ bool is_flat(const modal::Surface& surface, const Vec3& side) {
 Grid grid_of(const modal::ModalTable& table, const modal::Surface& surface,
              const RawSettings& settings) {
   const bool flat = is_flat(surface, settings.side);
-  const Grid whole = every_triangle(surface, settings.side, flat);
+  Grid whole = every_triangle(surface, settings.side, flat);
   if (whole.point.empty())
     throw InputError("no face of the body looks to --side");
   if (settings.ring)

@@ -239,7 +239,7 @@ StaticModel model_of(const PartOptions& options, const Mesh& mesh) {
   for (const LoadOptions& load : options.loads)
     model.loads.push_back(load_of(load, mesh));
   if (!(options.gravity == Vector3{}))
-    model.loads.push_back(Gravity{options.gravity});
+    model.loads.emplace_back(Gravity{options.gravity});
   return model;
 }
 

@@ -41,7 +41,7 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
       throw InputError(option + " " + kind + ": expected more after the colon, as --help says");
     for (std::size_t i = 0; i < count; ++i)
       region.words += (i ? ":" : "") + parts[i];
-    const std::string last = parts[count - 1];
+    std::string last = parts[count - 1];
     parts.erase(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(count));
     return last;
   };

@@ -145,7 +145,7 @@ std::string parse(std::span<char*> arguments, Options& options) {
   options.preset = arguments[0];
   for (std::size_t i = 1; i < arguments.size();) {
     const auto values = values_of(arguments, i);
-    const std::string refusal = parse_option(arguments[i], values, options);
+    std::string refusal = parse_option(arguments[i], values, options);
     if (!refusal.empty())
       return refusal;
     i += 1 + values.size();
