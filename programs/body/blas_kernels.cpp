@@ -2,6 +2,8 @@
 
 #include <cblas.h>
 
+#include <array>
+#include <climits>
 #include <cstdlib>
 
 #include <unistd.h>
@@ -35,9 +37,12 @@ void restart_with_faster_blas_kernels(char** words) noexcept {
   if (std::getenv(kVariable))
     return;
   const std::string_view faster = faster_blas_kernels(openblas_get_corename(), vector_units());
-  if (faster.empty() || ::setenv(kVariable, faster.data(), 1) != 0)
+  // By its path: started as /proc/self/exe, the process would be called "exe".
+  std::array<char, PATH_MAX> path{};
+  if (faster.empty() || ::readlink("/proc/self/exe", path.data(), path.size() - 1) < 0 ||
+      ::setenv(kVariable, faster.data(), 1) != 0)
     return;
-  ::execv("/proc/self/exe", words); // returns only when it fails: then with the kernels at hand
+  ::execv(path.data(), words); // returns only when it fails: then with the kernels at hand
 }
 
 } // namespace tactus::fem

@@ -553,3 +553,13 @@ def test_a_processor_that_openblas_does_not_know_gets_fast_kernels(tmp_path, set
     said = run("--help", folder=tmp_path, env=environment)
     chosen = [line.split()[1] for line in said.stderr.splitlines() if line.startswith("Core:")]
     assert chosen[-1] == set_by_user if set_by_user else chosen[-1] not in ("Prescott", "Nehalem")
+
+
+def test_the_process_keeps_its_name():
+    """Where it starts anew with other kernels, too; what ends it finds it by its name."""
+    with subprocess.Popen([PROGRAM, "disk", "--diameter", "100", "--thickness", "12", "-o", "/dev/null"],
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as child:
+        child.stderr.readline()
+        name = open(f"/proc/{child.pid}/comm").read().strip()
+        child.kill()
+    assert name == "modal_fem"
