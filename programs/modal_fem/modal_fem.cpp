@@ -9,11 +9,11 @@
 //   5. shape    how the frequencies follow control points (--lattice)
 //   6. radiate  the air around each mode, by boundary elements (--radiation body)
 //   7. write    NAME.modal.npz, and CSV, VTU, a picture sheet
+#include "fem/blas_kernels.hpp"
 #include "fem/io/load.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
-#include "programs/body/blas_kernels.hpp"
 #include "programs/body/output_files.hpp"
 #include "programs/modal_fem/options.hpp"
 #include "programs/modal_fem/outputs.hpp"

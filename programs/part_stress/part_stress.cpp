@@ -8,12 +8,12 @@
 //                several processes for the displacement
 //   4. move      control points, where asked: Taylor's series beside a new solution
 //   5. write     NAME.stress.npz, VTU, CalculiX, a picture sheet
+#include "fem/blas_kernels.hpp"
 #include "fem/io/exchange.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
 #include "fem/modes/body.hpp"
-#include "programs/body/blas_kernels.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
 #include "programs/part_stress/picture.hpp"

@@ -1,4 +1,4 @@
-#include "programs/body/blas_kernels.hpp"
+#include "fem/blas_kernels.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // The test programs compute with the kernels that modal_fem computes with.
-#include "programs/body/blas_kernels.hpp"
+#include "fem/blas_kernels.hpp"
 
 // glibc gives the words of the command line to what runs before main().
 __attribute__((constructor)) static void choose_kernels(int, char** words) {
