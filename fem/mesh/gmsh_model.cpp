@@ -188,9 +188,10 @@ void set_sizes(const SizeField& sizes, double unit, double finer) {
   gmsh::option::setNumber("Mesh.CharacteristicLengthMin", .5 * scale * sizes.smallest());
   gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 0);
   gmsh::option::setNumber("Mesh.CharacteristicLengthExtendFromBoundary", 0);
-  gmsh::model::mesh::setSizeCallback([&sizes, unit, scale](int, int, double x, double y, double z) {
+  const auto size_at = [&sizes, unit, scale](int, int, double x, double y, double z, auto...) {
     return scale * sizes.at({unit * x, unit * y, unit * z});
-  });
+  };
+  gmsh::model::mesh::setSizeCallback(size_at); // from gmsh 4.9 on it is told gmsh's own size, too
 }
 
 MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double skin,

@@ -55,7 +55,7 @@ constexpr std::array<Accessors, sizeof...(index)> accessors(std::index_sequence<
 }
 constexpr auto kAccessors = accessors(std::make_index_sequence<kMaxParameters>{});
 
-std::string quoted(std::string_view text) { return '"' + std::string(text) + '"'; }
+std::string in_quotes(std::string_view text) { return '"' + std::string(text) + '"'; }
 
 /// What an enumeration shows; empty for an ordinary number.
 std::string menu(const Parameter& parameter) {
@@ -83,7 +83,7 @@ void add_attributes(t_class* handle, const Declaration& declaration) {
     };
     describe(
         "label", "symbol",
-        quoted(parameter.unit.empty() ? name : name + " (" + std::string(parameter.unit) + ")"));
+        in_quotes(parameter.unit.empty() ? name : name + " (" + std::string(parameter.unit) + ")"));
     describe("category", "symbol", "Parameters");
     describe("order", "long", std::to_string(i + 1));
     describe("save", "long", "1");
