@@ -5,7 +5,7 @@ set(triplet aarch64-linux-gnu)
 set(CMAKE_C_COMPILER ${triplet}-gcc)
 set(CMAKE_CXX_COMPILER ${triplet}-g++)
 
-set(CMAKE_FIND_ROOT_PATH /usr/${triplet} ${CMAKE_BINARY_DIR}/root ${CMAKE_BINARY_DIR}/headers)
+set(CMAKE_FIND_ROOT_PATH /usr/${triplet} ${CMAKE_BINARY_DIR}/sysroot ${CMAKE_BINARY_DIR}/headers)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
