@@ -96,9 +96,9 @@ def test_two_copies_of_every_help_patch_open_at_once(tmp_path):
 
 
 def test_two_copies_of_every_patch_open_at_once(tmp_path):
-    """Modules without their arguments say what they miss."""
+    """Only design_part, which is opened here without its table, says what it misses."""
     said = said_of_two(tmp_path, STAGE.patches())
-    assert [line for line in said if "expected" not in line] == []
+    assert [line for line in said if not line.startswith("error: stress_haptic: ")] == []
 
 
 def test_what_two_copies_define_is_heard(tmp_path):
