@@ -26,13 +26,17 @@ update_lists() {
   rm -f "$log"
 }
 
+# offered PACKAGE: whether Debian has it. For a name that only other packages mention, apt-cache succeeds and prints
+# nothing.
+offered() { [ -n "$(apt-cache show "$1" 2>/dev/null)" ]; }
+
 # choose_packages WORD...: the packages that these words stand for in this release of Debian, one a line
 choose_packages() {
   local word package
   for word; do
     case $word in *'|'* | *'?') ;; *) printf '%s\n' "$word"; continue ;; esac
     for package in ${word//[|?]/ }; do
-      installed "$package" || { fetch_lists; apt-cache show "$package" >/dev/null 2>&1; } || continue
+      installed "$package" || { fetch_lists; offered "$package"; } || continue
       printf '%s\n' "$package"
       break
     done

@@ -3,9 +3,10 @@ import pathlib
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# A Debian in which `have` is installed and `offered` could be.
+# A Debian in which `have` is installed and `offered` could be; `mentioned` is a name without a package.
 DEBIAN = """root=$1 command=./test; shift; . "$root/scripts/common.sh"
-fetch_lists() { :; }; installed() { [ "$1" = have ]; }; apt-cache() { [ "$2" = offered ]; }
+fetch_lists() { :; }; installed() { [ "$1" = have ]; }; 
+apt-cache() { case $2 in offered) echo "Package: offered" ;; mentioned) ;; *) return 100 ;; esac; }
 choose_packages "$@" """
 
 
@@ -19,7 +20,8 @@ def test_the_first_alternative_that_debian_has_is_taken():
 
 
 def test_what_is_optional_is_left_out_where_debian_lacks_it():
-    assert chosen("missing?", "offered?", "have?") == ["offered", "have"]
+    assert chosen("missing?", "mentioned?", "offered?", "have?") == ["offered", "have"]
+    assert chosen("mentioned|offered") == ["offered"]
 
 
 def test_a_plain_name_is_asked_for_even_where_debian_lacks_it():
