@@ -212,7 +212,7 @@ def positions(gesture, sigma):
 
 
 def write_path(path, y, z, half_width_mm=50.0):
-    """The hand's way for [phantom]: rows `ms x y z`, mm, rows that straight lines give left out."""
+    """The hand's path for [phantom]: rows `ms x y z`, mm, rows that straight lines give left out."""
     mm = numpy.round((numpy.stack([y, z]) - 0.5) * 2 * half_width_mm, 4)
     keep = numpy.ones(mm.shape[1], bool)
     bend = numpy.abs(mm[:, 2:] - 2 * mm[:, 1:-1] + mm[:, :-2]).max(axis=0)

@@ -117,7 +117,7 @@ def draw_gesture(gesture, result):
 
 
 def draw_plane(gesture, result):
-    """The hand's way over the map of where the clarinet plays the tune's middle note."""
+    """The hand's path over the map of where the clarinet plays the tune's middle note."""
     pitch = int(numpy.median([n.pitch for n in gesture.notes]))
     table = playable(pitch, gestures.fitting_sigma(gesture, SIGMA))
     figure, axes = plt.subplots(figsize=(7.5, 5))
@@ -133,7 +133,7 @@ def draw_plane(gesture, result):
     axes.minorticks_off()
     axes.set_xlabel("mouth pressure, kPa")
     axes.set_ylabel("reed frequency, Hz")
-    axes.set_title(f"the hand's way over the map of {score.name(pitch)}", loc="left")
+    axes.set_title(f"the hand's path over the map of {score.name(pitch)}", loc="left")
     return figure
 
 
