@@ -103,3 +103,17 @@ def test_an_installed_program_finds_what_lies_beside_it(prefix, tmp_path):
     output = run(program, "disk", "--diameter", "100", "--thickness", "12", "--h", "12", "--modes", "2",
                  "--quiet", "-o", tmp_path / "disk.modal.npz")
     assert (tmp_path / "disk.modal.npz").is_file(), output
+
+
+def test_a_header_that_is_installed_after_the_first_configuration_is_found(tmp_path):
+    """`./play` and then `./test`, which installs more packages."""
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.22)\nproject(p LANGUAGES CXX)\n"
+        f"include({HERE.parents[1]}/cmake/OptionalHeader.cmake)\nset(CMAKE_REQUIRED_INCLUDES {tmp_path}/include)\n"
+        "optional_header(cellar.hpp HAS_CELLAR)\nmessage(STATUS \"cellar: '${HAS_CELLAR}'\")\n")
+    configure = (CMAKE, "-S", tmp_path, "-B", tmp_path / "build")
+    assert "cellar: ''" in run(*configure)
+    (tmp_path / "include").mkdir()
+    (tmp_path / "include" / "cellar.hpp").write_text("")
+    assert "cellar: '1'" in run(*configure)
+    assert "cellar: '1'" in run(*configure)
