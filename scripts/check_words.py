@@ -91,6 +91,8 @@ def split_python(text):
                     if says:
                         prose[row - 1][column] = line[column]
 
+    # From Python 3.12 on a formatted string is several tokens: its text is no code, what stands in its braces is.
+    text_of_formatted = getattr(tokenize, "FSTRING_MIDDLE", None)
     begins = True  # a statement
     for token in python_tokens(text):
         if token.type == tokenize.COMMENT:
@@ -98,6 +100,8 @@ def split_python(text):
         elif token.type == tokenize.STRING:
             clear(token.start, token.end, begins)
             begins = False
+        elif token.type == text_of_formatted:
+            clear(token.start, token.end, False)
         elif token.type in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT):
             begins = True
         elif token.type != tokenize.NL:

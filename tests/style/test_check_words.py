@@ -36,6 +36,7 @@ CLEAN_PYTHON = '''
 import collections
 most = collections.Counter(words).most_common(3)
 answer = least_squares(f, "place")  # a place to stand, said in English
+print(f"way {answer:.3f} place {{most_}} led {{}} by {answer!r}")
 '''
 CLEAN_CMAKE = 'string(REPLACE "place" "x" name ${name}) # in this place\nset(led_colour 3)\n'
 
