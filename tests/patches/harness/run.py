@@ -59,6 +59,11 @@ def processor_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def printed(output, errors):
+    """What a process printed: its lines of the standard error, then those of the standard output."""
+    return (errors + output).decode(errors="replace")
+
+
 def run_pd(patches, rate=48000, timeout=60, path=(), preload="", environment=None, arguments=()):
     """Runs `pd -batch` on the patches until one sends `; pd quit`; returns what Pd printed.
 
@@ -80,19 +85,20 @@ def run_pd(patches, rate=48000, timeout=60, path=(), preload="", environment=Non
     if preload:
         variables["LD_PRELOAD"] = str(preload)
     limit = timeout * float(os.environ.get("TACTUS_PD_SLOW", "1"))
+    # Two pipes: what libraries write to the standard output in blocks would cut Pd's lines in two.
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                               stderr=subprocess.STDOUT, env=variables, start_new_session=True)
+                               stderr=subprocess.PIPE, env=variables, start_new_session=True)
     begun, said = time.monotonic(), None
     while said is None:
         try:
             left = max(limit - processor_seconds(process.pid), 0.1)
-            said = process.communicate(timeout=left)[0].decode(errors="replace")
+            said = printed(*process.communicate(timeout=left))
         except subprocess.TimeoutExpired:
             if (processor_seconds(process.pid) < limit
                     and time.monotonic() - begun < 10 * limit):
                 continue
             os.killpg(process.pid, signal.SIGKILL)
-            said = process.communicate()[0].decode(errors="replace")
+            said = printed(*process.communicate())
             raise PdFailure(f"Pd did not finish within {limit:g} s\n{said[-4000:]}") from None
     if process.returncode:
         raise PdFailure(f"Pd ended with status {process.returncode}\n{said[-8000:]}")
