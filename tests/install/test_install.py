@@ -8,6 +8,7 @@ import subprocess
 import pytest
 
 HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 BUILD = pathlib.Path(os.environ["TACTUS_BUILD"])
 CMAKE = os.environ["TACTUS_CMAKE"]
 
@@ -105,15 +106,25 @@ def test_an_installed_program_finds_what_lies_beside_it(prefix, tmp_path):
     assert (tmp_path / "disk.modal.npz").is_file(), output
 
 
+def configured(folder, text, *words):
+    """What CMake says of a project whose CMakeLists.txt ends with the text."""
+    (folder / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.22)\nproject(p LANGUAGES CXX)\n" + text)
+    return run(CMAKE, "-S", folder, "-B", folder / "build", *words)
+
+
+def test_a_folder_that_was_configured_without_tests_gets_modules_for_max_with_them(tmp_path):
+    text = f"include({ROOT}/cmake/Options.cmake)\nmessage(STATUS \"Max: ${{TACTUS_MAX}}\")\n"
+    assert "Max: OFF" in configured(tmp_path, text, "-DTACTUS_TESTS=OFF")
+    assert "Max: ON" in configured(tmp_path, text, "-DTACTUS_TESTS=ON")
+    assert "Max: OFF" in configured(tmp_path, text, "-DTACTUS_MAX=OFF")
+
+
 def test_a_header_that_is_installed_after_the_first_configuration_is_found(tmp_path):
     """`./play` and then `./test`, which installs more packages."""
-    (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.22)\nproject(p LANGUAGES CXX)\n"
-        f"include({HERE.parents[1]}/cmake/OptionalHeader.cmake)\nset(CMAKE_REQUIRED_INCLUDES {tmp_path}/include)\n"
-        "optional_header(cellar.hpp HAS_CELLAR)\nmessage(STATUS \"cellar: '${HAS_CELLAR}'\")\n")
-    configure = (CMAKE, "-S", tmp_path, "-B", tmp_path / "build")
-    assert "cellar: ''" in run(*configure)
+    text = (f"include({ROOT}/cmake/OptionalHeader.cmake)\nset(CMAKE_REQUIRED_INCLUDES {tmp_path}/include)\n"
+            "optional_header(cellar.hpp HAS_CELLAR)\nmessage(STATUS \"cellar: '${HAS_CELLAR}'\")\n")
+    assert "cellar: ''" in configured(tmp_path, text)
     (tmp_path / "include").mkdir()
     (tmp_path / "include" / "cellar.hpp").write_text("")
-    assert "cellar: '1'" in run(*configure)
-    assert "cellar: '1'" in run(*configure)
+    assert "cellar: '1'" in configured(tmp_path, text)
+    assert "cellar: '1'" in configured(tmp_path, text)
