@@ -136,14 +136,15 @@ class Site:
         return urllib.parse.quote(path) + (f"#{urllib.parse.quote(anchor)}" if anchor else "")
 
     def made_by_play(self, page, link, name):
-        """Is a file of out/ there? A scene that does not exist, or that was made without it, is a fault."""
+        """Is a file of out/ there, to be copied? A scene that does not exist, or that was made without it, is a fault.
+        The page of ./play is not copied: its links lead into the checkout."""
         parts = pathlib.PurePosixPath(name).parts
         scene = parts[1]
         if len(parts) > 2 and f"scripts/scenes/{scene.replace('-', '_')}.py" not in self.files:
             self.fault(page, link, f"there is no scene {scene}")
         elif (self.root / "out" / scene / "scene.json").exists() and not (self.root / name).exists():
             self.fault(page, link, f"./play {scene} has not made it")
-        return (self.root / name).is_file()
+        return (self.root / name).is_file() and not name.endswith(".html")
 
     def relinked(self, page, body):
         """The HTML of a page with the links of the copy."""

@@ -120,6 +120,15 @@ def test_a_small_site_without_faults(tmp_path):
     assert '<audio controls preload="none" src="out/walk/s.wav">' in page and "makes it" not in page
 
 
+def test_the_page_of_play_is_named_and_not_copied(tmp_path):
+    """Its own links lead into the checkout."""
+    small_site(tmp_path)
+    (tmp_path / "in" / "out").mkdir()
+    (tmp_path / "in" / "out" / "index.html").write_text('<a href="../README.md">tactus</a>')
+    assert faults(tmp_path, "[all](out/index.html)") == [] and dead(tmp_path / "out") == []
+    assert "all <small>(./play makes it)" in (tmp_path / "out" / "README.html").read_text()
+
+
 @pytest.mark.parametrize("text, said", [
     ("[a](nothing.md)", "leads to no file"), ("[a](sub/nothing.txt)", "leads to no file"),
     ("[a](b.md#nothing)", "b.md has no heading #nothing"), ("[a](#two)", "README.md has no heading #two"),
