@@ -12,8 +12,10 @@
 namespace tactus::fem {
 namespace {
 
-constexpr double kMaxGridPoints = 4e7, kMaxSkinSquares = 3e5;
+constexpr double kMaxGridPoints = 4e7;  ///< of the grid, for memory
+constexpr double kMaxSkinSquares = 3e5; ///< squares of the grid's spacing that the skin fills
 
+/// m^2.
 double skin_area(const Triangles& t) {
   double sum = 0;
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
@@ -21,7 +23,7 @@ double skin_area(const Triangles& t) {
   return sum;
 }
 
-/// The finest spacing that the limits allow, if it is wider than the one wanted.
+/// The target spacing, or the finest one within the limits where that is coarser, m.
 double affordable(const Triangles& t, double target_spacing) {
   const Vector3 size = bounding_box(t.points).size();
   const double grid_volume = (size.x + 20 * target_spacing) * (size.y + 20 * target_spacing) *
@@ -30,9 +32,9 @@ double affordable(const Triangles& t, double target_spacing) {
                    std::sqrt(skin_area(t) / kMaxSkinSquares)});
 }
 
-/// Squared distance of every grid point to the nearest marked one, in spacings, up to `limit`
-/// (Felzenszwalb & Huttenlocher 2012, one axis after the other; within a limit parabolas farther
-/// than it need not be tried).
+/// Squared distance of every grid point to the nearest marked one, in squares of the spacing;
+/// (limit + 1)^2 where none is within `limit` spacings. One axis after the other, as by
+/// Felzenszwalb & Huttenlocher 2012; here only points within `limit` of each other are compared.
 std::vector<float> squared_distance(const RayGrid& grid, const std::vector<std::uint8_t>& marked,
                                     int limit) {
   const float far = static_cast<float>(limit + 1) * static_cast<float>(limit + 1);
@@ -70,7 +72,8 @@ std::vector<float> squared_distance(const RayGrid& grid, const std::vector<std::
   return square;
 }
 
-/// Calls use(neighbour, crossed) for the grid points beside one: whether triangles lie between.
+/// Calls use(neighbour, crossed) for the up to six grid points next to one. crossed: a triangle
+/// lies between the two.
 template <class Use> void for_each_neighbour(const RayGrid& grid, std::size_t index, Use&& use) {
   const auto cell = grid.cell(index);
   for (int axis = 0; axis < 3; ++axis) {
@@ -85,8 +88,9 @@ template <class Use> void for_each_neighbour(const RayGrid& grid, std::size_t in
   }
 }
 
+/// The volume between the outer shells and their cavities, m^3.
 double enclosed(const Triangles& t) {
-  // Shells are outward each by itself: cavities are those that lie in others.
+  // Each shell is oriented outward by itself; separate_bodies() turns those that are cavities.
   double sum = 0;
   for (const Triangles& body : separate_bodies(t))
     for (std::size_t i = 0; i < body.triangles.size(); ++i)
@@ -94,7 +98,9 @@ double enclosed(const Triangles& t) {
   return sum;
 }
 
-/// Evens out noise below a few grid steps and keeps the volume (Taubin 1995).
+/// Smooths a surface over a few grid spacings and keeps its volume: each pass moves every point by
+/// a share of its distance to the mean of its neighbours, in turn towards it and away from it
+/// (Taubin 1995).
 void smooth(Triangles& t) {
   std::vector<Vector3> sum(t.points.size());
   std::vector<double> count(t.points.size());
@@ -113,9 +119,9 @@ void smooth(Triangles& t) {
   }
 }
 
-/// Where sheets touch at a point each has a copy of it, and along an edge one of them has a point
-/// of its own in the edge's middle (weld). These points move towards their neighbours, so that
-/// elements find room between the sheets.
+/// Moves sheets that touch apart, so that elements fit between them. weld() left a copy of a common
+/// point to each sheet, and along a common edge a point in its middle to one of them. These points
+/// move a tenth of the distance towards their neighbours.
 void part_touching(Triangles& t, double distance) {
   std::vector<std::vector<int>> ring(t.points.size());
   for (const auto& c : t.triangles)
@@ -141,8 +147,9 @@ void part_touching(Triangles& t, double distance) {
   t.points = std::move(moved);
 }
 
-/// Points of triangles that cut each other, where more than one sheet passes a cell, move towards
-/// the middle of their neighbours until none do.
+/// Removes crossings of triangles, which appear where more than one sheet passes through a cell:
+/// the points of crossing triangles move half of the distance towards the mean of their neighbours,
+/// in up to ten passes.
 void relax_crossings(Triangles& t) {
   for (int pass = 0; pass < 10; ++pass) {
     const auto pairs = crossings(t, 10000);
@@ -206,10 +213,11 @@ Resurfaced united(const Triangles& t, double finer) {
 
 namespace {
 
-/// Where the ball's centre gets from the border of the grid on: points as far from the triangles as
-/// its squared radius.
-std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<float>& far,
-                                       float square) {
+/// Marks the grid points that the centre of a ball reaches from the border of the grid without
+/// meeting a triangle. to_triangle: squared distance of each point to the triangles, in
+/// squares of the spacing, as is the ball's squared_radius.
+std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<float>& to_triangle,
+                                       float squared_radius) {
   std::vector<std::uint8_t> centre(grid.count(), 0);
   std::vector<std::size_t> front{0};
   centre[0] = 1;
@@ -217,7 +225,7 @@ std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<fl
     const std::size_t i = front.back();
     front.pop_back();
     for_each_neighbour(grid, i, [&](std::size_t j, bool) {
-      if (!centre[j] && far[j] >= square) {
+      if (!centre[j] && to_triangle[j] >= squared_radius) {
         centre[j] = 1;
         front.push_back(j);
       }
@@ -231,32 +239,35 @@ std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<fl
 Resurfaced shrink_wrapped(const Triangles& t, double gap) {
   const double largest = bounding_box(t.points).largest();
   const double spacing = affordable(t, std::min(gap / 4, largest / 80));
-  const double reach = .5 * gap / spacing; // of the ball, in spacings
-  if (reach < 1.5)
+  constexpr double kMinRadius = 1.5, kMaxRadius = 60;
+  const double radius = .5 * gap / spacing; // of the ball, in spacings
+  if (radius < kMinRadius)
     throw InputError(
         format("--shrink-wrap %.3g mm is too fine for this surface: expected %.3g mm or "
                "more",
-               1e3 * gap, 3e3 * spacing));
-  if (reach > 60)
-    throw InputError(format("--shrink-wrap %.3g mm: expected at most half the body, %.3g mm",
-                            1e3 * gap, 500 * largest));
-  const int margin = static_cast<int>(std::ceil(reach)) + 3;
+               1e3 * gap, 1e3 * 2 * kMinRadius * spacing));
+  if (radius > kMaxRadius)
+    throw InputError(format("--shrink-wrap %.3g mm is too wide for a body of %.3g mm: expected "
+                            "%.3g mm at most",
+                            1e3 * gap, 1e3 * largest, 1e3 * 2 * kMaxRadius * spacing));
+  const int margin = static_cast<int>(std::ceil(radius)) + 3;
   const RayGrid grid(t, spacing, margin);
   std::vector<std::uint8_t> marked(grid.count(), 0); // beside a triangle
   for (std::size_t i = 0; i < marked.size(); ++i)
     for_each_neighbour(grid, i, [&](std::size_t, bool crossed) { marked[i] |= crossed; });
-  const auto far = squared_distance(grid, marked, static_cast<int>(std::ceil(reach)));
-  const auto square = static_cast<float>(reach * reach);
-  const std::vector<std::uint8_t> centre = ball_centres(grid, far, square);
-  // All that the ball covers; then, up to the triangles, points with more free ways to the outside
-  // than ways through triangles, so that a crack lets nothing in.
-  const double cover = reach + 2;
-  const auto away = squared_distance(grid, centre, static_cast<int>(std::ceil(cover)));
+  const auto to_triangle = squared_distance(grid, marked, static_cast<int>(std::ceil(radius)));
+  const auto squared_radius = static_cast<float>(radius * radius);
+  const std::vector<std::uint8_t> centre = ball_centres(grid, to_triangle, squared_radius);
+  // Outside is what the ball covers. Then points of the front, up to 2 spacings behind it, become
+  // outside too if more of their outside neighbours are reached freely than through a triangle, so
+  // that the skin comes up to the triangles and a crack between them lets nothing in.
+  const double cover = radius + 2;
+  const auto to_centre = squared_distance(grid, centre, static_cast<int>(std::ceil(cover)));
   std::vector<std::uint8_t> inside(grid.count());
   std::vector<std::size_t> front;
   for (std::size_t i = 0; i < inside.size(); ++i) {
-    inside[i] = away[i] >= square;
-    if (inside[i] && away[i] <= static_cast<float>(cover * cover))
+    inside[i] = to_centre[i] >= squared_radius;
+    if (inside[i] && to_centre[i] <= static_cast<float>(cover * cover))
       front.push_back(i);
   }
   for (int pass = 0; pass < 3; ++pass) {

@@ -12,15 +12,16 @@ struct Resurfaced {
   double volume_change = 0; ///< relative, of the new surface against `volume`
 };
 
-/// The outer skin of closed shells, outward or (cavities) inward, that may overlap, touch and
-/// cross: the border of where their winding number is positive. Flat faces and sharp edges stay
-/// within the grid's spacing. `finer` multiplies the number of grid points along a side.
+/// The outer skin of closed shells that may overlap, touch and cross: the border of the region with
+/// a positive winding number. Shells are oriented outward, those of cavities inward. Flat faces and
+/// sharp edges are kept to within the grid's spacing. `finer` multiplies the number of grid points
+/// along a side.
 [[nodiscard]] Resurfaced united(const Triangles& closed_shells, double finer = 1);
 
-/// The skin that a ball of diameter `gap` (m) rolling over any triangles from outside leaves:
-/// closed whatever the triangles are. Holes and crevices narrower than `gap` are closed, what lies
-/// inside becomes solid; elsewhere it follows the triangles. Refuses triangles that enclose nothing
-/// at that gap.
+/// A closed skin around any triangles: the border of what a ball of diameter `gap` (m) that rolls
+/// over them from outside does not reach. Holes and crevices narrower than `gap` are closed and
+/// what lies inside becomes solid; elsewhere the skin follows the triangles. Refuses triangles that
+/// enclose nothing at that gap.
 [[nodiscard]] Resurfaced shrink_wrapped(const Triangles&, double gap);
 
 } // namespace tactus::fem

@@ -243,6 +243,11 @@ TEST_CASE("a wrap closes holes, unites boxes and holds a soup of triangles") {
   CHECK(separate_bodies(wrapped.surface).size() == 1);
   // Too small a gap leaves the inside open: only the sheet itself could be wrapped.
   CHECK_THROWS_AS(static_cast<void>(shrink_wrapped(surface(ball), .002)), InputError);
+  // A gap is refused from 1.5 times the ball's diameter on, and the error says so.
+  CHECK_THROWS_WITH_AS(static_cast<void>(shrink_wrapped(surface(ball), 3.1)),
+                       doctest::Contains("a body of 2e+03 mm: expected 3e+03 mm at most"),
+                       InputError);
+  CHECK(shrink_wrapped(surface(ball), 2.9).volume == doctest::Approx(round).epsilon(.01));
 
   const TriangleSoup boxes = box({}, {1, 1, 1}) + box({.4, .3, .6}, {1, 1, 1});
   CHECK(shrink_wrapped(surface(boxes), .1).volume == doctest::Approx(2 - .168).epsilon(.01));
