@@ -89,10 +89,24 @@ double BodyReader::number(double low, double high) {
   return fem::number(option(), value(), low, high);
 }
 
+/// The path that an option for a file sets; null for other options.
+std::string* BodyReader::output_path() {
+  const std::string& name = option();
+  if (name == "-o" || name == "--output")
+    return &options_.output;
+  if (name == "--vtu")
+    return &options_.vtu;
+  if (name == "--sheet")
+    return &options_.sheet;
+  return name == "--export-inp" ? &options_.inp : nullptr;
+}
+
 // One piece: a table of the options.
 void BodyReader::take() {
   const std::string& name = option();
-  if (name == "--unit") {
+  if (std::string* const path = output_path()) {
+    *path = value();
+  } else if (name == "--unit") {
     value();
   } else if (name == "--material") {
     const auto& word = value();

@@ -10,7 +10,8 @@
 
 namespace tactus::fem {
 
-/// The body that a command line names: its shape or file, material and mesh.
+/// The body that a command line names (its shape or file, material and mesh) and the files to
+/// write.
 struct BodyOptions {
   std::string body; ///< a shape's name or a file
   bool is_file = false;
@@ -26,10 +27,11 @@ struct BodyOptions {
   bool several_parts = false, quiet = false, straight = false, remesh = false;
   std::string part; ///< the one to take of a file's separate parts
   int threads = 1;
-  double time_limit_s = 1200; ///< without progress, for reading and meshing a file
-  double memory_bytes = 0;    ///< 0: half of what is free
-  double fillet = 0;          ///< m
-  double shrink_wrap = 0;     ///< m; below 0: the gap is chosen; 0: no wrap
+  double time_limit_s = 1200;          ///< without progress, for reading and meshing a file
+  double memory_bytes = 0;             ///< 0: half of what is free
+  double fillet = 0;                   ///< m
+  double shrink_wrap = 0;              ///< m; below 0: the gap is chosen; 0: no wrap
+  std::string output, vtu, sheet, inp; ///< paths of the table, of VTU, picture and CalculiX files
 
   /// The body's name without folder and ending.
   [[nodiscard]] std::string name() const;
@@ -56,11 +58,12 @@ public:
   double number(double low, double high);
   double length(double low, double high) { return options_.unit * number(low, high); }
   [[nodiscard]] double unit() const { return options_.unit; } ///< m
-  /// An option of the body, its material or its mesh, or a dimension of the shape; refuses what is
-  /// none.
+  /// Reads an option of the body, its material, its mesh or its files, or a dimension of the shape;
+  /// refuses what is none.
   void take();
 
 private:
+  [[nodiscard]] std::string* output_path();
   void take_dimension();
 
   BodyOptions& options_;

@@ -52,16 +52,8 @@ ModalOptions read_options(const std::vector<std::string>& words) {
   BodyReader reader(options, words, known_shapes(), "modal_fem");
   while (reader.next()) {
     const std::string& option = reader.option();
-    if (option == "-o" || option == "--output") {
-      options.output = reader.value();
-    } else if (option == "--csv") {
+    if (option == "--csv") {
       options.csv = reader.value();
-    } else if (option == "--vtu") {
-      options.vtu = reader.value();
-    } else if (option == "--sheet") {
-      options.sheet = reader.value();
-    } else if (option == "--export-inp") {
-      options.inp = reader.value();
     } else if (option == "--export-petsc") {
       options.petsc = reader.value();
     } else if (option == "--import-modes") {

@@ -32,8 +32,8 @@ struct ModalOptions : BodyOptions {
   std::size_t acoustic_triangles = 2000;
   DesignOptions design;          ///< control points that the frequencies follow
   std::vector<double> ratios{1}; ///< of frequency, at which radiation is tabulated
-  double air_density = 1.184, sound_speed = 346.1; ///< air at 25 degrees
-  std::string output, csv, vtu, sheet, inp, petsc, import_values, import_vectors;
+  double air_density = 1.184, sound_speed = 346.1;       ///< air at 25 degrees
+  std::string csv, petsc, import_values, import_vectors; ///< paths
 };
 
 /// Refuses what it does not understand. Lengths are in `--unit`.

@@ -180,15 +180,7 @@ PartOptions read_options(const std::vector<std::string>& words) {
   BodyReader reader(options, words, shapes_of_parts(), "part_stress");
   while (reader.next()) {
     const std::string& option = reader.option();
-    if (option == "-o" || option == "--output") {
-      options.output = reader.value();
-    } else if (option == "--vtu") {
-      options.vtu = reader.value();
-    } else if (option == "--sheet") {
-      options.sheet = reader.value();
-    } else if (option == "--export-inp") {
-      options.inp = reader.value();
-    } else if (option == "--step") {
+    if (option == "--step") {
       options.step = reader.value();
     } else if (option == "--engine") {
       const std::string& word = reader.value();

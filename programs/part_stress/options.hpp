@@ -43,7 +43,7 @@ struct PartOptions : BodyOptions {
   int ranks = 0;      ///< 2 unless given
 
   bool list_faces = false;
-  std::string output, vtu, sheet, inp, step;
+  std::string step; ///< path
 
   /// The dimensions of the shape lift_arm. Refuses as check() does.
   [[nodiscard]] LiftArm lift_arm() const;
