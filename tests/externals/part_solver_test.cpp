@@ -92,7 +92,7 @@ TEST_CASE("a child solves the part: stress alone, then its sensitivities") {
     Rig rig("good", wait);
     REQUIRE(rig.prepare());
     const Reanalysis::Costs costs = rig.solver->costs();
-    CHECK(costs.factor_s == (wait ? 0 : 0.01)); // who waits chooses by iterations
+    CHECK(costs.factor_s == (wait ? 0 : 0.01)); // a caller that waits chooses by iterations
     const auto& own = rig.table.base.von_mises;
     auto result = rig.solve({0.004, 0});
     REQUIRE(result.base);

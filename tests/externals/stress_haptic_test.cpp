@@ -1,4 +1,5 @@
-// [stress_haptic] in a host of the test: force across swaps, a solver, the worker's thread.
+// [stress_haptic] in a host of the test: continuity of the force when the stress is exchanged, the
+// solver, the worker's thread.
 #include "externals/stress_haptic/stress_haptic.hpp"
 #include "tests/core/stress/beam_solver.hpp"
 #include "tests/externals/table_folder.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Logical time by the test; keeps what is sent.
+/// A host whose logical time the test advances; records what the object sends.
 class TestHost final : public Host {
 public:
   TestHost(const Folder& folder, bool real_time) : folder_(folder), real_time_(real_time) {}
@@ -106,11 +107,12 @@ struct Rig {
         return object.set(i, arguments.at(0).number);
     FAIL("no message of that name");
   }
+  /// The handle at rest at a position.
   void hold(double x_mm, double y_mm, double z_mm) {
     const std::vector<Atom> atoms{x_mm, y_mm, z_mm, 0.0, 0.0, 0.0};
     object.list(1, atoms, host);
   }
-  /// Logical milliseconds.
+  /// Advances the logical time.
   void run(int ms) {
     for (int i = 0; i < ms; ++i) {
       host.time_ms += 1;
@@ -120,7 +122,7 @@ struct Rig {
       }
     }
   }
-  /// What the worker's thread posts is delivered until the condition holds; false after a minute.
+  /// Delivers what the worker's thread posts until the condition holds; false after a minute.
   template <class Condition> bool wait(const Condition& condition) {
     for (int i = 0; i < 60000 && !condition(); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -153,12 +155,12 @@ TEST_CASE("force is continuous when a re-solved stress takes the place of the se
   rig.hold(50, 0, 0); // 30 N at gamma 1
   rig.run(300);
   const double before = rig.force();
-  // A large move: the series is far off, its solution changes gamma by much.
+  // A large displacement: the series has a large error, so the solution changes gamma by much.
   rig.say("range", {"fixed", 100e3, 500e3});
   rig.run(200);
   rig.solver->polls_needed = 60;        // one every 2 ms
   rig.say("cp", {0.0, 0.0, 20.0, 0.0}); // 10 mm up
-  rig.run(60);                          // the series' own glide is over
+  rig.run(60);                          // the glide of the series has ended
   const double series = rig.gamma();
   const std::size_t from = rig.host.sent.at(1).size();
   rig.run(400);
@@ -193,7 +195,7 @@ TEST_CASE("force is continuous across settings, a grab, another table and a move
   rig.run(300);
   CHECK(rig.force() == doctest::Approx(-30));
   rig.say("range", {"initial"});
-  rig.run(50); // in the middle of one fade the next
+  rig.run(50); // the next change comes in the middle of a fade
   rig.say("grab", {0.0});
   rig.run(30);
   rig.say("mode", {1.0});
@@ -244,8 +246,8 @@ TEST_CASE("a point that is grabbed again is dragged on from where it is") {
   rig.say("release");
   rig.hold(0, 0, 0);
   rig.say("grab", {1.0});
-  rig.say("grab", {0.0, 0.0}); // lets another go: nothing
-  rig.hold(0, 1, 0);           // 2 mm and 1 mm
+  rig.say("grab", {0.0, 0.0}); // releases another point: no effect
+  rig.hold(0, 1, 0);           // 2 mm from before and 1 mm
   rig.run(300);
   StressModel model(test::shared(Cantilever::table()));
   CHECK(rig.gamma() ==
@@ -414,7 +416,7 @@ TEST_CASE("the first position is the anchor; absurd velocities stay bounded") {
   CHECK(rig.force() == doctest::Approx(-400)); // 4 N s/m at 100 m/s
 }
 
-TEST_CASE("three numbers: the velocity is that of the positions") {
+TEST_CASE("with three numbers the velocity is estimated from the positions") {
   Rig rig;
   rig.say("load", {"cantilever.stress.npz"});
   rig.say("range", {"fixed", 0.0, 1.0});

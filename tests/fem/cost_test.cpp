@@ -1,4 +1,4 @@
-// What a body will take, foretold before it is meshed, against the meshes and factors it gets.
+// The predicted cost of a body that is not meshed yet, against its mesh and factor.
 #include "fem/modes/cost.hpp"
 
 #include "fem/material/material.hpp"

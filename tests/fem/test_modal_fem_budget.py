@@ -1,4 +1,4 @@
-"""What modal_fem foretells and refuses before it works, and what it says while it does."""
+"""What modal_fem predicts and refuses before it works, and what it reports meanwhile."""
 import json
 import os
 import re

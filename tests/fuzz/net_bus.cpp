@@ -1,4 +1,4 @@
-// A bus link's session behind its frames, both for who listens and for who calls: whatever a peer
+// A bus link's session behind its frames, both as listener and as caller: whatever a peer
 // sends, what is handed on can be read, is named and numbered as a topic, and was sent before it
 // came.
 #include "net/bus_node.hpp"

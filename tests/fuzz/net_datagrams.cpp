@@ -1,4 +1,4 @@
-// Datagrams of strangers and of peers that have the key: whatever comes, nothing is moved, said or
+// Datagrams of peers without and with the key: whatever comes, nothing is moved, said or
 // counted as life but positions at a client and probes at a server.
 #include "net/client.hpp"
 #include "net/server.hpp"

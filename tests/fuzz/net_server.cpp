@@ -1,5 +1,5 @@
-// The haptic server and client behind their frames: whatever a peer sends, the orders for the servo
-// stay within the server's limits.
+// The haptic server and client, fed with decoded frames: whatever a peer sends, the command for the
+// servo stays within the server's limits.
 #include "net/client.hpp"
 #include "net/server.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLimit_n = 2, kStiffness = 400, kDamping = 4;
 
-void check_orders(const Server& server) {
+void check_command(const Server& server) {
   const ServoCommand& servo_command = server.servo_command();
   check(is_finite(servo_command.force_n), "a force that is not finite");
   check(servo_command.force_limit_n >= 0 && servo_command.force_limit_n <= kLimit_n,
@@ -43,15 +43,15 @@ void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
   static DeviceReport report;
   report.state.position = {0.001 * std::sin(now_s), 0, 0};
   const auto id = server->connect("127.0.0.1", now_s);
-  check(id.has_value(), "a connection was kept after it had gone");
+  check(id.has_value(), "the slot of a closed connection was not freed");
   // In two pieces, with buttons and time in between.
   const auto first = input.first(input.size() / 2);
   server->receive(*id, first, now_s);
-  check_orders(*server);
+  check_command(*server);
   server->set_button(0, true);
   server->advance(report, now_s += 0.3);
   server->receive(*id, input.subspan(first.size()), now_s);
-  check_orders(*server);
+  check_command(*server);
   server->set_button(0, false);
   server->advance(report, now_s += 0.3);
   check(server->out(*id).size() <= OutQueue::kCapacity, "the queue is longer than it may be");

@@ -121,7 +121,7 @@ Message hit(int number) {
 }
 Message hand(int number) { return Message(Address::kTopic, "hand").real(0).real(number); }
 
-/// A stranger who speaks the protocol by hand to a listener.
+/// A peer that sends single messages of the protocol to a listener.
 struct RawPeer {
   explicit RawPeer(std::string_view token = {}) : end(BusSession::Side::kListener, token) {
     connect();

@@ -147,7 +147,7 @@ TEST_CASE("after a new connection all is set up again but the motors are off unt
     CHECK(!line.client.in_control());
     CHECK(line.rig.force_n == Vec3{});
   }
-  line.rig.device.set_button(0, true); // the points are there again, for who is in control
+  line.rig.device.set_button(0, true); // the points are there again, for the client in control
   line.run(0.01);
   line.rig.device.set_button(0, false);
   line.client.start(RenderMode::kSpring);

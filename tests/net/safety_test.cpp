@@ -115,7 +115,7 @@ TEST_CASE("messages that a slow line delivers late keep no force up") {
   CHECK(p.rig.force_n.x == doctest::Approx(2));
 }
 
-TEST_CASE("a client silent for 5 s is shown out, not one that pings") {
+TEST_CASE("a client silent for 5 s is disconnected, not one that pings") {
   Rig rig(usual());
   TestClient silent(rig), pinging(rig), wordless(rig);
   silent.hello();
@@ -133,7 +133,7 @@ TEST_CASE("a client silent for 5 s is shown out, not one that pings") {
   CHECK(!pinging.closing());
 }
 
-TEST_CASE("a controlling client that is shown out controls no more") {
+TEST_CASE("a controlling client that was disconnected controls no more") {
   ActiveServer p;
   p.rig.run(5.2);
   CHECK(p.client.closing());

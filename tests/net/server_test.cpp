@@ -58,7 +58,8 @@ TEST_CASE("a command in bytes from outside becomes the force at the device") {
   CHECK(norm(rig.force_n - Vec3{1, -2, 0.5}) < 1e-12);
 }
 
-TEST_CASE("the first start wins; others are busy until it stops or is gone") {
+TEST_CASE(
+    "the first client to start has control; others get 'busy' until it stops or disconnects") {
   Rig rig(usual());
   TestClient first(rig), second(rig);
   first.hello();
@@ -83,7 +84,7 @@ TEST_CASE("the first start wins; others are busy until it stops or is gone") {
   CHECK(rig.server.servo_command().running);
 }
 
-TEST_CASE("an observer hears everything and changes nothing") {
+TEST_CASE("an observer receives everything and changes nothing") {
   Rig rig(usual());
   TestClient control(rig), observer(rig);
   control.hello();
@@ -105,7 +106,7 @@ TEST_CASE("an observer hears everything and changes nothing") {
   CHECK(lines.front() == "status 'started' 'force' 'test'");
 }
 
-TEST_CASE("nothing but hello is taken before hello; ping is, where no token is needed") {
+TEST_CASE("before hello everything else is refused, but for ping where no token is needed") {
   Rig rig(usual());
   TestClient client(rig);
   client.send_text("hap start force");
@@ -120,7 +121,7 @@ TEST_CASE("nothing but hello is taken before hello; ping is, where no token is n
   CHECK(stranger.has_received("error 'hello'"));
 }
 
-TEST_CASE("versions: a newer client is told ours, an older one is shown out") {
+TEST_CASE("versions: a newer client is sent the server's, an older one is disconnected") {
   Rig rig(usual());
   TestClient newer(rig), older(rig);
   newer.send(Message(Address::kHello).integer(7).string("n").string("control").string(""));
@@ -130,7 +131,7 @@ TEST_CASE("versions: a newer client is told ours, an older one is shown out") {
   CHECK(older.closing());
 }
 
-TEST_CASE("an unknown address is told and ignored, a second hello too") {
+TEST_CASE("an unknown address and a second hello are answered by an error and ignored") {
   Rig rig(usual());
   TestClient client(rig);
   client.hello();
@@ -139,7 +140,7 @@ TEST_CASE("an unknown address is told and ignored, a second hello too") {
     client.send_bytes(with_length(bytes_of(std::string_view("/hap/dance\0\0,\0\0\0", 16))));
   CHECK(client.has_received("error 'unknown' 'dance'"));
   client.send_text("hap welcome 1");
-  CHECK(client.has_received("error 'unknown' 'welcome'") == false); // 20 errors a second are said
+  CHECK(client.has_received("error 'unknown' 'welcome'") == false); // at most 20 errors a second
   rig.run(1);
   client.send_text("hap welcome 1");
   CHECK(client.has_received("error 'unknown' 'welcome'"));

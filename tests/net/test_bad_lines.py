@@ -226,7 +226,7 @@ def test_a_pulled_cable_between_two_computers(namespaces, tmp_path):
         time.sleep(1.5)
         plugged = time.monotonic()
         ip("-n", NAMES[1], "link", "set", "far", "up")
-        time.sleep(7)  # retransmissions go on; else the client is shown out
+        time.sleep(7)  # retransmissions go on; else the client is disconnected
         first.kill()
         second = client()
         assert second.stdout.readline() == "started\n"

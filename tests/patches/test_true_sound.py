@@ -211,7 +211,7 @@ def test_level_over_damping_is_what_the_surface_gives(tmp_path, name, listener, 
         true.append(peak_and_energy(pressure, rate, beta, chosen, size))
         ours.append(peak_and_energy(spectrum(sound, rate, beta), rate, beta, chosen, size))
     ours, true = numpy.array(ours), numpy.array(true)
-    # A peak of a steel ball's strike lies between samples and hangs on the phases at 20 kHz.
+    # A peak of a steel ball's strike lies between samples and depends on the phases at 20 kHz.
     assert (abs(ours - true).max(0) < (.3, .1)).all()
     assert (abs(numpy.diff(ours - true, axis=0)).max(0) < (.2, .1)).all()
     assert true[-1, 1] < true[0, 1] + (.5 if messages else -1)

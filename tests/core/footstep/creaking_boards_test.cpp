@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// Boards that creak: stick and slip under a load that moves.
+// CreakingBoards: boards that stick and slip under a load that moves.
 
 using namespace tactus::footstep;
 using namespace tactus::test;
@@ -48,7 +48,7 @@ const std::string kJoint =
     "vary_level 0\nmu_s 0.8\nmu_d 0.3\nstribeck 0.001\nstiffness 4e6\ndamping 20\n"
     "viscosity 0\njoint 150\njoint_mass 0.02\njoint_t60 5\npressed 0\nload 10\n";
 
-/// Mean time between two slips, s, while the sole goes on as `sole` says.
+/// Mean time between two slips under a constant state of the sole, s.
 double slip_interval(const std::string& more, SoleState sole) {
   const auto ground = ground_of(kJoint + more);
   std::vector<double> level;
@@ -63,7 +63,8 @@ double slip_interval(const std::string& more, SoleState sole) {
   bool loud = true;
   for (std::size_t n = 9600; n < level.size(); ++n) {
     const double t = static_cast<double>(n) / 48000;
-    // A slip is over after half a period of the joint, 3.3 ms: letting go and sticking are one.
+    // A slip takes half a period of the joint, 3.3 ms. The sounds of its beginning and end count as
+    // one.
     if (!loud && level[n] > 0.3 * high && (times.empty() || t > times.back() + 0.006))
       times.push_back(t);
     loud = level[n] > (loud ? 0.1 : 0.3) * high;
@@ -72,7 +73,7 @@ double slip_interval(const std::string& more, SoleState sole) {
   return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
 }
 
-/// So many N under heel and ball, of which so many a second come.
+/// A sole with these loads under heel and ball (N), which change at these rates (N/s).
 SoleState loaded(double heel_n, double ball_n, double heel_slope, double ball_slope) {
   SoleState sole;
   sole.heel_n = heel_n;
@@ -84,15 +85,15 @@ SoleState loaded(double heel_n, double ball_n, double heel_slope, double ball_sl
 
 } // namespace
 
-TEST_CASE("a loaded joint sticks and slips as often as its stiffness and friction say") {
-  // A joint of K = m (2 pi f)^2 pulled at v: a slip takes the force from mu_s N past mu_d N to as
-  // much below it, if nothing is lost on the way, and to mu_d N if all is. Between two slips it is
-  // thus stretched by one to two times (mu_s - mu_d) N / K. Of the load, 700 N/s move from heel to
-  // ball.
+TEST_CASE("the time between slips follows from the joint's stiffness, friction and bending speed") {
+  // A joint of stiffness K = m (2 pi f)^2 under the normal force N is stretched at the speed v. It
+  // slips at the force mu_s N. Without losses the slip ends as far below mu_d N as it began above,
+  // with large losses at mu_d N. So it is stretched by one to two times (mu_s - mu_d) N / K before
+  // the next slip. 700 N/s of the load move from heel to ball.
   const auto slips = [](const std::string& more, double weights) {
     return slip_interval(more, loaded(350 * weights, 350 * weights, -700, 700));
   };
-  // v: slip 0.1 m/s for 10 a second, 1 a second moves.
+  // v = 0.01 m/s: `slip` 0.1 m/s is for 10 reference weights (700 N) a second, and one moves.
   const double stiffness = 0.02 * std::pow(2 * std::numbers::pi * 150, 2);
   const double expected = 2 * (0.8 - 0.3) * 10 / stiffness / 0.01;
   const double usual = slips("slip 0.1\n", 1);
@@ -109,7 +110,8 @@ TEST_CASE("a loaded joint sticks and slips as often as its stiffness and frictio
 }
 
 TEST_CASE("a floor springs back under a falling load by a small part of the load") {
-  // As if that part of the load went from ball to heel: the slips come as often for as many N/s.
+  // The falling load bends the floor as if a part of it moved from ball to heel. The intervals of
+  // both cases give that part.
   const double leaves = slip_interval("slip 0.1\n", loaded(0, 700, 0, -7000));
   const double back = slip_interval("slip 0.1\n", loaded(0, 700, 1400, -1400));
   const double part = 1400. / 7000 * back / leaves;
@@ -118,7 +120,7 @@ TEST_CASE("a floor springs back under a falling load by a small part of the load
   CHECK(part < 0.28);
 }
 
-TEST_CASE("a rising load bends boards like a moving one, by most of the load") {
+TEST_CASE("a rising load bends boards like a moving one of 0.7 to 0.9 of its rate") {
   const double moves = slip_interval("slip 0.1\n", loaded(350, 350, -700, 700));
   const double heel = slip_interval("slip 0.1\n", loaded(700, 0, 700, 0));
   const double ball = slip_interval("slip 0.1\n", loaded(0, 700, 0, 700));

@@ -211,7 +211,7 @@ TEST_CASE("a turn slides the ball under the load by the angle times two thirds o
     CHECK(under / slid > 0.6 * 700); // under most of the weight
     CHECK(heel < 0.02 * 700);        // on the ball alone
   }
-  // Who does not walk makes one step of it.
+  // Without a walk it is one step.
   OneShot turn(0.1);
   const Recording made = play({1.4, 700, 0.4}, 3, [&](Gait& gait, double t) {
     if (turn(t))

@@ -13,14 +13,16 @@
 #include <utility>
 #include <vector>
 
-/// Bodies in closed form.
+/// Modal tables of bodies whose modes are known in closed form.
 namespace tactus::test {
 
 using modal::ModalTable;
 using modal::Vec3;
 
-/// A simply supported rectangular plate (Leissa 1969, section 4.1) of aluminium, centred in the x-y
-/// plane; one face is enough for it.
+/// A simply supported rectangular aluminium plate of sides a, b and thickness h (m), centred in the
+/// x-y plane (Leissa 1969, section 4.1): modes m, n of frequency
+///   f = pi/2 sqrt(D/(rho h)) ((m/a)^2 + (n/b)^2),   D = E h^3/(12 (1 - nu^2)),
+/// up to `highest` (Hz). The table's surface is the upper face alone, in columns x rows squares.
 inline ModalTable plate(double a = 0.32, double b = 0.2, double h = 0.005, double highest = 20000,
                         std::size_t columns = 32, std::size_t rows = 20) {
   constexpr double kPi = std::numbers::pi, kE = 70.3e9, kNu = 0.33, kRho = 2700;

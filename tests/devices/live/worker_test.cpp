@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-// The thread that opens and closes devices, with drivers that do as the tests say.
+// DeviceWorker, the thread that opens and closes devices, with drivers that the tests control.
 
 using namespace tactus;
 using phantom::DeviceWorker;
@@ -17,7 +17,7 @@ using Answer = DeviceWorker::Answer;
 
 namespace {
 
-/// A call that does not return until the test lets it.
+/// Blocks calls of the driver while it is shut.
 struct Gate {
   std::atomic<bool> shut{false};
   std::atomic<int> waiting{0};
@@ -125,6 +125,7 @@ struct Rig {
   }
 };
 
+/// Waits for a condition, 20 s at most.
 template <class True> void until(True&& true_now) {
   for (int n = 0; n < 20000 && !true_now(); ++n)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -142,7 +143,7 @@ std::span<const Driver* const> drivers() noexcept {
 }
 } // namespace tactus::devices
 
-TEST_CASE("a device is opened beside, and a refusal is one answer") {
+TEST_CASE("a device is opened in the worker's thread; success and refusal are one answer each") {
   Rig rig;
   plan.failures = 1;
   CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
@@ -161,10 +162,10 @@ TEST_CASE("a device is opened beside, and a refusal is one answer") {
   CHECK_FALSE(plan.twice);
 }
 
-TEST_CASE("a lost device is tried again until it returns, and its troubles are told once each") {
+TEST_CASE("a lost device is opened again until that succeeds; the same trouble is reported once") {
   Rig rig;
   plan.failures = 3;
-  plan.open = true; // it was
+  plan.open = true; // the device was open before it was lost
   CHECK(rig.worker.reopen(kPlanned, {}, rig.device, 1) == "");
   const Answer trouble = rig.wait();
   CHECK(trouble.kind == Answer::Kind::kTrouble);
@@ -175,7 +176,7 @@ TEST_CASE("a lost device is tried again until it returns, and its troubles are t
   CHECK(rig.worker.finish(20));
 }
 
-TEST_CASE("a list asks the drivers that are not in use, and answers from what is known of others") {
+TEST_CASE("a list calls the drivers that are not in use; of others it lists the open devices") {
   Rig rig;
   DeviceWorker lister([] {});
   CHECK(lister.list() == "");
@@ -195,7 +196,7 @@ TEST_CASE("a list asks the drivers that are not in use, and answers from what is
   listed = Rig::wait(lister);
   REQUIRE(listed.found.size() == 1);
   CHECK(listed.found[0].state == "open");
-  CHECK(plan.lists == 1); // nobody asked the driver
+  CHECK(plan.lists == 1); // the driver was not called
   CHECK(plan.problems == asked);
 
   CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
@@ -222,7 +223,7 @@ TEST_CASE("an opening waits for a list of the same driver") {
   CHECK(lister.finish(20));
 }
 
-TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
+TEST_CASE("an abandoned device is closed again, whenever abandon() is called") {
   for (int wait_ms = 0; wait_ms < 12; ++wait_ms) {
     {
       Rig rig;
@@ -247,7 +248,7 @@ TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
   }
 }
 
-TEST_CASE("ending leaves nothing open") {
+TEST_CASE("finish() leaves nothing open") {
   for (int wait_ms = 0; wait_ms < 8; ++wait_ms) {
     Rig rig;
     plan.busy_ms = 3;
@@ -285,7 +286,8 @@ TEST_CASE("closing a session writes zero force last") {
   CHECK(rig.worker.finish(20));
 }
 
-TEST_CASE("a call that hangs is told, keeps what it touches, and ends properly when it returns") {
+TEST_CASE(
+    "a hanging call is reported, keeps its rig and device alive, and closes when it returns") {
   Gate* gate = nullptr;
   SUBCASE("in a step of the servo") { gate = &plan.reading; }
   SUBCASE("in closing") { gate = &plan.closing; }
@@ -308,7 +310,7 @@ TEST_CASE("a call that hangs is told, keeps what it touches, and ends properly w
     until([&] { return gate->waiting > 0; });
     until([&] { return rig.worker.overdue(0.05) == "planned: closing the device"; });
     CHECK(rig.worker.overdue(1e6) == "");
-    // Another object that opens a device of this driver is told, after a while.
+    // Another object that opens a device of this driver is refused after a while.
     DeviceWorker other([] {});
     CHECK(other.open(kPlanned, kPlanned.make(), 1) == "");
     const Answer refused = Rig::wait(other);
@@ -317,7 +319,7 @@ TEST_CASE("a call that hangs is told, keeps what it touches, and ends properly w
           std::string::npos);
     CHECK_FALSE(rig.worker.finish(0.05));
     rig.device.reset();
-  } // the worker goes, without waiting
+  } // the worker is destroyed without waiting
   MESSAGE("left behind after " << now_s() - begun_s << " s");
   CHECK_FALSE(watched.expired());
   CHECK_FALSE(device.expired());
@@ -328,12 +330,12 @@ TEST_CASE("a call that hangs is told, keeps what it touches, and ends properly w
   CHECK(plan.closed > 0);
 }
 
-TEST_CASE("an opening that nobody wants is cancelled until it ends") {
+TEST_CASE("an abandoned opening is cancelled until it ends") {
   Rig rig;
   plan.opening.shut = plan.cancels = true;
   CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
   until([] { return plan.opening.waiting > 0; });
-  CHECK(rig.worker.overdue(0) == ""); // it is wanted
+  CHECK(rig.worker.overdue(0) == ""); // not abandoned yet
   rig.worker.cancel_unwanted();
   CHECK(plan.cancelled == 0);
   rig.worker.abandon();

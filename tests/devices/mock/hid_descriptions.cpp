@@ -3,7 +3,9 @@
 namespace tactus::mock {
 namespace {
 
-// Six axes of 16 bits, -350..350, in one report or in two.
+// HID report descriptors (Device Class Definition for HID 1.11, section 6.2.2) of the mock devices.
+
+// A 3Dconnexion controller: six axes of 16 bits, -350..350, in one report or in two.
 std::vector<std::uint8_t> six_axes(bool together) {
   std::vector<std::uint8_t> bytes{0x05, 0x01, 0x09, 0x08, 0xa1, 0x01, 0xa1, 0x00, 0x85, 0x01};
   const auto add = [&](std::initializer_list<int> more) {

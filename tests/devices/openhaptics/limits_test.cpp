@@ -149,13 +149,13 @@ TEST_CASE("the workspace is the box of dependable force, else the whole one, els
   CHECK(norm(device_caps(asked, "omni").workspace_max - Vec3{1.999, 0.06, -0.0339}) < 1e-12);
 }
 
-TEST_CASE("of errors that piled up the most serious is told, warm motors beside it") {
+TEST_CASE("of several errors the most serious is reported, warm motors beside it") {
   const Library asked;
   const auto worst = [&](std::deque<Code> piled, bool* warm = nullptr) {
     errors = std::move(piled);
-    const Code told = asked.take_errors(warm);
+    const Code code = asked.take_errors(warm);
     CHECK(errors.empty());
-    return told;
+    return code;
   };
   CHECK(worst({}) == kSuccess);
   // A silent or faulty device before what switches force off, before heat, before too much force.

@@ -171,10 +171,10 @@ TEST_CASE("too much force and warm motors are told for 500 ticks, and force goes
         after = device->trouble();
       return Vec3{0.1, 0, 0};
     });
-    const auto told = r.with(one.second);
-    CHECK(told.first == 51);
-    CHECK(told.count == 500);
-    CHECK(told.last == 550);
+    const auto reported = r.with(one.second);
+    CHECK(reported.first == 51);
+    CHECK(reported.count == 500);
+    CHECK(reported.last == 550);
     CHECK(during != "");
     CHECK(after == "");
     CHECK(r.with(State::kFault).count == 0);

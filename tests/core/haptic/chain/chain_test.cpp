@@ -17,6 +17,7 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+/// Neither slew limit nor passivity controller.
 ChainSettings plain() {
   ChainSettings settings;
   settings.slew_n_per_s = 1e9;
@@ -190,7 +191,8 @@ TEST_CASE("the slew bounds the change of the vector from tick to tick") {
   CHECK(previous.x == doctest::Approx(3));
 }
 
-TEST_CASE("an emergency stop is at once and stays; motors on comes back over half a second") {
+TEST_CASE(
+    "an emergency stop acts at once and stays; motors on ramps the force up over half a second") {
   const ChainSettings settings = plain();
   ChainState state;
   command(state, settings, {2, 0, 0}, 0);
@@ -231,7 +233,7 @@ TEST_CASE(
     CAPTURE(tick);
     if (tick < 300)
       REQUIRE(force == 0);
-    else // back over half a second
+    else // rises over half a second
       REQUIRE(force == doctest::Approx(std::min(1.0, (tick - 299) / 500.0)));
   }
   CHECK(state.energy_j == 0);
@@ -341,7 +343,7 @@ TEST_CASE("the allowance is subtracted again when the hand returns, in every cyc
     CHECK(std::abs(state.energy_j) < 1e-15);
     CHECK(state.allowance_j == doctest::Approx(input.position.x).scale(1e-6));
   }
-  // Beyond where it began the hand pushes against the patch: that is credit.
+  // Beyond its start the hand does work against the patch, which is stored as credit.
   input.time_s = input.heartbeat_s = 1.001;
   input.position.x = -1e-3;
   step(state, settings, input);
@@ -349,8 +351,8 @@ TEST_CASE("the allowance is subtracted again when the hand returns, in every cyc
 }
 
 TEST_CASE("the allowance is never more than the work done") {
-  // The patch asks for 8 N, the limit lets 1 N pass: 1 N is what the hand felt, and forgiving 8
-  // would put credit into the tank.
+  // The patch requests 8 N, of which the limit passes 1 N to the hand. An allowance for the work of
+  // 8 N would put credit into the tank.
   ChainSettings settings = plain();
   settings.force_limit_n = 1;
   settings.allowance_w = 10;
@@ -390,8 +392,8 @@ TEST_CASE("an extrapolated slope ends after its time and never exceeds the force
   CHECK(free[19] == doctest::Approx(4));
   CHECK(free[24] == doctest::Approx(6));
   CHECK(free[59] == doctest::Approx(6));
-  // With a limit of 5 N the slope stops there, so the way back begins from 5 N and not from 6:
-  // after one of 20 ticks 4.75 N.
+  // With a limit of 5 N the slope stops there, so the interpolation back to 0 begins from 5 N and
+  // not from 6: after one of 20 ticks it is 4.75 N.
   settings.force_limit_n = 5;
   const auto limited = run(30);
   CHECK(limited[29] == doctest::Approx(5));

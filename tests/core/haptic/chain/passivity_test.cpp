@@ -383,11 +383,11 @@ TEST_CASE("the latency that the device declares, or one tick, counts in the ener
       c.latency_ticks = latency;
       const double off = run_wall(c, false).exit_energy, assumed = run_wall(c, true).exit_energy;
       c.declared = true;
-      const double told = run_wall(c, true).exit_energy;
+      const double declared = run_wall(c, true).exit_energy;
       MESSAGE(k << " N/m, " << latency << " ticks of latency: leaves with " << off
-                << " of its energy without, " << assumed << " not declared, " << told
+                << " of its energy without, " << assumed << " not declared, " << declared
                 << " declared");
-      CHECK(told <= 1.005);
+      CHECK(declared <= 1.005);
       if (latency <= 1)
         CHECK(assumed <= 1.005);
       if (latency == 3)

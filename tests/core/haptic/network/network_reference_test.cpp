@@ -11,7 +11,8 @@ using test::approx;
 
 namespace {
 
-/// Classical Runge-Kutta over the same equations, written down independently of the model.
+/// Integrates the equations of docs/network.md by the classical Runge-Kutta method of fourth order,
+/// independently of the model.
 class Reference {
 public:
   explicit Reference(const Network& network) : network_(network) {
@@ -57,9 +58,10 @@ private:
       if ((link.kind == Kind::kPull && stretch < 0) || (link.kind == Kind::kPush && stretch > 0))
         continue;
       const Vec3 n = d * (1 / length);
-      const double closing = dot(w, n);
-      const Vec3 force = n * (link.stiffness_n_per_m * stretch + link.damping_n_s_per_m * closing) +
-                         (w - n * closing) * link.transverse_damping_n_s_per_m;
+      const double stretching = dot(w, n); // m/s
+      const Vec3 force =
+          n * (link.stiffness_n_per_m * stretch + link.damping_n_s_per_m * stretching) +
+          (w - n * stretching) * link.transverse_damping_n_s_per_m;
       a[link.a] += force * (1 / network_.masses[link.a].mass_kg);
       a[link.b] -= force * (1 / network_.masses[link.b].mass_kg);
     }
@@ -73,7 +75,7 @@ private:
   Vectors x_, v_;
 };
 
-/// A crumpled lattice far from rest: large turns, springs with a rest length, a cable, gravity.
+/// A crumpled lattice far from rest: large rotations, springs with a rest length, a cable, gravity.
 void build(test::NetworkRig& rig, double damping) {
   rig.network.gravity = {0, -9.81, 2};
   rig.network.drag_per_s = damping > 0 ? 3 : 0;
@@ -99,7 +101,7 @@ void build(test::NetworkRig& rig, double damping) {
   rig.network.links.back().kind = NetworkLink::Kind::kPull;
 }
 
-/// Largest distance from the reference after 40 ms, stepped at that rate.
+/// Largest distance of a mass from the reference after 40 ms of steps at rate_hz, m.
 double error_at(double rate_hz, double damping) {
   test::NetworkRig rig;
   build(rig, damping);
@@ -117,7 +119,7 @@ double error_at(double rate_hz, double damping) {
 
 } // namespace
 
-TEST_CASE("a lattice far from rest moves as by Runge-Kutta, to the second order of the step") {
+TEST_CASE("a lattice far from rest converges to the reference with the second order of the step") {
   const double coarse = error_at(12000, 0), middle = error_at(24000, 0), fine = error_at(48000, 0);
   MESSAGE("error after 40 ms at 12, 24, 48 kHz: ", coarse * 1e6, " ", middle * 1e6, " ", fine * 1e6,
           " um");
@@ -126,7 +128,7 @@ TEST_CASE("a lattice far from rest moves as by Runge-Kutta, to the second order 
   CHECK(middle / fine == approx(4).epsilon(0.15));
 }
 
-TEST_CASE("with dampers and drag it does so to the first order") {
+TEST_CASE("with dampers and drag it converges with the first order") {
   const double coarse = error_at(12000, 0.1), middle = error_at(24000, 0.1),
                fine = error_at(48000, 0.1);
   MESSAGE("error after 40 ms at 12, 24, 48 kHz, damped: ", coarse * 1e6, " ", middle * 1e6, " ",

@@ -25,8 +25,9 @@ Parameters with_reed(Parameters p, double frequency) {
 struct State {
   const char* name;
   Parameters parameters;
-  double pressure, pitch_hz, rms_pa;
-  std::vector<std::pair<int, double>> harmonics{}; // number, dB
+  double pressure;                                 // in the mouth, Pa
+  double pitch_hz, rms_pa;                         // of the bore pressure
+  std::vector<std::pair<int, double>> harmonics{}; // number, dB against the first
 };
 
 std::vector<State> playing_states() {
@@ -115,7 +116,7 @@ TEST_CASE("the valve rests where the forces balance and lets through what Bernou
     }
 }
 
-/// Slope of the logarithm of a partial's amplitude, 1/s.
+/// Growth rate of a partial between two times (s): slope of the logarithm of its amplitude, 1/s.
 double growth(const Recording& r, const std::vector<double>& signal, double frequency, double from,
               double to) {
   const double window = std::max(0.04, 12 / frequency);
@@ -132,7 +133,7 @@ double growth(const Recording& r, const std::vector<double>& signal, double freq
   return (n * sty - st * sy) / (n * stt - st * st);
 }
 
-TEST_CASE("the bore shut by its reed rings down as theory says") {
+TEST_CASE("a bore closed by its reed rings at the frequency and decay rate of theory") {
   for (const auto& [length, frequency, decay] :
        {std::tuple{0.30, 278.25, -22.55}, std::tuple{0.48, 174.30, -17.70},
         std::tuple{0.60, 139.43, -15.80}, std::tuple{1.0, 83.46, -12.20}})

@@ -33,13 +33,13 @@ PlayabilityMap map_of(const PlayabilityMapSettings& settings, std::size_t column
   return map;
 }
 
-TEST_CASE("a node depends on nothing but its place") {
+TEST_CASE("a node's value depends on its position alone, not on the nodes computed with it") {
   PlayabilityMap whole = map_of(trumpet_settings(), 9, 9), again;
   again.begin(trumpet_settings(), 9, 9);
   for (std::size_t n = 80;; n = n > 13 ? n - 13 : 0) {
     again.advance(n);
     const double value = again.field().node(n % 9, n / 9);
-    // Its seven neighbours in the lanes are others now: a lane knows nothing of them.
+    // The other seven lanes hold other nodes than in `whole`.
     CHECK(value == whole.field().node(n % 9, n / 9));
     if (n == 0)
       break;
@@ -73,12 +73,12 @@ TEST_CASE("a node is the playability of the instrument played there from rest") 
         sum += estimator.playability();
         ++measurement;
       }
-      // Single precision near a threshold, and another grid of readings within the listening time.
+      // The map computes in single precision and reads f_p at other samples of the listening time.
       CHECK(std::abs(map.field().node(i, k) - sum / measurement) < 5e-3);
     }
 }
 
-TEST_CASE("linear theory tells where a trumpet sounds" * doctest::skip(kSanitized)) {
+TEST_CASE("linear theory predicts where a trumpet sounds" * doctest::skip(kSanitized)) {
   PlayabilityMapSettings s = trumpet_settings();
   s.settle_s = 1.8;
   const PlayabilityMap map = map_of(s, 31, 31);
@@ -100,7 +100,7 @@ TEST_CASE("linear theory tells where a trumpet sounds" * doctest::skip(kSanitize
   CHECK(agree >= 0.99 * decided);
 }
 
-/// Regime and mean periodicity, 1 to 2.5 s, of an instrument at a steady pressure.
+/// Regime at the end, and mean periodicity from 1 to 2.5 s, of an instrument at a steady pressure.
 struct Measurement {
   Regime regime;
   double periodicity;
@@ -150,7 +150,7 @@ TEST_CASE("a clarinet is periodic, a slack trumpet quasi-periodic, an overblown 
     CHECK(std::abs(trumpet.periodicity - 0.96) < 0.02);
     const Measurement syrinx = measure(chaotic, 3700, rate);
     CHECK(syrinx.regime == Regime::kChaotic);
-    CHECK(syrinx.periodicity < 0.35); // of a few frames of chaos, which no two rates share
+    CHECK(syrinx.periodicity < 0.35); // chaos: the value differs between sample rates
   }
 }
 

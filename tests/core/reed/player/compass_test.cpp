@@ -38,7 +38,7 @@ Recording play_note(const char* preset, std::span<const double> breath, int key)
   return play_note(find_preset(preset).value(), breath, key);
 }
 
-/// Breath that runs straight from point to point (s, Pa).
+/// Mouth pressure, linear between points (s, Pa); one value a sample.
 std::vector<double> pressure_through(const std::vector<std::pair<double, double>>& points) {
   std::vector<double> breath;
   auto [t0, p0] = points.front();
@@ -150,7 +150,8 @@ TEST_CASE("notes of 60 ms are within 6 dB of held ones" * doctest::skip(kSanitiz
 }
 
 TEST_CASE("short notes in a row are all alike" * doctest::skip(kSanitized)) {
-  // What dies away between them is no other register, which the player would tongue anew.
+  // The player takes the decay between two notes for no other register, at which it would tongue
+  // again.
   for (const Compass& note : {Compass{"clarinet", {64}, {2500}}, Compass{"oboe", {70}, {2000}},
                               Compass{"trumpet", {60}, {4000}}}) {
     constexpr int kNotes = 8;
@@ -171,7 +172,7 @@ TEST_CASE("short notes in a row are all alike" * doctest::skip(kSanitized)) {
   }
 }
 
-TEST_CASE("a breath that rises for 2 s speaks on its way" * doctest::skip(kSanitized)) {
+TEST_CASE("a note starts while the breath still rises, over 2 s" * doctest::skip(kSanitized)) {
   struct Slow {
     const char* preset;
     int key;
@@ -208,7 +209,7 @@ TEST_CASE("from soft to loud the level grows by 20 dB, and brass grows twice as 
     }
 }
 
-TEST_CASE("what belongs to the player changes nothing with tune 0") {
+TEST_CASE("with tune 0 the player's parameters have no effect") {
   for (const Preset& preset : presets()) {
     Parameters plain = preset.parameters;
     const Parameters none{};
@@ -234,7 +235,7 @@ TEST_CASE("what belongs to the player changes nothing with tune 0") {
   }
 }
 
-TEST_CASE("noise 0 is none, and the noise of a breath below the threshold is not heard") {
+TEST_CASE("noise 0 is silent, and below the threshold the noise of the breath is inaudible") {
   Parameters p = find_preset("clarinet").value();
   p.breath_reference = 0; // else the lips would follow the breath down
   const auto level = [&](double noise) {
