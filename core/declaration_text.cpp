@@ -63,7 +63,7 @@ std::string did_you_mean(std::string_view name) {
   return "; did you mean '" + std::string(name) + "'?";
 }
 
-/// Messages of the host's own: none of an object's is a misspelling of them.
+/// Messages that hosts send by themselves. They are not taken for misspelt messages of an object.
 bool is_of_the_host(std::string_view name) {
   return name == "bang" || name == "float" || name == "list" || name == "symbol";
 }

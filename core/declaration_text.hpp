@@ -10,7 +10,7 @@
 namespace tactus {
 
 /// Shortest text that reads back as the number to 7 digits: "0.03", "1e-06", "440". Allocates and
-/// locks nothing: what realtime messages refuse is told by it.
+/// locks nothing, since error texts of realtime messages use it.
 [[nodiscard]] std::string number_text(double value);
 
 /// Index of the parameter or message of this name, if there is one.

@@ -15,7 +15,7 @@ struct VectorUnits {
 [[nodiscard]] std::string_view faster_blas_kernels(std::string_view in_use,
                                                    VectorUnits units) noexcept;
 
-/// Starts this program anew with the faster kernels where there are some: OpenBLAS chooses before
+/// Restarts this program with the faster kernels where there are some: OpenBLAS chooses before
 /// main(). Not when the user has set OPENBLAS_CORETYPE. Called first in main(), with its words.
 void restart_with_faster_blas_kernels(char** words) noexcept;
 

@@ -91,7 +91,7 @@ struct Exciter {
   bool depth_valid = false;         ///< depth and approach are up to date from the steps before
   std::size_t level = 0;            ///< 2^level steps a sample are fine enough for this contact
 
-  // Of the contact point on the body, with the exciter's own mass.
+  // Mobility and mass at the contact point: those of the body, with the exciter's own mass.
   std::array<double, kLevels> mobility{}; ///< mean velocity of a step per force, m/(N s), by level
   double impulse_mobility = 0;            ///< change of velocity per impulse, 1/kg
   double inverse_mass = 100;              ///< 1/mass_kg; 0 if held or friction

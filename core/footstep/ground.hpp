@@ -20,7 +20,7 @@ namespace tactus::footstep {
 /// The parts of the sole strike a floor with modes (StruckFloor). Boards creak under the load
 /// (CreakingBoards). Grains, bubbles and rustles are driven by landings, by changes of the load and
 /// by sliding (particle::Cloud). At the first landing of each step, frequencies, decay times,
-/// levels and contact points are drawn anew, so that no two steps are identical.
+/// levels and contact points are drawn again, so that no two steps are identical.
 ///
 /// Masses, energies and loads are proportional to the body's weight. The times of particles grow
 /// with its square root, as for a mass that lands on a linear spring.

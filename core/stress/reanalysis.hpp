@@ -10,6 +10,8 @@
 
 namespace tactus::stress {
 
+/// How a stress was found: by Taylor's series, by preconditioned conjugate gradients on the factor
+/// of an earlier shape, or by a new factor.
 enum class Method : std::uint8_t { kTaylor, kPcg, kFull };
 
 /// Interface of a solver that computes the stress of a part at a new shape. Solves run outside the

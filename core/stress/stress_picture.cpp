@@ -69,11 +69,11 @@ StressPicture::StressPicture(const StressTable& table) {
     right_m = &vertex == vertices_.data() ? x : std::max(right_m, x);
   }
   width_m_ = right_m - left_m;
-  const auto& own = table.base.von_mises.stress;
+  const auto& stress = table.base.von_mises.stress;
   for (const auto& face : faces_) {
     double sum = 0;
     for (const std::size_t vertex : face)
-      sum += static_cast<double>(own[elements_[vertices_[vertex].element]]);
+      sum += static_cast<double>(stress[elements_[vertices_[vertex].element]]);
     stress_scale_pa_ = std::max(stress_scale_pa_, sum / 3);
   }
 }

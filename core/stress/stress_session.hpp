@@ -45,7 +45,7 @@ struct SessionResult {
 /// (StressModel). When UpdatePolicy asks for it, a Reanalysis computes a new solution.
 ///
 /// A solution may come with the sensitivities of an earlier shape. Once the part is at rest these
-/// are computed anew as well if resolve is kAuto or kFull. The class has no thread and no clock.
+/// are recomputed as well if resolve is kAuto or kFull. The class has no thread and no clock.
 class StressSession {
 public:
   /// Initial estimate of the relative error of the mean stress at the trust size: measured on a

@@ -28,8 +28,8 @@ class PairPositions {
 public:
   /// Refuses graphs beyond 2^31 pairs.
   PairPositions(const Mesh&, const NodeGraph&);
-  /// Of an element, in the order (a, b), b <= a: the pair's index + 1; negative where the block is
-  /// stored transposed.
+  /// The positions of an element's node pairs (a, b), b <= a, in that order: the pair's index + 1;
+  /// negative where the block is stored transposed.
   [[nodiscard]] std::span<const std::int32_t> of(std::size_t element) const noexcept {
     return std::span(position_).subspan(start_[element], start_[element + 1] - start_[element]);
   }

@@ -20,10 +20,9 @@ struct GivenModes {
 /// over the group (Seyranian, Lund & Olhoff 1994). They are directional: true for this parameter
 /// alone, and not additive over parameters.
 ///
-/// Of the first `count` modes of `frequency_hz` (ascending) and `shapes` (columns of dofs()
-/// numbers, as in Modes). Refuses when the group of the last of them reaches the end of the modes
-/// given, since further members may be missing: give one mode more than is asked for. `springs` are
-/// those of the matrices that the modes are of.
+/// Returns the derivatives of the first `count` of the given modes. Refuses when the group of the
+/// last of them reaches the end of the given modes, since further members may be missing: give one
+/// mode more than is needed. `springs` are those of the matrices of the modes.
 [[nodiscard]] std::vector<double> eigenvalue_sensitivity(const Mesh&, std::span<const Material>,
                                                          std::span<const SpringPatch> springs,
                                                          const GivenModes&,

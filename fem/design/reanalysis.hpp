@@ -33,7 +33,7 @@ struct ReanalysisSettings {
   bool sensitivities = true; ///< S for the Taylor update: one back-substitution a parameter
 };
 
-/// What one update gave.
+/// The result of one update.
 struct StressUpdate {
   Method method = Method::taylor;
   std::vector<double> von_mises, max_shear; ///< at the centroids, [element], Pa
@@ -100,7 +100,7 @@ public:
   /// Installs a factor whose run() has ended as the preconditioner of PCG.
   void adopt(Refactorisation);
 
-  /// s0 and S at the present shape: solves it with a new factor and finds the sensitivities anew.
+  /// Recomputes s0 and S at the current shape, by a new factor.
   void rebase(const Progress& = {});
 
   [[nodiscard]] const Mesh& mesh() const noexcept;

@@ -8,10 +8,10 @@
 namespace tactus::fem {
 namespace {
 
-/// Parameters that pass through the elements together: the geometry is worked out once for all.
+/// Parameters whose integrals are computed in one pass over the elements, which share the geometry.
 constexpr std::size_t kBlockParameters = 8;
 
-/// The velocities of up to eight parameters at every node.
+/// The design velocities V = dX/dp of up to eight parameters at every node.
 struct VelocityBlock {
   std::size_t count = 0;
   std::vector<std::array<Vector3, kBlockParameters>> of_node;
@@ -57,7 +57,7 @@ Tensor negative(const Tensor& a) {
   return b;
 }
 
-/// right -= (K' u) for each parameter of the block.
+/// right -= K' u for each parameter of the block, N per unit of the parameter.
 void subtract_internal_forces(const Mesh& mesh, std::span<const ElasticLaw> laws,
                               std::span<const double> u, const VelocityBlock& block,
                               std::span<double> right) {

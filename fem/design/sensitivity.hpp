@@ -7,26 +7,28 @@ namespace tactus::fem {
 /// The equivalent stress: which scalar is formed of a stress tensor.
 enum class StressMeasure : std::uint8_t { von_mises, max_shear };
 
-/// Of each element at its centroid, Pa.
+/// Equivalent stress of each element from its stress at the centroid, Pa.
 [[nodiscard]] std::vector<double> equivalent_stress(std::span<const Stress>, StressMeasure);
 
-/// d stress / d parameter by the direct method: one back-substitution a parameter.
+/// Derivatives of both equivalent stresses by the design parameters.
 struct StressSensitivity {
   std::vector<float> von_mises; ///< [parameter][element], Pa per unit of the parameter
   std::vector<float> max_shear; ///< the same
 };
 
-/// K du/dp = f' - K' u. K' u is the material derivative of the element integrals, exact at the
-/// quadrature points: with the velocity gradient L = grad V, (grad N)' = -L^T grad N, (dV)' = tr L
-/// dV (Choi & Kim ch. 6); loads on faces and springs by central differences of their small vectors,
-/// so the whole is semi-analytic. Then d sigma = C sym(grad du - grad u L).
-/// Returns du/dp, column by column, [parameter][dof].
+/// du/dp by the direct method, one back-substitution a parameter:
+///   K du/dp = f' - K' u.
+/// K' u is the material derivative of the element integrals (Choi & Kim, Structural Sensitivity
+/// Analysis and Optimization 1, ch. 6), exact at the quadrature points: with the design velocity V
+/// = dX/dp and its gradient L = grad V, (grad N)' = -L^T grad N and (dV)' = tr L dV. Loads on faces
+/// and springs are differentiated by central differences of their small vectors, so the whole is
+/// semi-analytic. Returns m per unit of the parameter, [parameter][dof].
 [[nodiscard]] std::vector<double> displacement_sensitivity(const Mesh&, const StaticModel&,
                                                            StaticAnalysis&,
                                                            std::span<const DesignVelocity>);
 
-/// Derivatives of both equivalent stresses in every element. Eight parameters at a time, so that
-/// du/dp of all parameters is never in memory at once.
+/// Derivatives of both equivalent stresses in every element, from d sigma = C sym(grad du - grad u
+/// L). Eight parameters at a time, so that du/dp of all parameters is never in memory at once.
 [[nodiscard]] StressSensitivity stress_sensitivity(const Mesh&, const StaticModel&, StaticAnalysis&,
                                                    std::span<const DesignVelocity>,
                                                    const Progress& = {});
@@ -43,17 +45,18 @@ struct StressScalar {
   double power = 8; ///< p of p_norm
 };
 
-/// A scalar with its gradient.
+/// A scalar with its derivatives by the design parameters.
 struct Gradient {
   double value = 0;
   std::vector<double> by_parameter;
 };
 
-/// By the adjoint method: one back-substitution, however many parameters.
+/// The scalar (Pa) and its gradient by the adjoint method: one back-substitution, however many
+/// parameters.
 [[nodiscard]] Gradient stress_scalar(const Mesh&, const StaticModel&, StaticAnalysis&,
                                      const StressScalar&, std::span<const DesignVelocity>);
 
-/// The volume of the body, m^3.
+/// The volume of the body, m^3, and its gradient.
 [[nodiscard]] Gradient volume_gradient(const Mesh&, std::span<const DesignVelocity>);
 
 } // namespace tactus::fem

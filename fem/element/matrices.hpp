@@ -4,12 +4,14 @@
 
 namespace tactus::fem {
 
-/// A material ready for the elements: the elastic matrix, or Lame's constants where isotropic.
+/// The elastic law of a material in the form that element integrals need: Lamé's constants where it
+/// is isotropic, and the elastic matrix C.
 struct ElasticLaw {
   explicit ElasticLaw(const Material&);
   bool isotropic;
-  double lame_lambda = 0, lame_mu = 0, density;
-  ElasticMatrix matrix;
+  double lame_lambda = 0, lame_mu = 0; ///< Pa, where isotropic
+  double density;                      ///< kg/m^3
+  ElasticMatrix matrix;                ///< Pa
 };
 
 /// K_e = ∫ B' C B dV, N/m, as node blocks: entry 9 (a n + b) + 3 i + j couples component i of node

@@ -24,7 +24,7 @@ struct EnrichingFunction {
 
 inline constexpr int kMaxEnriching = 19;
 
-/// Of a shape, in a fixed order. Reference axes as in `Element::interval`.
+/// The enriching functions of a shape, in a fixed order. Reference axes as in `Element::interval`.
 [[nodiscard]] std::span<const EnrichingFunction> enriching_functions(Shape) noexcept;
 
 /// Values and reference derivatives at a point, edges oriented as listed. Entries beyond the

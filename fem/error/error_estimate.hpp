@@ -38,12 +38,12 @@ struct ErrorSettings {
                                             ShiftedFactor&, const Modes&,
                                             const ErrorSettings& = {});
 
-/// What each interval of a swept shape's grid adds to each mode's error. `constrained`: of
-/// Matrices.
+/// The contribution of each interval of a swept shape's grid to the error of each mode.
+/// `constrained`: of Matrices.
 [[nodiscard]] ErrorCells interval_errors(const Mesh&, std::span<const std::uint8_t> constrained,
                                          const ErrorEstimate&, std::size_t intervals);
 
-/// What each element adds to each mode's error.
+/// The contribution of each element to the error of each mode.
 [[nodiscard]] ErrorCells element_errors(const Mesh&, std::span<const std::uint8_t> constrained,
                                         const ErrorEstimate&);
 

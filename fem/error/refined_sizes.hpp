@@ -19,7 +19,8 @@ struct SweptLayers {
   std::vector<double> levels; ///< shares of the height, 0 to 1
   [[nodiscard]] std::size_t intervals() const noexcept { return columns + levels.size() - 1; }
 };
-/// Of a mesh whose elements are all hex20 and wedge15 in columns and layers; else nothing.
+/// The columns and layers of a swept mesh; nothing if some element is neither hex20 nor wedge15 in
+/// a column and a layer.
 [[nodiscard]] std::optional<SweptLayers> swept_layers(const Mesh&);
 
 /// The same for a swept body: sizes in the base and levels, of min (sum_c 1/f_c^2) (sum_l 1/g_l).

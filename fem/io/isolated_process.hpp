@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// What a child process may use.
+/// Limits of a child process.
 struct ChildLimits {
   std::uint64_t memory_bytes = 0; ///< 0: half of what the machine has free
   double progress_timeout_s =

@@ -8,6 +8,7 @@
 
 namespace tactus::fem {
 
+/// How a body's file is read and meshed.
 struct LoadChoice {
   double unit =
       0;        ///< metres a unit of the file; 0: the format's usual unit (mm; m for .inp and .msh)

@@ -111,8 +111,8 @@ std::optional<Mesh> mesh_of_prism(const std::string& path, const LoadChoice& cho
   return std::nullopt;
 }
 
-/// A way to mesh the solids. Each stands for a fault seen in real files: small edges, coarse curved
-/// sides, bad faces.
+/// Settings with which the solids are meshed. Attempts follow each other until one succeeds; each
+/// is for a fault found in real files: small edges, coarse curved sides, bad faces.
 struct Attempt {
   const char* words; ///< for the user
   bool heal;
@@ -124,7 +124,7 @@ constexpr Attempt kAttempts[]{{"", false, 1, 6},
                               {" in smaller elements", false, .6, 5},
                               {" with adapted faces", true, .8, 1}};
 
-/// A CAD file on its way to a mesh.
+/// Meshes the solids of a CAD file.
 class CadMesher {
 public:
   CadMesher(const std::string& path, const LoadChoice& choice)

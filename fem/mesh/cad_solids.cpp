@@ -98,7 +98,7 @@ bool sew(double largest) {
   return false;
 }
 
-/// Numbers of volumes that hang together by common faces, for each volume.
+/// For each volume the number of its group: volumes that are connected by common faces.
 std::vector<int> connected_groups(const vectorpair& volumes) {
   std::vector<int> group(volumes.size());
   std::map<int, int> owner; // first group at a face

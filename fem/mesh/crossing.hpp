@@ -13,7 +13,7 @@ namespace tactus::fem {
 [[nodiscard]] std::vector<std::array<std::size_t, 2>> crossings(const Triangles&,
                                                                 std::size_t limit);
 
-/// One such pair, or nothing.
+/// The first pair of crossings(), or nothing.
 [[nodiscard]] std::optional<std::array<std::size_t, 2>> crossing(const Triangles&);
 
 } // namespace tactus::fem

@@ -59,7 +59,7 @@ constexpr std::size_t kMaxTriangles = 60000; ///< that are filled as they are: 1
 constexpr std::size_t kSimplified = 20000;   ///< beyond that edges collapse in one go first
 constexpr double kMaxVolumeChange = .01;     ///< of the mesh against its surface
 
-/// A closed surface on its way to a tet10 mesh.
+/// Fills a closed surface with tet10.
 class SurfaceFill {
 public:
   SurfaceFill(const Triangles& surface, const LoadChoice& choice)

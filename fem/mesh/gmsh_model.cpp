@@ -198,7 +198,8 @@ MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double ski
                              const Vector3& box, double h, double faces) {
   if (!choice.sizes)
     return predict_tetrahedra(volume, skin, box, h, faces);
-  // Of one body among several the field foretells them all: no more than its smallest size gives.
+  // For one body among several the field predicts the elements of all: no more than its smallest
+  // size gives.
   const MeshSize even = predict_tetrahedra(volume, skin, box, choice.sizes->smallest());
   return scaled(even, std::min(even.elements, choice.sizes->elements));
 }

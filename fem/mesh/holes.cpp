@@ -11,11 +11,11 @@ namespace tactus::fem {
 
 namespace {
 
-constexpr std::size_t kMaxRing = 4096;
-constexpr double kFlat = .02; ///< of an opening's extent
-/// Triangles of a surface whose open side is closed: of a scan or a terrain. What is drawn with
-/// fewer may be a box or a cup on purpose.
-constexpr std::size_t kMinCorners = 100;
+constexpr std::size_t kMaxRing = 4096; ///< edges of a hole that is closed
+constexpr double kFlat = .02;          ///< distance of corners from the plane, of the hole's extent
+/// A surface of fewer triangles keeps its one large opening: it may be a box or a cup drawn open on
+/// purpose. With more it is a scan or a terrain without its bottom.
+constexpr std::size_t kMinTriangles = 100;
 
 /// Largest distance of a ring's corners from its mean plane (Newell's normal), m.
 double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
@@ -31,10 +31,11 @@ double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
   return off;
 }
 
-/// An open edge's end and its triangle, by the edge's start; against the triangles' turn.
+/// Edges with a triangle on one side only: start -> (end, triangle), directed against the
+/// orientation of that triangle.
 using OpenEdges = std::map<int, std::pair<int, std::size_t>>;
 
-/// The vertices of the ring from `start` on, whose edges are taken out of `next`.
+/// The vertices of the ring of open edges through `start`; removes these edges from `next`.
 std::vector<int> take_ring(OpenEdges& next, int start) {
   std::vector<int> ring;
   for (auto step = next.find(start); step != next.end(); step = next.find(ring.back())) {
@@ -49,7 +50,7 @@ std::vector<int> take_ring(OpenEdges& next, int start) {
   return ring;
 }
 
-/// Adds a ring's ears as triangles, in the group of the triangle `beside`.
+/// Adds the triangles of a patch (indices into `ring`), in the group of the triangle `beside`.
 void add_patch(Triangles& t, const std::vector<int>& ring,
                const std::vector<std::array<int, 3>>& patch, std::size_t beside) {
   for (const auto& ear : patch) {
@@ -103,7 +104,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
       close();
     } else {
       ++large;
-      if (!patch.empty() && t.triangles.size() >= kMinCorners &&
+      if (!patch.empty() && t.triangles.size() >= kMinTriangles &&
           off_plane(corners, hole.centre) <= kFlat * hole.extent) {
         opening = holes.size();
         close_opening = close;

@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// A ring of edges with a triangle on one side only.
+/// A hole of a surface: a ring of edges with a triangle on one side only.
 struct Hole {
   Vector3 centre;    ///< m, mean of its corners
   double extent = 0; ///< m, largest side of its box
@@ -14,10 +14,10 @@ struct Hole {
 };
 
 /// Closes holes whose patch is at most `area_share` of the surface and whose extent at most
-/// `extent_share` of the body's, with the ears of their rings. One larger hole is closed too
-/// if all others are small, its corners lie within 2 % of its extent from a plane and the surface
-/// has 100 triangles or more: a scan's missing bottom. Expects find_shells() before. Returns all
-/// holes, the largest first.
+/// `extent_share` of the body's (both 0 to 1). A patch is made by clipping ears off the ring
+/// (fem/mesh/ears.hpp). One larger hole, such as the missing bottom of a scan, is closed too if all
+/// others are small, its corners lie within 2 % of its extent from a plane and the surface has 100
+/// triangles or more. Expects find_shells() before. Returns all holes, the largest first.
 std::vector<Hole> close_holes(Triangles&, double area_share, double extent_share);
 
 } // namespace tactus::fem

@@ -3,9 +3,10 @@
 
 namespace tactus::fem {
 
-/// Doubles points where more than two triangles meet at an edge, or several fans at a point, so
-/// that each sheet is a surface of its own: neighbours at an edge are those with the body between
-/// them. Refuses an edge with an odd number of triangles above one, with its position.
+/// Makes a surface manifold: at most two triangles at an edge and one fan of triangles around a
+/// point. Where more meet, points are doubled, so that each sheet becomes a surface of its own; two
+/// triangles that bound the same piece of the body stay neighbours. Refuses an edge with an odd
+/// number of triangles above one, naming its position.
 void make_manifold(Triangles&);
 
 } // namespace tactus::fem

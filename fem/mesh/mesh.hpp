@@ -26,9 +26,9 @@ struct Element {
   Shape shape;
   int region;
   std::size_t first;
-  /// Of a swept shape: the interval of its grid that each reference axis spans
-  /// (fem/shapes/grid.hpp); a wedge's axes are its sides at node 0, the side opposite, and the
-  /// prism's height. Else -1.
+  /// For a swept shape the interval of its grid that each reference axis spans
+  /// (fem/shapes/grid.hpp), else -1. A wedge's axes are its sides at node 0, the side opposite, and
+  /// the prism's height.
   std::array<int, 3> interval{-1, -1, -1};
 };
 

@@ -3,17 +3,19 @@
 
 namespace tactus::fem {
 
-/// A connected piece of a file's content.
+/// A connected body in a file that may hold several.
 struct Part {
   std::string name;
   double volume = 0; ///< m^3
   Box box;           ///< m
 };
 
-/// Which parts become the body, by their index. The one that `choice.part` names or counts (from
-/// one); with `choice.multi` all but crumbs below 1e-4 of the largest; else the only one beside
-/// debris: pieces that together hold less than 1 % of its volume, which is reported. Refuses
-/// several bodies with number, name, size and position of each.
+/// Indices of the parts that become the body:
+/// - the one whose name or number (from one) `choice.part` is, where that is given;
+/// - with `choice.multi` all parts of at least 1e-4 of the largest one's volume;
+/// - else the largest one, if the others together hold less than 1 % of its volume, or each less
+///   than 1e-4. Refuses several bodies, naming number, name, size and position of each.
+/// Parts that are left out are reported.
 [[nodiscard]] std::vector<std::size_t> chosen_parts(const std::vector<Part>&, const LoadChoice&);
 
 } // namespace tactus::fem

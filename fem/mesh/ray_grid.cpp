@@ -5,8 +5,8 @@
 namespace tactus::fem {
 namespace {
 
-/// Twice the signed area of p, a, b in the plane of axes u and v; exactly the opposite if a and b
-/// change places, so that a line between two neighbours meets one of them.
+/// Twice the signed area of p, a, b in the plane of axes u and v. Exchanging a and b gives exactly
+/// the opposite number, so that a line through the common edge of two triangles meets one of them.
 double area(double pu, double pv, const Vector3& a, const Vector3& b, int u, int v) {
   const bool swapped = a[u] != b[u] ? a[u] > b[u] : a[v] > b[v];
   const Vector3 &from = swapped ? b : a, &to = swapped ? a : b;

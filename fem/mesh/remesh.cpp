@@ -116,7 +116,7 @@ private:
     if (size > 0)
       plane_[at(v)].push_back({(1 / size) * n, dot((1 / size) * n, point(t[0]))});
   }
-  /// The largest distance of a place from the planes that met in v, and in what v took over.
+  /// The largest distance of a position from the planes of v and of the vertices merged into it, m.
   double deviation(int v, const Vector3& position) const {
     double max_distance = 0;
     for (const auto& [n, level] : plane_[at(v)])

@@ -209,8 +209,8 @@ private:
   double deviation_;
 };
 
-/// Marks the points of a surface around places. One of several places within a quarter of the
-/// distance stands for all.
+/// Marks the points of a surface around given positions. Of several positions within a quarter of
+/// the distance one counts for all.
 class Marker {
 public:
   explicit Marker(const std::vector<Vector3>& points) : marked(points.size(), false) {

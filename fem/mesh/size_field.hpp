@@ -14,7 +14,7 @@ public:
   [[nodiscard]] double largest() const noexcept;
   double elements = 0;   ///< about how many there will be
   bool straight = false; ///< the last mesh had straight sides only
-  /// Of a body that is swept (sweep.hpp): where its layers meet, shares of its height, 0 to 1.
+  /// For a swept body (sweep.hpp): the borders of its layers, shares of its height, 0 to 1.
   std::vector<double> levels;
 
 private:

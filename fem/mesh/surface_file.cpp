@@ -18,7 +18,7 @@ namespace {
 constexpr double kHoleArea = .05, kHoleExtent = .4; ///< shares of the body that are closed
 constexpr double kAllHolesArea = .1;                ///< of the skin, together
 constexpr double kSheet = .003; ///< thickness of the body, below which a capped surface is a sheet
-constexpr double kMaxSkinVolumeChange = .01; ///< of a surface made anew
+constexpr double kMaxSkinVolumeChange = .01; ///< of a rebuilt surface
 constexpr double kClosedGap = 2e-4;          ///< of the body, between pieces that are one
 
 using Notify = std::function<void(const std::string&)>;

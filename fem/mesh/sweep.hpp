@@ -4,16 +4,17 @@
 
 namespace tactus::fem {
 
+/// How the base of a prism is meshed and swept.
 struct SweepChoice {
   bool quadrilaterals = true; ///< of pairs of triangles, where that is possible
-  bool curved = true;
-  double unit = 1; ///< metres a unit of the model
+  bool curved = true;         ///< sides follow the base's curved edges
+  double unit = 1;            ///< metres a unit of the model
 };
 
-/// gmsh's quadratic mesh of the base moved through `levels` (shares of the height, 0 to 1): hex20
-/// and wedge15, whose intervals are the number of their cell of the base (twice) and, numbered on,
-/// of their layer. Metres. gmsh's model keeps the base alone. Cells whose curved sides turn them
-/// inside out get straight ones.
+/// Meshes the base of a prism by gmsh (second order) and sweeps it through `levels` (shares of the
+/// height, 0 to 1): hex20 and wedge15, m. An element's three intervals are the number of its cell
+/// of the base (twice) and of its layer, numbered on. gmsh's model keeps the base alone. Cells
+/// whose curved sides turn them inside out get straight ones.
 [[nodiscard]] Mesh sweep(const Prism&, std::span<const double> levels, const SweepChoice&);
 
 /// gmsh's model as a swept mesh, if it is a prism: with the sizes of `size_for` or those of a

@@ -3,6 +3,7 @@
 
 namespace tactus::fem {
 
+/// Mass, centre of mass and inertia of a body.
 struct MassProperties {
   double mass = 0;                 ///< kg
   Vector3 centre;                  ///< m

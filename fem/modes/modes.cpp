@@ -125,7 +125,7 @@ void sort_by_quotient(const Matrices& m, Modes& modes) {
   }
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.lambda < b.lambda; });
-  // Equal but for rounding: the columns keep their order, so that it does not hang on the last bit.
+  // Equal but for rounding: the columns keep their order, whatever the last bit is.
   for (std::size_t first = 0; first < count;) {
     std::size_t end = first + 1;
     while (end < count &&

@@ -42,7 +42,8 @@ struct ShiftedFactor::Implementation {
 
   void fill(const Matrices& m, double shift);
   std::vector<SuiteSparse_long> order(const NodeGraph&);
-  /// What the numeric phase fills; the original stays for factors of other numbers.
+  /// Makes the factor that the numeric phase fills. `from` stays symbolic: further factors of the
+  /// same graph copy it.
   void copy_symbolic(cholmod_factor* from) {
     factor = from ? cholmod_l_copy_factor(from, &common) : nullptr;
     if (!factor)
@@ -97,8 +98,9 @@ void ShiftedFactor::Implementation::fill(const Matrices& m, double shift) {
   matrix = lower_view(n, start.data(), row.data(), value.data());
 }
 
-/// Nested dissection of the nodes; their three directions stay together. A third of the rows to
-/// order makes it several times faster than ordering degrees of freedom, and the fill is the same.
+/// Permutation of the degrees of freedom by nested dissection of the nodes; the three directions of
+/// a node stay together. With a third of the rows it is several times faster than ordering the
+/// degrees of freedom, and the fill is the same.
 std::vector<SuiteSparse_long> ShiftedFactor::Implementation::order(const NodeGraph& graph) {
   const std::size_t n = graph.node_count();
   std::vector<SuiteSparse_long> graph_start(graph.start.begin(), graph.start.end());

@@ -12,14 +12,15 @@ struct FactorCost {
   double memory_bytes = 0;
 };
 
-/// L L' = K + s M by supernodal Cholesky (CHOLMOD) with nested dissection of the node graph
-/// (METIS). s > 0 keeps the matrix positive definite for free bodies too. Held directions become
-/// identities. s = 0 needs no mass, and supports that hold every rigid motion.
+/// Cholesky factor L of the shifted stiffness matrix: L L' = K + s M, by CHOLMOD's supernodal
+/// method with nested dissection of the node graph (METIS). s > 0 keeps the matrix positive
+/// definite for free bodies too; s = 0 needs supports that hold every rigid motion, and no mass.
+/// The rows and columns of constrained degrees of freedom are replaced by those of the identity.
 class ShiftedFactor {
 public:
   /// Symbolic phase. `shift` in rad^2/s^2.
   ShiftedFactor(const Matrices&, double shift);
-  /// The symbolic phase of a factor of the same graph, for other numbers in the matrix.
+  /// Copies the symbolic phase of `pattern`, a factor of the same node graph with other values.
   ShiftedFactor(const ShiftedFactor& pattern, const Matrices&, double shift);
   ~ShiftedFactor();
   ShiftedFactor(const ShiftedFactor&) = delete;
@@ -31,11 +32,12 @@ public:
   void factorise();
   /// x = (K + s M)^-1 b for `columns` contiguous vectors; `x` and `b` may be the same memory.
   void solve(std::span<const double> b, std::span<double> x, std::size_t columns);
-  /// The same for one vector with a copy of the factor in single precision, right to some 1e-6: a
-  /// preconditioner. The time of a solve is that of reading the factor from memory, and single
-  /// precision halves it. The copy is made by prepare() or at the first call and costs half the
-  /// factor's memory.
+  /// Makes the copy of the factor in single precision that precondition() uses; half the factor's
+  /// memory.
   void prepare();
+  /// Approximates solve() for one vector by the single-precision copy, with a relative error of
+  /// some 1e-6: a preconditioner. The time of a solve is that of reading the factor from memory,
+  /// and single precision halves it. Calls prepare() where that was not done.
   void precondition(std::span<const double> b, std::span<double> x);
   /// Memory that the factor and its copy take now, bytes.
   [[nodiscard]] double memory_bytes() const noexcept;
@@ -46,7 +48,7 @@ private:
   FactorCost cost_;
 };
 
-/// How many threads the dense kernels use; 1 makes results repeat bit for bit.
+/// Sets the number of threads of the dense kernels (OpenBLAS); with 1 results repeat bit for bit.
 void set_solver_threads(int count);
 
 } // namespace tactus::fem

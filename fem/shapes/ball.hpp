@@ -19,7 +19,7 @@ namespace tactus::fem {
 /// the lines to take instead. Sizes in m.
 [[nodiscard]] SweptBody make_ball(double radius, double h, int at_least,
                                   const SweepGrid* grid = nullptr);
-/// What make_ball makes: elements, nodes and node pairs exactly.
+/// The size of the mesh of make_ball(): elements, nodes and node pairs are exact.
 [[nodiscard]] MeshSize size_of_ball(double radius, double h, int at_least,
                                     const SweepGrid* grid = nullptr);
 

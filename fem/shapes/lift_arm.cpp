@@ -82,7 +82,8 @@ Circle touching(const Circle& a, const Circle& b, const Vector3& point, double s
   return {};
 }
 
-/// The plate's plan: what the dimensions make of it.
+/// The outline of the plate and the circles it consists of, in the plane x y, as the dimensions
+/// define them; m and rad.
 struct Plan {
   Circle centreline, upper, lower;
   Circle hub_end, rod_end;
@@ -159,7 +160,7 @@ void check_dimensions(const LiftArm& arm) {
         format("lift_arm: lift_position is %.4g, expected between 0 and 1", arm.lift_position));
 }
 
-/// Counter-clockwise from the hub's upper point of contact.
+/// The plate's outline, counter-clockwise from where the upper arc touches the hub's end.
 Outline outline_of(const Plan& plan, const Vector3& hub, const Vector3& rod) {
   const auto turn = [](double from, double to) {
     const double t = std::fmod(to - from, 2 * pi);
@@ -175,7 +176,7 @@ Outline outline_of(const Plan& plan, const Vector3& hub, const Vector3& rod) {
           {plan.upper, rod_up, turn(rod_up, hub_up)}};
 }
 
-/// Refuses what cannot be built.
+/// The plan of an arm. Refuses dimensions that cannot be built.
 Plan plan_of(const LiftArm& arm) {
   check_dimensions(arm);
   Plan plan;
@@ -229,8 +230,9 @@ Plan plan_of(const LiftArm& arm) {
   return plan;
 }
 
-/// An outline in the plane z, as the CAD kernel's face; mm. The kernel takes the shorter way round
-/// a centre, so arcs are cut into pieces below half a turn.
+/// Makes a face of the CAD kernel (mm) of an outline in the plane z (m); returns its tag. The
+/// kernel draws the shorter of the two arcs between two points, so arcs are cut into pieces of less
+/// than half a turn.
 int add_face(const Outline& outline, double z) {
   using namespace gmsh::model::occ;
   constexpr double kUnit = 1 / kMillimetre;
@@ -254,6 +256,7 @@ int add_face(const Outline& outline, double z) {
   return addPlaneSurface({addWire(curves, -1, true)});
 }
 
+/// The outline as a solid between the planes low and high, m.
 gmsh::vectorpair extruded(const Outline& outline, double low, double high) {
   gmsh::vectorpair all, solids;
   gmsh::model::occ::extrude({{2, add_face(outline, low)}}, 0, 0, (high - low) / kMillimetre, all);
@@ -294,7 +297,7 @@ void round_curves(const std::vector<int>& curves, double radius) {
   gmsh::model::occ::fillet({volumes.at(0).second}, curves, {radius / kMillimetre}, rounded, true);
 }
 
-/// The solid in gmsh's present session, mm.
+/// Builds the solid in gmsh's current session, mm.
 void build(const LiftArm& arm) {
   const Plan plan = plan_of(arm);
   using namespace gmsh::model::occ;
@@ -337,7 +340,7 @@ void build(const LiftArm& arm) {
                      " solids, expected 1");
 }
 
-/// While it lives, what the CAD kernel prints of its transfers goes nowhere.
+/// Discards standard output while it lives: the CAD kernel prints its transfer statistics there.
 class SilentOutput {
 public:
   SilentOutput() {
@@ -349,17 +352,17 @@ public:
   ~SilentOutput() {
     std::cout.flush();
     std::fflush(stdout);
-    ::dup2(kept_, STDOUT_FILENO);
-    ::close(kept_);
+    ::dup2(saved_, STDOUT_FILENO);
+    ::close(saved_);
   }
   SilentOutput(const SilentOutput&) = delete;
   SilentOutput& operator=(const SilentOutput&) = delete;
 
 private:
-  int kept_ = ::dup(STDOUT_FILENO);
+  int saved_ = ::dup(STDOUT_FILENO);
 };
 
-/// A new file's name in the folder for temporary files; the file goes with it.
+/// A new file in the folder for temporary files; the destructor removes it.
 class TemporaryFile {
 public:
   explicit TemporaryFile(const std::string& ending)

@@ -25,7 +25,10 @@ struct LiftArm {
   struct Boss {
     double bore, diameter, width; ///< diameters; width along z, over both sides of the plate
   };
-  double length = .380, rise = .055, depth = .108, thickness = .022;
+  double length = .380;    ///< from hub to rod eye
+  double rise = .055;      ///< of the centreline above the line from hub to rod eye
+  double depth = .108;     ///< of the plate at mid-length, along y
+  double thickness = .022; ///< of the plate, along z
   Boss hub{.060, .096, .062}, lift_eye{.030, .056, .054}, rod_eye{.026, .050, .050};
   double lift_position = .46; ///< of the lift eye along the centreline, 0 to 1
   double shoulder = .016;     ///< of the plate around the hub's and the rod eye's bosses
@@ -55,7 +58,7 @@ void check(const LiftArm&);
 void write_step(const std::string& path, const LiftArm&);
 
 /// The solid in curved tet10. Node sets hub, lift_eye and rod_eye hold the nodes on the walls of
-/// the holes. Of the choice, names and unit of a file do not apply.
+/// the holes. `part` and `unit` of the choice do not apply.
 [[nodiscard]] Mesh mesh_lift_arm(const LiftArm&, const LoadChoice&);
 
 } // namespace tactus::fem

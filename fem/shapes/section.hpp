@@ -44,7 +44,8 @@ struct Division {
 /// The number of intervals that `divide` makes. Needs next to no memory, however small `h` is.
 [[nodiscard]] double count_divisions(const Division&);
 
-/// What a section's mesh consists of; corners and sides on the axis count once when it turns.
+/// Numbers of the parts of a section's mesh. Corners and sides on the axis are counted separately,
+/// since they do not multiply when the section is turned.
 struct SectionSize {
   double quads = 0, corners = 0, sides = 0;
   double outer_sides = 0;                                  ///< on the body's skin
@@ -75,7 +76,8 @@ struct Shell {
   int along = 24, layers = 1;
 };
 [[nodiscard]] Section shell(const Shell&, const SweepGrid* grid = nullptr);
-/// Of `along` by `layers` quads; which of its ends lie on the axis.
+/// The size of a shell section of `along` by `layers` quads. on_axis: which of its ends lie on the
+/// axis.
 [[nodiscard]] SectionSize size_of_shell(double along, double layers, Ends on_axis);
 
 /// Turns a section about the z axis: hex20 away from the axis, wedge15 along it. Nodes lie exactly

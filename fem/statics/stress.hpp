@@ -45,7 +45,7 @@ struct PeakStress {
 [[nodiscard]] std::vector<Stress> nodal_stress(const Mesh&, std::span<const Material>,
                                                std::span<const double> displacement);
 
-/// Of each element, m^3.
+/// Volume of each element, m^3.
 [[nodiscard]] std::vector<double> element_volumes(const Mesh&);
 
 } // namespace tactus::fem

@@ -106,9 +106,10 @@ void NetworkModel::apply_links() noexcept {
     const std::size_t a = link.a, b = link.b;
     const double dx = x_[b] - x_[a], dy = y_[b] - y_[a], dz = z_[b] - z_[a];
     const double wx = vx_[b] - vx_[a], wy = vy_[b] - vy_[a], wz = vz_[b] - vz_[a];
+    // The force of network.hpp as along d + b_t w.
     const double bt = link.transverse_damping_n_s_per_m;
-    double along = link.stiffness_n_per_m; // force = along d + bt w
-    const double bn = link.damping_n_s_per_m - bt;
+    double along = link.stiffness_n_per_m;
+    const double bn = link.damping_n_s_per_m - bt; // b_n - b_t
     // Without a rest length and with equal dampings the link is linear: no direction is needed.
     if (link.rest_length_m > 0 || bn != 0 || link.kind != NetworkLink::Kind::kSpring) {
       const double length2 = std::max(dx * dx + dy * dy + dz * dz, kMinLength2_m2);

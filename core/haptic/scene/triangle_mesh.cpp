@@ -8,8 +8,9 @@
 namespace tactus::haptic {
 namespace {
 
-constexpr std::size_t kLeaf = 4;
+constexpr std::size_t kMaxLeafTriangles = 4;
 
+/// Cell of the welding grid, of kWeld_m: corners in one cell are merged.
 struct Cell {
   std::int64_t x, y, z;
   friend bool operator==(const Cell&, const Cell&) = default;
@@ -32,7 +33,7 @@ Vec3 greater(const Vec3& a, const Vec3& b) {
 
 constexpr float kHuge = std::numeric_limits<float>::max();
 
-/// In single precision, rounded in that direction.
+/// Rounds to single precision, away from the box: towards -kHuge or kHuge.
 float rounded(double value, float outwards) {
   return std::nextafter(static_cast<float>(value), outwards);
 }
@@ -103,6 +104,8 @@ void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle>
   }
 }
 
+/// Builds a node of the hierarchy over the triangles `order`: splits them at the median of their
+/// centroids along the longest extent of these. first: index of order[0] among all triangles.
 void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
                          std::span<const Vec3> centroids, std::uint32_t first, int depth) {
   Vec3 low = corners_[triangles_[order[0]][0]], high = low;
@@ -122,7 +125,7 @@ void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
   }
   const Vec3 extent = centroid_high - centroid_low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  if (order.size() <= kLeaf || depth >= kMaxDepth) {
+  if (order.size() <= kMaxLeafTriangles || depth >= kMaxDepth) {
     nodes_[node].first = first;
     nodes_[node].count = static_cast<std::uint32_t>(order.size());
     return;

@@ -56,7 +56,7 @@ private:
       return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
     }
   };
-  static constexpr int kMaxDepth = 62; ///< halving a span of 2^32 needs 32
+  static constexpr int kMaxDepth = 62; ///< of the hierarchy; halving 2^32 triangles needs 32
   static constexpr int kNodeWork = 5, kTriangleWork = 4;
   struct Corners {
     Vec3 a, b, c;

@@ -164,6 +164,7 @@ template <class Set> class BankLanes final : public BankKernel {
         real[n] = imaginary[n] = V{};
     }
   };
+  // Seven arguments: always inlined, so that they stay in registers.
   template <std::size_t Leaps, std::size_t Times>
   [[gnu::always_inline]] static void
   add_output(const PoleBlock* const* poles, std::size_t blocks, const LeapPlanes& weighted,

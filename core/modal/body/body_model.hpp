@@ -21,7 +21,12 @@ namespace tactus::modal {
 inline constexpr std::size_t kMaxListeners = 4;
 inline constexpr std::size_t kMaxContacts = 64;
 
+/// How the sound at a listener is computed from the modes: by Rayleigh's integral for each mode
+/// (kModal), from the surface velocities in the table (kRaw), by its multipoles (kBody), or the
+/// surface velocity itself is heard (kNone).
 enum class Radiation { kModal, kRaw, kBody, kNone };
+/// Where the damping of the modes comes from: the table, Rayleigh's law, one loss factor, or a
+/// curve of loss factors over frequency.
 enum class Damping { kTable, kRayleigh, kLoss, kCurve };
 
 /// How a body rests on its board: contact points, contact law and load.
@@ -177,7 +182,7 @@ struct BodyModel {
   void continue_from(BodyModel& before) noexcept;
   /// The same during a contact: the motion is in the solvers. The caller takes over the contacts.
   void continue_in_contact(BodyModel& before) noexcept;
-  /// The same from another table of the same body, whose modes were solved anew
+  /// The same from another table of the same body, whose modes were solved again
   /// (LoadedTable::follows). `in_contact_now`: the motion is in the solvers. Motion and sound are
   /// mapped by the table's shares (ModeShare), which cannot raise the energy. Motion without a
   /// successor fades out in `before`'s bank; false if there is none.

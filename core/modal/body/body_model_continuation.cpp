@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// BodyModel: continuing the motion in a table whose modes were solved anew.
+/// BodyModel: continuing the motion in a table whose modes were solved again.
 ///
 /// With modal mass 1 and z = q' + alpha q + j omega q, a mode's energy is |z|^2/2 and its output is
 /// Im(w z). The table's shares T are a partial isometry (ModeShare). At the sample of the exchange

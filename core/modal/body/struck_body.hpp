@@ -257,7 +257,7 @@ private:
   /// What adopt() changes when a new model takes over.
   struct Transition {
     bool same_body = false;  ///< its motion continues
-    bool resolved = false;   ///< ... in a table whose modes were solved anew (ModeShare)
+    bool resolved = false;   ///< ... in a table whose modes were solved again (ModeShare)
     bool in_contact = false; ///< ... and its contacts continue
     bool in_silence = false; ///< nothing sounds: all changes take effect at once
     bool gliding = false;    ///< the old model's weights were gliding

@@ -24,7 +24,7 @@ struct LoadedTable {
   std::vector<float> shape;
 
   explicit LoadedTable(ModalTable read);
-  /// The same body in another shape, solved anew: `share` says how the modes of `before` go on as
+  /// The same body in another shape, solved again: `share` says how the modes of `before` go on as
   /// those of the new table. It must have the triangles of `before`, and no board.
   LoadedTable(ModalTable solved, const LoadedTable& before, std::vector<ModeShare> share);
   /// Both: modes by frequency, each with its shape on its own body and none on the other; the
@@ -34,7 +34,7 @@ struct LoadedTable {
   /// Memory: 12 bytes for every mode of both at every vertex of both, besides the two tables.
   LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
               const Vec3& displacement_m);
-  /// The body solved anew on the same board: the new body must follow the one of `before`.
+  /// The body solved again on the same board: the new body must follow the one of `before`.
   LoadedTable(const std::shared_ptr<const LoadedTable>& body, const LoadedTable& before);
   LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
   LoadedTable& operator=(const LoadedTable&) = delete;
@@ -56,8 +56,8 @@ struct LoadedTable {
   [[nodiscard]] const LoadedTable& body() const noexcept {
     return parts.empty() ? *this : *parts[0].loaded;
   }
-  /// This is the body of another table in another shape: places by triangle and corners' weights
-  /// mean the same material points, and modes go on by `share`.
+  /// True if this is the body of `other` in another shape: positions given by triangle and weights
+  /// of its corners are the same material points, and modes continue by `share`.
   [[nodiscard]] bool follows(const LoadedTable& other) const noexcept {
     return predecessor_ == other.serial_;
   }

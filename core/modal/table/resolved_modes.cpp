@@ -112,7 +112,8 @@ std::string complete_resolved_modes(const ModalTable& before, ResolvedModes& res
   if (std::string refusal = share_refusal(resolved.share, before.modes(), now.modes());
       !refusal.empty())
     return refusal;
-  // Quadrilaterals may be cut along their other diagonal now; places count the table's triangles.
+  // Quadrilaterals may be cut along their other diagonal now, but positions refer to the triangles
+  // of the first table.
   resolved.table.triangle = before.triangle;
   map_radiation(before, resolved.share, resolved.table);
   resolved.table.has_mesh = before.has_mesh;

@@ -21,7 +21,7 @@ namespace tactus::reed {
 ///   p-(s) = R(s) exp(-2 s L/c - G sqrt(s)) p+(s)
 ///
 /// One delay line holds the whole round trip (BoreLine), wall losses and open end are filters
-/// behind it (RoundTripFilter; ToneHoleEnd for holes and bells), RadiationPath is the way out.
+/// behind it (RoundTripFilter; ToneHoleEnd for holes and bells), RadiationPath radiates the sound.
 /// While the register vent is open the line is in two parts that meet there (VentFilter). Length,
 /// filters and vent move linearly within a control period of kControlPeriod samples. A round trip
 /// takes several samples, so that p- of a block is known before the valve moves.

@@ -22,7 +22,7 @@ RegisterVent RegisterVent::of(const Parameters& parameters) noexcept {
       parameters.input_radius *
       (parameters.shape == BoreShape::kCone ? 1 + hole.position / parameters.apex_distance : 1);
   const double impedance = air.density * air.sound_speed / (kPi * bore * bore);
-  const double area = kPi * hole.radius * hole.radius, omega = 2 * kPi * kFriction;
+  const double area = kPi * hole.radius * hole.radius, omega = 2 * kPi * kFrictionFrequency_hz;
   const double friction = air.density * hole.height / area * 2 / hole.radius *
                           std::sqrt(kKinematicViscosity * omega / 2);
   const double length = hole.height + (kInner + OpenEnd::kLengthCorrection) * hole.radius;

@@ -13,27 +13,29 @@ namespace tactus::reed {
 /// The register vent (speaker hole) of a woodwind: a narrow side hole near the reed that weakens
 /// the lower register, so that the instrument overblows.
 ///
-/// Its air has the mass M and the friction R (chimney and end corrections, friction at kFriction
-/// Hz). The flow U (m^3/s) through it follows from the pressure p in the bore,
-///   M U' + R U + N U|U| = p,   N = kSeparation rho/(2 A^2).
-/// The last term is the kinetic energy lost by the jet that leaves the hole; at large amplitudes it
-/// exceeds the friction. Waves a and b that arrive from above and below give p = a + b - q there,
-/// with q = Z_0 U/2 and Z_0 = rho c/S of the bore at the hole (also in a cone). b - q travels up,
-/// a - q down. A vent that is partly open lets out a share g of q, which gains no power for any g
-/// in 0..1. For small waves
+/// The flow U (m^3/s) through the hole follows from the pressure p (Pa) in the bore,
+///   M U' + R U + N U|U| = p,   N = kSeparation rho/(2 A^2),
+/// M the inertance of its air (kg/m^4; chimney and end corrections), R its friction at
+/// kFrictionFrequency_hz (Pa s/m^3), A its cross-section (m^2). The last term is the kinetic energy
+/// lost by the jet that leaves the hole; at large amplitudes it exceeds the friction.
+///
+/// Waves a and b (Pa) arrive from above and below. With q = Z_0 U/2, Z_0 = rho c/S of the bore at
+/// the hole (also in a cone), p = a + b - q; b - q travels up, a - q down. A vent that is partly
+/// open lets out a share g of q, which gains no power for any g in 0..1. For small waves
 ///   q/(a + b) = H(s) = Z_0/(Z_0 + 2 (R + s M)) = share/(1 + s/corner).
 /// Limit: R is taken at one frequency (docs/greed.md, Limits).
 struct RegisterVent {
-  static constexpr double kFriction = 600; // Hz
+  static constexpr double kFrictionFrequency_hz = 600;
   static constexpr double kSeparation = 1.5;
 
-  double position = 0; // m, from the reed's end of the line
-  double share = 0;    // H(0); 0: there is none
-  double corner = 1;
+  double position = 0;   // m, from the reed's end of the line
+  double share = 0;      // H(0); 0: there is no vent
+  double corner = 1;     // corner frequency of H, rad/s
   double separation = 0; // 4 N/Z_0^2 of q, times share: 1/Pa
 
   /// The vent of the instrument Parameters::end; share 0 where that has none.
   [[nodiscard]] static RegisterVent of(const Parameters& parameters) noexcept;
+  /// H(s), s in rad/s.
   [[nodiscard]] std::complex<double> at(std::complex<double> s) const noexcept {
     return share / (1.0 + s / corner);
   }
@@ -54,16 +56,17 @@ struct RegisterVent {
 /// by one backward Euler step per sample, solved in closed form. V is double or simd::Lanes.
 template <class V> class VentFilter {
 public:
-  void set(const RegisterVent& vent, double rate) noexcept {
-    mass_ = V(rate / vent.corner);
-    resistance_ = V(1 + rate / vent.corner);
+  /// sample_rate: in Hz.
+  void set(const RegisterVent& vent, double sample_rate) noexcept {
+    mass_ = V(sample_rate / vent.corner);
+    resistance_ = V(1 + sample_rate / vent.corner);
     share_ = V(vent.share);
     separation_ = V(4 * vent.separation);
   }
   void reset() noexcept { q_ = V(0.0); }
   template <class Change> void each(Change change) noexcept { change(q_); }
 
-  /// Opening g at the first sample, and its increment per sample.
+  /// Opening g (0..1) at the first sample, and its increment per sample.
   struct Opening {
     double start, step;
   };

@@ -33,7 +33,7 @@ double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexc
 
 double LengthTable::length(double bore_frequency, double reed_frequency, bool leap,
                            const Fingering& fingering) noexcept {
-  constexpr double kMaxReedChange = 0.01; // of f_r, relative, until the table is computed anew
+  constexpr double kMaxReedChange = 0.01; // of f_r, relative, until the table is recomputed
   if (!(parameters_.embouchure > 0) &&
       !(std::abs(reed_frequency - reed_frequency_) < kMaxReedChange * reed_frequency)) {
     steps_ = {};

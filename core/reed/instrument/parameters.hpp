@@ -6,6 +6,8 @@ namespace tactus::reed {
 
 enum class ValveType { kClosed, kOpen, kSwinging }; ///< blown closed, blown open, swinging door
 enum class BoreShape { kCylinder, kCone };
+/// How the flow of a step is found: solved with the pressure it causes, or by the paper's explicit
+/// formula.
 enum class FlowMethod { kImplicit, kPaper };
 
 /// The parameters of a reed instrument: valve, bore, numerics and player. The three control signals

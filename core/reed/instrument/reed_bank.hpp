@@ -381,7 +381,7 @@ private:
   }
 
   /// The paper's explicit flow and the force of the flow (mu) can feed in energy without bound for
-  /// absurd parameters: then the model starts anew from rest.
+  /// absurd parameters: then the model restarts from rest.
   void restart_if_unbounded(const Outputs& out, int count) noexcept {
     constexpr double kMaxPressure = 1e9; // Pa
     bool bounded = true;

@@ -27,7 +27,7 @@ PlaneForce ForceSmoother::advance(const PlaneForce& target, double elapsed_s) no
   }
   const double share = smoothing_gain_, max_change = slew_n_per_s_ * elapsed_s;
   const auto follow = [&](double from, double to) {
-    constexpr double kNegligible = 1e-12; // N; denormals are dear
+    constexpr double kNegligible = 1e-12; // N; set to 0, since subnormal numbers are slow
     const double next =
         from + std::clamp(share * ((std::isfinite(to) ? to : 0) - from), -max_change, max_change);
     return std::abs(next) < kNegligible ? 0 : next;

@@ -30,7 +30,7 @@ public:
   [[nodiscard]] const PlayabilityFollower<double>& follower() const noexcept { return follower_; }
   [[nodiscard]] const Periodicity& periodicity() const noexcept { return analysis_.result(); }
   [[nodiscard]] Regime regime() const noexcept { return regime_; }
-  /// As last given to set_analysis().
+  /// The value last given to set_analysis().
   [[nodiscard]] bool analysis() const noexcept { return requested_; }
   /// Number of frames analysed since reset.
   [[nodiscard]] std::size_t frames() const noexcept { return frames_; }
