@@ -9,9 +9,9 @@ enum class Scheduling { kRealTime, kNice, kOther };
 /// the servo, so that a written force is sent at once.
 constexpr int kServoPriority = 60, kDeviceThreadPriority = 61;
 
-/// Raises the calling thread: SCHED_FIFO if the system allows it, else a lower nice value, else the
-/// default scheduling with a short timer slack. On Windows the highest priority of a normal
-/// program, told as nice.
+/// Raises the priority of the calling thread: SCHED_FIFO at `priority` if the system allows it,
+/// else a lower nice value, else the default scheduling with a short timer slack. On Windows it
+/// takes the highest priority of a normal program and returns kNice.
 Scheduling raise_thread_priority(int priority) noexcept;
 
 } // namespace tactus::devices

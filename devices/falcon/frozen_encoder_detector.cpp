@@ -7,13 +7,13 @@ namespace tactus::devices::falcon {
 namespace {
 
 constexpr double kLowPass_s = 0.05, kMaxForce_n = 100;
-constexpr double kSettled_s = 1; // after a question, before motion counts as the hand's own
-constexpr int kMotion = 50;      // ticks with changed counts that are no more than stillness
+constexpr double kSettled_s = 1; // after a test; motion before that may be the returning force's
+constexpr int kMotion = 50; // ticks with changed counts from which on the hand counts as moving
 
 } // namespace
 
-// A count has changed.
-void FrozenEncoderDetector::update_test(double period_s) noexcept {
+// A count has changed: the encoders work.
+void FrozenEncoderDetector::end_test(double period_s) noexcept {
   if (testing_) {
     wait_s_ = std::min(2 * wait_s_, kMaxWait_s);
     since_test_s_ = 0;
@@ -41,15 +41,15 @@ void FrozenEncoderDetector::update(bool changed, const haptic::Vec3& commanded_n
     return;
   }
   if (changed) {
-    update_test(period_s);
+    end_test(period_s);
     return;
   }
-  const double asked = norm(commanded_);
+  const bool forced = norm(commanded_) > kBand_n;
   const bool out_of_band = norm(sent_ - reference_) > kBand_n;
-  still_s_ = asked > kBand_n ? still_s_ + period_s : 0;
+  still_s_ = forced ? still_s_ + period_s : 0;
   mismatch_s_ += out_of_band ? period_s : 0;
   if (!testing_)
-    testing_ = asked > kBand_n && (still_s_ >= wait_s_ || mismatch_s_ >= kMismatch_s);
+    testing_ = forced && (still_s_ >= wait_s_ || mismatch_s_ >= kMismatch_s);
   if (!testing_) {
     gain_ = std::min(1.0, gain_ + period_s / kReturn_s);
     return;
@@ -61,7 +61,7 @@ void FrozenEncoderDetector::update(bool changed, const haptic::Vec3& commanded_n
   frozen_ = frozen_ || out_of_band || mismatch_s_ >= kMismatch_s;
   if (frozen_)
     return;
-  // The patch took its force away by itself, before it could decide anything.
+  // The patch ended its force by itself, within the band: the test decides nothing.
   testing_ = false;
   still_s_ = mismatch_s_ = zero_force_s_ = 0;
   reference_ = sent_;

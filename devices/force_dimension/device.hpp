@@ -12,11 +12,12 @@
 
 namespace tactus::devices::force_dimension {
 
-/// An omega, delta, sigma or lambda through the vendor's library. The device's own watchdog is set
-/// to 30 ms, so that a servo that dies leaves no force; where there is none a StallGuard does it.
-/// When the device has switched its force off by itself, force comes back when nothing but zero has
-/// been asked for during a fifth of a second; after its force button was pressed, when that is
-/// pressed again. The library's frame (x towards the user, y right, z up) becomes the project's.
+/// An omega, delta, sigma or lambda of Force Dimension through the vendor's library (DHD). The
+/// device's own watchdog is set to 30 ms, so that it ends the force when the servo dies; for a
+/// device without one a StallGuard does. When the device has switched its force off by itself,
+/// force returns when zero has been requested for 0.2 s; after its force button was pressed, when
+/// that is pressed again. The library's frame (x towards the user, y right, z up) is converted to
+/// the project's.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }

@@ -6,14 +6,16 @@
 
 namespace tactus::devices::force_dimension {
 
+/// The limits of a model of device: peak force, stable stiffness and damping, radius of the
+/// workspace.
 struct Model {
-  int type; ///< what dhdGetSystemType answers
+  int type; ///< the value of dhdGetSystemType
   std::string_view name;
   double peak_force_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
   double peak_torque_n_m = 0, peak_grip_n = 0; ///< 0: it has no such motors
 };
 
-/// CHAI3D's figures for the type; the smallest of them for an unknown type.
+/// The limits that CHAI3D has for the type; the smallest of all for an unknown type.
 [[nodiscard]] const Model& model_of(int type) noexcept;
 [[nodiscard]] haptic::Caps caps_of(const Model& model) noexcept;
 

@@ -73,7 +73,7 @@ void Connection::close() noexcept {
   if (!thread_.joinable())
     return;
   leaving_ = true;
-  // Leave-taking is one message and its answer; a service that hangs does not keep us.
+  // Zero force is one message and its answer; for a service that hangs the wait ends after 100 ms.
   for (int waited_ms = 0; waited_ms < 100 && leaving_; ++waited_ms)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   stop_ = true;
@@ -244,7 +244,7 @@ std::string Connection::run_session(Socket& socket) {
     return "Haply's service went away (" + failure + "): it is looked for again";
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / settings_.rate_hz));
   auto next = Clock::now();
-  bool told = false;
+  bool reported = false;
   for (int garbage = 0; !stop_;) {
     const bool last = leaving_;
     std::string failure = socket.send(force_message(device_id_, next_force()), kAnswer_s);
@@ -259,9 +259,9 @@ std::string Connection::run_session(Socket& socket) {
     if (garbage >= kMaxBadMessages)
       return "Haply's service sends no JSON any more: restart it";
     if (message && take(*message)) { // unplugged: the sample grows old and the servo notices
-      if (!told)
+      if (!reported)
         set_trouble(Phase::kRunning, "");
-      told = true;
+      reported = true;
       sample_.time_s = ServoThread::now_s();
       samples_.write(sample_);
     }

@@ -15,6 +15,7 @@ namespace tactus::devices::haply {
 
 class Socket;
 
+/// The network address of Haply's service.
 struct Address {
   std::string host = "127.0.0.1", port = "10001";
 };
@@ -30,7 +31,7 @@ struct Settings {
 
 /// The newest state of the device.
 struct Sample {
-  haptic::State state{}; ///< position in metres of the handle, from the origin that origin() says
+  haptic::State state{}; ///< position of the handle in m; its origin: Connection::centred()
   double time_s = -1e9;  ///< of its arrival, ServoThread's clock
   bool calibrated = false;
 };
@@ -60,7 +61,8 @@ public:
   /// Any thread that may wait.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] DeviceState device_state() const;
-  /// The service has put the origin into the middle of the workspace; else it is the device's base.
+  /// True if the service put the origin of positions into the middle of the workspace; else it is
+  /// at the device's base.
   [[nodiscard]] bool centred() const noexcept { return is_centred_; }
 
 private:

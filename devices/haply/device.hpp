@@ -4,8 +4,9 @@
 
 namespace tactus::devices::haply {
 
-/// An Inverse3 or Minverse through Haply's own service on this machine. The service stops the
-/// motors when it hears nothing, so does the connection when the servo says nothing for 50 ms.
+/// An Inverse3 or Minverse of Haply through Haply's own service, by default on this machine. The
+/// service stops the motors when no message arrives; the connection sends zero force when the servo
+/// has written none for 50 ms.
 class Device final : public haptic::Backend {
 public:
   Device();
@@ -27,12 +28,12 @@ private:
   Connection connection_;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
-  haptic::Vec3 last_position_{}; // the servo's
+  haptic::Vec3 last_position_{}; // m; the servo's thread
   std::atomic<bool> calibrated_{true};
 
   std::mutex settings_mutex_;
   Settings settings_;
-  double peak_n_ = 0; ///< 0: the model's
+  double peak_n_ = 0; ///< limit of the force; 0: the model's own
 };
 
 } // namespace tactus::devices::haply

@@ -8,18 +8,19 @@
 #include <string_view>
 #include <vector>
 
-/// What is said to Haply's service and what it answers: JSON texts. The service answers each
-/// message with one state; its first message, before any of ours, lists the devices. Fields that
-/// have not changed may be left out of a state.
+/// The messages to and from Haply's service, as JSON texts. The service answers each message with
+/// one state; its first message, before any of ours, lists the devices. A state may leave out
+/// fields that have not changed.
 namespace tactus::devices::haply {
 
-/// The state of one device in a message of the service. Project frame.
+/// The state of one device in a message of the service. Project frame: x right, y up, z towards the
+/// user.
 struct DeviceState {
   std::string id, type, firmware;
   std::optional<haptic::Vec3> position, velocity; ///< m, m/s, in the application's space
   std::optional<bool> calibrated;
   std::optional<Transform> workspace; ///< the workspace transform
-  std::optional<Transform> mount;     ///< with the configuration alone, as the next two
+  std::optional<Transform> mount;     ///< mount, preset and basis: in answers to status_request()
   std::string preset, basis;
 };
 
@@ -30,7 +31,8 @@ struct Message {
   std::optional<haptic::Vec3> rotation; ///< of a VerseGrip: axis times angle, rad
 };
 
-/// Nothing when the text is no JSON object. Numbers that are not finite are left out.
+/// Reads a message of the service. Nothing when the text is no JSON object. Numbers that are not
+/// finite are left out.
 [[nodiscard]] std::optional<Message> parse(std::string_view text);
 
 /// The preset that puts the origin into the middle of the workspace, and the service's own axes.
@@ -41,11 +43,11 @@ constexpr const char* kBasis = "XYZ";
 [[nodiscard]] std::string force_message(std::string_view device_id, const haptic::Vec3& force_n);
 /// The first message of a session: our name, the axes and the preset, and no force.
 [[nodiscard]] std::string first_message(std::string_view device_id);
-/// No force, and please an answer with the configuration in it. With basis: the axes once more,
-/// since a preset may set its own.
+/// Sets zero force and asks for an answer with the configuration in it. With basis: sets the axes
+/// again, since a preset may set its own.
 [[nodiscard]] std::string status_request(std::string_view device_id, bool basis);
 
-/// The service's axes are x right, y forward, z up.
+/// Vectors between the service's axes (x right, y forward, z up) and the project's.
 [[nodiscard]] inline haptic::Vec3 to_project(const haptic::Vec3& v) noexcept {
   return {v.x, v.z, -v.y};
 }

@@ -22,8 +22,8 @@ using asio::ip::tcp;
 
 namespace {
 
-/// A look-up of a host's name, which the system cannot be asked to break off: it runs in a thread
-/// of its own, which keeps this alive and may outlive who asked.
+/// The look-up of a host's name, which cannot be interrupted: it runs in a thread of its own, which
+/// keeps this alive and may outlive the caller.
 struct Lookup {
   std::atomic<bool> done{false};
   Error error;

@@ -9,6 +9,7 @@
 
 namespace tactus::devices::hid {
 
+/// The build of hidapi to use.
 enum class Transport { kAny, kHidraw, kLibusb };
 
 /// The functions of hidapi that the driver calls. hidapi has two builds: hidraw goes through the

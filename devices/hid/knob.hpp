@@ -21,10 +21,10 @@ struct Knob {
 /// Decodes the reports of one device.
 class Decoder {
 public:
-  /// Of the SpaceMouse family: the reports' length decides what they are, as devices differ from
-  /// their descriptions. The full scale comes from the description where it has one.
+  /// For the SpaceMouse family: the length of a report decides its content, since devices differ
+  /// from their descriptions. The full scale comes from the description where it has one.
   [[nodiscard]] static Decoder space_mouse(const ReportDescriptor& description);
-  /// Of anything else: by its description.
+  /// For all other devices: by their description.
   [[nodiscard]] static Decoder described(const ReportDescriptor& description);
 
   /// True when the report said something that the knob now shows.

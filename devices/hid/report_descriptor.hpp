@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-/// What a HID device says of its input reports, as far as tactus uses it: axes of the generic
-/// desktop page and buttons. USB Device Class Definition for Human Interface Devices 1.11,
-/// section 6.2.2.
+/// Parses the report descriptor of a HID device, in which it describes its input reports: axes of
+/// the generic desktop page and buttons. USB Device Class Definition for Human Interface
+/// Devices 1.11, section 6.2.2.
 namespace tactus::devices::hid {
 
 constexpr std::uint16_t kDesktopPage = 0x01, kButtonPage = 0x09;

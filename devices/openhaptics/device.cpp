@@ -195,8 +195,8 @@ void Device::halt() noexcept {
   if (!running_)
     return;
   stopping_ = true;
-  // The last call sends zero force. A scheduler that has died never makes it; the step under way,
-  // which is bounded, is waited for in any case.
+  // The scheduler's last call sends zero force; a scheduler that has died never makes it, so the
+  // wait for it is limited. A step that is running is waited for in any case: its time is bounded.
   for (int waited_ms = 0; waited_ms < 100 && !finished_; ++waited_ms)
     std::this_thread::sleep_for(Milliseconds(1));
   while (stepping_)
@@ -284,7 +284,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   const Code error = error_;
   if (force_off_)
     state.flags |= State::kFault;
-  if (warm_ticks_left_ > 0) // also while a worse error is told
+  if (warm_ticks_left_ > 0) // also while a worse error is reported
     state.flags |= State::kMotorsHot;
   if (error == kTooMuchForce)
     state.flags |= State::kForceLimited;

@@ -9,10 +9,10 @@
 
 namespace tactus::devices::openhaptics {
 
-/// A PHANTOM or Touch through the vendor's library. The vendor's scheduler owns the servo thread:
-/// run() hangs the servo's step into its callback, between the begin and the end of a frame.
-/// Force stays zero until the device is calibrated. After an error that switches force off, force
-/// comes back when nothing but zero has been asked for during a fifth of a second.
+/// A PHANTOM or Touch of 3D Systems through the vendor's OpenHaptics library (HDAPI). The vendor's
+/// scheduler owns the servo thread: run() registers a callback in which the servo's step runs,
+/// between the begin and the end of a frame. Force stays zero until the device is calibrated. After
+/// an error that switches force off, force returns when zero has been requested for 0.2 s.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }

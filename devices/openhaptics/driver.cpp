@@ -13,7 +13,7 @@ std::string problem() {
   return library.load();
 }
 
-/// Whether one of the vendor's USB devices is plugged in. Older ones hang on FireWire or Ethernet.
+/// Whether one of the vendor's USB devices is plugged in. Older ones use FireWire or Ethernet.
 bool seen_on_usb() {
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/usb/devices", failed)) {
@@ -37,9 +37,8 @@ std::vector<Found> list() {
   return {{"openhaptics",
            0,
            {"3D Systems", "Default Device", ""},
-           seen_on_usb()
-               ? "ready"
-               : "unknown: not seen on USB; open it if it hangs on FireWire or Ethernet"}};
+           seen_on_usb() ? "ready"
+                         : "unknown: not seen on USB; open it if it is on FireWire or Ethernet"}};
 }
 
 } // namespace

@@ -12,6 +12,7 @@
 
 namespace tactus::footstep {
 
+/// A recipe of data/surfaces that is compiled into the object.
 struct BuiltInSurface {
   std::string_view name, text;
 };

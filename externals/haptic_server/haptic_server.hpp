@@ -69,7 +69,7 @@ public:
   void dump(Host& host);
 
 private:
-  /// What exists while it listens.
+  /// The server, its sockets and its link to the servo, which exist while the object listens.
   struct Service;
   enum Value : std::size_t { kPortValue, kForceMax, kStiffness, kDamping, kGrab, kValueCount };
 

@@ -73,7 +73,7 @@ private:
 
   net::BusLink link_{};
   double bus_ahead_ms_ = 0; ///< bus time minus the object's
-  double reported_ms_ = 0;  ///< when late messages were told last
+  double reported_ms_ = 0;  ///< when late messages were last reported
   std::uint64_t late_ = 0, late_reported_ = 0;
 };
 

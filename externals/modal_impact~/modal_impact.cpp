@@ -120,7 +120,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   }
   if (!result.model)
     return;
-  if (table_ && result.table && table_->follows(*result.table)) // solved anew meanwhile
+  if (table_ && result.table && table_->follows(*result.table)) // solved again meanwhile
     return rebuild_model();
   const bool solved = table_ && result.table != table_ && result.table->follows(*table_);
   const bool same = solved || result.table == table_;

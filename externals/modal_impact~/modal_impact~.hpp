@@ -107,7 +107,7 @@ private:
   /// Present displacements of all shape parameters, m.
   [[nodiscard]] std::vector<double> shape_displacement_m(const design::ShapeParameters&) const;
   void deform(std::vector<double> displacement_m, const design::ShapeParameters&, Host& host);
-  // Solving shapes anew: resolve.cpp.
+  // Solving changed shapes: resolve.cpp.
   [[nodiscard]] bool needs_solve() const;
   /// Displacements of the control points from the shape that was solved, m.
   [[nodiscard]] std::vector<Vec3>

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-/// ModalImpact: solving the modes of a changed shape anew with modal_fem, in the background.
+/// ModalImpact: solving the modes of a changed shape with modal_fem, in the background.
 namespace tactus::modal {
 
 using namespace modal_impact;
@@ -137,7 +137,7 @@ void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
   execute(request, "resolve", value_[kSync] >= 0.5 || !host.real_time(), host);
 }
 
-/// A table solved anew has taken effect.
+/// A solved table has taken effect.
 void ModalImpact::resolved(Host& host) {
   if (last_point_)
     last_point_ =

@@ -8,6 +8,7 @@
 
 namespace tactus::phantom {
 
+/// One request to the worker's thread.
 struct DeviceWorker::Task {
   enum class Kind { kOpen, kRun, kClose, kReopen, kList };
   Kind kind;

@@ -52,7 +52,8 @@ std::string NamedNetwork::change(Words words, const Host& host) {
          "drag, gravity, rate or reset";
 }
 
-/// A mass that is there keeps its motion and its links; its position is where a reset puts it.
+/// Adds a mass, or changes one of that name: it keeps its motion and its links, and a reset then
+/// puts it at the new position.
 std::string NamedNetwork::add_mass(Words words) {
   constexpr Range ranges[] = {kMass, near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())
@@ -72,6 +73,7 @@ std::string NamedNetwork::add_mass(Words words) {
   return {};
 }
 
+/// Adds a fixed point, or fixes an existing mass where it is.
 std::string NamedNetwork::add_anchor(Words words) {
   constexpr Range ranges[] = {near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())
@@ -93,6 +95,8 @@ std::string NamedNetwork::add_anchor(Words words) {
   return {};
 }
 
+/// Adds a spring and damper between two masses, or replaces theirs. Its rest length (l0) is their
+/// distance unless given.
 std::string NamedNetwork::add_link(Words words) {
   using Kind = haptic::NetworkLink::Kind;
   constexpr Range ranges[] = {kStiffness, kDamping, {"l0", "mm", 0, 2 * kMaxPosition_mm}};
@@ -151,10 +155,11 @@ std::string NamedNetwork::add_string(Words words) {
   const double length_m = norm(string.to - string.from);
   if (length_m < 1e-3)
     return "the ends are " + number_text(length_m * 1e3) + " mm apart: expected 1 or more";
-  const double softest = string.tension_n * (string.count + 1) / length_m;
-  if (string.stiffness_n_per_m > 0 && string.stiffness_n_per_m < softest)
+  // A softer link would need a rest length below zero to be under that tension.
+  const double min_stiffness = string.tension_n * (string.count + 1) / length_m;
+  if (string.stiffness_n_per_m > 0 && string.stiffness_n_per_m < min_stiffness)
     return "stiffness " + number_text(string.stiffness_n_per_m) + " N/m: expected 0 or at least " +
-           number_text(softest) + ", tension over distance";
+           number_text(min_stiffness) + ", tension over distance";
   const std::string name = text_of(words[0]);
   std::vector<std::string> names;
   for (int i = 0; i <= string.count + 1; ++i)

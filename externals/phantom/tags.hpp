@@ -6,7 +6,7 @@
 
 namespace tactus::phantom {
 
-/// What `report TAG 0|1` switches.
+/// The outputs that the message `report TAG 0|1` switches.
 enum Tag : std::size_t {
   kMm,
   kVel,
