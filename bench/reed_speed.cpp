@@ -255,6 +255,7 @@ struct Part {
 
 } // namespace
 
+// One piece: a list of the benchmarks, one after the other.
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   Scalar clarinet("clarinet", 2000), silence("clarinet", 0), trumpet("trumpet", 4000);

@@ -81,6 +81,8 @@ double relative(const std::vector<double>& a, const std::vector<double>& b) {
 
 } // namespace
 
+// One piece: the measurements in the order of the printed table, each on the state that the one
+// before left.
 int main(int count, char** arguments) {
   const int across = count > 1 ? std::atoi(arguments[1]) : 4;
   if (across < 1 || across > 20) {

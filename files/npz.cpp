@@ -32,7 +32,7 @@ std::size_t find_end_record(std::span<const std::byte> file) {
   return file.size();
 }
 
-/// A member's place in the file, from the archive's directory.
+/// A member's position in the file, from the archive's directory.
 struct Member {
   std::string name;
   std::uint32_t method, checksum, stored, size, local;

@@ -7,8 +7,8 @@
 /// and its clients. net includes core/haptic and no driver.
 namespace tactus::net {
 
-/// What a message is about. On the wire `/hap/NAME` in OSC and `hap NAME` in FUDI, where the slash
-/// inside a name is a blank.
+/// The address of a message of the haptic protocol. On the wire `/hap/NAME` in OSC and `hap NAME`
+/// in FUDI, where the slash inside a name is a blank.
 enum class Address : std::uint8_t {
   kUnknown,
   // of a client
@@ -43,7 +43,7 @@ enum class Address : std::uint8_t {
   kTopic, ///< i sequence, i us, fields of the topic (net/bus_topic.hpp)
 };
 
-/// As in "cp/begin"; "?" of kUnknown and kTopic.
+/// The NAME of an address, such as "cp/begin"; "?" for kUnknown and kTopic.
 [[nodiscard]] std::string_view name_of(Address address) noexcept;
 /// kUnknown when there is no such name.
 [[nodiscard]] Address find_address(std::string_view name) noexcept;

@@ -23,8 +23,8 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kLinkConnect_s = 2, kCloseTimeout_s = 0.2;
-constexpr int kSilentAttempts = 2;   ///< to connect, before it is told
-constexpr double kPortInUse_s = 0.5; ///< for a link that has just ended to let go of its port
+constexpr int kSilentAttempts = 2;   ///< to connect, before a failure is reported
+constexpr double kPortInUse_s = 0.5; ///< for a link that has just ended to release its port
 constexpr auto kLinkPollInterval = std::chrono::milliseconds(5);
 
 /// Threads whose owners have gone, until they have ended: at the end of the program at the latest.
@@ -79,7 +79,7 @@ protected:
   bool pause(double seconds) {
     const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
     while (!stop_ && Clock::now() < until) {
-      node_.advance(now_s()); // what is sent meanwhile has nobody to go to
+      node_.advance(now_s()); // messages of this time have no receiver
       std::this_thread::sleep_for(kLinkPollInterval);
     }
     return !stop_;

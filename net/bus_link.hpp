@@ -29,7 +29,7 @@ public:
   void listen(int port, const std::string& address);
   /// Calls that host, again and again until disconnect().
   void connect(const std::string& host, int port);
-  /// Returns at once: the others are told in the background.
+  /// Ends all connections. Returns at once: the peers are informed in the background.
   void disconnect() noexcept;
   [[nodiscard]] bool open() const noexcept { return worker_ != nullptr; }
 
@@ -46,7 +46,7 @@ public:
   [[nodiscard]] std::vector<BusExchange::Notice> take_notices();
 
   [[nodiscard]] int peers() const noexcept;
-  /// The longest playout delay among the peers, and the longest way, s.
+  /// The longest playout delay and the longest transit time among the peers, s.
   [[nodiscard]] double delay_s() const noexcept;
   [[nodiscard]] double transit_s() const noexcept;
 

@@ -8,7 +8,7 @@ namespace {
 constexpr std::string_view kRole = "bus";
 constexpr std::size_t kMaxText = 256;
 
-/// A stranger's text, to be shown.
+/// Makes a text from the network printable.
 std::string printable(std::string_view text) {
   std::string clean(text.substr(0, kMaxText));
   for (char& c : clean)
@@ -51,7 +51,7 @@ void BusSession::receive(std::span<const std::uint8_t> bytes, double now_s,
       return;
     take(outcome, message, now_s, receiver);
   }
-  if (reason_.empty()) // said by what all connections have in common
+  if (reason_.empty()) // PeerConnection ended the connection
     reason_ = "bad";
 }
 
@@ -115,7 +115,7 @@ BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
   const auto protocol = message.integer_at(0);
   const auto peer_name = message.string_at(1), role = message.string_at(2);
   if (side_ == Side::kCaller || welcomed_)
-    return {"hello", "hello is said once, by who calls"};
+    return {"hello", "hello is sent once, by the caller"};
   if (!protocol || !peer_name || !role || message.size() > 4 ||
       (message.size() == 4 && !message.string_at(3)))
     return {"arguments", "expected hello protocol name bus token"};
@@ -163,7 +163,7 @@ void BusSession::welcome(double now_s) {
   ping(now_s);
 }
 
-/// Both ping and pong carry the clock of who sends and the minimum of its samples.
+/// Both ping and pong carry the sender's clock and the minimum of its samples.
 void BusSession::send_clock(Address address, std::int32_t sequence, double now_s) {
   Message message(address);
   message.integer(sequence).integer(wire_integer(stamp_of(now_s)));
@@ -206,7 +206,7 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
   const BusTopic topic = bus_topic(message.name());
   if (topic.has_time && !message.number_at(kTopicHead))
     return {"arguments", "the first field of this topic is its time, ms after the message's"};
-  // Numbered from 1 on; 0 of who does not count.
+  // Events are numbered from 1 on; 0 is from a sender that does not count.
   if (*sequence != 0 && topic.is_event) {
     const auto gap = static_cast<std::uint32_t>(*sequence) - events_taken_ - 1;
     if (gap != 0) {
@@ -258,7 +258,7 @@ void BusSession::advance(double now_s) {
   }
   if (!welcomed_ && now_s - start_s_ >= (side_ == Side::kCaller ? kWelcome_s : kTimeout_s)) {
     end("timeout");
-    reason_ = side_ == Side::kCaller ? "no bus answers there" : "hello was never said";
+    reason_ = side_ == Side::kCaller ? "no bus answers there" : "no hello was received";
     return;
   }
   const double pause_s = ready_ ? kPingInterval_s : kFirstPing_s;

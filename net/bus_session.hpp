@@ -10,30 +10,30 @@
 
 namespace tactus::net {
 
-/// What one end of a bus link says of itself and asks of the other.
+/// Settings of one end of a bus link.
 struct BusSettings {
   std::string name = "tactus";
-  std::string token{}; ///< who calls brings it, who listens asks for it; empty: none is needed
+  std::string token{}; ///< the caller presents it, the listener requires it; empty: none is needed
 };
 
-/// One connection between two buses of modules (docs/haptic_network.md, "Buses"): who calls says
-/// hello, who listens welcome; after that both are alike. No sockets, threads or clocks; times in s
-/// by one clock, never decreasing.
+/// One connection between two buses of modules (docs/haptic_network.md, "Buses"). The caller sends
+/// hello and the listener answers welcome; after that both sides are equal. No sockets, threads or
+/// clocks; times in s by one clock, never decreasing.
 class BusSession : public PeerConnection {
 public:
   enum class Side { kListener, kCaller };
-  /// Takes a topic's fields behind its head, `sent_s` by this side's clock; late: it came after its
-  /// playout time. False: no room for it.
+  /// Receives a topic's fields, without its head. sent_s: when it was sent, by this side's clock.
+  /// late: it came after its playout time. Returns false when it has no room for it.
   using Receiver = std::function<bool(const Message& message, double sent_s, bool late)>;
 
-  /// Bytes of a stream that may wait: 0.75 s of 1000 positions a second, so that a line which
-  /// hesitates loses no contact.
+  /// Bytes of streams that are queued at most: 0.75 s of 1000 positions a second, so that a
+  /// connection that stalls for less loses no contact.
   static constexpr std::size_t kStreamLimit = 1u << 16;
-  /// Exchanges of clocks before messages go, and their distance.
+  /// Exchanges of clock readings before messages are sent, and their interval.
   static constexpr int kFirstPings = 8;
   static constexpr double kFirstPing_s = 0.01;
-  static constexpr double kWelcome_s = 2; ///< to wait for it
-  /// Of kPackets_hz, what pings and pongs leave to topics.
+  static constexpr double kWelcome_s = 2; ///< timeout of the caller for welcome
+  /// Topics a second: kPackets_hz less pings and pongs.
   static constexpr double kTopics_hz = 4800;
 
   BusSession(Side side, const BusSettings& settings, LockOut& lock_out, std::string peer,
@@ -41,10 +41,11 @@ public:
 
   void receive(std::span<const std::uint8_t> bytes, double now_s, const Receiver& receiver);
   void advance(double now_s);
-  /// A topic with its fields; `sent`: of this side's clock. A sample of a stream may be left out.
+  /// Sends a topic with its fields. sent: reading of this side's clock. A sample of a stream may be
+  /// dropped.
   void send(const Message& topic, std::uint32_t sent, double now_s);
 
-  /// Both have said hello and know each other's clock: messages go.
+  /// Both sides have sent hello and know each other's clock: messages can be exchanged.
   [[nodiscard]] bool ready() const noexcept { return ready_ && !closing; }
   /// Nothing has come for 500 ms.
   [[nodiscard]] bool late(double now_s) const noexcept {
@@ -52,11 +53,11 @@ public:
   }
   [[nodiscard]] PlayoutDelay& playout() noexcept { return playout_; }
   [[nodiscard]] const PlayoutClock& clock() const noexcept { return clock_; }
-  /// Why it ends, one sentence or a word of the protocol.
+  /// Why the connection ended: one sentence or a word of the protocol.
   [[nodiscard]] const std::string& reason() const noexcept { return reason_; }
-  /// What the other side has complained of since the last call; empty when of nothing.
+  /// The error that the other side has reported since the last call; empty when none.
   [[nodiscard]] std::string take_warning() { return std::exchange(warning_, {}); }
-  /// Events that the other side had sent and that did not come: 0 while both keep to the protocol.
+  /// Events that the other side has sent and that did not arrive: 0 while both follow the protocol.
   [[nodiscard]] std::uint64_t lost_events() const noexcept { return lost_events_; }
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 

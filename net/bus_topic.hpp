@@ -6,9 +6,9 @@ namespace tactus::net {
 
 /// How a topic of the modules' bus (docs/audiohaptics.md) travels.
 struct BusTopic {
-  /// An event is never left out while its connection stands; of a stream an old sample may be.
+  /// An event is never dropped while its connection lasts; an old sample of a stream may be.
   bool is_event = true;
-  /// The first field is a time in ms by the bus of who sends. On the wire it is counted from the
+  /// The first field is a time in ms by the sender's bus. On the wire it is counted from the
   /// message's own time.
   bool has_time = false;
 };

@@ -47,7 +47,7 @@ public:
 
   explicit Client(ClientSettings settings = {}) : settings_(std::move(settings)) {}
 
-  /// Of a fresh connection; the setup goes out behind hello.
+  /// Begins a connection: queues hello and the setup.
   void connect(double now_s);
   void disconnect() noexcept;
   /// False when the connection is to be ended; trouble() says why.
@@ -56,7 +56,7 @@ public:
   void receive_datagram(std::span<const std::uint8_t> bytes, double now_s);
   /// The port of the server that datagrams() are to go to; 0: none.
   [[nodiscard]] DatagramReceiver& datagrams() noexcept { return datagrams_; }
-  /// The server has said that it sends no datagrams: positions come over TCP.
+  /// True if the server sends no datagrams: positions come over TCP.
   [[nodiscard]] bool udp_refused() const noexcept { return udp_refused_; }
   /// Once a millisecond or so: pings. False as receive().
   [[nodiscard]] bool advance(double now_s);
@@ -75,8 +75,8 @@ public:
   [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
   [[nodiscard]] const haptic::Vec3& position() const noexcept { return position_; } ///< m
   [[nodiscard]] double position_s() const noexcept { return position_s_; } ///< of its arrival
-  /// As the server's servo knows it, m/s. Differences of positions that come by a network show its
-  /// jitter: two in one tick, none in the next.
+  /// The velocity that the server's servo has estimated, m/s. Differences of positions received
+  /// over a network would contain its jitter: two positions in one tick, none in the next.
   [[nodiscard]] const haptic::Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
   /// Counts the times that the server refused or ended our control.
@@ -102,7 +102,7 @@ private:
   Welcome welcome_{};
   bool welcomed_ = false, ready_ = false, in_control_ = false, ended_ = false;
   double last_message_s_ = 0, pinged_s_ = 0, connected_s_ = 0;
-  std::optional<std::int32_t> server_ms_{}; ///< its time, as said last
+  std::optional<std::int32_t> server_ms_{}; ///< the server's time in its last message
   std::int32_t ping_ = 0, force_ = 0, feedback_ = 0;
   DatagramReceiver datagrams_{};
   bool udp_refused_ = false;

@@ -15,7 +15,7 @@ namespace tactus::net {
 /// A client says over UDP this often which sample came last.
 inline constexpr double kProbeInterval_s = 0.05;
 /// Without news of samples that arrived for this long, TCP carries them again: half of the silence
-/// after which a remote device counts as failed, so that the way back has the other half.
+/// after which a remote device counts as failed; the other half is for the samples over TCP.
 inline constexpr double kDatagramSilence_s = 0.25;
 /// A client that sent no probe for this long is sent no datagrams.
 inline constexpr double kProbeTimeout_s = 5;
@@ -35,7 +35,7 @@ inline constexpr int kMaxDatagramsPerTick = 32;
 /// A key that nobody can guess, 1 to 2^31 - 1. Asks the system; not for the servo.
 [[nodiscard]] std::int32_t make_datagram_key();
 
-/// One packet, as it goes out.
+/// One packet to be sent.
 struct Datagram {
   std::array<std::uint8_t, kMaxDatagram> bytes{};
   std::size_t size = 0;

@@ -9,7 +9,7 @@
 
 namespace tactus::net {
 
-/// How messages are told apart on a stream; a connection's first byte chooses.
+/// How messages are delimited on a stream; the first byte of a connection chooses.
 enum class Framing : std::uint8_t {
   kSlip,   ///< 0xC0: OSC packets by RFC 1055, an END on both sides, as OSC 1.1 has it
   kLength, ///< 0x00: OSC packets behind their length in 4 bytes, big-endian, as OSC 1.0 has it

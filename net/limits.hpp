@@ -19,17 +19,17 @@ inline constexpr double kSilence_s = 0.5;
 inline constexpr double kRamp_s = 0.05;
 inline constexpr double kHold_s = kSilence_s - kRamp_s;
 inline constexpr double kPingInterval_s = 0.25;
-/// A client that sends the server's time back is alive while that time is no older than this: its
-/// pings every 250 ms, and the way there and back.
+/// A client that sends the server's time back counts as alive while that time is no older than
+/// this: the interval of its pings (250 ms) and the round trip.
 inline constexpr double kMaxAge_s = 1;
-/// A client that was silent for this long is shown out.
+/// A client that was silent for this long is disconnected.
 inline constexpr double kTimeout_s = 5;
 /// A frame that has not been completed for this long ends its connection.
 inline constexpr double kFrameTimeout_s = 2;
 /// How far a sequence number may go back and be merely old.
 inline constexpr int kSequenceWindow = 1000;
 
-/// So many events a second, and so many at once, as a leaky bucket.
+/// Limits events to a number per second, of which all may come at once (a token bucket).
 class RateLimit {
 public:
   explicit RateLimit(double per_second) noexcept : per_second_(per_second), tokens_(per_second) {}

@@ -2,7 +2,8 @@
 
 namespace tactus::net {
 
-/// What was sent goes when it is the larger half, so that a byte is moved once at most.
+/// Removes the bytes already sent when they are the larger half, so that a byte is moved once at
+/// most.
 void OutQueue::add(std::span<const std::uint8_t> bytes) {
   if (begin_ > size()) {
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(begin_));

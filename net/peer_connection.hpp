@@ -27,13 +27,13 @@ struct PeerConnection {
   double frame_since_s;  ///< when last no frame was open
   RateLimit packets{kPackets_hz}, errors{kErrors_hz};
   BadPackets bad_packets{};
-  bool flooding = false; ///< and was told so
+  bool flooding = false; ///< and has been sent the error
 
   /// Cannot be said in words before the first byte has chosen the framing.
   void send_event(const Message& message);
   /// False when the sample was left out.
   bool send_sample(const Message& message);
-  /// At most kErrors_hz a second are said.
+  /// At most kErrors_hz a second are sent.
   void send_error(std::string_view code, std::string_view text, double now_s);
   void send_bye(std::string_view reason);
 
@@ -42,11 +42,11 @@ struct PeerConnection {
                                           double now_s) noexcept;
   /// Answers a packet that is dropped; the 20th within a second ends the connection.
   void count_bad_packet(std::string_view code, std::string_view text, double now_s);
-  /// No frame stays open for 2 s, nobody silent for 5 s.
+  /// Ends a connection with a frame that stays incomplete for 2 s or that is silent for 5 s.
   void check_timeouts(double now_s);
 
 protected:
-  /// The framing of who speaks first; who answers follows the other's.
+  /// The framing of the side that sends first; the other side takes it over.
   std::optional<Framing> begins_in{};
 
 private:

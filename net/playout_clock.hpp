@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-/// Times of messages from another computer. Seconds by this side's clock, never decreasing, unless
-/// said otherwise.
+/// Times of messages from another computer. In seconds of this side's clock, never decreasing,
+/// unless stated otherwise.
 namespace tactus::net {
 
 /// A clock's reading in microseconds modulo 2^32 (71 minutes), as it goes over the line.
@@ -54,9 +54,9 @@ private:
 /// A message stamped S by the other side that arrives at R by this side's clock gives the sample
 /// x = R - S = offset + delay. Both sides keep the minimum of their samples and tell it to each
 /// other; if the shortest delays there and back are equal (as NTP assumes, Mills 1991), offset =
-/// (x_min - x'_min)/2. An asymmetry of the shortest delays is an error of half of it, which nobody
-/// can see from the ends of a line; it is of opposite sign on both sides, so a time that goes there
-/// and back is right all the same.
+/// (x_min - x'_min)/2. An asymmetry of the shortest delays causes an error of half of it, which
+/// cannot be observed from the ends of a line. Its sign is opposite on both sides, so a time that
+/// is sent there and back is right all the same.
 class PlayoutClock {
 public:
   /// Stamps that differ by more than this from the first would be ambiguous.

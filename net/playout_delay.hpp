@@ -22,8 +22,8 @@ namespace tactus::net {
 /// A message that is later than the delay raises it to its own transit time at once, since those
 /// behind it are as late, and the delay falls back to d by kFall_rate: the spike mode of Ramjee,
 /// Kurose, Towsley and Schulzrinne (INFOCOM 1994), which leaves a spike out of the estimate. While
-/// it falls, messages are let out closer together by that share and never out of order. kMax_s at
-/// most: who is later is late.
+/// it falls, messages are played out closer together by that share and never out of order. The
+/// delay is kMax_s at most; a message that is later counts as late.
 class PlayoutDelay {
 public:
   static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kPercentile = 0.9;

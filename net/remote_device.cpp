@@ -24,11 +24,11 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kWelcomeTimeout_s = 4;
 constexpr double kStale_s = 0.1; ///< no force upon older positions
-/// As long as the servo takes to see a failure, and more.
+/// Longer than the servo takes to detect a failure.
 constexpr double kFailureHold_s = 0.1;
-/// A velocity is held while positions are a little late, as a lost packet of TCP makes them, so
-/// that a hit is told of what then comes at once; later the handle counts as standing, for the sake
-/// of dampers.
+/// While positions are late by less than this, as after a lost packet of TCP, the last velocity is
+/// held, so that a hit in the positions that then arrive together has its speed. Later the velocity
+/// counts as zero, because dampers would act on an old one.
 constexpr double kHeldVelocity_s = 0.05;
 constexpr double kRepeat_s = 0.1;    ///< of a force that stays
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
@@ -153,8 +153,7 @@ void RemoteDevice::update_caps(const Welcome& welcome, double round_trip_s,
   caps_ = {};
   caps_.axes_in = caps_.axes_out = welcome.axes;
   caps_.peak_force_n = welcome.force_limit_n;
-  // A sampled wall is stable up to 2 b / T (Colgate & Schenkel 1997), and the way there and back
-  // adds to T.
+  // A sampled wall is stable up to 2 b / T (Colgate & Schenkel 1997), and the round trip adds to T.
   caps_.stiffness_limit_n_per_m =
       welcome.stiffness_limit_n_per_m * period_s / (period_s + round_trip_s);
   caps_.damping_limit_n_s_per_m =
@@ -236,7 +235,7 @@ void RemoteDevice::run_connection() {
       failure =
           "no haptic server answers on " + server + " (" + failure + "): start haptic_server there";
     }
-    // The servo sees for long enough that there is no device, and stops its motors.
+    // Long enough for the servo to detect that there is no device and to stop its motors.
     sample_.connected = false;
     samples_.write(sample_);
     down_until_s_ = now_s() + kFailureHold_s;
@@ -261,15 +260,15 @@ std::string RemoteDevice::run_session(Wire& wire) {
   client->connect(began_s);
   wire.receive(
       [&client](std::span<const std::uint8_t> bytes) { return client->receive(bytes, now_s()); });
-  bool told = false;
+  bool reported = false;
   while (!stop_ && wire.open && !wire.refused && client->advance(now_s())) {
     wire.exchange_datagrams(*client);
     exchange(*client, now_s());
     wire.send(client->out());
     wire.run();
     const bool measured = client->round_trip_s() && now_s() - began_s > kMeasure_s;
-    if (!told && client->ready() && measured) {
-      told = true;
+    if (!reported && client->ready() && measured) {
+      reported = true;
       const std::lock_guard lock(mutex_);
       welcome_ = client->welcome();
       round_trip_s_ = *client->round_trip_s();
@@ -296,7 +295,7 @@ std::string RemoteDevice::run_session(Wire& wire) {
 void RemoteDevice::exchange(Client& client, double now) {
   const Vec3 newest = forces_.read();
   const Vec3 force_n = newest * forces_.gain();
-  if (newest == Vec3{}) // written, not for want of a servo: that one may have missed a failure
+  if (newest == Vec3{}) // commanded, not by the timeout: only then has the servo seen a failure
     may_start_ = true;
   if (client.ready() && may_start_ && !client.in_control() && !(force_n == Vec3{})) {
     client.start(RenderMode::kForce);

@@ -32,7 +32,8 @@ Clock::time_point after(double seconds) {
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-/// A look-up of a host's name cannot be broken off: it runs in a thread that may outlive who asked.
+/// The look-up of a host's name cannot be interrupted: it runs in a thread that may outlive the
+/// caller.
 std::string look_up(const std::string& host, int port, Clock::time_point until,
                     const std::atomic<bool>& stop, Endpoints& endpoints) {
   struct Lookup {

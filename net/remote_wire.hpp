@@ -16,9 +16,9 @@ namespace tactus::net {
 
 class Client;
 
-/// One TCP connection of a client and its UDP socket, in whose thread everything happens.
+/// The TCP connection and the UDP socket of a client; all functions are called in one thread.
 struct Wire {
-  /// Takes what came; false when it wants no more of it.
+  /// Takes received bytes; false ends the connection.
   using Receiver = std::function<bool(std::span<const std::uint8_t>)>;
 
   explicit Wire(const std::atomic<bool>& stop_flag) : stop(stop_flag) {}

@@ -9,9 +9,10 @@
 
 namespace tactus::net {
 
+/// What the server renders: nothing, the stress as a spring or as a damper, or the client's forces.
 enum class RenderMode : std::uint8_t { kStopped, kSpring, kDamper, kForce };
 
-/// What the controlling client asks to be rendered; the newest request holds.
+/// The request of the client in control for the force to render; the newest one counts.
 struct RenderRequest {
   RenderMode mode = RenderMode::kStopped;
   stress::RenderGains gains{};

@@ -107,7 +107,7 @@ void Server::log_event(const Session& session, std::string_view what) {
   if (notices_.size() == kMaxNotices)
     notices_.erase(notices_.begin());
   std::string line = session.peer + " ";
-  for (const char c : session.name) // a stranger's text
+  for (const char c : session.name) // text from the network
     line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   notices_.push_back(line + " " + std::string(what));
 }
@@ -129,7 +129,7 @@ void Server::advance(const DeviceReport& report, double now_s) {
     release_control(report.emergency_stopped ? "estop" : "fault");
   if (controller_ && now_s - controller_->last_message_s >= kSilence_s &&
       !(servo_command_.force_n == haptic::Vec3{})) {
-    servo_command_.force_n = {}; // who comes back begins at none
+    servo_command_.force_n = {}; // a client that sends again begins at zero force
     ++servo_command_.forces;
   }
   drag();

@@ -31,9 +31,9 @@ struct DeviceReport {
   std::uint32_t faults = 0;       ///< counts those it reported, and its silences
 };
 
-/// What the servo is to do.
+/// The command for the servo.
 struct ServoCommand {
-  bool running = false; ///< a client has said start; else the motors are off
+  bool running = false; ///< a client has sent start; else the motors are off
   RenderRequest render{};
   haptic::Vec3 force_n{};   ///< of force mode
   std::uint64_t forces = 0; ///< counts the forces that came
@@ -87,8 +87,8 @@ public:
   [[nodiscard]] std::size_t clients() const noexcept;
   /// How many there have been.
   [[nodiscard]] std::uint64_t connections_made() const noexcept { return connections_made_; }
-  /// What happened since the last call, a line each, for who runs the server; the oldest are left
-  /// out when nobody asks.
+  /// Events since the last call for the log of the server, one line each; the oldest ones are
+  /// dropped when it is not called for long.
   [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
   /// Name of the client in control; empty when there is none.
   [[nodiscard]] std::string_view controller_name() const noexcept {

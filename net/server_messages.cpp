@@ -238,8 +238,8 @@ Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
   return {};
 }
 
-/// Since the first time that was asked for; begins anew after 24 days, when clients that give it
-/// back are told that it has not come yet until they have seen the new one.
+/// Time since the first call, ms. Begins again at 0 after 24 days; a client that then sends an old
+/// time back gets an error, as for a time in the future, until it has received a new one.
 std::int32_t Server::milliseconds(double now_s) noexcept {
   if (!origin_s_)
     origin_s_ = now_s;

@@ -23,7 +23,7 @@ bool numbers(const Message& message, std::array<double, N>& values) noexcept {
 
 } // namespace
 
-/// The orders follow the setup of who is in control.
+/// Applies the setup of the client in control to the command for the servo.
 void Server::apply_setup() noexcept {
   const Setup& setup = controller_->setup;
   servo_command_.render.gains = setup.gains;

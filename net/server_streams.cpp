@@ -75,7 +75,8 @@ Message Server::move_message() const noexcept {
       .real(mm.z);
 }
 
-/// Where the point is now is said once more, as an event: a stream may have left its end out.
+/// Sends the position of the released point once more, as an event: the stream may have dropped the
+/// last sample.
 void Server::release_point() {
   if (!grabbed_)
     return;

@@ -8,36 +8,37 @@
 
 namespace tactus::net {
 
-/// What a TcpServer serves: connections by number, bytes in and bytes out. No sockets, threads or
-/// clocks of its own; times in s by one clock, never decreasing.
+/// The interface of what a TcpServer serves: it gets bytes of numbered connections and queues bytes
+/// for them. It has no sockets, threads or clocks of its own; times in s by one clock, never
+/// decreasing.
 class Service {
 public:
   using ClientId = std::size_t; ///< 0 .. kMaxClients - 1
 
-  /// A connection from that address; nothing when there are as many as there may be. udp_port:
-  /// where this client can send datagrams, 0 when there are none.
+  /// A new connection from that address; nothing when there are kMaxClients already. udp_port: the
+  /// port for the datagrams of this client, 0 without datagrams.
   [[nodiscard]] virtual std::optional<ClientId> connect(std::string_view peer, double now_s,
                                                         int udp_port) = 0;
   virtual void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) = 0;
-  /// The connection is gone, or was closed after closing() and an empty queue.
+  /// The connection has ended: by the peer, or because closing() was true and the queue empty.
   virtual void disconnect(ClientId client) = 0;
 
-  /// A datagram from that address. The client whose probe it is, if it is one: what
-  /// datagrams(client) holds goes to where it came from.
+  /// A datagram (bytes, from an address, at a time). Returns the client whose probe it is, if it is
+  /// one: what datagrams(client) holds is sent to the endpoint that it came from.
   [[nodiscard]] virtual std::optional<ClientId>
   receive_datagram(std::string_view, std::span<const std::uint8_t>, double) {
     return {};
   }
-  /// What waits to be sent to a client by UDP; null: this service sends no datagrams.
+  /// The queue of datagrams for a client; null: this service sends none.
   [[nodiscard]] virtual DatagramSender* datagrams(ClientId) noexcept { return nullptr; }
 
-  /// Every client is told and its connection ends.
+  /// Sends every client the reason and ends its connection.
   virtual void close(std::string_view reason) = 0;
 
   [[nodiscard]] virtual OutQueue& out(ClientId client) noexcept = 0;
-  /// What waits is sent, then the connection ends.
+  /// True if the connection is to end once its queue is sent.
   [[nodiscard]] virtual bool closing(ClientId client) const noexcept = 0;
-  /// Clients must bring a token of kMinToken bytes or more.
+  /// True if clients must present a token of kMinToken bytes or more.
   [[nodiscard]] virtual bool guarded() const noexcept = 0;
 
 protected:

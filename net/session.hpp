@@ -10,16 +10,16 @@
 
 namespace tactus::net {
 
-/// What a client has set up; it holds while that client is in control.
+/// The settings of a client; they take effect while that client is in control.
 struct Setup {
-  haptic::Workspace workspace{}; ///< m; dragged points stay inside
-  std::vector<haptic::Vec3> points{};
+  haptic::Workspace workspace{};      ///< m; dragged points stay inside
+  std::vector<haptic::Vec3> points{}; ///< control points, m
   stress::RenderGains gains{};
   std::optional<haptic::Vec3> anchor{}; ///< m
   double force_limit_n = 0;
 };
 
-/// Control points between cp/begin and cp/end.
+/// The list of control points while a client sends it, between cp/begin and cp/end.
 class PointList {
 public:
   void begin(std::size_t count) {
@@ -74,8 +74,8 @@ struct Session : PeerConnection {
       : PeerConnection(std::move(peer_address), now_s), udp_port(datagram_port) {}
 
   Role role = Role::kNone;
-  int udp_port;                     ///< where its probes are to go; 0: no datagrams here
-  std::optional<double> echoed_s{}; ///< the server's time that the client has seen last
+  int udp_port;                     ///< of the server, for the client's probes; 0: no datagrams
+  std::optional<double> echoed_s{}; ///< the latest time of the server that the client sent back
 
   Setup setup{};
   PointList list{};

@@ -228,7 +228,7 @@ struct TcpServer::Parts {
       }
   }
 
-  /// A connection that the server has ended goes when its last words are out, or after a second.
+  /// Closes a connection that the service ended, when its queue has been sent or after a second.
   void end_if_done(Connection& connection) {
     if (!connection.open || !service.closing(connection.client))
       return;
@@ -273,7 +273,7 @@ struct TcpServer::Parts {
     });
   }
 
-  /// Tells everybody and waits so long for sockets that are full.
+  /// Sends every client the reason and waits up to `patience` for sockets that are full.
   void send_bye(Clock::duration patience) {
     acceptors.clear();
     service.close("closing");

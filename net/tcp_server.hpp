@@ -9,10 +9,10 @@
 
 namespace tactus::net {
 
-/// The sockets of a server: TCP on 127.0.0.1 and ::1, or on one other address, which a token must
-/// guard; and, where asked for, UDP on the same addresses, which carries positions to clients.
-/// Everything happens in the thread that calls run() or poll(); the servo's thread is met in the
-/// orders alone.
+/// The sockets of a Service: TCP on 127.0.0.1 and ::1, or on one other address, which a token must
+/// guard; optionally UDP on the same addresses, which carries positions to clients. All of it runs
+/// in the thread that calls run() or poll(). The hook on_servo_command passes commands on to the
+/// servo's thread, which is not entered otherwise.
 class TcpServer {
 public:
   struct Settings {
@@ -20,7 +20,8 @@ public:
     std::string listen{}; ///< a numeric address; empty: loopback alone
     bool udp = false;     ///< clients may have positions as datagrams
   };
-  /// on_tick: once a millisecond. on_servo_command: after each piece that was received.
+  /// on_tick: called once a millisecond. on_servo_command: called after each piece of data from a
+  /// client, since it may have changed the command for the servo.
   struct Hooks {
     std::function<void(double now_s)> on_tick;
     std::function<void()> on_servo_command;
@@ -31,22 +32,23 @@ public:
   TcpServer(const TcpServer&) = delete;
   TcpServer& operator=(const TcpServer&) = delete;
 
-  /// Empty when it listens, else one sentence that says what to do.
+  /// Begins to listen. Returns "" or one sentence that says what is wrong and what to do.
   [[nodiscard]] std::string open(const Settings& settings);
   [[nodiscard]] int port() const noexcept;
-  /// The first UDP port; 0 without. The same as port(), unless another program has that.
+  /// The first UDP port; 0 without UDP. The same as port(), unless another program uses that.
   [[nodiscard]] int udp_port() const noexcept;
   /// Such as "127.0.0.1:7770 and [::1]:7770".
   [[nodiscard]] std::string addresses() const;
 
-  /// Serves until stop(), which any thread and the handler of a signal may call; then every client
-  /// is told, for which it waits 200 ms at most, and the force ends.
+  /// Serves until stop(). Then it sends every client the reason, waits 200 ms at most for that, and
+  /// ends the force.
   void run();
+  /// Ends run(); any thread and a signal handler may call it.
   void stop() noexcept;
-  /// Instead of run(): what is due now, without waiting.
+  /// In place of run(): does what is due now, without waiting.
   void poll();
-  /// After the last poll(), without waiting: every client is told, but for those whose sockets are
-  /// full, since they do not read.
+  /// After the last poll(): sends every client the reason, without waiting. Clients that do not
+  /// read, so that their sockets are full, do not get it.
   void close();
 
 private:

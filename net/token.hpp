@@ -7,14 +7,15 @@
 
 namespace tactus::net {
 
+/// Length of a token, the secret that a client must present, bytes.
 inline constexpr std::size_t kMinToken = 16, kMaxToken = 1024;
 
-/// Whether both are the same; takes a time that depends on the length of `given` alone.
+/// True if both texts are equal. Its time depends on the length of `given` alone.
 [[nodiscard]] bool equal_in_constant_time(std::string_view expected,
                                           std::string_view given) noexcept;
 
-/// Locks out for 10 s who has failed three times. Peers are told apart by their address; when more
-/// of them fail at the same time than the table holds, all are locked out together.
+/// Locks out for 10 s a peer that has failed three times. Peers are distinguished by their address;
+/// when more of them fail at the same time than the table holds, all are locked out together.
 class LockOut {
 public:
   static constexpr int kMaxFailures = 3;
@@ -34,7 +35,7 @@ private:
   [[nodiscard]] static bool locks(const Entry& entry, double now_s) noexcept;
 
   std::array<Entry, 64> entries_{};
-  Entry overflow_{}; ///< for whom the table has no room
+  Entry overflow_{}; ///< of all peers for which the table has no room
 };
 
 } // namespace tactus::net

@@ -9,7 +9,7 @@ namespace tactus::pd {
 /// The address of a function of the host; null if it has none of that name.
 [[nodiscard]] void* host_symbol(const char* name) noexcept;
 
-/// The folder of the module that this code is part of, with slashes; empty if it cannot be told.
+/// The folder of the module that this code is part of, with slashes; empty if unknown.
 [[nodiscard]] std::string module_folder();
 [[nodiscard]] bool is_absolute(const std::string& path) noexcept;
 

@@ -54,7 +54,7 @@ extern "C" TACTUS_SET_UP void tactus_setup() {
   const std::string folder = tactus::pd::module_folder();
   t_pd* pd = gensym("pd")->s_thing;
   if (folder.empty() || !pd)
-    return pd_error(nullptr, "tactus: its folder cannot be told; add it to Pd's path instead");
+    return pd_error(nullptr, "tactus: its folder cannot be found; add it to Pd's path instead");
   t_atom path_and_save[2];
   SETSYMBOL(&path_and_save[0], gensym(encoded(folder).c_str()));
   SETFLOAT(&path_and_save[1], 0); // for this session alone

@@ -28,7 +28,7 @@ template <class Function> t_method method(Function* function) {
   return reinterpret_cast<t_method>(reinterpret_cast<void (*)()>(function));
 }
 
-/// What Pd itself allocates; everything of C++ hangs on self.
+/// What Pd itself allocates. It has no constructors: everything of C++ is in self.
 struct Instance {
   t_object object;
   t_float main_inlet; // the left signal inlet's value while no signal is connected
@@ -47,7 +47,7 @@ std::size_t count_signals(std::span<const Port> ports) {
   }));
 }
 
-/// An instance's C++ half: the object, its voices and its way out to Pd.
+/// The C++ part of an instance: the object, its voices and its outlets.
 class PdObject final : public Host {
 public:
   PdObject(Instance& instance, const PdClass& record)
@@ -73,7 +73,7 @@ public:
   }
 
   ~PdObject() override {
-    voices_.clear(); // joins worker threads, after which nobody calls wake_from_thread
+    voices_.clear(); // joins worker threads, after which none calls wake_from_thread
     if (record_.traits().posts && host_features().queue_message)
       host_features().queue_cancel(&instance_.object.ob_pd);
     for (Timer& timer : timers_)

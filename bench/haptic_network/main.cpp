@@ -90,7 +90,7 @@ private:
   std::thread thread_;
 };
 
-/// One way there and back.
+/// One round trip.
 struct Path {
   const char* name;
   int socket;

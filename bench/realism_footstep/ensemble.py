@@ -45,7 +45,7 @@ class Member(Population):
         self.errors = self.of_unseen_labels(vectors, labels)
         super().__init__(vectors[taken], labels[taken])
         others = [i for i in range(vectors.shape[1]) if i not in KNOWN]
-        # Errors of one label are kept together, for they hang together.
+        # Errors of one label are drawn together, since they are correlated.
         for row in range(len(self.names)):
             mix = self.random.randn(len(self.errors)) / np.sqrt(len(self.errors))
             self.mean[row, others] += of_error * mix @ self.errors

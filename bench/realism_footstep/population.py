@@ -1,7 +1,7 @@
 """A stand-in for recordings that are not at hand: 45 features of the 396 sounds that targets.py counts.
 
 The tables say where 22 of the 45 features lie (twelve of the band profile's cepstrum, ten with a
-name), and how far ten of them spread. How features hang together is learnt from the recordings that
+name), and how far ten of them spread. How features correlate is estimated from the recordings that
 are at hand: ridge regression for the means of the other 23, their residuals' correlations (shrunk)
 for the spread. So the stand-in is Gaussian per material and as good as that: realism.py prints what
 it makes of real recordings beside what it makes of rendered steps."""

@@ -99,6 +99,7 @@ t_atom_long on_drag(Instance* instance, t_object* drag, t_object*) {
   return 1;
 }
 
+// Nine arguments: Max's type of a perform routine.
 void on_perform(t_object* object, t_object*, double** in, long in_count, double** out,
                 long out_count, long frames, long, void*) {
   auto* instance = reinterpret_cast<Instance*>(object);

@@ -86,7 +86,7 @@ MaxObject::~MaxObject() {
     object_free(timer.clock);
   }
   timers_.clear();
-  executor_.reset(); // joins worker threads, after which nobody calls wake_from_thread
+  executor_.reset(); // joins worker threads, after which none calls wake_from_thread
   if (posted_element_)
     qelem_free(posted_element_);
 }

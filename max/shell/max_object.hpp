@@ -28,7 +28,7 @@ namespace tactus::max {
 
 class MaxObject;
 
-/// What Max allocates; everything of C++ hangs on self.
+/// What Max itself allocates. It has no constructors: everything of C++ is in self.
 struct Instance {
   t_pxobject object; // first; of control objects only its first part is used
   MaxObject* self;   // null while a constructor has failed

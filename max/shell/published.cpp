@@ -24,8 +24,8 @@ public:
 
 } // namespace
 
-/// Bound to the name's symbol. It begins as Max's objects do, but for their magic number: who sends
-/// to the symbol finds nothing good.
+/// Bound to the name's symbol. It begins as Max's objects do, but without their magic number, so
+/// that Max ignores messages sent to the symbol.
 struct PublishedObject::Entry {
   t_object header;
   t_symbol* symbol;

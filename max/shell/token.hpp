@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-/// Who may touch an object now. Nobody waits for it in the audio thread.
+/// The right to use an object, held by one thread at a time. The audio thread never waits for it.
 namespace tactus::max {
 
 class Token {

@@ -52,7 +52,7 @@ struct AudioSettings {
 Performer& performer_of(Object& object); ///< made when asked for
 /// Connects an inlet, between two vectors.
 void connect_input(Object& object, std::size_t inlet, Input input);
-/// Compiles the chain anew: dsp64 of every box.
+/// Compiles the chain again: dsp64 of every box.
 void start_dsp();
 void stop_dsp();
 [[nodiscard]] bool dsp_runs();

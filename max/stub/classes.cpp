@@ -115,6 +115,7 @@ Attribute* t_class::attribute(std::string_view attribute_name) const {
   return nullptr;
 }
 
+// The signature is Max's (max/abi/max_abi.h).
 t_class* class_new(const char* name, method constructor, method destructor, long size, method menu,
                    short type, ...) {
   const ApiCall call("class_new", static_cast<unsigned>(Role::kMain));

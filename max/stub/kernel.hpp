@@ -33,7 +33,7 @@ enum class Role : unsigned { kForeign = 8, kMain = 1, kScheduler = 2, kAudio = 4
 inline constexpr unsigned kMessageThreads = 3; ///< main and scheduler
 inline constexpr unsigned kAnyThread = 15;
 
-/// In which of an external's functions the thread is.
+/// Which function of an external the thread executes.
 enum class Where {
   kLoad,
   kConstruct,

@@ -1,6 +1,6 @@
 #include "max/stub/module.hpp"
-#include "files/utf8_path.hpp"
 
+#include "files/utf8_path.hpp"
 #include "max/stub/kernel.hpp"
 #include "max/stub/realtime_watch.hpp"
 
@@ -16,7 +16,7 @@ namespace tactus::stub {
 namespace {
 #if defined(_WIN32)
 void* open_module(const std::string& file, std::string& reason) {
-  // In Max both DLLs are there before any external, wherever that lies.
+  // In Max, MaxAPI.dll and MaxAudio.dll are loaded before any external, wherever its file is.
   static const HMODULE audio = LoadLibraryW(L"MaxAudio.dll");
   if (!audio)
     violation("MaxAudio.dll does not lie beside the host");

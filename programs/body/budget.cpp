@@ -115,7 +115,7 @@ std::string format_seconds(double s) {
 
 Budget::Budget(double bytes) : bytes_(bytes > 0 ? bytes : free_memory() / 2), given_(bytes > 0) {
   if (!(bytes_ > 0))
-    bytes_ = kUnlimited; // no /proc: nobody can tell
+    bytes_ = kUnlimited; // no /proc: unknown
 }
 
 void Budget::check_budget(const std::string& body, const Workload& work,

@@ -7,7 +7,7 @@
 namespace tactus::fem {
 
 /// Memory that is free to this process: what the machine has left, or less where a control group
-/// (of version 1 or 2) sets a limit. Bytes; 0 where nobody knows.
+/// (of version 1 or 2) sets a limit. Bytes; 0 where unknown.
 [[nodiscard]] double free_memory();
 
 /// 4G, 800M, 1.5GiB, 64k: bytes, powers of 1000 but for "i". Refuses what it cannot read.

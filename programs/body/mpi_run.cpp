@@ -72,8 +72,9 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
     ::dup2(log, STDERR_FILENO);
     ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
     ::setenv("OMP_NUM_THREADS", "1", 0);
-    ::setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); // who waits does not keep a core from others
-    if (::geteuid() == 0) {                           // Open MPI refuses root unless told twice
+    ::setenv("OMPI_MCA_mpi_yield_when_idle", "1",
+             0);            // waiting processes leave their core to others
+    if (::geteuid() == 0) { // Open MPI refuses root unless told twice
       ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
       ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     }

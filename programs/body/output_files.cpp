@@ -59,7 +59,8 @@ void check_output(const std::string& option, const std::string& path) {
         label + " is a device or pipe, expected a file: outputs appear complete or not at all");
   if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0)
     throw InputError(label + ": cannot write: " + std::strerror(errno));
-  // The file is written beside its place and renamed: that must be possible, and is tried.
+  // The file is written under another name in its folder and renamed: tries whether that is
+  // possible.
   std::string trial = path + ".pXXXXXX"; // as long as .partial
   const int file = ::mkstemp(trial.data());
   if (file < 0)

@@ -18,6 +18,7 @@ inline void report_progress(double share, const char* stage) {
   std::fflush(stdout);
 }
 
+/// PETSc's error handler, with its signature: stores the first sentence.
 inline PetscErrorCode keep_petsc_error(MPI_Comm, int, const char*, const char*,
                                        PetscErrorCode status, PetscErrorType type, const char* text,
                                        void*) {
@@ -26,14 +27,15 @@ inline PetscErrorCode keep_petsc_error(MPI_Comm, int, const char*, const char*,
   return status;
 }
 
-/// Tells why, and returns the status that says it was told.
+/// Prints the sentence on stderr, and returns the status PETSC_ERR_USER, for which runs() prints
+/// none.
 inline PetscErrorCode fail(const std::string& sentence) {
   PetscFPrintf(PETSC_COMM_WORLD, stderr, "%s: %s\n", g_program, sentence.c_str());
   return PETSC_ERR_USER;
 }
 
-/// Between initialisation and finalisation: runs, and ends all processes when that fails. Whether
-/// it went well.
+/// Calls run() between the library's initialisation and finalisation. True when it succeeds; else
+/// prints why and ends all processes.
 inline bool runs(PetscErrorCode (*run)(char** words), char** words, const std::string& library) {
   PetscPushErrorHandler(keep_petsc_error, nullptr);
   const PetscErrorCode status = run(words);

@@ -7,11 +7,11 @@
 
 namespace tactus::fem {
 
-/// What the program is doing, on stderr: a line a stage with the share done and the time left, by
-/// the rate so far or, where a stage cannot tell its share, by what was foretold. A terminal's line
-/// is rewritten twice a second; a log gets a line when a stage begins and ends and one every 5 s in
-/// between. Stages may be told from any thread; a stage that says nothing is spoken for by a
-/// thread of this object.
+/// Reports the progress of a program on stderr: a line for each stage with the share done and the
+/// time left. The time left follows from the rate so far or, for a stage that cannot tell its
+/// share, from the predicted time. A terminal's line is rewritten twice a second; a log gets a line
+/// when a stage begins and ends and one every 5 s in between. Any thread may call stage(); a thread
+/// of this object prints the time during a stage that does not call.
 class ProgressLine {
 public:
   explicit ProgressLine(bool quiet);
@@ -19,8 +19,8 @@ public:
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// A stage begins (another name) or goes on; share 0 to 1, 1 ends it. `predicted_s`: how long the
-  /// whole stage should take, 0: unknown.
+  /// Begins a stage (another name) or updates it; share 0 to 1, 1 ends it. `predicted_s`: time of
+  /// the whole stage, 0: unknown.
   void stage(const std::string& name, double share, double predicted_s = 0);
   void notify(const std::string& sentence);
 

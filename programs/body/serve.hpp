@@ -43,7 +43,7 @@ public:
     append(values.data(), values.size_bytes());
   }
   void add_text(const std::string& text) { append(text.data(), text.size()); }
-  /// Refuses when nobody reads stdout any more.
+  /// Refuses when the reader of stdout has closed it.
   void send();
 
 private:

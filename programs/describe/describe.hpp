@@ -6,6 +6,7 @@
 
 namespace tactus {
 
+/// What an object declares, and which host features it uses.
 struct ObjectDescription {
   const Declaration* declaration;
   Traits traits;

@@ -34,7 +34,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
     simulated = made.get();
     device = std::move(made);
   } else if (const devices::Driver* driver = devices::find_driver(options.device.driver)) {
-    device = driver->make(); // what stands in the way may be a setting: open() tells
+    device = driver->make(); // a setting may be wrong: open() reports it
     if (!device)
       return std::fprintf(stderr, "haptic_check: %s: %s\n", options.device.driver.c_str(),
                           driver->problem().c_str()),

@@ -8,7 +8,7 @@
 
 namespace tactus::haptic_check {
 
-/// All drivers with what they see or lack, one line each and one a device.
+/// Lines of text: for each driver its summary, then what it lacks or the devices that it lists.
 [[nodiscard]] std::vector<std::string> inventory();
 
 /// A driver and a device of it that is ready; empty when there is none.

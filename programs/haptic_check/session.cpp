@@ -16,8 +16,8 @@ using Milliseconds = std::chrono::milliseconds;
 
 constexpr double kGraceful_s = 0.3;
 constexpr double kMotorsRise_s = 1;
-// Looks, 5 ms apart, that must find a trouble: a device which nobody asked between two stations
-// takes a moment to answer.
+// Readings of the trouble, 5 ms apart, of which all must show one: a device that was not read
+// between two stations takes a moment to answer.
 constexpr int kTroubleDebounce = 10;
 
 } // namespace

@@ -39,9 +39,9 @@ struct Recording {
   haptic::ChainCounters counters{};
   double lowest_energy_j = 0;
   std::string scheduling;
-  std::string trouble;    ///< the last one that the device told
+  std::string trouble;    ///< the last one that the device reported
   bool latched = false;   ///< the motors stopped by themselves
-  std::uint64_t lost = 0; ///< ticks that nobody took down in time
+  std::uint64_t lost = 0; ///< ticks that were not recorded, because the ring was full
 };
 
 /// A device with its servo. Every station starts with the motors off and ends with no force.

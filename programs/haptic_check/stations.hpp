@@ -8,7 +8,7 @@
 
 namespace tactus::haptic_check {
 
-/// What is kept of a station for the report.
+/// The result of a station, for the report.
 struct Finding {
   std::string name;
   std::vector<std::string> lines; ///< what was measured, or why it was left out

@@ -4,6 +4,7 @@
 
 namespace tactus::haptic_server {
 
+/// The command line of haptic_server.
 struct Options {
   programs::DeviceOptions device{"simulated", ""};
   int port = 7770;

@@ -6,7 +6,7 @@
 
 namespace tactus::fem {
 
-/// What is said or refused before work is done: memory, time, room on the disk, odd sizes.
+/// Predicts memory, time and disk space before the work is done, and warns of odd sizes or refuses.
 class Forecast {
 public:
   using Notify = std::function<void(const std::string& sentence)>;

@@ -21,7 +21,7 @@ class Refinement {
 public:
   Refinement(const ModalOptions&, ProgressLine&, Forecast&);
 
-  /// The mesh that stands next. Refuses what is beyond the budget.
+  /// The next mesh. Refuses one beyond the budget.
   [[nodiscard]] Mesh mesh();
   /// Whether the mesh is the last: the tolerance is met, or cannot be within the budget. Says what
   /// is left of it. Else the next mesh is ready to be made. `held`: of Matrices.

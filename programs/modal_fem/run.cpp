@@ -135,7 +135,7 @@ void radiate_into(Solved& body, const ModalOptions& options, ProgressLine& progr
                body.radiation.resolved_hz));
 }
 
-/// The mesh that stands next, checked and assembled.
+/// The next mesh, checked and assembled.
 Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLine& progress,
                  Forecast& forecast) {
   Solved body;

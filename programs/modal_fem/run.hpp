@@ -23,7 +23,7 @@ struct Solved {
   bool solved = false;         ///< false: only exported
 };
 
-/// The supports that are ordered, on the mesh's nodes. Refuses a place that meets no node.
+/// The supports of the command line, on the mesh's nodes. Refuses a region that contains no node.
 [[nodiscard]] std::vector<Support> supports_of(const ModalOptions&, const Mesh&);
 
 /// What a table says of a body that is solved. `created`: ISO 8601, or empty.
@@ -36,7 +36,7 @@ struct Solved {
                                  std::span<const Support>, const DesignSpace&,
                                  std::vector<double> displacement);
 
-/// Checks names, foretells, meshes, assembles and solves as ordered.
+/// Checks names, predicts memory and time, meshes, assembles and solves as the options say.
 [[nodiscard]] Solved solve(const ModalOptions&, ProgressLine&);
 
 } // namespace tactus::fem

@@ -10,7 +10,7 @@ namespace tactus::fem {
 /// elements.
 [[nodiscard]] Mesh mesh_of(const PartOptions&, ProgressLine&);
 
-/// Supports and loads on the mesh. Refuses a place that meets nothing, naming the option.
+/// Supports and loads on the mesh. Refuses a region that contains nothing, naming the option.
 [[nodiscard]] StaticModel model_of(const PartOptions&, const Mesh&);
 
 /// The parameters of the ordered moves. Refuses a control point that may not move.

@@ -52,7 +52,7 @@ double volume_mean(std::span<const double> values, std::span<const double> volum
          std::accumulate(volumes.begin(), volumes.end(), 0.);
 }
 
-/// Of the part's length: linear elasticity is told to be out of its range beyond.
+/// Of the part's length: beyond it a warning says that linear elasticity is not valid.
 constexpr double kSmallDisplacement = 0.1;
 
 void print_state(const char* when, const PictureState& s, std::span<const double> volumes) {

@@ -15,8 +15,8 @@ void check_petsc();
 /// The same solution as solve_static(), from PETSc on `ranks` processes of mpirun: conjugate
 /// gradients with smoothed aggregation (GAMG), whose coarse spaces hold the six rigid motions. K, f
 /// and the nodes travel through a private folder (MpiRun). `start` is a displacement to begin with
-/// or empty. Memory and time of each process are said. Refuses in one sentence more processes than
-/// one for kMinNodesPerProcess nodes, and what fails.
+/// or empty. Memory and time of each process are printed. Refuses in one sentence more processes
+/// than one for kMinNodesPerProcess nodes, and what fails.
 [[nodiscard]] StaticSolution petsc_solution(const Mesh&, const StaticSystem&,
                                             std::span<const double> start, int ranks,
                                             ProgressLine&);

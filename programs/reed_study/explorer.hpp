@@ -33,7 +33,7 @@ public:
   Explorer(const ExplorationSettings& exploration, std::uint64_t seed)
       : settings_(exploration), random_(seed) {}
 
-  /// The same person with this way of exploring.
+  /// `hand` as the simulated person who holds the handle; it wanders only with kWanders.
   [[nodiscard]] haptic::HandSettings hand_settings(haptic::HandSettings hand) const;
   /// Puts handle and intention at the start; before the device's first tick.
   void begin(haptic::SimulatedDevice& device, const haptic::Vec3& start, double period_s) const;

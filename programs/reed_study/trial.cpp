@@ -14,7 +14,7 @@ constexpr double kTick_s = static_cast<double>(kTick) / kRate;
 constexpr double kBlock_s = static_cast<double>(kBlock) / kRate;
 constexpr std::size_t kGrid = 10;
 
-/// Drawn evenly from the places where nothing sounds.
+/// A position drawn evenly from those where nothing sounds.
 reed::Gradient random_silent_position(const World& world, std::uint64_t seed) {
   Random random(seed);
   for (;;) {

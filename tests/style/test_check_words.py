@@ -21,6 +21,9 @@ SAMPLES = [
     ["The sound of a blow.", "each blow"], ["It is renewed by the worker."],
     ["The object judges a reed."], ["a posted wish"], ["master and slaves"],
     ["that which fades", "what is led"], ["the push gain"],
+    ["The clock of who sends.", "the setup for who is in control"], ["A stranger's text."],
+    ["It is shown out."], ["and the way there and back"], ["Empty if it cannot be told."],
+    ["Foretold from the mesh.", "it foretells"], ["told", "told_"],
 ]
 
 CLEAN_CPP = r'''

@@ -29,6 +29,7 @@ struct Counted {
   double found_before = 0, requested = 1;
 };
 
+// SLEPc's monitor, with its signature.
 PetscErrorCode monitor(EPS, PetscInt, PetscInt found, PetscScalar*, PetscScalar*, PetscReal*,
                        PetscInt, void* context) {
   const auto* counted = static_cast<const Counted*>(context);
