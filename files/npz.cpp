@@ -186,19 +186,32 @@ template <class T> std::vector<T> copy_values(const NpzArray& array) {
 } // namespace
 
 std::uint32_t crc32(std::span<const std::byte> bytes) noexcept {
-  static constexpr auto kTable = [] {
-    std::array<std::uint32_t, 256> table{};
+  // Eight bytes at a time (Kounavis & Berry 2008): table k holds what a byte leaves after k more.
+  constexpr std::size_t kAtOnce = 8;
+  static constexpr auto kTables = [] {
+    std::array<std::array<std::uint32_t, 256>, kAtOnce> tables{};
     for (std::uint32_t i = 0; i < 256; ++i) {
       std::uint32_t value = i;
       for (int bit = 0; bit < 8; ++bit)
         value = value & 1 ? 0xedb88320 ^ value >> 1 : value >> 1;
-      table[i] = value;
+      tables[0][i] = value;
     }
-    return table;
+    for (std::size_t k = 1; k < kAtOnce; ++k)
+      for (std::size_t i = 0; i < 256; ++i)
+        tables[k][i] = tables[0][tables[k - 1][i] & 0xff] ^ tables[k - 1][i] >> 8;
+    return tables;
   }();
   std::uint32_t sum = 0xffffffff;
+  for (; bytes.size() >= kAtOnce; bytes = bytes.subspan(kAtOnce)) {
+    std::uint32_t next = 0;
+    for (std::size_t k = 0; k < kAtOnce; ++k) {
+      const std::uint32_t before = k < 4 ? sum >> 8 * k : 0;
+      next ^= kTables[kAtOnce - 1 - k][(before ^ std::to_integer<std::uint32_t>(bytes[k])) & 0xff];
+    }
+    sum = next;
+  }
   for (const std::byte byte : bytes)
-    sum = kTable[(sum ^ std::to_integer<std::uint32_t>(byte)) & 0xff] ^ sum >> 8;
+    sum = kTables[0][(sum ^ std::to_integer<std::uint32_t>(byte)) & 0xff] ^ sum >> 8;
   return sum ^ 0xffffffff;
 }
 

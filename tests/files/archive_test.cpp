@@ -101,6 +101,20 @@ TEST_CASE("types, shapes and sizes that are none are refused") {
   CHECK(npz.open(bytes_of(zip(many))).find("1000") != std::string::npos);
   many.pop_back();
   CHECK(npz.open(bytes_of(zip(many))) == "");
-  CHECK(npz.arrays().empty());                        // none is a .npy
+  CHECK(npz.arrays().empty()); // none is a .npy
+}
+
+TEST_CASE("checksums are those of the polynomial's division, bit by bit, for every length") {
   CHECK(crc32(bytes_of("123456789")) == 0xcbf43926U); // the check value of its definition
+  std::string text;
+  for (int i = 0; i < 70; ++i) {
+    std::uint32_t sum = 0xffffffff;
+    for (const char c : text) {
+      sum ^= static_cast<unsigned char>(c);
+      for (int bit = 0; bit < 8; ++bit)
+        sum = sum & 1 ? 0xedb88320 ^ sum >> 1 : sum >> 1;
+    }
+    CHECK(crc32(bytes_of(text)) == ~sum);
+    text += static_cast<char>(i * i * 37 + 11 * i);
+  }
 }
