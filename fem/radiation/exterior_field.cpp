@@ -101,56 +101,62 @@ void ExteriorField::prepare_neighbours() {
 std::vector<Complex> ExteriorField::matrix(double k) const {
   const std::size_t n = unknowns(), count = panels_.size();
   std::vector<Complex> matrix(n * n, 0.0);
-  const auto add = [&](int row, int column, double re, double im) {
-    matrix[static_cast<std::size_t>(column) * n + static_cast<std::size_t>(row)] += Complex(re, im);
-  };
+  // The rows of one panel's three corners, [column][corner]: next to each other until they are
+  // complete.
+  std::vector<std::array<Complex, 3>> rows(n);
   PanelPairs pairs;
+  PanelPairs::Integrals there, back;
   for (std::size_t t = 0; t < count; ++t) {
     const Panel& p = panels_[t];
+    std::array<std::size_t, 3> corner;
+    std::copy(skin_.triangle[t].begin(), skin_.triangle[t].end(), corner.begin());
+    std::fill(rows.begin(), rows.end(), std::array<Complex, 3>{});
     auto close = near_[t].begin();
     for (std::size_t first = t; first < count; first += PanelPairs::kSize) {
       const std::size_t last = std::min(first + PanelPairs::kSize, count);
-      const auto close_end = std::find_if(close, near_[t].end(), [&](const Neighbours& pair) {
-        return static_cast<std::size_t>(pair.second) >= last;
-      });
-      pairs.near.fill(0);
-      for (auto pair = close; pair != close_end; ++pair)
-        pairs.near[static_cast<std::size_t>(pair->second) - first] = 1;
-      pairs.integrate(p, arrays_, first, last - first, k);
-      for (; close != close_end; ++close) {
-        const std::size_t u = static_cast<std::size_t>(close->second) - first;
+      integrate_pairs(t, first, last, k, close, pairs);
+      pairs.to_galerkin(p, arrays_, first, last - first, k, there, back);
+      if (first == t) // the panel with itself: one entry, and its share of -1/2
         for (std::size_t ab = 0; ab < 9; ++ab) {
-          pairs.value.re[ab][u] += close->potential[ab];
-          pairs.slope.re[ab][u] += close->slope[ab];
-          pairs.slope_back.re[ab][u] += close->slope_back[ab];
+          there.im[ab][0] -= k * p.area / (ab % 4 == 0 ? 12 : 24);
+          back.re[ab][0] = back.im[ab][0] = 0;
         }
-      }
-      for (std::size_t u = first; u < last; ++u) {
-        const Panel& q = panels_[u];
-        const std::size_t i = u - first;
-        Complex total = 0;
-        for (std::size_t ab = 0; ab < 9; ++ab)
-          total += Complex(pairs.value.re[ab][i], pairs.value.im[ab][i]);
-        const double turn = k * k * dot(p.normal, q.normal);
-        for (std::size_t a = 0; a < 3; ++a)
-          for (std::size_t b = 0; b < 3; ++b) {
+      for (std::size_t u = first; u < last; ++u)
+        for (std::size_t b = 0; b < 3; ++b) {
+          const auto other = static_cast<std::size_t>(skin_.triangle[u][b]);
+          for (std::size_t a = 0; a < 3; ++a) {
             const std::size_t ab = 3 * a + b;
-            const double curls = dot(p.curl[a], q.curl[b]);
-            const double re = turn * pairs.value.re[ab][i] - curls * total.real();
-            const double im = turn * pairs.value.im[ab][i] - curls * total.imag();
-            // eta times a slope: j k (x + j y) = -k y + j k x
-            const int row = skin_.triangle[t][a], column = skin_.triangle[u][b];
-            add(row, column, re - k * pairs.slope.im[ab][i], im + k * pairs.slope.re[ab][i]);
-            if (t != u)
-              add(column, row, re - k * pairs.slope_back.im[ab][i],
-                  im + k * pairs.slope_back.re[ab][i]);
-            else
-              add(row, column, 0, -k * p.area / (a == b ? 12 : 24));
+            rows[other][a] += Complex(there.re[ab][u - first], there.im[ab][u - first]);
+            matrix[corner[a] * n + other] +=
+                Complex(back.re[ab][u - first], back.im[ab][u - first]);
           }
-      }
+        }
     }
+    for (std::size_t column = 0; column < n; ++column)
+      for (std::size_t a = 0; a < 3; ++a)
+        matrix[column * n + corner[a]] += rows[column][a];
   }
   return matrix;
+}
+
+void ExteriorField::integrate_pairs(std::size_t t, std::size_t first, std::size_t last, double k,
+                                    std::vector<Neighbours>::const_iterator& close,
+                                    PanelPairs& pairs) const {
+  const auto end = std::find_if(close, near_[t].end(), [&](const Neighbours& pair) {
+    return static_cast<std::size_t>(pair.second) >= last;
+  });
+  pairs.near.fill(0);
+  for (auto pair = close; pair != end; ++pair)
+    pairs.near[static_cast<std::size_t>(pair->second) - first] = 1;
+  pairs.integrate(panels_[t], arrays_, first, last - first, k);
+  for (; close != end; ++close) {
+    const std::size_t u = static_cast<std::size_t>(close->second) - first;
+    for (std::size_t ab = 0; ab < 9; ++ab) {
+      pairs.value.re[ab][u] += close->potential[ab];
+      pairs.slope.re[ab][u] += close->slope[ab];
+      pairs.slope_back.re[ab][u] += close->slope_back[ab];
+    }
+  }
 }
 
 std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow,

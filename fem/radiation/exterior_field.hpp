@@ -46,6 +46,10 @@ private:
     std::array<double, 9> potential, slope, slope_back;
   };
   void prepare_neighbours();
+  /// The pairs of panel t with the panels first ... last - 1; `close` moves on to last's in
+  /// near_[t].
+  void integrate_pairs(std::size_t t, std::size_t first, std::size_t last, double k,
+                       std::vector<Neighbours>::const_iterator& close, PanelPairs&) const;
   /// Galerkin's matrix at a wavenumber, 1/m, column-major.
   [[nodiscard]] std::vector<Complex> matrix(double k) const;
 

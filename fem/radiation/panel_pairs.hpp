@@ -39,7 +39,7 @@ struct PanelArrays {
 /// Integrals of one panel's hat functions a with the hat functions b of up to kSize others.
 struct PanelPairs {
   static constexpr std::size_t kSize = 64;
-  using Lane = std::array<double, kSize>; ///< a value for each of the others
+  struct alignas(64) Lane : std::array<double, kSize> {}; ///< a value for each of the others
   struct Integrals {
     std::array<Lane, 9> re, im; ///< [3 a + b]
   };
@@ -50,6 +50,11 @@ struct PanelPairs {
 
   /// Fills the integrals with the panels first ... first + count - 1 at wavenumber k, 1/m.
   void integrate(const Panel&, const PanelArrays&, std::size_t first, std::size_t count, double k);
+
+  /// What the pairs add to Galerkin's matrix (ExteriorField), from the integrals: `there` in the
+  /// row of a and the column of b, `back` in the row of b and the column of a.
+  void to_galerkin(const Panel&, const PanelArrays&, std::size_t first, std::size_t count, double k,
+                   Integrals& there, Integrals& back) const;
 };
 
 } // namespace tactus::fem

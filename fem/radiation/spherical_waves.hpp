@@ -7,9 +7,10 @@ namespace tactus::fem {
 [[nodiscard]] std::vector<double> spherical_bessel(std::size_t highest, double x);
 /// h_0(x) ... h_highest(x) of the second kind, j - j y: outgoing for exp(+j omega t).
 [[nodiscard]] std::vector<Complex> spherical_hankel(std::size_t highest, double x);
-/// Regular waves psi_lm = j_l(k r) Y_lm(direction) at a point and their slopes n . grad psi_lm, at
-/// [l^2 + l + m] for l up to a highest degree. Y_lm is complex and orthonormal with Condon and
-/// Shortley's phase, polar axis z. The roots of the recurrences are tabulated:
+/// Regular waves psi_lm = j_l(k r) Y_lm(direction) at a point and their slopes n . grad psi_lm, for
+/// l up to a highest degree and m >= 0; psi_l,-m = (-1)^m conj(psi_lm). Y_lm is complex and
+/// orthonormal with Condon and Shortley's phase, polar axis z. The roots of the recurrences are
+/// tabulated:
 ///   cos Y_lm = A_lm Y_l-1,m + A_l+1,m Y_l+1,m,   A_lm = sqrt((l^2 - m^2)/(4 l^2 - 1)),
 ///   (d/dx + j d/dy) psi_lm = k (B_l+1,m+1 psi_l+1,m+1 + B_l,-m psi_l-1,m+1),
 ///   d/dz psi_lm = k (A_lm psi_l-1,m - A_l+1,m psi_l+1,m),
@@ -17,28 +18,34 @@ namespace tactus::fem {
 class RegularWaves {
 public:
   explicit RegularWaves(std::size_t highest);
-  /// Fills psi (no unit) and slope (1/m), (highest + 1)^2 values each, at `x` in m from the centre;
-  /// k in 1/m, n of length 1.
-  void evaluate(double k, const Vector3& x, const Vector3& n, std::span<Complex> psi,
-                std::span<Complex> slope);
+  /// Numbers in one plane: for each degree a row of m = 0 ... l, and what fills it up to whole
+  /// vectors.
+  [[nodiscard]] std::size_t size() const noexcept { return start_.back(); }
+  /// Where in a plane the row of degree l begins.
+  [[nodiscard]] std::size_t start(std::size_t l) const noexcept { return start_[l]; }
+  /// The real and imaginary parts of psi (no unit) and of the slopes (1/m), a plane each.
+  struct Planes {
+    std::span<double> psi, psi_j, slope, slope_j;
+  };
+  /// Fills the planes at `x` in m from the centre; k in 1/m, n of length 1.
+  void evaluate(double k, const Vector3& x, const Vector3& n, const Planes&);
 
 private:
-  void evaluate_values(double k, const Vector3& x);
-  // Tables begin a row at l = 0; values at l = -1, and their rows at m = -1.
-  [[nodiscard]] std::size_t along(long l, long m) const noexcept {
-    return static_cast<std::size_t>(m) * width_ + static_cast<std::size_t>(l);
-  }
-  [[nodiscard]] std::size_t across(long l, long m) const noexcept {
-    return static_cast<std::size_t>(m + static_cast<long>(highest_) + 1) * width_ +
-           static_cast<std::size_t>(l);
-  }
-  [[nodiscard]] std::size_t row(long m) const noexcept {
-    return static_cast<std::size_t>(m + 1) * width_;
-  }
+  /// psi of one degree, by m from -1 on.
+  struct Row {
+    std::vector<double> legendre, re, im;
+  };
+  void next_row(std::size_t l, double cosine, double bessel, double diagonal);
+  void write(std::size_t l, double k, const Vector3& n, const Planes&) const;
+  [[nodiscard]] std::size_t at(std::size_t l) const noexcept { return l * width_ + kBefore; }
 
+  static constexpr std::size_t kBefore = 8; ///< numbers of a row before m = 0; a whole vector
   std::size_t highest_, width_;
-  std::vector<double> along_, across_;   ///< A_lm for m >= 0, B_lm
-  std::vector<double> real_, imaginary_; ///< psi_lm up to highest + 1, for m >= -1
+  std::vector<std::size_t> start_;
+  // By degree and m: A_lm, 1/A_lm, B_lm, B_l,-m; zero where they are not used.
+  std::vector<double> along_, inverse_, across_, across_back_;
+  std::vector<double> turn_, turn_j_; ///< exp(j m azimuth)
+  std::array<Row, 4> rows_;           ///< of the last degrees, by degree modulo 4
 };
 
 /// Outgoing waves about `centre` of the field of each column of mu (unknowns() numbers a column):

@@ -65,6 +65,30 @@ Complex exact(int l, double k, const Vector3& x) {
          legendre(l, x.z / length(x));
 }
 
+/// All waves at a point and their slopes, at l^2 + l + m.
+struct AllWaves {
+  std::vector<Complex> psi, slope;
+};
+AllWaves waves_at(std::size_t highest, double k, const Vector3& x, const Vector3& n = {0, 0, 1}) {
+  RegularWaves waves(highest);
+  std::array<std::vector<double>, 4> plane;
+  plane.fill(std::vector<double>(waves.size()));
+  waves.evaluate(k, x, n, {plane[0], plane[1], plane[2], plane[3]});
+  AllWaves all{std::vector<Complex>((highest + 1) * (highest + 1)), {}};
+  all.slope = all.psi;
+  for (std::size_t l = 0; l <= highest; ++l)
+    for (std::size_t m = 0; m <= l; ++m) {
+      const std::size_t at = waves.start(l) + m, middle = l * l + l;
+      const double sign = m % 2 ? -1 : 1;
+      const Complex psi(plane[0][at], plane[1][at]), slope(plane[2][at], plane[3][at]);
+      all.psi[middle - m] = sign * std::conj(psi);
+      all.psi[middle + m] = psi;
+      all.slope[middle - m] = sign * std::conj(slope);
+      all.slope[middle + m] = slope;
+    }
+  return all;
+}
+
 double decibels(Complex a, Complex b) { return 20 * std::log10(std::abs(a) / std::abs(b)); }
 
 } // namespace
@@ -90,8 +114,7 @@ TEST_CASE("spheres that pulsate and flex radiate as their closed form, at resona
     const auto c = multipoles(field, k, mu, 20, {}, kRadius);
     Complex sum = 0;
     const Vector3 x{.03, -.04, .07};
-    std::vector<Complex> psi(21 * 21), slope(21 * 21);
-    RegularWaves(20).evaluate(k, x, {0, 0, 1}, psi, slope);
+    const std::vector<Complex> psi = waves_at(20, k, x).psi;
     const auto j = spherical_bessel(20, k * length(x));
     const auto at = spherical_hankel(20, k * length(x)), from = spherical_hankel(20, k * kRadius);
     for (std::size_t d = 0; d <= 20; ++d)
@@ -242,11 +265,9 @@ TEST_CASE("regular waves are Bessel functions times spherical harmonics") {
   // Low degrees written out, and the sum over m, which does not depend on the direction.
   constexpr std::size_t kHighest = 40;
   const double pi = std::numbers::pi, k = 120;
-  RegularWaves waves(kHighest);
-  std::vector<Complex> psi((kHighest + 1) * (kHighest + 1)), slope(psi.size());
   for (const Vector3& x : {Vector3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}}) {
     const double r = length(x);
-    waves.evaluate(k, x, {0, 0, 1}, psi, slope);
+    const std::vector<Complex> psi = waves_at(kHighest, k, x).psi;
     const auto j = spherical_bessel(kHighest, k * r);
     const Complex across = Complex(x.x, x.y) / r;
     const double along = x.z / r;
@@ -269,14 +290,11 @@ TEST_CASE("regular waves are Bessel functions times spherical harmonics") {
 TEST_CASE("waves' slopes are the derivatives of the waves, at the poles and the centre too") {
   const Vector3 n{.36, .48, .8};
   const double k = 120, step = 1e-6;
-  RegularWaves waves(12);
-  std::vector<Complex> psi(13 * 13), slope(psi.size()), ahead(psi.size()), behind(psi.size());
-  std::vector<Complex> unused(psi.size());
   for (const Vector3& x :
        {Vector3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}, {}}) {
-    waves.evaluate(k, x + step * n, n, ahead, unused);
-    waves.evaluate(k, x - step * n, n, behind, unused);
-    waves.evaluate(k, x, n, psi, slope);
+    const auto ahead = waves_at(12, k, x + step * n).psi,
+               behind = waves_at(12, k, x - step * n).psi;
+    const auto slope = waves_at(12, k, x, n).slope;
     for (std::size_t q = 0; q < slope.size(); ++q)
       CHECK(std::abs((ahead[q] - behind[q]) / (2 * step) - slope[q]) < 1e-6 * k);
   }
@@ -347,12 +365,10 @@ TEST_CASE("multipoles carry the field of any layers to where its direct sum does
   const double k = 90;
   const Vector3 centre{.004, -.003, .002};
   const auto c = multipoles(field, k, mu, kHighest, centre, .06);
-  RegularWaves waves(kHighest);
-  std::vector<Complex> psi(kTerms), slope(kTerms);
   for (const Vector3& x : {Vector3{.07, -.05, .09}, {-.2, .1, .03}}) {
     const Vector3 from = x - centre;
     const double r = length(from);
-    waves.evaluate(k, from, {0, 0, 1}, psi, slope);
+    const std::vector<Complex> psi = waves_at(kHighest, k, from).psi;
     const auto j = spherical_bessel(kHighest, k * r);
     const auto at = spherical_hankel(kHighest, k * r), ref = spherical_hankel(kHighest, k * .06);
     for (std::size_t column = 0; column < 2; ++column) {
