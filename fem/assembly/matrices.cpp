@@ -1,5 +1,7 @@
 #include "fem/assembly/matrices.hpp"
 
+#include "fem/vector_clones.hpp"
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -104,8 +106,8 @@ auto stiffness_block(std::span<const double> stiffness) {
 
 } // namespace
 
-void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
-                             std::size_t columns) const {
+TACTUS_VECTOR_CLONES [[gnu::flatten]] void
+Matrices::multiply_mass(std::span<const double> x, std::span<double> y, std::size_t columns) const {
   multiply_any(graph, constrained, x, y, columns,
                [this](std::size_t k, const auto* from, auto* to, bool) {
                  for (std::size_t i = 0; i < 3; ++i)
@@ -113,8 +115,9 @@ void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
                });
 }
 
-void Matrices::multiply_stiffness(std::span<const double> x, std::span<double> y,
-                                  std::size_t columns) const {
+TACTUS_VECTOR_CLONES [[gnu::flatten]] void Matrices::multiply_stiffness(std::span<const double> x,
+                                                                        std::span<double> y,
+                                                                        std::size_t columns) const {
   multiply_any(graph, constrained, x, y, columns, stiffness_block(stiffness));
 }
 

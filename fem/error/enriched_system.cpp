@@ -2,6 +2,7 @@
 
 #include "fem/element/jacobian.hpp"
 #include "fem/element/quadrature.hpp"
+#include "fem/vector_clones.hpp"
 
 #include <algorithm>
 
@@ -52,7 +53,7 @@ void couple(const Vector3& g, const Stresses& s, double* k) noexcept {
 }
 
 /// to += K from, or its transpose.
-void add_block(const float* k, const Lanes* from, Lanes* to, bool transposed) noexcept {
+inline void add_block(const float* k, const Lanes* from, Lanes* to, bool transposed) noexcept {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const double entry = transposed ? k[3 * j + i] : k[3 * i + j];
@@ -149,8 +150,8 @@ void EnrichedSystem::invert_diagonal() {
   }
 }
 
-void EnrichedSystem::multiply(std::span<const Lanes> x, std::span<Lanes> y,
-                              std::span<Lanes> down) const {
+TACTUS_VECTOR_CLONES void EnrichedSystem::multiply(std::span<const Lanes> x, std::span<Lanes> y,
+                                                   std::span<Lanes> down) const {
   std::fill(y.begin(), y.end(), Lanes{});
   std::fill(down.begin(), down.end(), Lanes{});
   for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
@@ -169,7 +170,8 @@ void EnrichedSystem::multiply(std::span<const Lanes> x, std::span<Lanes> y,
   }
 }
 
-void EnrichedSystem::subtract_coupling(std::span<const Lanes> x, std::span<Lanes> y) const {
+TACTUS_VECTOR_CLONES void EnrichedSystem::subtract_coupling(std::span<const Lanes> x,
+                                                            std::span<Lanes> y) const {
   std::array<Lanes, 3> sum;
   for (std::size_t e = 0; e < mesh_.elements.size(); ++e) {
     const auto nodes = mesh_.nodes_of(mesh_.elements[e]);
@@ -218,7 +220,8 @@ void EnrichedSystem::residual(std::span<const Material> materials, std::span<con
   }
 }
 
-void EnrichedSystem::precondition(std::span<const Lanes> x, std::span<Lanes> y) const {
+TACTUS_VECTOR_CLONES void EnrichedSystem::precondition(std::span<const Lanes> x,
+                                                       std::span<Lanes> y) const {
   for (std::size_t f = 0; f < functions_.count; ++f)
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t c = 0; c < kBlockColumns; ++c)
