@@ -21,7 +21,6 @@ ROOMS = {
 HOMES = {
     "m_pd.h": r"pd/.*",
     "nlohmann/json.hpp": r"(files|devices/haply)/[^/]*\.cpp",
-    "Eigen/.*": r"fem/.*\.cpp",
     "(cblas|cholmod|gmsh).h": r"fem/.*",
     "boost/.*": r"(net|devices/haply)/.*",
     "(hidapi|libusb).h": r"devices/.*",

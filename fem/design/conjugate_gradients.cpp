@@ -1,8 +1,7 @@
 #include "fem/design/conjugate_gradients.hpp"
 
 #include "fem/modes/dense.hpp"
-
-#include <Eigen/Dense>
+#include "fem/small_dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -102,23 +101,16 @@ double combined_approximations(const Matrices& m, ShiftedFactor& old_factor,
     for (std::size_t i = 0; i < n; ++i)
       basis[(k + 1) * n + i] = own[i] - change[i];
   }
-  const auto count = static_cast<Eigen::Index>(vectors);
-  Eigen::MatrixXd small(count, count);
-  Eigen::VectorXd right(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto own = std::span<const double>(basis).subspan(static_cast<std::size_t>(i) * n, n);
-    right[i] = dot(own, b);
-    for (Eigen::Index j = 0; j < count; ++j)
-      small(i, j) = dot(own, std::span(image).subspan(static_cast<std::size_t>(j) * n, n));
-  }
   // An unchanged K leaves only the first vector: the rank is found.
-  const Eigen::VectorXd weight = small.completeOrthogonalDecomposition().solve(right);
+  const std::vector<double> weight =
+      solve_of_any_rank(transposed_product(basis, vectors, image, vectors, n),
+                        transposed_product(basis, vectors, b, 1, n));
   double squares = 0;
   for (std::size_t i = 0; i < n; ++i) {
     double sum = 0, force = 0;
     for (std::size_t k = 0; k < vectors; ++k) {
-      sum += weight[static_cast<Eigen::Index>(k)] * basis[k * n + i];
-      force += weight[static_cast<Eigen::Index>(k)] * image[k * n + i];
+      sum += weight[k] * basis[k * n + i];
+      force += weight[k] * image[k * n + i];
     }
     x[i] = sum;
     squares += m.constrained[i] ? 0 : (b[i] - force) * (b[i] - force);

@@ -1,8 +1,10 @@
 #include "fem/design/past_solutions.hpp"
 
-#include <Eigen/Dense>
+#include "fem/modes/dense.hpp"
+#include "fem/small_dense.hpp"
 
 #include <algorithm>
+#include <cblas.h>
 #include <cmath>
 
 namespace tactus::fem {
@@ -12,8 +14,7 @@ namespace {
 constexpr double kMinRemainder = 1e-9;
 
 double inner_product(std::span<const double> a, std::span<const double> b) {
-  return Eigen::Map<const Eigen::VectorXd>(a.data(), static_cast<Eigen::Index>(a.size()))
-      .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<Eigen::Index>(b.size())));
+  return cblas_ddot(static_cast<blasint>(a.size()), a.data(), 1, b.data(), 1);
 }
 
 } // namespace
@@ -62,13 +63,9 @@ void PastSolutions::start(const Matrices& m, std::span<const double> b, std::spa
     return;
   std::vector<double> image(basis.size());
   m.multiply_stiffness(basis, image, count);
-  const auto rows = static_cast<Eigen::Index>(n), columns = static_cast<Eigen::Index>(count);
-  const Eigen::Map<const Eigen::MatrixXd> v(basis.data(), rows, columns),
-      kv(image.data(), rows, columns);
-  const Eigen::Map<const Eigen::VectorXd> right(b.data(), rows);
-  const Eigen::VectorXd weight = (v.transpose() * kv).ldlt().solve(v.transpose() * right);
-  if (weight.allFinite())
-    Eigen::Map<Eigen::VectorXd>(x.data(), rows) = v * weight;
+  std::vector<double> weight = transposed_product(basis, count, b, 1, n);
+  if (solve_positive_definite(transposed_product(basis, count, image, count, n), weight, count))
+    add_product(1, {basis, count}, {weight, 1}, x, n);
 }
 
 double PastSolutions::bytes() const noexcept {

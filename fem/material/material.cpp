@@ -3,43 +3,61 @@
 #include "fem/io/text.hpp"
 #include "fem/material/table.hpp"
 #include "fem/mesh/mesh.hpp"
+#include "fem/small_dense.hpp"
 
-#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 
 namespace tactus::fem {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-Matrix6 compliance(const Material& m) {
-  Matrix6 s = Matrix6::Zero();
+/// 6 x 6, column after column.
+std::vector<double> compliance(const Material& m) {
+  std::vector<double> s(36, 0.0);
   const auto e =
       m.isotropic() ? std::array{m.young_pa[0], m.young_pa[0], m.young_pa[0]} : m.young_pa;
   const auto nu = m.isotropic() ? std::array{m.poisson[0], m.poisson[0], m.poisson[0]} : m.poisson;
   const double g = m.young_pa[0] / (2 * (1 + m.poisson[0]));
-  for (int i = 0; i < 3; ++i) {
-    s(i, i) = 1 / e[static_cast<std::size_t>(i)];
-    s(i + 3, i + 3) = 1 / (m.isotropic() ? g : m.shear_pa[static_cast<std::size_t>(i)]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    s[7 * i] = 1 / e[i];
+    s[7 * (i + 3)] = 1 / (m.isotropic() ? g : m.shear_pa[i]);
   }
-  s(1, 2) = s(2, 1) = -nu[0] / e[1];
-  s(0, 2) = s(2, 0) = -nu[1] / e[0];
-  s(0, 1) = s(1, 0) = -nu[2] / e[0];
+  s[6 * 1 + 2] = s[6 * 2 + 1] = -nu[0] / e[1];
+  s[6 * 0 + 2] = s[6 * 2 + 0] = -nu[1] / e[0];
+  s[6 * 0 + 1] = s[6 * 1 + 0] = -nu[2] / e[0];
   return s;
 }
 
 /// Bond's matrix: stress in the body's axes from stress in the material's, whose directions are the
-/// columns of `r`.
-Matrix6 bond(const Eigen::Matrix3d& r) {
+/// three given here.
+ElasticMatrix bond(const std::array<Vector3, 3>& axis) {
   constexpr std::array<std::array<int, 2>, 6> pair{
       {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
-  Matrix6 t;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) {
-      const auto [a, b] = pair[static_cast<std::size_t>(i)];
-      const auto [c, d] = pair[static_cast<std::size_t>(j)];
-      t(i, j) = c == d ? r(a, c) * r(b, c) : r(a, c) * r(b, d) + r(a, d) * r(b, c);
+  ElasticMatrix t;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) {
+      const auto [a, b] = pair[i];
+      const Vector3 &c = axis[static_cast<std::size_t>(pair[j][0])],
+                    &d = axis[static_cast<std::size_t>(pair[j][1])];
+      t[i][j] = c == d ? c[a] * c[b] : c[a] * d[b] + d[a] * c[b];
     }
   return t;
+}
+
+/// t c t', made symmetric to the last bit.
+ElasticMatrix turned(const std::vector<double>& c, const ElasticMatrix& t) {
+  ElasticMatrix half{}, all{};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j)
+      for (std::size_t k = 0; k < 6; ++k)
+        half[i][j] += t[i][k] * c[6 * k + j];
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j)
+      for (std::size_t k = 0; k < 6; ++k) {
+        all[i][j] += .5 * half[i][k] * t[j][k];
+        all[i][j] += .5 * half[j][k] * t[i][k];
+      }
+  return all;
 }
 
 } // namespace
@@ -54,26 +72,19 @@ ElasticMatrix elastic_matrix(const Material& m) {
     refuse("Young's modulus is " + std::to_string(m.young_pa[0]) + " Pa, expected above 0");
   if (m.isotropic() && !(m.poisson[0] > -1 && m.poisson[0] < .5))
     refuse("Poisson's ratio is " + std::to_string(m.poisson[0]) + ", expected within -1 and 0.5");
-  const Matrix6 s = compliance(m);
-  const Eigen::LLT<Matrix6> factor(s);
-  if (!s.allFinite() || factor.info() != Eigen::Success)
+  const std::vector<double> s = compliance(m);
+  std::vector<double> c(36, 0.0); // the identity, then the compliance's inverse
+  for (std::size_t i = 0; i < 6; ++i)
+    c[7 * i] = 1;
+  if (!std::all_of(s.begin(), s.end(), [](double x) { return std::isfinite(x); }) ||
+      !solve_positive_definite(s, c, 6))
     refuse("its elastic constants would release energy, expected a positive definite matrix");
-  Matrix6 c = factor.solve(Matrix6::Identity());
   const Vector3 one = (1 / length(m.axis_1)) * m.axis_1;
   const Vector3 normal = cross(one, m.axis_2);
   if (!(length(normal) > 1e-6 * length(m.axis_2)))
     refuse("its two directions are parallel or zero, expected two different ones");
   const Vector3 three = (1 / length(normal)) * normal, two = cross(three, one);
-  Eigen::Matrix3d r;
-  for (int k = 0; k < 3; ++k)
-    r.row(k) << one[k], two[k], three[k];
-  const Matrix6 t = bond(r);
-  c = (t * c * t.transpose()).eval();
-  ElasticMatrix matrix;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j)
-      matrix[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = .5 * (c(i, j) + c(j, i));
-  return matrix;
+  return turned(c, bond({one, two, three}));
 }
 
 std::vector<Material> read_materials(const std::string& csv) {

@@ -1,6 +1,7 @@
 #include "fem/mesh/dual_contour.hpp"
 
-#include <Eigen/Dense>
+#include "fem/small_dense.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <unordered_map>
@@ -101,22 +102,19 @@ Vector3 meeting_point(const std::vector<Cut>& cuts, const Vector3& low, double s
   Vector3 mean;
   for (const Cut& c : cuts)
     mean += (1. / static_cast<double>(cuts.size())) * c.position;
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  std::array<Vector3, 3> squares; // sum of n n'
+  Vector3 right;
   for (const Cut& c : cuts) {
-    const Eigen::Vector3d n(c.normal.x, c.normal.y, c.normal.z);
-    squares += n * n.transpose();
-    right += dot(c.normal, c.position - mean) * n;
+    for (int i = 0; i < 3; ++i)
+      squares[at(i)] += c.normal[i] * c.normal;
+    right += dot(c.normal, c.position - mean) * c.normal;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares);
-  const double limit = .08 * solver.eigenvalues()[2];
+  const auto [values, vectors] = symmetric_eigenpairs(squares);
+  const double limit = .08 * values[2];
   Vector3 p = mean;
-  for (int k = 0; k < 3; ++k)
-    if (solver.eigenvalues()[k] > std::max(limit, 1e-12)) {
-      const Eigen::Vector3d axis = solver.eigenvectors().col(k);
-      const double move = axis.dot(right) / solver.eigenvalues()[k];
-      p += move * Vector3{axis[0], axis[1], axis[2]};
-    }
+  for (std::size_t k = 0; k < 3; ++k)
+    if (values[k] > std::max(limit, 1e-12))
+      p += dot(vectors[k], right) / values[k] * vectors[k];
   for (int k = 0; k < 3; ++k)
     p[k] = std::clamp(p[k], low[k] + .02 * spacing, low[k] + .98 * spacing);
   return p;

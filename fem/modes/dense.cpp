@@ -1,10 +1,14 @@
 #include "fem/modes/dense.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <cblas.h>
+#include "fem/mesh/mesh.hpp"
 
 #include <algorithm>
+#include <cblas.h>
 #include <chrono>
+
+extern "C" void dsyevd_(const char* wanted, const char* triangle, const int* n, double* matrix,
+                        const int* leading, double* values, double* work, const int* work_size,
+                        int* integers, const int* integers_size, int* info);
 
 namespace tactus::fem {
 
@@ -28,12 +32,17 @@ void add_product(double factor, const Columns& a, const Columns& c, std::span<do
 }
 
 Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size) {
-  const auto n = static_cast<Eigen::Index>(size);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n));
-  Eigenpairs pairs;
-  pairs.values.assign(solver.eigenvalues().data(), solver.eigenvalues().data() + n);
-  pairs.vectors.assign(solver.eigenvectors().data(), solver.eigenvectors().data() + n * n);
+  Eigenpairs pairs{std::vector<double>(size), {matrix.begin(), matrix.end()}};
+  const int n = static_cast<int>(size);
+  const int work_size = 1 + 6 * n + 2 * n * n, integers_size = 3 + 5 * n;
+  std::vector<double> work(static_cast<std::size_t>(work_size));
+  std::vector<int> integers(static_cast<std::size_t>(integers_size));
+  int info = 0;
+  dsyevd_("V", "L", &n, pairs.vectors.data(), &n, pairs.values.data(), work.data(), &work_size,
+          integers.data(), &integers_size, &info);
+  if (info != 0)
+    throw InputError(
+        "the eigenvalues of a small matrix do not converge: is the mesh badly shaped?");
   return pairs;
 }
 

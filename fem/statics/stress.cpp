@@ -1,39 +1,43 @@
 #include "fem/statics/stress.hpp"
 
+#include "fem/small_dense.hpp"
 #include "fem/statics/gradient.hpp"
-
-#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace tactus::fem {
 namespace {
 
-Eigen::Matrix3d matrix_of(const Stress& s) {
-  return Eigen::Matrix3d{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};
+Eigenpairs3 principal_pairs(const Stress& s) noexcept {
+  return symmetric_eigenpairs({{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}}});
 }
 
 /// Where the stress of an element is best (Barlow 1976), and how its values there extend to its
 /// nodes: by the polynomial that has as many terms as there are points.
 struct Smoothing {
   Tabulated points;
-  Eigen::MatrixXd to_nodes; ///< node x point
+  std::vector<double> to_nodes; ///< [node][point]
 
   Smoothing(Shape shape, std::vector<QuadraturePoint> at) : points(shape, at) {
-    const auto terms = [&](const Vector3& p) -> Eigen::VectorXd {
-      const Eigen::VectorXd all{
-          {1, p.x, p.y, p.z, p.z * p.x, p.z * p.y, p.x * p.y, p.x * p.y * p.z}};
-      return all.head(static_cast<Eigen::Index>(at.size()));
+    // The terms' values at the points, times what goes to a node, are the terms' values there.
+    const auto terms = [](const Vector3& p) {
+      return std::array{1., p.x, p.y, p.z, p.z * p.x, p.z * p.y, p.x * p.y, p.x * p.y * p.z};
     };
-    const auto count = static_cast<Eigen::Index>(at.size());
-    const auto nodes = reference_nodes(shape);
-    Eigen::MatrixXd here(count, count), there(nodes.size(), count);
-    for (Eigen::Index i = 0; i < count; ++i)
-      here.row(i) = terms(at[static_cast<std::size_t>(i)].at).transpose();
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      there.row(static_cast<Eigen::Index>(a)) = terms(nodes[a]).transpose();
-    to_nodes = there * here.inverse();
+    const std::size_t count = at.size();
+    std::vector<double> here;
+    for (const QuadraturePoint& point : at) {
+      const auto values = terms(point.at);
+      here.insert(here.end(), values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+    for (const Vector3& node : reference_nodes(shape)) {
+      const auto values = terms(node);
+      to_nodes.insert(to_nodes.end(), values.begin(),
+                      values.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+    if (!solve_regular(here, to_nodes, count))
+      throw std::logic_error("the points of an element carry no polynomial of their number");
   }
 };
 
@@ -88,8 +92,7 @@ double von_mises(const Stress& s) noexcept {
 }
 
 std::array<double, 3> principal(const Stress& s) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix_of(s), Eigen::EigenvaluesOnly);
-  const auto& v = solver.eigenvalues();
+  const auto v = principal_pairs(s).values;
   return {v[2], v[1], v[0]};
 }
 
@@ -113,8 +116,8 @@ Stress von_mises_slope(const Stress& s) noexcept {
 }
 
 Stress max_shear_slope(const Stress& s) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix_of(s));
-  const Eigen::Vector3d n = solver.eigenvectors().col(2), m = solver.eigenvectors().col(0);
+  const Eigenpairs3 pairs = principal_pairs(s);
+  const Vector3 n = pairs.vectors[2], m = pairs.vectors[0];
   const auto pair = [&](int i, int j) { return n[i] * n[j] - m[i] * m[j]; };
   return {.5 * pair(0, 0), .5 * pair(1, 1), .5 * pair(2, 2), pair(1, 2), pair(0, 2), pair(0, 1)};
 }
@@ -193,9 +196,7 @@ std::vector<Stress> nodal_stress(const Mesh& mesh, std::span<const Material> mat
       weight[node] += volume;
       for (std::size_t p = 0; p < at_points.size(); ++p)
         for (std::size_t v = 0; v < 6; ++v)
-          stress[node][v] +=
-              volume * smooth.to_nodes(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(p)) *
-              at_points[p][v];
+          stress[node][v] += volume * smooth.to_nodes[a * at_points.size() + p] * at_points[p][v];
     }
   }
   for (std::size_t n = 0; n < stress.size(); ++n)

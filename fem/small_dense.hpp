@@ -1,0 +1,31 @@
+#pragma once
+#include "fem/mesh/vector3.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace tactus::fem {
+
+/// Small dense systems, by the LAPACK that OpenBLAS carries. Matrices are column-major; `right` has
+/// one or more columns, which become the solution.
+
+/// A x = b, A symmetric and positive definite (Cholesky; its lower triangle is read). False where
+/// it is not.
+[[nodiscard]] bool solve_positive_definite(std::vector<double> a, std::span<double> right,
+                                           std::size_t size);
+/// A x = b, any regular A (LU). False where it is singular.
+[[nodiscard]] bool solve_regular(std::vector<double> a, std::span<double> right, std::size_t size);
+/// The shortest of the x that come nearest to A x = b, A square of any rank (complete orthogonal
+/// decomposition). One column.
+[[nodiscard]] std::vector<double> solve_of_any_rank(std::vector<double> a,
+                                                    std::span<const double> right);
+
+/// Of a symmetric 3 x 3 matrix, by Jacobi's rotations.
+struct Eigenpairs3 {
+  std::array<double, 3> values;   ///< ascending
+  std::array<Vector3, 3> vectors; ///< orthonormal
+};
+[[nodiscard]] Eigenpairs3 symmetric_eigenpairs(const std::array<Vector3, 3>& rows) noexcept;
+
+} // namespace tactus::fem
