@@ -66,6 +66,11 @@ class Scene:
         matplotlib.pyplot.close(figure)
         self._add("picture", file=f"{name}.png", caption=caption)
 
+    def drawn(self, path, name, caption=""):
+        """A PNG that a program has drawn, copied into the scene's folder."""
+        shutil.copy(path, self.folder / f"{name}.png")
+        self._add("picture", file=f"{name}.png", caption=caption)
+
     def file(self, name, caption=""):
         """A file that the scene has put into scene.folder, offered as a link."""
         if not (self.folder / name).is_file():

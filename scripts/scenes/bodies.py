@@ -6,7 +6,6 @@ two ears 35 cm in front, through the air around the whole body (boundary element
 takes a minute or two for the modes; the tables are kept in the build folder. Sheets show each body bent by its first modes, red where the skin moves outwards.
 """
 import pathlib
-import shutil
 import sys
 
 import matplotlib.pyplot as plt
@@ -32,12 +31,8 @@ def mono_room(parts):
 
 
 def show_sheet(scene, name):
-    file = name.replace(" ", "_").replace("(", "").replace(")", "") + ".png"
-    shutil.copy(_bodies.picture_of(_tour.table(name)), scene.folder / file)
-    figure, axes = plt.subplots(figsize=(13, 9.8))
-    axes.imshow(plt.imread(scene.folder / file))
-    axes.set_axis_off()
-    scene.picture(pathlib.Path(file).stem, figure, f"{name}: its first modes")
+    file = name.replace(" ", "_").replace("(", "").replace(")", "")
+    scene.drawn(_bodies.picture_of(_tour.table(name)), file, f"{name}: its first modes")
 
 
 def make(scene):
