@@ -48,12 +48,19 @@ MultipoleDirection::MultipoleDirection(const ModalTable& table, const Vec3& dire
     : poles_(&table.multipoles) {
   const double length = norm(direction);
   const double cosine = length > 0 ? std::clamp(direction.z / length, -1.0, 1.0) : 1;
-  azimuth_ = std::atan2(direction.y, direction.x);
+  const double azimuth = std::atan2(direction.y, direction.x);
   std::int32_t max_degree = 0;
   for (const auto* const degrees : {&poles_->highest_degree, &poles_->band.highest_degree})
     for (const std::int32_t degree : *degrees)
       max_degree = std::max(max_degree, degree);
-  legendre_ = legendre(static_cast<std::size_t>(max_degree), cosine);
+  const std::vector<double> polynomial = legendre(static_cast<std::size_t>(max_degree), cosine);
+  for (std::int32_t l = 0; l <= max_degree; ++l)
+    for (std::int32_t m = -l; m <= l; ++m) {
+      const double sign = m < 0 && m % 2 != 0 ? -1 : 1;
+      harmonic_.push_back(
+          std::polar(1.0, m * azimuth) *
+          (sign * polynomial[static_cast<std::size_t>(l * (l + 1) / 2 + std::abs(m))]));
+    }
 }
 
 std::vector<Complex> MultipoleDirection::sums(std::size_t mode, double ratio) const {
@@ -73,7 +80,7 @@ std::vector<Complex> MultipoleDirection::sums(std::size_t mode, double ratio) co
       const std::size_t at = static_cast<std::size_t>(poles_->offset[mode]) + l * l + j;
       const Complex a(poles_->coefficients[left * total + at]);
       const Complex b(poles_->coefficients[right * total + at]);
-      sums[l] += (a + part * (b - a)) * harmonic(l, j);
+      sums[l] += (a + part * (b - a)) * harmonic_[l * l + j];
     }
   return sums;
 }
@@ -87,17 +94,8 @@ std::vector<Complex> MultipoleDirection::band_sums(std::size_t mode, std::size_t
   std::vector<Complex> sums(degree + 1);
   for (std::size_t l = 0; l <= degree; ++l)
     for (std::size_t j = 0; j <= 2 * l; ++j)
-      sums[l] += Complex(c[l * l + j]) * harmonic(l, j);
+      sums[l] += Complex(c[l * l + j]) * harmonic_[l * l + j];
   return sums;
-}
-
-/// Y_lm, m = j - l.
-Complex MultipoleDirection::harmonic(std::size_t l, std::size_t j) const noexcept {
-  const auto m = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(l);
-  const auto size_m = static_cast<std::size_t>(m < 0 ? -m : m);
-  const double sign = m < 0 && size_m % 2 == 1 ? -1 : 1;
-  return std::polar(1.0, static_cast<double>(m) * azimuth_) *
-         (sign * legendre_[l * (l + 1) / 2 + size_m]);
 }
 
 ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Complex> rate,

@@ -26,11 +26,8 @@ public:
                                                             std::size_t frequency) const;
 
 private:
-  [[nodiscard]] std::complex<double> harmonic(std::size_t l, std::size_t j) const noexcept;
-
   const MultipoleTable* poles_;
-  std::vector<double> legendre_;
-  double azimuth_ = 0;
+  std::vector<std::complex<double>> harmonic_; ///< Y_lm at l^2 + l + m
 };
 
 /// One translation of a free body as a source of sound: a rigid sphere of the same dipole moment.

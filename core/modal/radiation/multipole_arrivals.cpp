@@ -149,47 +149,74 @@ private:
     correct_low_frequencies(transfer, pressure);
   }
 
-  /// Corrects the low frequencies of a truncated kernel. The transfer of a high degree rises a
-  /// thousandfold from 0 Hz to 20 kHz, so that truncating the high frequencies disturbs the low
-  /// ones. The correction is a smooth pulse over the kernel's length, a sum of kSmooth shapes under
-  /// a Hann window, fitted by least squares at the transfer's lowest frequencies.
-  void correct_low_frequencies(const std::vector<Complex>& transfer, std::span<double> out) const {
-    constexpr std::size_t kSmooth = 10;
-    const std::size_t count = std::min(period_ / 28, transfer.size());
-    const auto shape = [&](std::size_t q, double t) { // t in samples from the kernel's beginning
-      const double u = t / static_cast<double>(samples_);
-      return 0.5 * (1 - std::cos(2 * pi * u)) * std::cos(pi * static_cast<double>(q) * u);
-    };
-    std::array<std::array<double, kSmooth + 1>, kSmooth> equation{};
-    for (std::size_t i = 0; i < count; ++i) {
-      std::array<Complex, kSmooth> own{};
-      Complex residual = i == 0 ? 2.0 * transfer[0] : transfer[i];
+  /// What correct_low_frequencies() needs that is the same for every motion.
+  struct LowFrequencyFit {
+    static constexpr std::size_t kSmooth = 10;
+    using Shapes = std::array<double, kSmooth>;
+    std::size_t count = 0;                          ///< of frequencies that are fitted
+    std::vector<Shapes> shape;                      ///< at every node of every sample
+    std::vector<Complex> wave;                      ///< frequency by node: its part of the integral
+    std::vector<std::array<Complex, kSmooth>> part; ///< of each shape at each frequency
+    std::array<Shapes, kSmooth> equation{};
+  };
+
+  [[nodiscard]] const LowFrequencyFit& low_frequency_fit() const {
+    LowFrequencyFit& fit = low_frequency_fit_;
+    if (!fit.shape.empty())
+      return fit;
+    for (std::size_t n = 0; n < samples_; ++n)
+      for (std::size_t m = 0; m < BandLimit::kNodes; ++m) {
+        const double u =
+            (static_cast<double>(n) + BandLimit::kNode[m]) / static_cast<double>(samples_);
+        LowFrequencyFit::Shapes& shape = fit.shape.emplace_back();
+        for (std::size_t q = 0; q < LowFrequencyFit::kSmooth; ++q)
+          shape[q] = 0.5 * (1 - std::cos(2 * pi * u)) * std::cos(pi * static_cast<double>(q) * u);
+      }
+    fit.count = std::min(period_ / 28, 1 + band_.size());
+    fit.wave.reserve(fit.count * samples_ * (BandLimit::kNodes - 1));
+    for (std::size_t i = 0; i < fit.count; ++i) {
+      auto& part = fit.part.emplace_back();
       for (std::size_t n = 0; n < samples_; ++n)
         for (std::size_t m = 1; m < BandLimit::kNodes; ++m) {
-          const double t = static_cast<double>(n) + BandLimit::kNode[m];
-          const Complex wave = BandLimit::kGaussWeight[m - 1] *
-                               std::polar(1.0, -static_cast<double>(i) * turn() *
-                                                   (t - static_cast<double>(BandLimit::kLatency) -
-                                                    travel_.fractional_samples));
-          residual -= out[n * BandLimit::kNodes + m] * wave;
-          for (std::size_t q = 0; q < kSmooth; ++q)
-            own[q] += shape(q, t) * wave;
+          const double t = static_cast<double>(n) + BandLimit::kNode[m] -
+                           static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples;
+          fit.wave.push_back(BandLimit::kGaussWeight[m - 1] *
+                             std::polar(1.0, -static_cast<double>(i) * turn() * t));
+          for (std::size_t q = 0; q < part.size(); ++q)
+            part[q] += fit.shape[n * BandLimit::kNodes + m][q] * fit.wave.back();
         }
-      for (std::size_t p = 0; p < kSmooth; ++p) {
-        for (std::size_t q = 0; q < kSmooth; ++q)
-          equation[p][q] += (std::conj(own[p]) * own[q]).real();
-        equation[p][kSmooth] += (std::conj(own[p]) * residual).real();
-      }
+      for (std::size_t p = 0; p < part.size(); ++p)
+        for (std::size_t q = 0; q < part.size(); ++q)
+          fit.equation[p][q] += (std::conj(part[p]) * part[q]).real();
     }
-    for (std::size_t p = 0; p < kSmooth;
-         ++p) // regularisation: these frequencies hardly separate the shapes
-      equation[p][p] *= 1 + 1e-5;
+    for (std::size_t p = 0; p < LowFrequencyFit::kSmooth; ++p)
+      fit.equation[p][p] *= 1 + 1e-5; // these frequencies hardly separate the shapes
+    return fit;
+  }
+
+  /// Corrects the low frequencies of a truncated kernel. The transfer of a high degree rises a
+  /// thousandfold from 0 Hz to 20 kHz, so that truncating the high frequencies disturbs the low
+  /// ones. The correction is a smooth pulse over the kernel's length, a sum of shapes under a Hann
+  /// window, fitted by least squares at the transfer's lowest frequencies.
+  void correct_low_frequencies(const std::vector<Complex>& transfer, std::span<double> out) const {
+    constexpr std::size_t kSmooth = LowFrequencyFit::kSmooth;
+    const LowFrequencyFit& fit = low_frequency_fit();
+    std::array<std::array<double, kSmooth + 1>, kSmooth> equation{};
+    for (std::size_t p = 0; p < kSmooth; ++p)
+      std::copy(fit.equation[p].begin(), fit.equation[p].end(), equation[p].begin());
+    const Complex* wave = fit.wave.data();
+    for (std::size_t i = 0; i < fit.count; ++i) {
+      Complex residual = i == 0 ? 2.0 * transfer[0] : transfer[i];
+      for (std::size_t n = 0; n < samples_; ++n)
+        for (std::size_t m = 1; m < BandLimit::kNodes; ++m)
+          residual -= out[n * BandLimit::kNodes + m] * *wave++;
+      for (std::size_t p = 0; p < kSmooth; ++p)
+        equation[p][kSmooth] += (std::conj(fit.part[i][p]) * residual).real();
+    }
     const std::array<double, kSmooth> amount = solve(equation);
-    for (std::size_t n = 0; n < samples_; ++n)
-      for (std::size_t m = 0; m < BandLimit::kNodes; ++m)
-        for (std::size_t q = 0; q < kSmooth; ++q)
-          out[n * BandLimit::kNodes + m] +=
-              amount[q] * shape(q, static_cast<double>(n) + BandLimit::kNode[m]);
+    for (std::size_t n = 0; n < fit.shape.size(); ++n)
+      for (std::size_t q = 0; q < kSmooth; ++q)
+        out[n] += amount[q] * fit.shape[n][q];
   }
 
   /// Gaussian elimination with pivoting; the last column is the right-hand side.
@@ -329,6 +356,7 @@ private:
   std::vector<double> band_;
   mutable std::map<Key, std::vector<double>> kernels_;
   mutable std::map<std::size_t, std::vector<Complex>> waves_; ///< by degree
+  mutable LowFrequencyFit low_frequency_fit_;                 ///< empty: not needed yet
 };
 
 /// Eigenvalues (left on the diagonal) and eigenvectors of a symmetric matrix by Jacobi rotations.
