@@ -92,9 +92,12 @@ std::vector<Complex> MultipoleDirection::band_sums(std::size_t mode, std::size_t
                                        frequency * static_cast<std::size_t>(band.offset.back()) +
                                        static_cast<std::size_t>(band.offset[mode]);
   std::vector<Complex> sums(degree + 1);
-  for (std::size_t l = 0; l <= degree; ++l)
+  for (std::size_t l = 0; l <= degree; ++l) {
+    Complex sum = 0;
     for (std::size_t j = 0; j <= 2 * l; ++j)
-      sums[l] += Complex(c[l * l + j]) * harmonic_[l * l + j];
+      sum += Complex(c[l * l + j]) * harmonic_[l * l + j];
+    sums[l] = sum;
+  }
   return sums;
 }
 

@@ -301,22 +301,35 @@ private:
     return transfer;
   }
 
-  /// The inverse Fourier transform at the nodes of every sample.
+  /// The inverse Fourier transform at the nodes of every sample. Each time's wave is a chain of
+  /// rotations, in which every step waits for the one before; kLanes chains run side by side.
   void transform(const std::vector<Complex>& transfer, std::span<double> out) const {
-    for (std::size_t n = 0; n < samples_; ++n)
-      for (std::size_t m = 0; m < BandLimit::kNodes; ++m) {
+    constexpr std::size_t kLanes = 8;
+    using Lanes = std::array<double, kLanes>;
+    const std::size_t count = samples_ * BandLimit::kNodes;
+    for (std::size_t first = 0; first < count; first += kLanes) {
+      Lanes step_real{}, step_imag{}, real{}, imag{}, sum{};
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const std::size_t n = (first + k) / BandLimit::kNodes, m = (first + k) % BandLimit::kNodes;
         const double t = static_cast<double>(n) + BandLimit::kNode[m] -
                          static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples;
-        const Complex step = std::polar(1.0, turn() * t);
-        Complex wave = 1;
-        double sum = transfer[0].real();
-        for (std::size_t i = 1; i < transfer.size(); ++i) {
-          wave = {wave.real() * step.real() - wave.imag() * step.imag(),
-                  wave.real() * step.imag() + wave.imag() * step.real()};
-          sum += transfer[i].real() * wave.real() - transfer[i].imag() * wave.imag();
-        }
-        out[n * BandLimit::kNodes + m] = 2 * sum / static_cast<double>(period_);
+        step_real[k] = std::cos(turn() * t);
+        step_imag[k] = std::sin(turn() * t);
+        real[k] = 1;
+        sum[k] = transfer[0].real();
       }
+      for (std::size_t i = 1; i < transfer.size(); ++i) {
+        const double transfer_real = transfer[i].real(), transfer_imag = transfer[i].imag();
+        for (std::size_t k = 0; k < kLanes; ++k) {
+          const double turned = real[k] * step_real[k] - imag[k] * step_imag[k];
+          imag[k] = real[k] * step_imag[k] + imag[k] * step_real[k];
+          real[k] = turned;
+          sum[k] += transfer_real * real[k] - transfer_imag * imag[k];
+        }
+      }
+      for (std::size_t k = 0; k < std::min(kLanes, count - first); ++k)
+        out[first + k] = 2 * sum[k] / static_cast<double>(period_);
+    }
   }
 
   /// Band-limited pressure for an acceleration impulse of degree l, by Fourier's integral.
