@@ -55,14 +55,20 @@ progress() {
 
 as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
 
-# set_up GROUP...: installs what is missing of these groups; quick when nothing is
-set_up() {
-  local wanted missing plan log
+# missing_packages GROUP...: what is not installed of these groups
+missing_packages() {
+  local wanted
   # shellcheck disable=SC2046
   wanted=$(choose_packages $(packages "$@") | sort -u)
   # shellcheck disable=SC2086
-  missing=$(comm -13 <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' $wanted 2>/dev/null |
-                         sed -n 's/^ii *//p' | sort -u) <(printf '%s\n' $wanted))
+  comm -13 <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' $wanted 2>/dev/null |
+               sed -n 's/^ii *//p' | sort -u) <(printf '%s\n' $wanted)
+}
+
+# set_up GROUP...: installs what is missing of these groups; quick when nothing is
+set_up() {
+  local missing plan log
+  missing=$(missing_packages "$@")
   [ -n "$missing" ] || return 0
   missing=$(echo $missing)
   [ -e /etc/debian_version ] && command -v apt-get >/dev/null ||
@@ -82,11 +88,20 @@ set_up() {
   fi
   say "  $(grep -c '^Inst' <<<"$plan") packages with what they need"
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends \
-      -o APT::Status-Fd=3 $missing 3>&1 >"$log" 2>&1 | progress installed ||
+      -o APT::Status-Fd=3 -o DPkg::Lock::Timeout=120 $missing 3>&1 >"$log" 2>&1 | progress installed ||
      ! dpkg-query -W $missing >/dev/null 2>&1; then
     fail "could not install; is there a network? ($(grep -m1 '^E:' "$log"))"
   fi
   rm -f "$log"
+}
+
+# begin_set_up GROUP...: set_up in the background, its process in $installer; empty where nothing is missing
+begin_set_up() {
+  installer=''
+  [ -n "$(missing_packages "$@")" ] || return 0
+  as_root true # asks for a password now, if at all
+  set_up "$@" &
+  installer=$!
 }
 
 # The compiler's own list of what a file reads tells ccache enough: no second look at a new file.

@@ -43,13 +43,15 @@ def wait(process):
 class Work:
     """The scenes to be made and how far they are. What threads share is guarded by `changed`."""
 
-    def __init__(self, names, build, begun):
+    def __init__(self, names, build, begun, installer=None):
         self.waiting = contents.work_order(names)
         self.build_folder, self.begun = build, begun
         self.ready, self.running, self.made, self.failed, self.faults = set(), set(), [], [], []
         self.times = []
         self.changed = threading.Condition()
         self.count = len(names)
+        self.installer = installer
+        self.installed = threading.Event()
 
     def say(self, text):
         seconds = int(time.time() - self.begun)
@@ -88,13 +90,15 @@ class Work:
         """Of each scene in turn, what it needs."""
         built = set()
         for name in list(self.waiting):
+            if name in self.failed:  # there is nothing to run it with
+                break
             began = time.time()
             wanted = [t for t in dict.fromkeys(map(target, contents.needs(name))) if t not in built]
             trouble, seconds = self.run_ninja(wanted, name) if wanted else (None, 0)
             with self.changed:
                 if wanted:
                     self.note(f"build for {name}", began, seconds)
-                if trouble:
+                if trouble and name not in self.failed:
                     print(trouble, file=sys.stderr)
                     self.waiting.remove(name)
                     self.failed.append(name)
@@ -105,7 +109,17 @@ class Work:
                     self.ready.add(name)
                 self.changed.notify_all()
 
+    def install(self):
+        """Waits for the process that installs what scenes run. Where that failed (it has said why), none is made."""
+        status = os.waitpid(self.installer, 0)[1] if self.installer else 0
+        with self.changed:
+            if status:
+                self.failed += self.waiting
+                self.waiting.clear()
+        self.installed.set()
+
     def next_scene(self):
+        self.installed.wait()
         with self.changed:
             while self.waiting:
                 for name in self.waiting:
@@ -151,17 +165,18 @@ def main():
     parser.add_argument("--all", action="store_true", help="also the scenes that take minutes each")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     parser.add_argument("--begun", type=float, default=time.time(), help="when ./play was called: seconds since 1970")
+    parser.add_argument("--installer", type=int, help="the process, a child of this one, that installs what scenes run")
     arguments = parser.parse_args()
     names = arguments.names or [n for n in contents.names() if arguments.all or not contents.is_long(n)]
     OUT.mkdir(exist_ok=True)
-    work = Work(names, arguments.build.resolve(), arguments.begun)
+    work = Work(names, arguments.build.resolve(), arguments.begun, arguments.installer)
     work.write_page()
     threads = [threading.Thread(target=work.make_scenes, daemon=True)  # an interrupt ends them, too
                for _ in range(min(os.cpu_count() or 1, MOST_AT_A_TIME, len(names)))]
-    builder = threading.Thread(target=work.build, daemon=True)
-    for thread in [builder, *threads]:
+    threads += [threading.Thread(target=run, daemon=True) for run in (work.install, work.build)]
+    for thread in threads:
         thread.start()
-    for thread in [builder, *threads]:
+    for thread in threads:
         thread.join()
     work.write_page()
     if work.faults:

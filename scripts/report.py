@@ -155,8 +155,9 @@ def page(scenes, coming=(), failed=()):
 
 
 def write(out, coming=(), failed=()):
-    """index.html of a folder, replaced at once."""
-    scenes = {p.parent.name: json.loads(p.read_text()) for p in pathlib.Path(out).glob("*/scene.json")}
+    """index.html of a folder, replaced at once. What is to come is not read: it may be half written."""
+    scenes = {p.parent.name: json.loads(p.read_text()) for p in pathlib.Path(out).glob("*/scene.json")
+              if p.parent.name not in coming}
     new = pathlib.Path(out) / "index.html.new"
     new.write_text(page(scenes, coming, failed))
     new.replace(pathlib.Path(out) / "index.html")

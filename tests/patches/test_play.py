@@ -179,8 +179,8 @@ def test_a_scene_that_was_made_before_shows_as_to_come_while_it_is_made_again(tm
 class RecordedWork(make_scenes.Work):
     """Builds and makes nothing: the second need is built only when the first scene has been made."""
 
-    def __init__(self, out, broken=()):
-        super().__init__(["fanfare", "walking", "particles", "greed"], out, 0.0)
+    def __init__(self, out, broken=(), installer=None):
+        super().__init__(["fanfare", "walking", "particles", "greed"], out, 0.0, installer)
         self.out, self.broken, self.order, self.first_made = out, broken, [], threading.Event()
 
     def run_ninja(self, targets, name):
@@ -199,7 +199,7 @@ class RecordedWork(make_scenes.Work):
 
 
 def run_threads(work):
-    threads = [threading.Thread(target=run) for run in (work.build, work.make_scenes, work.make_scenes)]
+    threads = [threading.Thread(target=run) for run in (work.install, work.build, work.make_scenes, work.make_scenes)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -225,3 +225,39 @@ def test_a_need_that_cannot_be_built_fails_its_scene_alone(tmp_path, monkeypatch
     assert work.failed == ["fanfare"] and sorted(work.made) == ["greed", "particles", "walking"]
     assert "could not be made" in (tmp_path / "index.html").read_text()
     assert "FAILED: greed" in capsys.readouterr().err
+
+
+def test_no_scene_is_made_before_what_it_runs_is_installed(tmp_path, monkeypatch):
+    monkeypatch.setattr(make_scenes, "OUT", tmp_path)
+    installer = os.spawnlp(os.P_NOWAIT, "sh", "sh", "-c", f"sleep 1; touch {tmp_path}/installed")
+    work = RecordedWork(tmp_path, installer=installer)
+    make_scene_there = work.make_scene
+
+    def make(name):
+        assert (tmp_path / "installed").exists()
+        return make_scene_there(name)
+    monkeypatch.setattr(work, "make_scene", make)
+    run_threads(work)
+    assert work.order[0] == ("built", "greed_tilde_f32") and len(work.made) == 4
+
+
+def test_nothing_is_built_and_made_once_packages_could_not_be_installed(tmp_path, monkeypatch):
+    monkeypatch.setattr(make_scenes, "OUT", tmp_path)
+    work = RecordedWork(tmp_path, installer=os.spawnlp(os.P_NOWAIT, "false", "false"))
+    work.install()
+    for run in (work.build, work.make_scenes):
+        run()
+    assert sorted(work.failed) == ["fanfare", "greed", "particles", "walking"] and not work.order
+
+
+def test_what_fails_to_be_built_while_packages_fail_too_is_named_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(make_scenes, "OUT", tmp_path)
+    work = RecordedWork(tmp_path, broken=("fanfare",), installer=os.spawnlp(os.P_NOWAIT, "false", "false"))
+    built = work.run_ninja
+
+    def run_ninja(targets, name):
+        work.install()
+        return built(targets, name)
+    monkeypatch.setattr(work, "run_ninja", run_ninja)
+    work.build()
+    assert sorted(work.failed) == ["fanfare", "greed", "particles", "walking"] and len(work.order) == 1

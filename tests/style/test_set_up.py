@@ -32,3 +32,19 @@ def test_a_plain_name_is_asked_for_even_where_debian_lacks_it():
 def test_every_line_of_the_list_is_a_group_of_words():
     lines = [line for line in (ROOT / "scripts" / "packages").read_text().splitlines() if not line.startswith("#")]
     assert lines and all(line.partition(": ")[0].isalpha() and line.partition(": ")[2] for line in lines)
+
+
+MISSING = """root=$1 command=./play; . "$root/scripts/common.sh"
+missing_packages() { echo "$missing"; }; as_root() { :; }; set_up() { sleep 0.2; return "$status"; }
+begin_set_up play; [ -z "$installer" ] && echo none || { wait "$installer"; echo "ended with $?"; }"""
+
+
+def begun(missing, status=0):
+    return subprocess.run(["bash", "-c", MISSING, "bash", ROOT], capture_output=True, text=True, check=True,
+                          env={"missing": missing, "status": str(status), "PATH": "/usr/bin:/bin"}).stdout.strip()
+
+
+def test_a_set_up_in_the_background_is_waited_for_by_its_process():
+    assert begun("") == "none"
+    assert begun("python3-numpy") == "ended with 0"
+    assert begun("python3-numpy", 2) == "ended with 2"
