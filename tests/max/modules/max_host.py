@@ -12,8 +12,12 @@ SUFFIX = os.environ.get("TACTUS_MAX_SUFFIX", ".mxl")
 HOST = os.environ.get("TACTUS_MAX_HOST", str(BUILD / "max_host" / "max_host")).split("|")
 EMULATOR = HOST[:-1]
 RATE = 48000
-if EMULATOR:  # a host that waits keeps wine's server: each run then begins in a tenth of a second
-    waiting = subprocess.Popen([*HOST, "-"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
+if EMULATOR:
+    # Wine's services begin with the first host and keep its output open: that is none which a test reads to its end.
+    subprocess.run([*HOST, "-"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                   timeout=300)
+    # A host that waits keeps wine's server: each run then begins in a tenth of a second.
+    waiting = subprocess.Popen([*HOST, "-"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     atexit.register(waiting.communicate)
 
 
