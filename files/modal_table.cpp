@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 namespace tactus::files {
 namespace {
@@ -151,6 +152,11 @@ void read_inertia(TableArrays& arrays, ModalTable& table) {
     arrays.refuse("array 'inertia' is not the inertia of a body");
 }
 
+bool all_finite(const std::vector<std::complex<float>>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(),
+                     [](auto x) { return std::isfinite(x.real()) && std::isfinite(x.imag()); });
+}
+
 void read_multipoles(TableArrays& arrays, ModalTable& table) {
   if (!arrays.has("mp_coef"))
     return;
@@ -183,12 +189,9 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
   for (std::size_t s = 0; s < out.scales.size(); ++s)
     if (!(out.scales[s] > 0) || (s > 0 && out.scales[s] <= out.scales[s - 1]))
       return arrays.refuse("array 'mp_scales' must ascend above 0");
-  const std::vector<float> parts = coefficients->single_values();
-  if (!std::all_of(parts.begin(), parts.end(), [](float x) { return std::isfinite(x); }))
+  out.coefficients = coefficients->single_complex_values();
+  if (!all_finite(out.coefficients))
     return arrays.refuse("array 'mp_coef' holds numbers that are not finite");
-  out.coefficients.resize(parts.size() / 2);
-  for (std::size_t i = 0; i < out.coefficients.size(); ++i)
-    out.coefficients[i] = {parts[2 * i], parts[2 * i + 1]};
   out.centre = {centre[0], centre[1], centre[2]};
   out.reference_radius_m = radius[0];
   if (!(radius[0] > 0))
@@ -226,12 +229,9 @@ void read_band(TableArrays& arrays, ModalTable& table) {
     return arrays.refuse("array 'mp_band_coef' has " + std::to_string(coefficients->count()) +
                          " numbers: expected " + std::to_string(expected) +
                          " at 4 frequencies or more");
-  const std::vector<float> parts = coefficients->single_values();
-  if (!std::all_of(parts.begin(), parts.end(), [](float x) { return std::isfinite(x); }))
+  out.coefficients = coefficients->single_complex_values();
+  if (!all_finite(out.coefficients))
     return arrays.refuse("array 'mp_band_coef' holds numbers that are not finite");
-  out.coefficients.resize(parts.size() / 2);
-  for (std::size_t i = 0; i < out.coefficients.size(); ++i)
-    out.coefficients[i] = {parts[2 * i], parts[2 * i + 1]};
   table.multipoles.band = std::move(out);
 }
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace tactus::files {
 namespace {
@@ -160,16 +161,23 @@ template <class T> std::vector<T> copy_values(const NpzArray& array) {
   const std::size_t parts = array.kind == 'c' ? 2 : 1;
   const std::size_t part_bytes = array.item_bytes / parts;
   const std::size_t count = array.count();
+  constexpr bool kComplex = std::is_same_v<T, std::complex<float>>;
   std::vector<T> out;
-  out.reserve(count * parts);
+  out.reserve(kComplex ? count : count * parts);
   std::vector<std::size_t> index(array.shape.size(), 0), stride(array.shape.size(), 1);
   for (std::size_t d = 1; d < stride.size(); ++d)
     stride[d] = stride[d - 1] * array.shape[d - 1];
   std::size_t at = 0;
   for (std::size_t n = 0; n < count; ++n) {
     const std::byte* from = array.bytes.data() + (array.fortran_order ? at : n) * array.item_bytes;
-    for (std::size_t part = 0; part < parts; ++part)
-      out.push_back(static_cast<T>(read_number(array, from + part * part_bytes, part_bytes)));
+    if constexpr (kComplex)
+      out.emplace_back(static_cast<float>(read_number(array, from, part_bytes)),
+                       parts == 2
+                           ? static_cast<float>(read_number(array, from + part_bytes, part_bytes))
+                           : 0.0f);
+    else
+      for (std::size_t part = 0; part < parts; ++part)
+        out.push_back(static_cast<T>(read_number(array, from + part * part_bytes, part_bytes)));
     if (!array.fortran_order)
       continue;
     for (std::size_t d = index.size(); d-- > 0;) {
@@ -224,6 +232,9 @@ std::size_t NpzArray::count() const noexcept {
 
 std::vector<double> NpzArray::values() const { return copy_values<double>(*this); }
 std::vector<float> NpzArray::single_values() const { return copy_values<float>(*this); }
+std::vector<std::complex<float>> NpzArray::single_complex_values() const {
+  return copy_values<std::complex<float>>(*this);
+}
 
 std::string NpzFile::open(std::span<const std::byte> file) {
   arrays_.clear();

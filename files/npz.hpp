@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,6 +28,8 @@ struct NpzArray {
   [[nodiscard]] std::vector<double> values() const;
   /// The same for large arrays, in single precision.
   [[nodiscard]] std::vector<float> single_values() const;
+  /// The same as complex numbers; the imaginary parts of a real array are 0.
+  [[nodiscard]] std::vector<std::complex<float>> single_complex_values() const;
 };
 
 class NpzFile {

@@ -307,6 +307,16 @@ TEST_CASE("multipoles and raw velocities must fit their own tables") {
              named(m, "mp_band_coef").data.resize(152);
            }),
            "mp_band_coef");
+  for (const char* name : {"mp_coef", "mp_band_coef"})
+    for (const std::size_t part : {0, 1}) { // real, imaginary
+      const std::string refusal = refusal_with([&](auto& m) {
+        with_band(m);
+        const auto nan = raw(std::vector<float>{std::numeric_limits<float>::quiet_NaN()});
+        std::copy(nan.begin(), nan.end(), named(m, name).data.begin() + 8 + 4 * part);
+      });
+      contains(refusal, name);
+      contains(refusal, "not finite");
+    }
   contains(refusal_with([&](auto& m) {
              m.push_back({"raw_v", "<f4", {1, 2, 3}, raw(std::vector<float>(6, 1))});
            }),

@@ -58,6 +58,9 @@ TEST_CASE("arrays of every type and shape come back by name, in order") {
   CHECK(read.find("large")->shape.empty());
   CHECK(read.find("large")->values() == std::vector<double>{1099511627776.0});
   CHECK(read.find("waves")->single_values() == std::vector<float>{1, 2, 3, -4});
+  CHECK(read.find("waves")->single_complex_values() ==
+        std::vector<std::complex<float>>{{1, 2}, {3, -4}});
+  CHECK(read.find("singles")->single_complex_values()[1] == std::complex<float>(singles[1], 0));
   CHECK(read.find("text")->item_bytes == 1);
   CHECK(read.find("text")->values() == std::vector<double>{'{', '}', 255});
   CHECK(read.find("none")->count() == 0);
