@@ -168,7 +168,7 @@ public:
              declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
   }
   void log(std::string_view sentence) override {
-    logpost(&instance_.object, 3, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
+    logpost(&instance_.object, PD_NORMAL, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
             declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
   }
   void wake_in(std::size_t timer, double milliseconds) override {

@@ -88,9 +88,11 @@ void pd_error(const void* object, const char* format, ...) {
 }
 
 void logpost(const void* object, int level, const char* format, ...) {
-  (void)level, (void)format;
+  (void)format;
   if (object && !host_of(object))
     host_die("logpost for an object that does not live");
+  if (level > PD_NORMAL)
+    host_die("logpost at a level that Pd's window hides");
 }
 void post(const char* format, ...) { (void)format; }
 
