@@ -18,6 +18,7 @@ public:
     size_ += count;
     return *this;
   }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   operator std::string_view() const noexcept { return {text_.data(), size_}; }
 
 private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/object.hpp"
+#include "core/refusal.hpp"
 #include "externals/contact_impact~/sounding_body.hpp"
 
 #include <algorithm>
@@ -100,12 +101,12 @@ public:
       return body_.parse_pickup(words, host);
     case kStrike:
       if (words[0].is_word || !(std::abs(words[0].number) <= 1000))
-        return host.error("strike: expected a velocity in -1000..1000 m/s");
+        return host.error(refusal("strike", words, "a velocity in -1000..1000 m/s"));
       last_ = {0, words[0].number};
       break;
     case kDrop:
       if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1e5))
-        return host.error("drop: expected a height in 0..100000 mm");
+        return host.error(refusal("drop", words, "a height in 0..100000 mm"));
       if (value_[kGravity] <= 0)
         return host.error("drop: nothing falls while gravity is 0");
       last_ = {1e-3 * words[0].number, 0};

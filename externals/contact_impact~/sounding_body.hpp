@@ -3,6 +3,7 @@
 #include "core/contact/excited_body.hpp"
 #include "core/dsp/soft_clip.hpp"
 #include "core/object.hpp"
+#include "core/refusal.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,8 +18,8 @@
 namespace tactus::contact {
 
 inline constexpr std::size_t kMaxModes = 64;
-inline constexpr double kMinFrequency_hz = 1, kMaxFrequency_hz = 20000, kMinT60 = 1e-3,
-                        kMaxT60 = 1000, kMaxGain = 100;
+inline constexpr double kMaxGain = 100;
+inline constexpr ModeRanges kModeRanges{1, 20000, 1e-3, 1000, -kMaxGain, kMaxGain};
 
 /// The messages, in the order in which both objects declare them first.
 inline constexpr Message kModesMessage{
@@ -53,13 +54,10 @@ public:
     std::vector<ListedMode> modes;
     if (words.size() == 1 && words[0].is_word && words[0].word == "none")
       words = {};
-    for (std::size_t i = 0; i + 2 < words.size(); i += 3)
-      if (is_number(words[i], kMinFrequency_hz, kMaxFrequency_hz) &&
-          is_number(words[i + 1], kMinT60, kMaxT60) && is_number(words[i + 2], -kMaxGain, kMaxGain))
-        modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
-    if (3 * modes.size() != words.size())
-      return host.error("modes: expected for each mode a frequency in 1..20000 Hz, a time in "
-                        "0.001..1000 s and a gain in -100..100, or none");
+    if (const Sentence error = modes_refusal(words, kModeRanges); !error.empty())
+      return host.error(error);
+    for (std::size_t i = 0; i < words.size(); i += 3)
+      modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
     modes_ = std::move(modes);
     pickup_.clear();
     update_body();
@@ -70,7 +68,7 @@ public:
       if (is_number(word, -kMaxGain, kMaxGain))
         pickup.push_back(word.number);
     if (pickup.size() != words.size())
-      return host.error("pickup: expected gains in -100..100");
+      return host.error(refusal("pickup", words, "gains in -100..100"));
     pickup_ = std::move(pickup);
     update_body();
   }

@@ -1,4 +1,5 @@
 #include "core/declaration_text.hpp"
+#include "core/refusal.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
     return set_surface(arguments, host);
   case kStep:
     if (!arguments.empty() && !side_named(arguments))
-      return host.error("step: expected left or right");
+      return host.error(refusal("step", arguments, "left or right"));
     return gait_.step(side_named(arguments).value_or(0));
   case kBang:
     return gait_.step(next_side());
@@ -141,7 +142,8 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
   }
 }
 
-void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
+void Footstep::set_surface(std::span<const Atom> given, Host& host) {
+  std::span<const Atom> arguments = given;
   std::size_t from = 0, to = Gait::kFeet;
   if (const auto side = side_named(arguments)) {
     from = *side;
@@ -149,12 +151,12 @@ void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
     arguments = arguments.subspan(1);
   }
   if (arguments.empty() || arguments.size() > 3)
-    return host.error("surface: expected one name or two, and how much of the second");
+    return host.error(refusal("surface", given, "one name or two, and how much of the second"));
   std::array<std::shared_ptr<const Surface>, 2> found{};
   const std::size_t names = std::min<std::size_t>(arguments.size(), 2);
   for (std::size_t i = 0; i < names; ++i) {
     if (!arguments[i].is_word)
-      return host.error("surface: expected one name or two, and how much of the second");
+      return host.error(refusal("surface", given, "one name or two, and how much of the second"));
     found[i] = store_.find(arguments[i].word, host);
     if (!found[i])
       return;
@@ -163,7 +165,7 @@ void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
   if (arguments.size() == 3) {
     mix = arguments[2].number;
     if (arguments[2].is_word || !(mix >= 0 && mix <= 1))
-      return host.error("surface: expected a mix in 0..1");
+      return host.error(refusal("surface", given, "a mix in 0..1"));
   }
   if (names == 2 || to - from == Gait::kFeet) // one foot on one ground needs no mix
     value_[kMix] = mix;
@@ -179,10 +181,12 @@ void Footstep::calibrate(std::span<const Atom> arguments, Host& host) {
   std::vector<double> numbers;
   if (!arguments[0].is_word || (!ball && arguments[0].word != "heel") ||
       !numbers_of(arguments.subspan(1), numbers))
-    return host.error("calibrate: expected heel or ball, then readings and newtons in turn");
+    return host.error(
+        refusal("calibrate", arguments, "heel or ball, then readings and newtons in turn"));
   Calibration table;
   if (!numbers.empty() && !table.set(numbers))
-    return host.error("calibrate: expected 5 to 32 points that rise, reading and newtons in turn");
+    return host.error(
+        refusal("calibrate", arguments, "5 to 32 points that rise, reading and newtons in turn"));
   for (Side& side : *sides_)
     (ball ? side.sensor.ball_calibration() : side.sensor.heel_calibration()) = table;
 }
@@ -191,7 +195,8 @@ void Footstep::equalise(std::span<const Atom> arguments, Host& host) {
   std::vector<double> numbers;
   DriveEqualiser trial;
   if (!numbers_of(arguments, numbers) || !trial.set(numbers))
-    return host.error("equalise: expected up to 16 pairs, rising Hz in 20..2000 and dB in -24..24");
+    return host.error(
+        refusal("equalise", arguments, "up to 16 pairs, rising Hz in 20..2000 and dB in -24..24"));
   for (Side& side : *sides_)
     static_cast<void>(side.foot.drive().equalise(numbers));
 }

@@ -1,5 +1,4 @@
-#include "core/declaration_text.hpp"
-#include "core/sentence.hpp"
+#include "core/refusal.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
 #include <numbers>
@@ -27,19 +26,6 @@ std::optional<double> number(std::span<const Atom> arguments, std::size_t i, con
   return word.number;
 }
 
-/// "jump 2: expected ..."
-void refuse(Host& host, std::string_view message, std::span<const Atom> arguments,
-            std::string_view expected) {
-  Sentence sentence(message);
-  for (const Atom& word : arguments) {
-    sentence += " ";
-    sentence += word.is_word ? word.word : std::string_view(number_text(word.number));
-  }
-  sentence += ": expected ";
-  sentence += expected;
-  host.error(sentence);
-}
-
 } // namespace
 
 std::optional<std::size_t> Footstep::side_named(std::span<const Atom> arguments) noexcept {
@@ -58,21 +44,21 @@ std::size_t Footstep::next_side() noexcept {
 void Footstep::turn(std::span<const Atom> arguments, Host& host) {
   const auto degrees = number(arguments, 0, kTurnDegrees);
   if (!degrees)
-    return refuse(host, "turn", arguments, "1 to 180 degrees");
+    return host.error(refusal("turn", arguments, "1 to 180 degrees"));
   gait_.turn(*degrees * std::numbers::pi / 180, next_side());
 }
 
 void Footstep::jump(std::span<const Atom> arguments, Host& host) {
   const auto height = number(arguments, 0, kJumpHeight);
   if (!height)
-    return refuse(host, "jump", arguments, "a height of 0.01 to 1 m");
+    return host.error(refusal("jump", arguments, "a height of 0.01 to 1 m"));
   gait_.jump(*height);
 }
 
 void Footstep::scuff(std::span<const Atom> arguments, Host& host) {
   const auto side = side_named(arguments);
   if (!side && !arguments.empty())
-    return refuse(host, "scuff", arguments, "left or right");
+    return host.error(refusal("scuff", arguments, "left or right"));
   gait_.scuff(side ? *side : next_side());
 }
 
@@ -81,7 +67,8 @@ void Footstep::drag(std::span<const Atom> arguments, Host& host) {
   const auto numbers = arguments.subspan(side ? 1 : 0);
   const auto length = number(numbers, 0, kDragLength), speed = number(numbers, 1, kDragSpeed);
   if (!length || !speed || numbers.size() > 2)
-    return refuse(host, "drag", arguments, "left or right, then 0.01 to 20 m and 0.02 to 5 m/s");
+    return host.error(
+        refusal("drag", arguments, "left or right, then 0.01 to 20 m and 0.02 to 5 m/s"));
   gait_.drag(side ? *side : next_side(), *length, *speed);
 }
 

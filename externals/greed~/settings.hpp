@@ -5,6 +5,7 @@
 #include "core/reed/instrument/parameters.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/playability/gradient_plane.hpp"
+#include "core/refusal.hpp"
 #include "externals/greed~/declaration.hpp"
 
 #include <array>
@@ -81,7 +82,8 @@ template <std::size_t count>
       is_number(3, kLowestFrequency, kHighestFrequency) && words[0].number < words[1].number &&
       words[2].number < words[3].number)
     return reed::ControlRange{words[0].number, words[1].number, words[2].number, words[3].number};
-  host.error("range: expected p_lo < p_hi in -50000..50000 Pa and f_lo < f_hi in 1..20000 Hz");
+  host.error(
+      refusal("range", words, "p_lo < p_hi in -50000..50000 Pa and f_lo < f_hi in 1..20000 Hz"));
   return std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 #include "externals/haptic_server/haptic_server.hpp"
 
 #include "core/haptic/device/force_timeout.hpp"
+#include "core/refusal.hpp"
 #include "net/host_messages.hpp"
 
 #include <cmath>
@@ -144,7 +145,7 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
   if (name == "list") {
     std::array<double, 3> mm{};
     if (!numbers(arguments, mm))
-      return host.error("list: expected x y z, three numbers of mm");
+      return host.error(refusal("list", arguments, "x y z, three numbers of mm"));
     return device_.set_position(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
   }
   if (name == "listen") {
@@ -160,19 +161,20 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
     const haptic::Workspace box{Vec3{mm[0], mm[1], mm[2]} * kM_per_mm,
                                 Vec3{mm[3], mm[4], mm[5]} * kM_per_mm};
     if (!given || !box.valid())
-      return host.error("workspace: expected xmin ymin zmin xmax ymax zmax in mm, each minimum "
-                        "below its maximum");
+      return host.error(
+          refusal("workspace", arguments,
+                  "xmin ymin zmin xmax ymax zmax in mm, each minimum below its maximum"));
     workspace_ = box;
   } else if (name == "button") {
     std::array<double, 2> given{};
     if (!numbers(arguments, given) || !(given[0] >= 0 && given[0] <= 31) ||
         given[0] != std::floor(given[0]))
-      return host.error("button: expected n 0 or n 1, n from 0 to 31");
+      return host.error(refusal("button", arguments, "n 0 or n 1, n from 0 to 31"));
     device_.set_button(static_cast<int>(given[0]), given[1] != 0);
   } else if (name == "estop") {
     servo_.exchange().motors.emergency_stop();
   } else if (arguments[0].is_word || arguments[0].number != 1) {
-    host.error("motors: expected 1; a client's start and stop do the rest");
+    host.error(refusal("motors", arguments, "1; a client's start and stop do the rest"));
   } else {
     servo_.exchange().motors.enable();
   }

@@ -1,5 +1,6 @@
 #include "externals/ioa_link/ioa_link.hpp"
 
+#include "core/refusal.hpp"
 #include "net/bus_topic.hpp"
 #include "net/host_messages.hpp"
 
@@ -175,7 +176,7 @@ void IoaLink::message(std::size_t index, std::span<const Atom> arguments, Host& 
   if (name == "playout")
     return set_playout(arguments[0], host);
   if (arguments[0].is_word || !std::isfinite(arguments[0].number))
-    return host.error("time: expected a number of ms");
+    return host.error(refusal("time", arguments, "a number of ms"));
   bus_ahead_ms_ = arguments[0].number - host.now_ms();
 }
 

@@ -1,4 +1,5 @@
 #include "core/declaration_text.hpp"
+#include "core/refusal.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
 #include <cmath>
@@ -33,13 +34,13 @@ void ModalImpact::execute(const TableWorker::Request& request, const std::string
 void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
   const bool displaced = arguments.size() == 4;
   if (!arguments[0].is_word || (arguments.size() != 1 && !displaced))
-    return host.error("board: expected a file's name, perhaps with dx dy dz, or none");
+    return host.error(refusal("board", arguments, "a file's name, perhaps with dx dy dz, or none"));
   TableWorker::Board board;
   board.name = std::string(arguments[0].word);
   if (displaced) {
     for (std::size_t i = 1; i < 4; ++i)
       if (!is_position(arguments[i]))
-        return host.error("board " + board.name + ": expected dx dy dz of -1e+06..1e+06 mm");
+        return host.error(refusal("board", arguments, "dx dy dz of -1e+06..1e+06 mm"));
     board.displacement_m =
         kMillimetre * Vec3{arguments[1].number, arguments[2].number, arguments[3].number};
   }

@@ -1,3 +1,4 @@
+#include "core/refusal.hpp"
 #include "core/sentence.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
@@ -67,11 +68,11 @@ std::string ModalImpact::find_table(std::string_view message, const std::string&
 
 void ModalImpact::load(std::span<const Atom> arguments, Host& host) {
   if (!arguments[0].is_word)
-    return host.error("load: expected a file's name");
+    return host.error(refusal("load", arguments, "a file's name"));
   bool at_once = value_[kSync] >= 0.5;
   if (arguments.size() > 1) {
     if (!arguments[1].is_word || arguments[1].word != "-sync")
-      return host.error("load: expected a file's name and perhaps -sync");
+      return host.error(refusal("load", arguments, "a file's name and perhaps -sync"));
     at_once = true;
   }
   const std::string name(arguments[0].word);

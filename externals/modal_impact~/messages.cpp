@@ -1,5 +1,6 @@
 #include "core/declaration_text.hpp"
 #include "core/modal/table/materials.hpp"
+#include "core/refusal.hpp"
 #include "core/sentence.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 
@@ -52,12 +53,11 @@ bool within(std::string_view message, std::span<const double> numbers,
   return true;
 }
 
-void refuse_words(const Message& message, Host& host) {
-  Sentence sentence(message.name);
-  sentence += ": expected numbers (";
-  sentence += message.arguments;
-  sentence += ")";
-  host.error(sentence);
+void refuse_words(const Message& message, std::span<const Atom> given, Host& host) {
+  Sentence expected("numbers (");
+  expected += message.arguments;
+  expected += ")";
+  host.error(refusal(message.name, given, expected));
 }
 
 constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, kFarthest},
@@ -77,7 +77,7 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return set_preset(arguments[0], host);
   for (const Atom& atom : arguments)
     if (atom.is_word || !std::isfinite(atom.number))
-      return refuse_words(kMessages[index], host);
+      return refuse_words(kMessages[index], arguments, host);
   // Realtime messages have few numbers, and allocate nothing.
   std::array<double, kFewNumbers> few{};
   std::vector<double> many;

@@ -5,6 +5,7 @@
 #include "core/object.hpp"
 #include "core/particle/particle_system.hpp"
 #include "core/particle/presets.hpp"
+#include "core/refusal.hpp"
 #include "externals/particle~/declaration.hpp"
 
 #include <array>
@@ -63,7 +64,7 @@ public:
       return take_modes(words, host);
     case particle::kShake:
       if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1000))
-        return host.error("shake: expected an energy in 0..1000");
+        return host.error(refusal("shake", words, "an energy in 0..1000"));
       last_shake_ = words[0].number;
       break;
     case particle::kReset:
@@ -127,19 +128,12 @@ private:
 
   void take_modes(std::span<const Atom> words, Host& host) {
     std::vector<particle::RingingMode> modes;
-    for (std::size_t i = 0; i + 2 < words.size(); i += 3)
-      if (is_number(words[i], 20, 20000) && is_number(words[i + 1], 0.001, 60) &&
-          is_number(words[i + 2], 0, 100))
-        modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
-    if (3 * modes.size() != words.size())
-      return host.error("modes: expected for each mode a frequency in 20..20000 Hz, a time in "
-                        "0.001..60 s and a gain in 0..100");
+    if (const Sentence error = modes_refusal(words, {20, 20000, 0.001, 60, 0, 100}); !error.empty())
+      return host.error(error);
+    for (std::size_t i = 0; i < words.size(); i += 3)
+      modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
     modes_ = std::move(modes);
     update();
-  }
-
-  static bool is_number(const Atom& word, double low, double high) noexcept {
-    return !word.is_word && word.number >= low && word.number <= high;
   }
 
   void update() noexcept {

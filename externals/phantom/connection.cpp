@@ -24,11 +24,16 @@ std::string text_of(const Atom& atom) {
   return atom.is_word ? std::string(atom.word) : number_text(atom.number);
 }
 
-std::string known_drivers() {
-  std::string names = "sim";
-  const auto all = devices::drivers();
+/// "evdev, falcon or net"; the list may begin with "sim", the simulated device.
+std::string driver_names(bool with_simulation) {
+  std::vector<std::string_view> all;
+  if (with_simulation)
+    all.emplace_back("sim");
+  for (const devices::Driver* driver : devices::drivers())
+    all.emplace_back(driver->name);
+  std::string names;
   for (std::size_t i = 0; i < all.size(); ++i)
-    names += (i + 1 == all.size() ? " or " : ", ") + std::string(all[i]->name);
+    names += (i == 0 ? "" : i + 1 == all.size() ? " or " : ", ") + std::string(all[i]);
   return names;
 }
 
@@ -66,7 +71,7 @@ void Phantom::on_backend(Words words, Host& host) {
   if (!is(words[0], "sim")) {
     requested = words[0].is_word ? devices::find_driver(words[0].word) : nullptr;
     if (!requested)
-      return host.error(expected("backend", words[0], known_drivers()));
+      return host.error(expected("backend", words[0], driver_names(true)));
   } else if (words.size() > 1) {
     return host.error("backend sim: takes no arguments");
   }
@@ -105,7 +110,7 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
   if (!driver_)
     return host.error((name.empty() ? "driver" : std::string(name)) +
                       ": only a real device has one; choose it first with backend " +
-                      known_drivers());
+                      driver_names(false));
   std::vector<std::string> texts;
   if (!name.empty())
     texts.emplace_back(name);

@@ -1,4 +1,5 @@
 #include "core/declaration_text.hpp"
+#include "core/refusal.hpp"
 #include "externals/phantom/effect_message.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
@@ -68,7 +69,7 @@ void Phantom::on_workspace(Words words, Host& host) {
     own_workspace_ = true;
   } else {
     return host.error(
-        "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm");
+        refusal("workspace", words, "device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm"));
   }
   apply_settings();
 }
@@ -81,7 +82,8 @@ void Phantom::on_map(Words words, Host& host) {
                        ? haptic::AxisMap::parse(words[0].word, signs)
                        : std::nullopt;
   if (!map)
-    return host.error("map: expected the letters xyz in some order and three signs 1 or -1");
+    return host.error(
+        refusal("map", words, "the letters xyz in some order and three signs 1 or -1"));
   settings_.map = *map;
   apply_settings();
 }

@@ -4,6 +4,7 @@
 #include "core/reed/playability/gradient_range.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 #include "core/reed/playability/playability_map.hpp"
+#include "core/refusal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -205,7 +206,7 @@ void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> argu
   const auto is_name = [&](const char* message) {
     if (arguments[0].is_word)
       return true;
-    host.error(std::string(message) + ": expected the name of a file");
+    host.error(refusal(message, arguments, "the name of a file"));
     return false;
   };
   switch (index) {

@@ -79,8 +79,8 @@ def test_the_board_is_struck_too_and_shakes_the_bar(tmp_path):
 @pytest.mark.parametrize("messages, words", [
     (["board nowhere.npz"], "there is no such file"),
     (["board bar.npz"], "nothing holds the body of this table"),
-    (["board 3"], "board: expected a file's name"),
-    (["board board.npz 1 2"], "board: expected a file's name"),
+    (["board 3"], "board 3: expected a file's name"),
+    (["board board.npz 1 2"], "board board.npz 1 2: expected a file's name"),
     (["rest 1 2"], "rest: 2 numbers: expected x y z for each point"),
     (["rest_stiffness 1"], "rest_stiffness"),
     (["board board.npz 0 0 -15", "rest 100 0 -6 140 0 -6"], "the body tips over"),

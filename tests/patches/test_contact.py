@@ -119,3 +119,23 @@ def test_nothing_rubs_without_a_normal_force_and_sliding_has_the_dynamic_coeffic
     assert not numpy.any(silent["sound"]) and not numpy.any(silent["friction"])
     fast = rub(10, 2.0, arguments=("-viscosity", 0, "-dynamic", 0.3, "-body", 10))
     assert numpy.mean(fast["friction"][-4800:]) == pytest.approx(3, rel=1e-2)
+
+
+@pytest.mark.parametrize("message, sentence", [
+    ("strike 2000", "strike 2000: expected a velocity in -1000..1000 m/s"),
+    ("strike hard", "strike hard: expected a velocity"),
+    ("drop -1", "drop -1: expected a height in 0..100000 mm"),
+    ("pickup 1 loud", "pickup 1 loud: expected gains in -100..100"),
+    ("modes 412 6", "modes: 2 numbers: expected three for each mode, a frequency in 1..20000 Hz, a time in 0.001..1000 s"),
+    ("modes 412 6 1 825 0 1", "modes: time 0 s of mode 2: expected 0.001..1000"),
+    ("modes 412 6 1 825 2 1000", "modes: gain 1000 of mode 2: expected -100..100"),
+    ("modes 412 6 1 high 2 1", "modes: frequency high Hz of mode 2: expected 1..20000"),
+    ("pickup " + "1 " * 60 + "1000", "pickup 1 1 1 1 1 1 1 1 \\.\\.\\.: expected gains"),
+    ("pickup " + "w" * 200, "pickup " + "w" * 120 + "\\.\\.\\.: expected gains"),
+])
+def test_a_mistake_is_answered_with_one_sentence_that_names_the_value(message, sentence):
+    patch = Patch()
+    box = patch.obj("contact_impact~")
+    patch.at(10, box, message)
+    result = patch.render(0.1, expect_errors=[f"contact_impact~: {sentence}"])
+    assert len(result.errors) == 1

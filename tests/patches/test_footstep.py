@@ -244,10 +244,10 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
 
 
 @pytest.mark.parametrize("message, sentence", [
-    ("step middle", "step: expected left or right"),
-    ("calibrate toe 1 2", "calibrate: expected heel or ball"),
-    ("calibrate heel 0 0 1 1", "calibrate: expected 5 to 32 points"),
-    ("equalise 100", "equalise: expected up to 16 pairs"),
+    ("step middle", "step middle: expected left or right"),
+    ("calibrate toe 1 2", "calibrate toe 1 2: expected heel or ball"),
+    ("calibrate heel 0 0 1 1", "calibrate heel 0 0 1 1: expected 5 to 32 points"),
+    ("equalise 100", "equalise 100: expected up to 16 pairs"),
     ("turn 0", "turn 0: expected 1 to 180 degrees"),
     ("turn round", "turn round: expected 1 to 180 degrees"),
     ("jump 2", "jump 2: expected a height of 0.01 to 1 m"),
@@ -256,10 +256,10 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
     ("drag left 0 1", "drag left 0 1: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s"),
     ("drag 1 9", "drag 1 9: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s"),
     ("drag 1 1 left", "drag 1 1 left: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s"),
-    ("surface wood sand 2", "surface: expected a mix in 0..1"),
-    ("surface 3", "surface: expected one name or two"),
-    ("surface left", "surface: expected one name or two"),
-    ("surface wood sand 0 1", "surface: expected one name or two"),
+    ("surface wood sand 2", "surface wood sand 2: expected a mix in 0..1"),
+    ("surface 3", "surface 3: expected one name or two"),
+    ("surface left", "surface left: expected one name or two"),
+    ("surface wood sand 0 1", "surface wood sand 0 1: expected one name or two"),
     ("speed 100", "speed 100 m/s: expected 0.3..8"),
 ])
 def test_a_mistake_is_answered_with_one_sentence(message, sentence):

@@ -149,7 +149,7 @@ def test_numpys_other_layouts_are_read_and_compressed_ones_refused(tmp_path):
 
 @pytest.mark.parametrize("message, sentence", [
     ("hit 30 40 0 -1", "hit: v -1 m/s: expected 1e-06..50"),
-    ("hit 30 40 0 nan", "hit: expected numbers"),
+    ("hit 30 40 0 nan", "hit 30 40 0 nan: expected numbers"),
     ("hit 1 2", "hit: expected v, or x y z v"),
     ("hitv 81 1", "hitv: vertex 81: expected 0..80"),
     ("hitf 0 0.7 0.7 1", "hitf: v 0.7: expected 0..0.3"),
@@ -274,7 +274,7 @@ def test_a_dropped_ball_bounces_until_it_lies(tmp_path):
 @pytest.mark.parametrize("wrong, sentence", [("drop 1 2", "drop: expected h, or x y z h"),
                                              ("drop -5", "drop: h -5 mm: expected"),
                                              ("drop 0 0 0 1e9", "drop: h 1e.09 mm: expected"),
-                                             ("drop 0 0 0 high", "drop: expected numbers")])
+                                             ("drop 0 0 0 high", "drop 0 0 0 high: expected numbers")])
 def test_a_drop_from_nowhere_is_refused(tmp_path, wrong, sentence):
     patch, box = struck(tmp_path)
     patch.at(50, box, wrong)

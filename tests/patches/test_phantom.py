@@ -441,12 +441,12 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
     ("rate 100", "rate 100 Hz: expected 200..4000"),
     ("extrap 21", "extrap 21 ms: expected 0..20"),
     ("units pound", "units pound: expected newton or norm"),
-    ("map xxy", "map: expected the letters xyz in some order and three signs 1 or -1"),
-    ("map xyz 1 2 1", "map: expected the letters xyz in some order and three signs 1 or -1"),
+    ("map xxy", "map xxy: expected the letters xyz in some order and three signs 1 or -1"),
+    ("map xyz 1 2 1", "map xyz 1 2 1: expected the letters xyz in some order and three signs 1 or -1"),
     ("interp 2000", "interp 2000: expected auto, off or 0.25..1000 ms"),
     ("workspace 5 0 0 1 1 1", "workspace: each minimum must not exceed its maximum"),
     ("workspace 1 2",
-     "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm"),
+     "workspace 1 2: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm"),
     ("report x 1", "report x: expected mm, vel, force, button, status, jitter, "
      "error, hit, contact, release, rot, torque or grip"),
     ("list 1 2", "list: expected 3 arguments (fx fy fz), got 2"),
@@ -456,6 +456,8 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
     ("stats now", "stats now: expected reset"),
     ("trace /nowhere/x.csv", "trace /nowhere/x.csv: cannot be written, No such file or directory"),
     ("target 1 2 99999", "target: z 99999 mm: expected -10000..10000 mm"),
+    ("firmware f.bin", "firmware: only a real device has one; choose it first with backend evdev, falcon, "
+     "dhd, haply, hid, openhaptics or net"),
     ("sedd 3", "no message 'sedd'; did you mean 'seed'?"),
 ])
 def test_a_refused_message_costs_one_sentence(tmp_path, message, sentence):

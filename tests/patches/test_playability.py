@@ -264,7 +264,7 @@ def test_the_gradient_refuses_a_plane_without_extent():
     patch.at(10, reed, "range 5 5 80 900")
     patch.at(20, reed, "preset kazoo")
     patch.at(30, reed, "delta 0")
-    patch.render(0.1, expect_errors=["greed_gradient~: range: expected p_lo < p_hi",
+    patch.render(0.1, expect_errors=["greed_gradient~: range 5 5 80 900: expected p_lo < p_hi",
                                      "greed_gradient~: preset kazoo: expected clarinet",
                                      "greed_gradient~: delta 0: expected"])
 

@@ -108,7 +108,7 @@ def test_a_surface_slides_on_to_another_position(tmp_path):
     ("rub 0 0 0.5 0 0 1", "rub: direction 0 0 1: expected one along the surface, whose normal is 0 0 1"),
     ("friction 11", "friction: static 11: expected 0.001..10"),
     ("friction 1 1 1 2", "friction: breakaway 2: expected 0.01..0.99"),
-    ("friction a", "friction: expected numbers"),
+    ("friction a", "friction a: expected numbers"),
 ])
 def test_bad_words_are_refused_and_the_rest_goes_on(tmp_path, message, sentence):
     time = numpy.arange(9600) / 48000

@@ -84,7 +84,7 @@ def test_a_shape_of_0_changes_no_bit_and_size_scales_the_positions(tmp_path):
 
 @pytest.mark.parametrize("message, sentence", [
     ("shape 1", "shape: 1 numbers: expected 2, one for each shape parameter of the table"),
-    ("shape 1 nan", "shape: expected numbers"),
+    ("shape 1 nan", "shape 1 nan: expected numbers"),
     ("cp 1 0 0 0", "cp: control point 1: expected 0..0"),
     ("cp 0.5 0 0 0", "cp: control point 0.5: expected 0..0"),
 ])

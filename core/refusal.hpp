@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "core/sentence.hpp"
+
+#include <span>
+#include <string_view>
+
+namespace tactus {
+
+/// The error of a message with wrong values: "jump 2: expected a height of 0.01 to 1 m". Of many or
+/// long values the first are shown, then "...". Allocates nothing.
+[[nodiscard]] Sentence refusal(std::string_view message, std::span<const Atom> given,
+                               std::string_view expected);
+
+/// One mode of a message `modes f1 t1 g1 f2 t2 g2 ...`, and the ranges of its three numbers.
+struct ModeRanges {
+  double min_frequency_hz, max_frequency_hz, min_t60_s, max_t60_s, min_gain, max_gain;
+};
+
+/// Why the values of a message `modes` are refused; empty if they are a frequency, a time and a
+/// gain of each mode, in range. Names the first wrong one: "modes: time 0 s of mode 2: expected
+/// 0.001..1000".
+[[nodiscard]] Sentence modes_refusal(std::span<const Atom> given, const ModeRanges&);
+
+} // namespace tactus
