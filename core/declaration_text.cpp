@@ -63,6 +63,21 @@ std::string did_you_mean(std::string_view name) {
   return "; did you mean '" + std::string(name) + "'?";
 }
 
+/// "; it is inlet 1, a signal in Pa" for the name of an inlet, which takes its values without a
+/// word; else empty.
+std::string inlet_hint(const Declaration& declaration, std::string_view name) {
+  const auto index = find_named(declaration.inlets, name);
+  if (!index)
+    return {};
+  const Port& inlet = declaration.inlets[*index];
+  std::string hint = "; it is inlet " + std::to_string(*index + 1);
+  if (inlet.kind == Port::Kind::kSignal)
+    hint += ", a signal";
+  if (!inlet.unit.empty())
+    hint += (inlet.kind == Port::Kind::kSignal ? " in " : ", in ") + std::string(inlet.unit);
+  return hint;
+}
+
 /// Messages that hosts send by themselves. They are not taken for misspelt messages of an object.
 bool is_of_the_host(std::string_view name) {
   return name == "bang" || name == "float" || name == "list" || name == "symbol";
@@ -116,6 +131,8 @@ std::string unknown_name_text(const Declaration& declaration, std::string_view n
     return sentence + "; there are " +
            alternatives(
                declaration.messages, [](const Message& m) { return std::string(m.name); }, " and ");
+  if (const std::string hint = inlet_hint(declaration, name); !hint.empty())
+    return sentence + hint;
   Nearest nearest(name);
   for (const Parameter& parameter : declaration.parameters)
     nearest.consider(parameter.name);

@@ -188,6 +188,27 @@ TEST_CASE("bang, an empty list, numbers and lists do something or are refused in
   }
 }
 
+TEST_CASE("an inlet's name sent as a message is told to be that inlet") {
+  for (const auto& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    for (std::size_t i = 0; i < declaration.inlets.size(); ++i) {
+      const std::string name(declaration.inlets[i].name);
+      CAPTURE(name);
+      if (find_message(declaration, name) || find_parameter(declaration, name) || name == "list")
+        continue;
+      Box box(declaration.name);
+      static_cast<void>(errors());
+      box.send(name, {1});
+      const auto said = errors();
+      REQUIRE(said.size() == 1);
+      CHECK(said[0].rfind(std::string(declaration.name) + ": no message '" + name +
+                              "'; it is inlet " + std::to_string(i + 1),
+                          0) == 0);
+    }
+  }
+}
+
 TEST_CASE("the first argument of a box is what one would guess, before and after flags") {
   // A word or number for the first argument, and what `get` answers then.
   struct Guess {
