@@ -46,6 +46,7 @@ public:
 
   void message(std::size_t, std::span<const Atom> words, Host& host) {
     name_ = words[0].is_word ? std::string(words[0].word) : number_text(words[0].number);
+    searches_ = 0;
     if (created_)
       find_device(host);
   }
@@ -79,6 +80,7 @@ public:
 
 private:
   static constexpr double kSearchInterval_ms = 100;
+  static constexpr int kSearchesBeforeNotice = 20; // 2 s, in which a patch makes all its objects
 
   /// Attaches to the [phantom] of that name, and detaches when it is deleted or renamed.
   void find_device(Host& host) {
@@ -89,6 +91,7 @@ private:
       if (found && found->acquire()) {
         link_ = found;
         refused_ = false;
+        searches_ = 0;
       } else if (found && !refused_) {
         refused_ = true;
         host.error("name " + name_ + ": another phantom~ has this device; one is enough");
@@ -98,6 +101,10 @@ private:
         host.info({"status", link_ ? "attached" : "waiting", std::string_view(name_)});
       waiting_ = !link_;
     }
+    if (!link_ && !refused_ && ++searches_ == kSearchesBeforeNotice)
+      host.log("name " + name_ + ": still waiting for a phantom of this name: expected " +
+               (name_ == "-" ? std::string("[phantom]") : "[phantom -name " + name_ + "]") +
+               " in some patch");
     host.wake_in(0, kSearchInterval_ms);
   }
   void release_link() noexcept {
@@ -112,6 +119,7 @@ private:
   std::string name_ = "-";
   std::shared_ptr<haptic::SignalLink> link_;
   bool created_ = false, waiting_ = true, refused_ = false;
+  int searches_ = 0; // in vain, since the name was set or the phantom was lost
 };
 
 } // namespace tactus

@@ -1,6 +1,7 @@
 """[phantom~]: audio meets the servo of a [phantom], in a headless Pd."""
 
 import csv
+import re
 
 import numpy
 import pytest
@@ -214,6 +215,17 @@ def test_a_second_listener_is_refused_once(tmp_path):
         patch.obj("phantom~", "hand")
     result = patch.render(0.5, expect_errors=["phantom~: name hand: another phantom~ has this"])
     assert len(result.errors) == 1
+
+
+def test_a_name_that_no_phantom_has_is_told_once_in_pds_window(tmp_path):
+    patch = Patch()
+    patch.obj("phantom", "-name", "hand")
+    patch.obj("phantom~", "hnad")
+    patch.obj("phantom~", "hand")
+    output = patch.render(5).output
+    # Without a window Pd writes the level in front; above 2 its window would hide the line.
+    assert len(re.findall(r"^(?:verbose\(2\): )?phantom~: name hnad: still waiting for a phantom", output, re.M)) == 1
+    assert output.count("waiting") == 1
 
 
 def test_the_clock_steps_again_when_the_sound_is_off(tmp_path):
