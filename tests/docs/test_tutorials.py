@@ -83,6 +83,53 @@ def test_the_messages_to_click_are_taken(name):
     play(name, to_click(name))
 
 
+def loudness(result, begin, end):
+    """Root mean square of the sound between two times, s."""
+    part = result["left"][int(48000 * begin):int(48000 * end)].astype(float)
+    return (part**2).mean() ** 0.5
+
+
+def test_the_clarinet_is_silent_and_speaks_at_the_pressures_that_the_page_names():
+    result = play("greed~", [("greed-pressure", p) for p in (1400, 1400, 1400, 1400, 3500, 3500, 3500, 1500, 1500, 1500)])
+    silent, loud, soft = loudness(result, 2, 2.4), loudness(result, 3.2, 3.6), loudness(result, 4.4, 4.8)
+    assert silent < 1e-6 and 1e-3 < soft < 0.1 * loud
+
+
+def test_the_glass_and_the_door_sound_as_the_page_says():
+    wait = ("rub-velocity", 0.4)
+    result = play("contact_friction~", [wait] * 3 + [("rub-velocity", 0.08), ("rub-normal", 8)] + [wait] * 3)
+    assert loudness(result, 1.6, 2) < 1e-3  # 2 N: it slides, the glass rings off
+    assert loudness(result, 3.6, 4) > 0.1  # 8 N: it sings
+    lines = messages("contact_friction~")
+    door = next(i for i, line in enumerate(lines) if line.startswith("modes 110 "))
+    bar = next(i for i, line in enumerate(lines) if line.startswith("modes 196 "))
+    slow = [("rub-velocity", 0.01), ("rub-normal", 10)]
+    steps = [("rub", line) for line in lines[door:bar - 2]] + slow + [slow[0]] * 4
+    back = [("rub-velocity", 0.08), ("rub-normal", 2)]
+    steps += [("rub", line) for line in lines[bar - 2:]] + back + [back[0]] * 4
+    result = play("contact_friction~", steps)
+    end = 0.8 + STEP / 1000 * len(steps)
+    creak = 0.8 + STEP / 1000 * (len(lines[door:bar - 2]) + 6)
+    assert loudness(result, creak - 0.4, creak) > 0.005
+    assert loudness(result, end - 0.4, end) > 0.05
+
+
+def test_the_felt_mallet_of_the_page_is_duller_than_the_steel_ball_and_heard():
+    result = play("modal_impact~", [("modal", "hit 0 0 2.5 0.5"), ("modal", "choke 0.2"), ("modal", "choke 0"),
+                                    ("modal", "hardness 1e9 2.3 1"), ("modal", "bang")])
+    assert "hardness 1e9 2.3 1" in messages("modal_impact~")
+    steel, felt = (abs(result["left"][int(48000 * t):int(48000 * (t + 0.35))]).max() for t in (0.8, 2.4))
+    assert 0.002 < felt < 0.2 * steel
+
+
+def test_the_force_of_the_gradient_is_there_at_its_edge_and_gone_where_the_reed_plays():
+    result = play("greed_gradient~", [("gradient-z", 0.5)] * 4 + [("gradient-y", 0.3)] * 5 + [("gradient-y", 0.1)] * 5)
+    edge, plays, beyond = ([atoms for ms, atoms in result.logs["shown"] if ms < end][-1] for end in (2300, 4300, 6300))
+    assert edge[0] > 0.5 and edge[1] < -0.3
+    assert max(abs(n) for n in plays) < 0.1
+    assert max(abs(n) for n in beyond) < 0.01
+
+
 def test_every_object_has_a_tutorial_and_every_tutorial_an_object():
     assert OBJECTS == sorted(RECEIVER)
     assert {path.stem for path in FOLDER.glob("*.md")} == set(OBJECTS)
