@@ -1,5 +1,7 @@
 """The harness records exactly what Pd computes, and takes no error for a success."""
 import math
+import pathlib
+import re
 
 import numpy
 import pytest
@@ -127,3 +129,14 @@ def test_a_patch_that_quits_early_leaves_no_recording():
     patch.send(10, "pd", "quit")
     with pytest.raises(PdFailure, match="left no"):
         patch.render(0.1)
+
+
+def test_the_example_of_the_readme_runs():
+    text = pathlib.Path(__file__).with_name("README.md").read_text()
+    example, = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+    defined = {}
+    exec(compile(example, "README.md", "exec"), defined)
+    tests = [function for name, function in defined.items() if name.startswith("test_")]
+    assert tests
+    for test in tests:
+        test()
