@@ -49,4 +49,28 @@ std::optional<double> number_of(std::string_view text, double min, double max) {
   return value;
 }
 
+std::string option_text(std::string_view usage, std::string_view name) {
+  std::istringstream lines{std::string(usage)};
+  std::string text;
+  bool found = false;
+  for (std::string line; std::getline(lines, line);) {
+    const auto words = split_words(line);
+    const bool begins = line.starts_with("  -"), continues = line.starts_with("   ");
+    if (begins || !continues)
+      found = begins && words[0] == name;
+    if (found)
+      for (std::size_t i = begins ? 1 : 0; i < words.size(); ++i)
+        text += (text.empty() ? "" : " ") + words[i];
+  }
+  return text;
+}
+
+std::string option_refusal(std::string_view usage, const std::string& name,
+                           std::string_view value) {
+  const std::string expected = option_text(usage, name);
+  if (expected.empty())
+    return "there is no option " + name + "; --help shows all";
+  return name + " " + std::string(value) + ": expected " + expected;
+}
+
 } // namespace tactus::programs

@@ -26,4 +26,12 @@ struct DeviceOptions {
 /// A number from min to max and nothing behind it.
 [[nodiscard]] std::optional<double> number_of(std::string_view text, double min, double max);
 
+/// What the usage text says of an option, on one line: "0..65535; 0 takes one that is free (7770)".
+/// Empty when it has no line that begins with two spaces and the option.
+[[nodiscard]] std::string option_text(std::string_view usage, std::string_view name);
+
+/// The error for a wrong value of an option, or for an option that there is not.
+[[nodiscard]] std::string option_refusal(std::string_view usage, const std::string& name,
+                                         std::string_view value);
+
 } // namespace tactus::programs

@@ -87,7 +87,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
 int main(int count, char** words) {
   ParsedOptions parsed = parse_options(count, words);
   if (!parsed.error.empty())
-    return std::fprintf(stderr, "haptic_check: %s\n%s", parsed.error.c_str(), usage()), 2;
+    return std::fprintf(stderr, "haptic_check: %s\n", parsed.error.c_str()), 2;
   Options& options = parsed.options;
   if (options.help)
     return std::printf("%s", usage()), 0;

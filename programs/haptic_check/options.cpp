@@ -28,9 +28,9 @@ const char* usage() noexcept {
          "              serial number or a path. Without it: the first device that is ready\n"
          "  --set       one setting of the device, as [phantom] takes it: --set \"peak 3\"\n"
          "  --yes       ask nothing; for tests. Somebody must hold the handle all the same\n"
-         "  --seconds   how long each of the four stations lasts, 0.5..300 (8)\n"
-         "  --force     the most force in newtons, 0.1..20 (a quarter of the device's, 1..3)\n"
-         "  --rate      ticks a second, 200..4000 (1000)\n"
+         "  --seconds   0.5..300, of each of the four stations (8)\n"
+         "  --force     0.1..20 N at most (a quarter of the device's, 1..3)\n"
+         "  --rate      200..4000 ticks a second (1000)\n"
          "  --report    where the report goes (haptic_check.txt)\n";
 }
 
@@ -46,17 +46,19 @@ ParsedOptions parse_options(int count, const char* const* words) {
       options.yes = true;
     else if (name == "--help" || name == "-h")
       options.help = true;
+    else if (programs::option_text(usage(), name).empty())
+      return {{}, "there is no option " + name + "; --help shows all"};
     else if (!value)
-      return {{}, name + " is no option, or lacks its value"};
+      return {{}, name + " lacks its value"};
     else {
       ++i;
       if (const auto taken = programs::set_device_option(name, value, options.device)) {
         if (!*taken)
-          return {{}, name + " " + value + " is not understood"};
+          return {{}, programs::option_refusal(usage(), name, value)};
       } else if (name == "--report") {
         options.report = value;
       } else if (!set_number(name, value, options)) {
-        return {{}, name + " " + value + " is not understood"};
+        return {{}, programs::option_refusal(usage(), name, value)};
       }
     }
   }

@@ -23,6 +23,14 @@ namespace {
   text += line;
 }
 
+/// A limit of the device; 0 is one that it does not state.
+void add_limit(std::string& text, const char* name, const char* unit, int digits, double limit) {
+  if (limit > 0)
+    add(text, "%s %.*f %s", name, digits, limit, unit);
+  else
+    add(text, "%s not stated", name);
+}
+
 std::string machine() {
   std::string text = "tactus " TACTUS_VERSION;
 #ifndef _WIN32
@@ -108,11 +116,12 @@ std::string report(const Options& options, const DeviceDescription& device, doub
           (identity.vendor.empty() ? "" : " ") + identity.model +
           (identity.serial.empty() ? "" : ", has a serial number") + "\n";
   const haptic::Vec3 low = caps.workspace_min * 1e3, high = caps.workspace_max * 1e3;
-  add(text,
-      "axes %d in, %d out; peak %.2f N, continuous %.2f N, stiffness %.0f N/m, damping %.1f "
-      "N s/m\n",
-      caps.axes_in, caps.axes_out, caps.peak_force_n, caps.continuous_force_n,
-      caps.stiffness_limit_n_per_m, caps.damping_limit_n_s_per_m);
+  add(text, "axes %d in, %d out; limits:", caps.axes_in, caps.axes_out);
+  add_limit(text, " peak", "N", 2, caps.peak_force_n);
+  add_limit(text, ", continuous", "N", 2, caps.continuous_force_n);
+  add_limit(text, ", stiffness", "N/m", 0, caps.stiffness_limit_n_per_m);
+  add_limit(text, ", damping", "N s/m", 1, caps.damping_limit_n_s_per_m);
+  text += "\n";
   add(text, "workspace x %.0f..%.0f y %.0f..%.0f z %.0f..%.0f mm; rate %.0f Hz; velocity %s\n",
       low.x, high.x, low.y, high.y, low.z, high.z, caps.rate_hz,
       caps.has_velocity ? "measured" : "estimated");

@@ -58,23 +58,24 @@ const char* usage() noexcept {
          "Serves a haptic device to clients on this machine, or on others: "
          "docs/haptic_network.md.\n"
          "\n"
-         "  --device           simulated, falcon, hid, openhaptics, dhd, haply, evdev; WHICH is "
-         "an\n"
-         "                     index, a serial number or a path (simulated)\n"
+         "  --device           sim, falcon, hid, openhaptics, dhd, haply, evdev; WHICH is an "
+         "index, a\n"
+         "                     serial number or a path (sim)\n"
          "  --set              one setting of the device, as [phantom] takes it: --set \"peak 3\"\n"
          "  --port             0..65535; 0 takes one that is free (7770)\n"
          "  --listen           a numeric address besides this machine's own; needs --token\n"
          "  --token            a file of 16 to 1024 bytes whose text every client must bring\n"
          "  --udp              send positions as datagrams to clients that ask for them\n"
-         "  --force-limit      N, 0.01..40; no client can raise it (8, or the device's peak)\n"
-         "  --stiffness-limit  N/m, of a client's spring (0.6 of the device's, or 500)\n"
-         "  --damping-limit    N s/m, of a client's damper (the device's, or 5)\n"
-         "  --grab-radius      mm, between the handle and a control point it can drag (10)\n"
-         "  --rate             ticks a second, 200..4000 (1000)\n"
+         "  --force-limit      0.01..40 N; no client can raise it (8, or the device's peak)\n"
+         "  --stiffness-limit  0..20000 N/m, of a client's spring (0.6 of the device's, or 500)\n"
+         "  --damping-limit    0..1000 N s/m, of a client's damper (the device's, or 5)\n"
+         "  --grab-radius      0..1000 mm, between the handle and a control point it can drag "
+         "(10)\n"
+         "  --rate             200..4000 ticks a second (1000)\n"
          "  --trace            a CSV file with one row a tick: position, velocity, force\n"
-         "  --hand             simulated: free, rigid, spring or person holds the handle (spring)\n"
-         "  --path             simulated: a file of rows `ms x y z [buttons]`, mm, for that hand\n"
          "  --once             end when the last client has left\n"
+         "  --path             a file of rows `ms x y z [buttons]`, mm, for the hand of sim\n"
+         "  --hand             free, rigid, spring or person: holds the handle of sim (spring)\n"
          "\n"
          "SIGINT and SIGTERM end it with no force. SIGUSR1 is an emergency stop, which no client "
          "can\n"
@@ -101,7 +102,7 @@ ParsedOptions parse_options(int count, const char* const* words) {
         return {{}, name + " lacks its value"};
       const std::string value = words[++i];
       if (!set(name, value, parsed.options))
-        return {{}, name + " " + value + " is not understood or out of range; --help shows it"};
+        return {{}, programs::option_refusal(usage(), name, value)};
     }
   }
   return parsed;

@@ -113,6 +113,8 @@ void add_default_loads(PartOptions& options) {
 void check_complete(const PartOptions& options) {
   if (options.list_faces || (!options.step.empty() && options.outputs().size() == 1))
     return;
+  if (options.is_file)
+    check_readable(options.body);
   if (options.supports.empty())
     throw InputError(options.body + ": nothing holds it: expected --fix or --spring");
   if (options.loads.empty() && options.gravity == Vector3{})

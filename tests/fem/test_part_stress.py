@@ -342,7 +342,8 @@ def test_displacements_that_are_not_small_are_told(newton, told, tmp_path):
     ([*LOADED, "--step", "a.step"], "--step"),
     ([*LOADED, "--modes", "3"], "unknown option --modes"),
     (["lift_arm", "--rod-width", "20"], "rod_eye width is 20 mm"),
-    (["none.step", "--fix", "x=0", "--gravity", "0,0,-9"], "none.step"),
+    (["none.step", "--fix", "x=0", "--gravity", "0,0,-9"], "cannot read none.step: no such file"),
+    (["none.step"], "cannot read none.step: no such file"),
 ])
 def test_what_cannot_be_done_is_refused_in_one_sentence(words, expected, tmp_path):
     assert expected in refusal(*words, folder=tmp_path)

@@ -110,6 +110,22 @@ def test_a_list_names_all_drivers_and_what_they_lack():
     assert "/nowhere/libHD.so" in output
 
 
+@pytest.mark.parametrize("words, sentence", [
+    (["--dance"], "there is no option --dance; --help shows all"),
+    (["--dance", "3"], "there is no option --dance; --help shows all"),
+    (["--rate"], "--rate lacks its value"),
+    (["--rate", "100"], "--rate 100: expected 200..4000 ticks a second (1000)"),
+    (["--seconds", "x"], "--seconds x: expected 0.5..300, of each of the four stations (8)"),
+])
+def test_wrong_options_are_one_sentence(words, sentence):
+    status, output, errors = run(*words)
+    assert (status, output, errors) == (2, "", f"haptic_check: {sentence}\n")
+
+
+def test_a_limit_that_the_device_does_not_state_is_said_to_be_so(simulated):
+    assert re.search(r"limits: peak 40\.00 N, continuous 40\.00 N, stiffness not stated, damping 20\.0 N s/m\n", simulated)
+
+
 def test_an_unknown_driver_and_a_missing_library_are_told(tmp_path):
     status, _, errors = run("--device", "spoon", "--yes")
     assert status == 2 and "spoon" in errors
