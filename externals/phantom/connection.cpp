@@ -116,6 +116,9 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
     texts.emplace_back(name);
   for (const Atom& word : words)
     texts.push_back(text_of(word));
+  std::string asked = name.empty() ? "driver" : "";
+  for (const std::string& text : texts)
+    asked += (asked.empty() ? "" : " ") + text;
   if ((texts[0] == "firmware" || texts[0] == "table" || texts[0] == "token") && texts.size() == 2) {
     std::string found = host.find_file(texts[1]);
     if (found.empty())
@@ -123,8 +126,8 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
                         ": no such file beside the patch or in Pd's search path");
     texts[1] = std::move(found);
   }
-  if (const std::string refusal = device_->configure(texts); !refusal.empty())
-    host.error(refusal);
+  if (const std::string refused = device_->configure(texts); !refused.empty())
+    host.error(asked + ": " + refused);
 }
 
 void Phantom::on_devices(Host& host) {

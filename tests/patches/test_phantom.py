@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from harness import run_pd, stage_folder
+from harness import Patch, run_pd, stage_folder
 
 
 class DevicePatch:
@@ -467,6 +467,19 @@ def test_a_refused_message_costs_one_sentence(tmp_path, message, sentence):
     result = patch.run(tmp_path)
     assert result.errors == [f"phantom: {sentence}"]
     assert result.tagged("mm") == [[0, 0, 0]]
+
+
+@pytest.mark.parametrize("driver, message, sentence", [
+    ("hid", "driver deadzone 500", "driver deadzone 500: hid: deadzone 500 is not possible: expected 0 to 90"),
+    ("haply", "driver rate 9", "driver rate 9: haply: rate is not understood; there are: device INDEX or ID"),
+    ("net", "driver host here y", "driver host here y: net: the port y is no whole number from 1 to 65535"),
+])
+def test_a_setting_that_a_driver_refuses_is_named_with_its_value(driver, message, sentence):
+    patch = Patch()
+    box = patch.obj("phantom", driver)
+    patch.at(10, box, message)
+    result = patch.render(0.1, expect_errors=[f"phantom: {sentence}"])
+    assert len(result.errors) == 1
 
 
 def test_a_path_file_that_is_wrong_names_the_line(tmp_path):
