@@ -232,3 +232,19 @@ def test_a_struck_voice_is_in_tune_from_its_first_note_on_and_a_reed_too():
         found = loudest(sound, 0.2, 0.68, frequency(62))
         assert abs(1200 * math.log2(found / frequency(62))) < 10
         assert numpy.abs(sound[:int(START_S * RATE) - 64]).max() < 1e-6 and not sound[-RATE // 4:].any()
+
+
+def test_a_bend_does_not_tune_a_struck_voice_that_has_not_played():
+    """It has no key: the body was made for 8 Hz, a plate of 60 m."""
+    patch = Patch()
+    voice = patch.obj("keys_body_voice", "1", "own", "plate.modal.npz")
+    told = patch.obj("list")
+    for instance in range(1000, 1030):  # one of them is the voice's $0
+        patch.connect(patch.obj("r", f"{instance}-to-body"), told)
+    patch.log("body", told)
+    patch.at(1000 * START_S, voice, "bend 200")
+    patch.at(1000 * START_S + 100, voice, "note 62 100")
+    patch.record("sound", voice)
+    sizes = [(ms, words[1]) for ms, words in patch.render(0.5, RATE, path=[LIVE]).logs["body"] if words[0] == "size"]
+    assert len(sizes) == 1 and sizes[0][0] >= 1000 * START_S + 99
+    assert 0.1 < sizes[0][1] < 10

@@ -7,6 +7,8 @@ namespace tactus::modal {
 namespace {
 
 constexpr int kMaxDepth = 9;
+constexpr double kCoarser = 0.7; // factor of the wavenumber where there are too many sources
+constexpr int kMaxAttempts = 40;
 constexpr double kSmooth = 0.8660254037844386; // cosine of 30 degrees
 
 struct Point {
@@ -43,6 +45,8 @@ public:
         wavenumber_(accuracy.wavenumber), nearest_(accuracy.nearest), out_(out) {}
 
   void divide(const std::array<Weights, 3>& part, int depth) {
+    if (out_.size() > kMaxSurfaceSources) // too many: what is found is not used
+      return;
     std::array<Vec3, 3> at;
     for (std::size_t i = 0; i < 3; ++i)
       at[i] = position(part[i]);
@@ -100,11 +104,17 @@ std::vector<SurfaceSource> surface_sources(const Surface& surface,
                                            double nearest) {
   std::vector<SurfaceSource> sources;
   sources.reserve(3 * triangles.size());
-  for (const std::size_t t : triangles) {
-    const auto& c = surface.corners(t);
-    Divider({size * c[0], size * c[1], size * c[2]}, static_cast<std::uint32_t>(t),
-            {listener, wavenumber, nearest}, sources)
-        .divide({Weights{1, 0, 0}, Weights{0, 1, 0}, Weights{0, 0, 1}}, 0);
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    sources.clear();
+    for (const std::size_t t : triangles) {
+      const auto& c = surface.corners(t);
+      Divider({size * c[0], size * c[1], size * c[2]}, static_cast<std::uint32_t>(t),
+              {listener, wavenumber, nearest}, sources)
+          .divide({Weights{1, 0, 0}, Weights{0, 1, 0}, Weights{0, 0, 1}}, 0);
+    }
+    if (sources.size() <= kMaxSurfaceSources)
+      break;
+    wavenumber *= kCoarser;
   }
   return sources;
 }

@@ -207,6 +207,28 @@ TEST_CASE("integrals over a triangle are exact to the degree of their rule, and 
     CHECK(s.distance_m == .5);
 }
 
+TEST_CASE(
+    "a surface of many wavelengths has no more sources than memory is for, and all of its area") {
+  const std::vector<Vec3> vertex{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const std::vector<Triangle> triangle{Triangle{0, 1, 2}, Triangle{0, 2, 3}};
+  Surface surface;
+  surface.build(vertex, triangle);
+  const std::array<std::size_t, 2> all{0, 1};
+  for (const double size : {10., 30., 1e4}) { // m
+    CAPTURE(size);
+    const auto sources = surface_sources(surface, all, {1, 2, 3}, size, 400, 1e-4);
+    CHECK(sources.size() <= kMaxSurfaceSources);
+    CHECK(sources.size() > kMaxSurfaceSources / 8); // no coarser than need be: quarters, twice
+    double area = 0, along = 0;
+    for (const SurfaceSource& s : sources) {
+      area += s.area_m2;
+      along += s.area_m2 * static_cast<double>(s.weight[1]); // a third of each triangle's
+    }
+    CHECK(area == approx(size * size).epsilon(1e-9));
+    CHECK(along == approx(size * size / 3).epsilon(1e-5));
+  }
+}
+
 TEST_CASE("a vertex is one node where its surface turns by less than 30 degrees, else one a side") {
   for (const double degrees : {0., 10., 29., 31., 90., 170.}) {
     CAPTURE(degrees);
