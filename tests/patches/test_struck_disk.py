@@ -48,6 +48,11 @@ def test_every_impact_sounds_within_two_blocks(both):
         assert after > 5 * before and after > 0.1
 
 
+def test_no_strike_reaches_the_clip_before_the_loudspeakers(both):
+    for sound, _ in both:
+        assert 0.3 < abs(sound).max() < 0.89  # [clip~ -0.9 0.9]
+
+
 def test_the_disk_sounds_at_its_own_frequencies(both):
     sound, ticks = both[0]
     begin = int(ticks["ms"][impacts(ticks["z_mm"])[1]] * 48)
