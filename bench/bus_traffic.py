@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What the bus of AudioHaptics costs between two Pds, as hits and bodies grow.
 
     bench/bus_traffic.py [--seconds 5] [--bodies 1 8 64] [--rates 10 100 1000]

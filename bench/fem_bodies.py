@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """What the eleven bodies of ./play bodies cost with two builds of modal_fem, and whether they are the same:
     fem_bodies.py BEFORE AFTER [--runs 1] [--only NAME]   two programs; processor seconds in turn, the least of the
                                                           runs, and the largest differences of frequencies, of losses

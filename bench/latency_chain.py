@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """How long a contact takes to the force and to the sound: in one Pd, over a network, over the bus.
 
     bench/latency_chain.py [--build build] [--seconds 60] [--out out/latency_chain]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """How old the positions of a remote device are, over TCP and over UDP, on lines between two computers.
 
     bench/position_age.py [--build build] [--seconds 20] [--line DELAY_MS,LOSS ...]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The AudioHaptics scene on four computers: device, interaction, sound, screen, on one machine.
 
     scripts/four_computers.py [--delay 5] [--loss 0] [--seconds 8] [--out out/four_computers]

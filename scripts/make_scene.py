@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Makes one scene of ./play: runs scripts/scenes/NAME.py and keeps what it made in out/NAME/.
 
     make_scene.py NAME [FOLDER]     FOLDER instead of out

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks that a recording begins and ends in silence, does not clip and has no clicks.
 
     sound_check.py FILE.wav...     says what is wrong with which file; status 1 where anything is

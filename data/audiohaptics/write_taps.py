@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes taps.txt: where a hand wants to be that taps a disk at several places and speeds.
 
 Rows ms x y z, mm, x right, y up, z towards the user; the disk's face is z = 6. Each tap is an approach

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes cantilever_path.txt and lift_arm_path.txt: where a hand that reshapes a part wants to be.
 
 Rows ms x y z, mm from where the control point was taken, x right, y up. The hand goes from corner to

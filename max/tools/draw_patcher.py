@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws a .maxpat or .maxhelp as a picture, about as Max lays it out, so that someone can look at it.
 
     draw_patcher.py PATCHER... -o FOLDER [--unlocked] [--all]

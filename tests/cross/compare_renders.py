@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Renders the gestures by this machine's modules and by another system's of the same input, and compares them.
 
     compare_renders.py --reference BUILD --build BUILD --bits 32 --system windows-amd64 -- PROGRAM...

@@ -28,3 +28,22 @@ def test_the_pages_name_files_that_exist():
 
 def test_the_pages_are_found():
     assert "docs/architecture.md" in pages()
+
+
+def test_every_folder_of_tests_is_in_their_readme():
+    text = (ROOT / "tests" / "README.md").read_text()
+    tracked = subprocess.run(["git", "ls-files", "tests"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    folders = {name.split("/")[1] for name in tracked.split() if name.count("/") > 1}
+    assert not {folder for folder in folders if f"`{folder}/`" not in text}
+
+
+def test_scripts_that_need_debians_packages_ask_for_debians_python():
+    """Another Python may come first in PATH, and has no numpy."""
+    tracked = subprocess.run(["git", "ls-files", "*.py", "scripts"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    needs = re.compile(r"^(?:import|from) (?:numpy|scipy|matplotlib|PIL)\b", re.M)
+    wrong = []
+    for name in tracked.split():
+        text = (ROOT / name).read_text(errors="replace")
+        if text.startswith("#!") and needs.search(text) and not text.startswith("#!/usr/bin/python3\n"):
+            wrong.append(name)
+    assert not wrong

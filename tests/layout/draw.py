@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Lists the faults of patches, and draws them on a sketch of each canvas: cords and boxes at fault in red.
 
     draw.py [PATCH.pd...] [--pictures FOLDER] [--stage FOLDER] [--declarations FILE]
