@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 #include <vector>
 
 namespace tactus {
@@ -15,17 +16,20 @@ std::optional<std::size_t> find_named(const List& list, std::string_view name) {
   return std::nullopt;
 }
 
-/// Levenshtein distance: single-letter edits from one word to the other.
+/// Optimal string alignment distance: letters to insert, delete, replace or swap with their
+/// neighbour from one word to the other.
 std::size_t edits(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j)
     row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
+    before = std::exchange(above, row);
+    row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
+      const std::size_t change = above[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
     }
   }
   return row[b.size()];
@@ -43,10 +47,12 @@ std::string alternatives(const List& list, Text text, std::string_view last = " 
   return sentence;
 }
 
-/// The candidate that differs from the name by the fewest letters, two at most; else empty.
+/// The candidate that differs from the name by the fewest edits; else empty. Two edits at most, in
+/// words of four letters or fewer one: two make of one short word nearly any other.
 class Nearest {
 public:
-  explicit Nearest(std::string_view name) : name_(name) {}
+  explicit Nearest(std::string_view name)
+      : name_(name), min_distance_(name.size() > kShort ? 3 : 2) {}
   void consider(std::string_view candidate) {
     const std::size_t distance = edits(name_, candidate);
     if (distance < min_distance_ && distance < candidate.size())
@@ -55,8 +61,9 @@ public:
   [[nodiscard]] std::string_view found() const { return nearest_; }
 
 private:
+  static constexpr std::size_t kShort = 4;
   std::string_view name_, nearest_{};
-  std::size_t min_distance_ = 3;
+  std::size_t min_distance_; // of the nearest so far; at first, the first that is too far
 };
 
 std::string did_you_mean(std::string_view name) {

@@ -250,3 +250,20 @@ def test_an_oversampling_that_is_none_is_refused_and_the_old_one_stays(box, valu
     patch.log("info", reed[4 if box[0] == "greed~" else 3])
     result = patch.render(0.1, expect_errors=[f"{box[0]}: os {value}: expected 0, 1, 2 or 4"])
     assert [atoms for _, atoms in result.logs["info"] if atoms[0] == "os"] == [["os", 2]]
+
+
+@pytest.mark.parametrize("message, sentence", [
+    ("gian 2", "no message 'gian'; did you mean 'gain'"),
+    ("tun 1", "no message 'tun'; did you mean 'tune'"),
+    ("presest sax", "no message 'presest'; did you mean 'preset'"),
+    ("embuchrue 1", "no message 'embuchrue'; did you mean 'embouchure'"),
+    ("note 60", "no message 'note'; 'get' lists the parameters"),  # two letters from bore
+    ("p 2000", "no message 'p'; 'get' lists the parameters"),  # two letters from cup
+    ("volume 1", "no message 'volume'; 'get' lists the parameters"),
+])
+def test_a_name_is_suggested_only_where_it_was_meant(message, sentence):
+    patch = Patch()
+    reed = patch.obj("greed~", "clarinet")
+    patch.at(10, reed, message)
+    result = patch.render(0.1, expect_errors=[f"greed~: {sentence}"])
+    assert len(result.errors) == 1
