@@ -95,6 +95,16 @@ def test_the_clarinet_is_silent_and_speaks_at_the_pressures_that_the_page_names(
     assert silent < 1e-6 and 1e-3 < soft < 0.1 * loud
 
 
+@pytest.mark.parametrize("preset", ["clarinet", "sax", "oboe", "trumpet", "trombone", "voice", "syrinx"])
+def test_every_preset_sounds_at_the_pressure_of_the_faq_and_one_below_700_pa(preset):
+    assert "at `[sig~ 2000]` every preset sounds, below 700 the syrinx alone" in (ROOT / "docs" / "faq.md").read_text()
+    for pressure, sounds in ((2000, True), (690, preset == "syrinx")):
+        patch = Patch()
+        reed = patch.obj("sig~", pressure) >> patch.obj("greed~", preset, "-tune", 1)
+        patch.record("left", reed[0])
+        assert (loudness(patch.render(2.5), 2, 2.5) > 1e-3) == sounds
+
+
 def test_the_glass_and_the_door_sound_as_the_page_says():
     wait = ("rub-velocity", 0.4)
     result = play("contact_friction~", [wait] * 3 + [("rub-velocity", 0.08), ("rub-normal", 8)] + [wait] * 3)
