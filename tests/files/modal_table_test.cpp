@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstddef>
 #include <ctime>
 #include <functional>
 #include <limits>
@@ -308,7 +309,7 @@ TEST_CASE("multipoles and raw velocities must fit their own tables") {
            }),
            "mp_band_coef");
   for (const char* name : {"mp_coef", "mp_band_coef"})
-    for (const std::size_t part : {0, 1}) { // real, imaginary
+    for (const std::ptrdiff_t part : {0, 1}) { // real, imaginary
       const std::string refusal = refusal_with([&](auto& m) {
         with_band(m);
         const auto nan = raw(std::vector<float>{std::numeric_limits<float>::quiet_NaN()});
