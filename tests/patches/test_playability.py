@@ -6,7 +6,7 @@ import pathlib
 import numpy
 import pytest
 
-from harness import Patch
+from harness import Patch, stage_folder
 
 RATE = 48000
 REED = pathlib.Path(__file__).resolve().parents[2] / "patches" / "reed"
@@ -328,3 +328,17 @@ def test_a_damaged_file_of_maps_is_refused(tmp_path):
     patch.at(30, box, "read nowhere.txt")
     patch.render(0.2, expect_errors=["holds no playability maps", "no map yet",
                                      "cannot find nowhere.txt"])
+
+
+@pytest.mark.parametrize("rate", [44100, 48000, 96000])
+def test_the_help_of_greed_gradient_leads_a_hand_from_silence_to_a_note(rate):
+    def level(*more):
+        patch = Patch(opens=stage_folder() / "greed_gradient~-help.pd", own="own")
+        patch.send(100, "help-play", "bang")
+        for ms, receiver, value in more:
+            patch.send(ms, receiver, value)
+        patch.record("sound", patch.dac(1))
+        sound = patch.render(3.5, rate, dsp=False)["sound"][2 * rate:3 * rate]
+        return 10 * numpy.log10(numpy.mean(numpy.square(sound, dtype=float)) + 1e-15)
+    assert -40 < level() < -20
+    assert level((200, "own-force", 0)) < -80
