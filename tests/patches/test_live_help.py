@@ -54,3 +54,35 @@ def test_two_copies_live_side_by_side(path):
     assert names or path.stem.endswith("-help")
     wrong = {n for n in names if n not in shared and not re.match(r"(pd-)?\$[0-9]-", n)}
     assert not wrong
+
+
+def with_receivers(path, folder):
+    """A copy of the patch in which [r click-N] goes to every message box of its front that has neither a semicolon
+    nor a dollar, and the texts of these boxes."""
+    depth, count, found = 0, 0, []
+    lines = re.split(r"(?<!\\);\n", path.read_text())
+    for line in lines:
+        if line.startswith("#X restore"):
+            depth -= 1
+        if depth == 1 and re.match(r"#X (obj|msg|text|floatatom|symbolatom|restore)", line):
+            if line.startswith("#X msg") and not re.search(r"\\;|\$", line):
+                found.append((count, " ".join(line.split()[4:])))
+            count += 1
+        if line.startswith("#N canvas"):
+            depth += 1
+    added = [f"#X obj 0 0 r click-{i};\n#X connect {count + n} 0 {i} 0" for n, (i, _) in enumerate(found)]
+    copy = folder / path.name
+    copy.write_text(";\n".join([line for line in lines if line.strip()] + added) + ";\n")
+    return copy, found
+
+
+@pytest.mark.parametrize("path", [p for p in PATCHES if p.stem.endswith("-help")], ids=lambda p: p.stem)
+def test_no_message_box_of_a_help_patch_makes_an_error(path, tmp_path):
+    copy, boxes = with_receivers(path, tmp_path)
+    assert boxes
+    patch = Patch(opens=copy)
+    patch.send(100, "help-play", "bang")
+    # A file is read after it has been written.
+    for n, (i, _) in enumerate(sorted(boxes, key=lambda box: box[1].startswith("read"))):
+        patch.send(500 + 40 * n, f"click-{i}", "bang")
+    patch.render(0.6 + 0.04 * len(boxes), path=[LIVE], timeout=100)
