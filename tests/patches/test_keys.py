@@ -235,7 +235,7 @@ def test_a_struck_voice_is_in_tune_from_its_first_note_on_and_a_reed_too():
 
 
 def test_a_bend_does_not_tune_a_struck_voice_that_has_not_played():
-    """It has no key: the body was made for 8 Hz, a plate of 60 m."""
+    """It has no key: the body was made for 8 Hz, a plate of 16 m, for which memory was missing."""
     patch = Patch()
     voice = patch.obj("keys_body_voice", "1", "own", "plate.modal.npz")
     told = patch.obj("list")
