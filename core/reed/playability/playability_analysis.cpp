@@ -114,7 +114,9 @@ void PeriodicityAnalysis::analyse() noexcept {
   const double curvature = left - 2 * centre + right;
   const double shift = curvature > 0 ? std::clamp(0.5 * (left - right) / curvature, -1.0, 1.0) : 0;
   const double minimum = std::clamp(centre - 0.25 * (left - right) * shift, 0.0, 1.0);
-  result_.frequency_hz = sample_rate_ / (static_cast<double>(best) + shift);
+  // Without a lag that is like the frame, as where a displacement dies away, there is no period.
+  if (minimum < 1)
+    result_.frequency_hz = sample_rate_ / (static_cast<double>(best) + shift);
   result_.periodicity = 1 - minimum;
   const double harmonics_to_noise = std::max(result_.periodicity, 1e-9) / std::max(minimum, 1e-9);
   result_.harmonicity_db = 10 * std::log10(harmonics_to_noise);

@@ -334,6 +334,20 @@ TEST_CASE("a pure tone is wholly periodic at its own frequency") {
     }
 }
 
+TEST_CASE("what has no period has no frequency") {
+  for (const double rate : kRates)
+    for (const double time : {0.01, 0.1, 1.0}) { // s, in which a displacement dies away
+      CAPTURE(rate);
+      CAPTURE(time);
+      std::vector<double> x(static_cast<std::size_t>(rate / 5));
+      for (std::size_t n = 0; n < x.size(); ++n)
+        x[n] = 1e-6 * std::exp(-static_cast<double>(n) / (rate * time));
+      const Periodicity p = analyse(x, rate);
+      CHECK(p.frequency_hz == 0);
+      CHECK(p.periodicity == 0);
+    }
+}
+
 TEST_CASE("harmonicity is the ratio of tone to noise") {
   std::mt19937 random(6);
   std::normal_distribution<double> noise;
