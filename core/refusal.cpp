@@ -55,7 +55,7 @@ Sentence modes_refusal(std::span<const Atom> given, const ModeRanges& ranges) {
        {"gain", "", ranges.min_gain, ranges.max_gain}}};
   Sentence sentence("modes: ");
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const Range& range = columns[i % 3];
+    const Range& range = columns[i % columns.size()];
     if (!given[i].is_word && given[i].number >= range.lowest && given[i].number <= range.highest)
       continue;
     sentence += range.name;
@@ -63,7 +63,8 @@ Sentence modes_refusal(std::span<const Atom> given, const ModeRanges& ranges) {
     append(sentence, given[i]);
     sentence += range.unit;
     sentence += " of mode ";
-    sentence += number_text(static_cast<double>(i / 3 + 1));
+    const std::size_t mode = i / columns.size() + 1;
+    sentence += number_text(static_cast<double>(mode));
     sentence += ": expected ";
     append_range(sentence, range.lowest, range.highest);
     return sentence;
