@@ -65,16 +65,21 @@ missing_packages() {
                sed -n 's/^ii *//p' | sort -u) <(printf '%s\n' $wanted)
 }
 
+# can_install PACKAGE...: ends the command where this machine cannot install
+can_install() {
+  [ -e /etc/debian_version ] && command -v apt-get >/dev/null ||
+    fail "set-up knows Debian's packages only; install by hand: $*"
+  [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
+    fail "needs root or sudo to install: $*"
+}
+
 # set_up GROUP...: installs what is missing of these groups; quick when nothing is
 set_up() {
   local missing plan log
   missing=$(missing_packages "$@")
   [ -n "$missing" ] || return 0
   missing=$(echo $missing)
-  [ -e /etc/debian_version ] && command -v apt-get >/dev/null ||
-    fail "set-up knows Debian's packages only; install by hand: $missing"
-  [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
-    fail "needs root or sudo to install: $missing"
+  can_install $missing
   say "Installing from Debian: $missing"
   log=$(mktemp)
   # With lists that are old or absent the dry run fails; then they are fetched.
@@ -97,8 +102,11 @@ set_up() {
 
 # begin_set_up GROUP...: set_up in the background, its process in $installer; empty where nothing is missing
 begin_set_up() {
+  local missing
   installer=''
-  [ -n "$(missing_packages "$@")" ] || return 0
+  missing=$(missing_packages "$@")
+  [ -n "$missing" ] || return 0
+  can_install $missing
   as_root true # asks for a password now, if at all
   set_up "$@" &
   installer=$!

@@ -35,16 +35,26 @@ def test_every_line_of_the_list_is_a_group_of_words():
 
 
 MISSING = """root=$1 command=./play; . "$root/scripts/common.sh"
-missing_packages() { echo "$missing"; }; as_root() { :; }; set_up() { sleep 0.2; return "$status"; }
+missing_packages() { echo "$lacking"; }; as_root() { :; }; set_up() { sleep 0.2; return "$status"; }
 begin_set_up play; [ -z "$installer" ] && echo none || { wait "$installer"; echo "ended with $?"; }"""
 
 
 def begun(missing, status=0):
     return subprocess.run(["bash", "-c", MISSING, "bash", ROOT], capture_output=True, text=True, check=True,
-                          env={"missing": missing, "status": str(status), "PATH": "/usr/bin:/bin"}).stdout.strip()
+                          env={"lacking": missing, "status": str(status), "PATH": "/usr/bin:/bin"}).stdout.strip()
 
 
 def test_a_set_up_in_the_background_is_waited_for_by_its_process():
     assert begun("") == "none"
     assert begun("python3-numpy") == "ended with 0"
     assert begun("python3-numpy", 2) == "ended with 2"
+
+
+def test_a_set_up_in_the_background_says_what_is_missing_where_nobody_may_install():
+    """Before any password is asked for, or sudo is called that is not there."""
+    script = MISSING.replace("as_root() { :; }", 'id() { echo 1000; }; as_root() { echo "asked for root"; }'
+                             '; command() { [ "$2" != sudo ]; }')
+    done = subprocess.run(["bash", "-c", script, "bash", ROOT], capture_output=True, text=True,
+                          env={"lacking": "python3-numpy", "status": "0", "PATH": "/usr/bin:/bin"})
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr == "./play: needs root or sudo to install: python3-numpy\n"

@@ -18,8 +18,8 @@ struct SurfaceSource {
 };
 
 /// A large surface is resolved up to a lower wavenumber than asked for, so that there are no more
-/// than these: a plate of 300 x 200 mm up to 20 kHz has 170 000, one of twenty times the size 70
-/// million.
+/// than these: a plate of 320 x 200 mm up to 21.6 kHz has 170 000 on both sides, one of twenty
+/// times the size 70 million.
 inline constexpr std::size_t kMaxSurfaceSources = 2'000'000;
 
 /// Quadrature points for integrals over triangles of smooth functions times exp(-j k d)/d, d the
