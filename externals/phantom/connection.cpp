@@ -357,7 +357,7 @@ void Phantom::opened(const Answer& answer, Host& host) {
   if (!own_workspace_)
     settings_.chain.workspace = {caps.workspace_min, caps.workspace_max};
   has_report_ = false;
-  flags_ = haptic::State::kHomed;
+  flags_.reset();
   if (!trouble_.empty())
     send_trouble(trouble_ = {}, host);
   driver_trouble_.clear();

@@ -203,8 +203,9 @@ private:
   const devices::Driver* driver_ = nullptr; // null: the simulated device
   Device device_{};                         // the driver's
   Link link_ = Link::kClosed;
-  std::uint64_t ticket_ = 0; // of the newest request to open
-  std::uint32_t flags_ = haptic::State::kHomed, faults_ = 0;
+  std::uint64_t ticket_ = 0;             // of the newest request to open
+  std::optional<std::uint32_t> flags_{}; // none: not reported since opening
+  std::uint32_t faults_ = 0;
   std::string trouble_{}, driver_trouble_{}; // as sent to the patch; as last read from the driver
   double trouble_ms_ = 0;                    // when driver_trouble_ last changed
   double trouble_polled_ms_ = -1e9;

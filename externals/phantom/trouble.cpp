@@ -18,7 +18,8 @@ constexpr double kStall_s = 1;       // without a tick of the servo, before that
 
 } // namespace
 
-/// Reports changes of the device's state flags and faults.
+/// Reports changes of the device's state flags and faults. The first report after opening always
+/// says whether the device is homed, as that may have happened before this thread could look.
 void Phantom::watch_device(Host& host) {
   if (!open())
     return;
@@ -27,7 +28,7 @@ void Phantom::watch_device(Host& host) {
   using haptic::State;
   const haptic::Report& report = exchange().reports.latest();
   const std::uint32_t now = report.state.flags;
-  const std::uint32_t changed = now ^ flags_;
+  const std::uint32_t changed = flags_ ? now ^ *flags_ : now | State::kHomed;
   flags_ = now;
   constexpr std::pair<std::uint32_t, std::string_view> kWatched[] = {
       {State::kHomed, "homed"}, {State::kMotorsHot, "hot"}, {State::kForceLimited, "limited"}};

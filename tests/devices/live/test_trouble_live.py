@@ -37,6 +37,25 @@ def test_what_a_device_wants_of_its_user_is_told_once(tmp_path):
         live.end()
 
 
+def test_a_device_that_homes_while_the_host_stands_still_is_reported_homed(tmp_path):
+    patch = Patch("falcon")
+    patch.at(100, "open")
+    # Pd counts for longer than the double takes to home, beginning when its servo has begun
+    boxes = ("route status", "route open", "t b", "delay 0", "t b b b", "until", "f", "realtime",
+             "print stood_ms")
+    route, opened, bang, begun, order, until, number, clock, stood = (patch.obj(box) for box in boxes)
+    count = patch.obj("20000000", "msg")
+    for cord in ((patch.box, 3, route, 0), (route, 0, opened, 0), (opened, 0, bang, 0),
+                 (bang, 0, begun, 0), (begun, 0, order, 0), (order, 2, clock, 0), (order, 1, count, 0), (count, 0, until, 0),
+                 (until, 0, number, 0), (order, 0, clock, 1), (clock, 0, stood, 0)):
+        patch.cord(*cord)
+    with Live(tmp_path, patch, falcon_world(tmp_path, "--loaded")) as live:
+        stood_ms = float(live.wait_for(r"^stood_ms: (.*)$"))
+        live.wait_for(r"^info: status homed 1", seconds=20)
+        assert stood_ms > 150 and not lines(live, r"^info: status homed 0")
+        live.end()
+
+
 def test_hot_motors_and_a_failure_are_told_while_the_device_is_open(tmp_path):
     world = vendors_world(tmp_path)
     with Live(tmp_path, Patch("openhaptics"), environment=world) as live:
