@@ -12,13 +12,16 @@ namespace {
 
 constexpr std::streamsize kMaxBytes = 100000;
 
-bool read_text(const std::string& path, std::string& text) {
+/// Reads the whole file into text; returns what is wrong with it, or an empty string.
+std::string read_text(const std::string& path, std::string& text) {
   std::ifstream file(utf8_path(path), std::ios::binary);
   text.resize(static_cast<std::size_t>(kMaxBytes) + 1);
   file.read(text.data(), kMaxBytes + 1);
   const std::streamsize size = file.gcount();
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(size, 0)));
-  return !file.bad() && size > 0 && size <= kMaxBytes;
+  if (size > kMaxBytes)
+    return "expected a text of at most 100 kB";
+  return file.eof() ? "" : "the file cannot be read";
 }
 
 } // namespace
@@ -63,12 +66,8 @@ std::shared_ptr<const Surface> SurfaceStore::find(std::string_view name, Host& h
     return nullptr;
   }
   std::string text;
-  if (!read_text(path, text)) {
-    host.error("surface " + std::string(name) + ": it is no text of less than 100 kB");
-    return nullptr;
-  }
-  std::string error_text;
-  auto surface = from_text(name, text, error_text);
+  std::string error_text = read_text(path, text);
+  auto surface = error_text.empty() ? from_text(name, text, error_text) : nullptr;
   if (!surface)
     host.error("surface " + std::string(name) + ": " + error_text);
   return surface;

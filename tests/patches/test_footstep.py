@@ -231,16 +231,22 @@ def test_a_crossfade_keeps_the_walk_going_and_ends_on_the_other_ground():
 def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_path):
     (tmp_path / "glass.txt").write_text("# mine\n[solid]\nfrequency 900\nt60 0.8\nlevel 3\n")
     (tmp_path / "bad.txt").write_text("[solid]\nfrequency 900000\n")
+    (tmp_path / "empty.txt").touch()
+    (tmp_path / "long.txt").write_text("[solid]\n" + "# more\n" * 14300)
     patch, box = foot()
     patch.at(10, box, "surface glass.txt")
     patch.at(20, box, "surface bad.txt")
+    patch.at(22, box, "surface empty.txt")
+    patch.at(24, box, "surface long.txt")
     patch.at(30, box, "surface nowhere")
     patch.at(100, box, "step")
     result = patch.render(1.5, path=[tmp_path], expect_errors=[
         "footstep~: surface bad.txt: line 2: frequency 900000 Hz: expected 20..12000",
+        "footstep~: surface empty.txt: it has no section that sounds",
+        "footstep~: surface long.txt: expected a text of at most 100 kB",
         "footstep~: surface nowhere: no file, and none of carpet concrete"])
     assert abs(result["sound"]).max() > 0
-    assert len(result.errors) == 2
+    assert len(result.errors) == 4
 
 
 @pytest.mark.parametrize("message, sentence", [

@@ -114,62 +114,55 @@ bool within(double factor, std::initializer_list<Size> sizes, const Parameters& 
 } // namespace
 
 bool can_continue(const Parameters& a, const Parameters& b) noexcept {
+  constexpr double kFactor = 2;
   return a.type == b.type && a.shape == b.shape && a.tune == b.tune &&
-         std::abs(a.embouchure_slope - b.embouchure_slope) <= kSlope &&
          oversampling_of(a) == oversampling_of(b) &&
-         within(2,
+         within(kFactor,
                 {&Parameters::arm_length, &Parameters::mass, &Parameters::width,
                  &Parameters::mouth_length, &Parameters::bore_length, &Parameters::input_radius,
                  &Parameters::apex_distance, &Parameters::scalar_reflection,
-                 &Parameters::length_override, &Parameters::embouchure,
-                 &Parameters::breath_reference, &Parameters::lip_mass, &Parameters::lip_width},
-                a, b);
+                 &Parameters::length_override},
+                a, b) &&
+         (!a.tune || (std::abs(a.embouchure_slope - b.embouchure_slope) <= kSlope &&
+                      within(kFactor,
+                             {&Parameters::embouchure, &Parameters::breath_reference,
+                              &Parameters::lip_mass, &Parameters::lip_width},
+                             a, b)));
 }
 
 bool can_interpolate(const Parameters& a, const Parameters& b) noexcept {
   constexpr double kFactor = 1.25;
   constexpr double kCents = 100;
   if (a.type != b.type || a.shape != b.shape || a.end != b.end || a.flow != b.flow ||
-      a.sweep != b.sweep || a.tune != b.tune || a.correct_pitch != b.correct_pitch ||
-      a.tube != b.tube || oversampling_of(a) != oversampling_of(b))
+      a.sweep != b.sweep || a.tune != b.tune || oversampling_of(a) != oversampling_of(b))
     return false;
   // These may differ by more and still glide: a rest position acts as a force, losses as a factor.
   constexpr double kAngle = 0.1;
   constexpr double kNearSlope = 0.05;
   constexpr double kLosses = 10;
-  if (std::abs(a.rest_angle - b.rest_angle) > kAngle || std::abs(a.aim - b.aim) > kCents ||
-      std::abs(a.embouchure_slope - b.embouchure_slope) > kNearSlope ||
-      a.quality > kLosses * b.quality || b.quality > kLosses * a.quality)
+  if (std::abs(a.rest_angle - b.rest_angle) > kAngle || a.quality > kLosses * b.quality ||
+      b.quality > kLosses * a.quality)
     return false;
-  return within(kFactor,
-                {&Parameters::arm_length,
-                 &Parameters::mass,
-                 &Parameters::reed_frequency,
-                 &Parameters::width,
-                 &Parameters::mouth_length,
-                 &Parameters::bore_length,
-                 &Parameters::flow_length,
-                 &Parameters::channel_length,
-                 &Parameters::leak_area,
-                 &Parameters::displacement_limit,
-                 &Parameters::length,
-                 &Parameters::length_override,
-                 &Parameters::input_radius,
-                 &Parameters::end_radius,
-                 &Parameters::apex_distance,
-                 &Parameters::cup_volume,
-                 &Parameters::wall_loss,
-                 &Parameters::bell,
-                 &Parameters::bell_quality,
-                 &Parameters::brassiness,
-                 &Parameters::scalar_reflection,
-                 &Parameters::embouchure,
-                 &Parameters::lip_mass,
-                 &Parameters::lip_opening,
-                 &Parameters::lip_width,
-                 &Parameters::lip_quality,
-                 &Parameters::breath_reference},
-                a, b);
+  return within(kFactor, {&Parameters::arm_length,       &Parameters::mass,
+                          &Parameters::reed_frequency,   &Parameters::width,
+                          &Parameters::mouth_length,     &Parameters::bore_length,
+                          &Parameters::flow_length,      &Parameters::channel_length,
+                          &Parameters::leak_area,        &Parameters::displacement_limit,
+                          &Parameters::length,           &Parameters::length_override,
+                          &Parameters::input_radius,     &Parameters::end_radius,
+                          &Parameters::apex_distance,    &Parameters::cup_volume,
+                          &Parameters::wall_loss,        &Parameters::bell,
+                          &Parameters::bell_quality,     &Parameters::brassiness,
+                          &Parameters::scalar_reflection},
+                a, b) &&
+         (!a.tune ||
+          (a.correct_pitch == b.correct_pitch && a.tube == b.tube &&
+           std::abs(a.aim - b.aim) <= kCents &&
+           std::abs(a.embouchure_slope - b.embouchure_slope) <= kNearSlope &&
+           within(kFactor,
+                  {&Parameters::embouchure, &Parameters::lip_mass, &Parameters::lip_opening,
+                   &Parameters::lip_width, &Parameters::lip_quality, &Parameters::breath_reference},
+                  a, b)));
 }
 
 double note_of(const Parameters& p, double bore_frequency) noexcept {

@@ -106,10 +106,12 @@ struct Parameters {
                                      double share) noexcept;
 
 /// Whether interpolate() between the two makes no thump in the sound: no switch or word differs, no
-/// size changes to or from 0 or by a factor of more than 1.25 (Q: of more than 10).
+/// size changes to or from 0 or by a factor of more than 1.25 (Q: of more than 10). What only a
+/// player uses counts only with `tune`.
 [[nodiscard]] bool can_interpolate(const Parameters& a, const Parameters& b) noexcept;
 /// Whether the oscillation in one instrument can continue in the other: the same kind of valve,
-/// bore and player, and no quantity that stores energy changed by a factor of more than 2.
+/// bore and player, and no quantity that stores energy changed by a factor of more than 2. What
+/// only a player uses counts only with `tune`.
 [[nodiscard]] bool can_continue(const Parameters& a, const Parameters& b) noexcept;
 /// The target note, Hz: that of Parameters::fingering, else bore_frequency.
 [[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;
