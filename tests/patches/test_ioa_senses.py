@@ -110,8 +110,12 @@ def test_files_take_the_place_of_motors_and_loudspeakers(tmp_path):
     tone >> system.box["ddd"][0]
     tone >> system.box["ddd"][1]
     patch.at(0, system.box["sdd"], "bang")
+    patch.at(5, system.box["ddd"][2], "stop")  # nothing is recorded yet
     patch.at(10, system.box["ddd"][2], f"start {tmp_path}/take 0.25")
-    patch.render(0.4)
+    patch.at(350, system.box["ddd"][2], "stop")  # nor any more
+    patch.log("ended", system.box["ddd"][0])
+    ended = patch.render(0.4).logs["ended"]
+    assert [ms for ms, _ in ended] == [pytest.approx(260, abs=2)]
     rate, sound = scipy.io.wavfile.read(tmp_path / "take.wav")
     assert rate == 48000 and sound.shape == (12000, 2) and abs(sound).max() == pytest.approx(1, abs=0.01)
     lines = (tmp_path / "take.txt").read_text().splitlines()
