@@ -390,14 +390,15 @@ def test_no_material_of_the_plate_clips_at_the_defaults_and_gain_is_full_scales_
 
 
 @pytest.mark.skipif(not (stage_folder() / "plate.modal.npz").is_file(), reason="the plate's table is made by modal_fem")
-@pytest.mark.parametrize("size", [0.3, 1, 2])
-def test_the_help_of_modal_impact_strikes_a_body_of_any_size_where_it_is_clicked(size):
+@pytest.mark.parametrize("click", ["cell-0-0", "play", "ui-drop"])
+@pytest.mark.parametrize("size", [0.3, 2])
+def test_the_help_of_modal_impact_strikes_a_body_of_any_size_within_its_rim(size, click):
     def loudest(factor):
         patch = Patch(opens=stage_folder() / "modal_impact~-help.pd", own="own")
         patch.send(0, "pd", "dsp 1")
         patch.send(50, "own-help", "sync 1")
         patch.send(100, "own-ui-size", factor)
-        patch.send(400, "own-cell-0-0", "bang")
+        patch.send(400, f"own-{click}", "bang")
         patch.record("sound", patch.dac(1))
         return abs(patch.render(0.8, 48000, dsp=False)["sound"]).max()
     # Off the body the striker would meet its rim, 50 dB softer.
