@@ -5,7 +5,7 @@
 
 What is checked: JSON and required keys; unique ids; cords between existing ports; outlet types; objects
 that are ours or in max_objects.py, with their numbers of inlets and outlets; attributes and messages that
-the declaration has; signals into signal inlets only; no control fan-out without [t], but from attrui, whose
+the declaration has; whole numbers within 32 bits; signals into signal inlets only; no control fan-out without [t], but from attrui, whose
 order does not matter; boxes that overlap; text that its box cuts off; cords that go up, unless they close
 a loop, or run through another box; headings in the background may lie under cords. Not checked: whether Max accepts the file.
 """
@@ -18,6 +18,7 @@ import sys
 import geometry
 import max_objects
 import text_size
+from pd_vocabulary import LARGEST_INTEGER
 
 REQUIRED_OF_PATCHER = ("fileversion", "appversion", "classnamespace", "rect", "boxes", "lines")
 REQUIRED_OF_BOX = ("id", "maxclass", "numinlets", "numoutlets", "patching_rect")
@@ -174,6 +175,15 @@ def _message_words(w, d, text):
             yield w.say(f"[{part}]: {d['name']} has no message {name}")
 
 
+def check_integers(w):
+    """A whole number beyond 32 bits in a text depends on how wide the system's C long is."""
+    for box in w.boxes:
+        if box["maxclass"] in ("newobj", "message"):
+            for word in re.split(r"[\s,;]+", box["text"]):
+                if re.fullmatch(r"-?\d+", word) and abs(int(word)) > LARGEST_INTEGER:
+                    yield w.say(f"{w.name(box)}: {word} is beyond 32 bits: expected {word}.")
+
+
 def check_positions(w):
     shown = [b for b in w.boxes if not b.get("background") or b["maxclass"] == "comment"]
     for i, a in enumerate(shown):
@@ -245,7 +255,7 @@ def cord_ends(s, d, line):
 
 
 STRUCTURE = (check_keys,)
-RULES = (check_objects, check_cords, check_fan_out, check_words, check_positions, check_cord_paths)
+RULES = (check_objects, check_cords, check_fan_out, check_words, check_integers, check_positions, check_cord_paths)
 
 
 def check(document):

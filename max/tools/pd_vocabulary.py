@@ -33,15 +33,18 @@ def decimal(word):
     return word + "." if re.fullmatch(r"-?\d+", word) else word
 
 
+LARGEST_INTEGER = 2**31 - 1  # C's long on Windows
+
+
 def number_of(word):
-    """A number as Max writes it: 1e+06 becomes 1000000."""
+    """A number as Max writes it: 1e+06 becomes 1000000, and 206000000000 a float, 206000000000."""
     try:
         value = float(word)
     except ValueError:
         return word
     if "e" in word.lower() and 1e-3 <= abs(value) < 1e15:
-        return f"{value:.10f}".rstrip("0").rstrip(".")
-    return word
+        word = f"{value:.10f}".rstrip("0").rstrip(".")
+    return decimal(word) if abs(value) > LARGEST_INTEGER else word
 
 
 def _argument_of_abstraction(word):

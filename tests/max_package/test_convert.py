@@ -168,6 +168,8 @@ def test_vline_delays_become_ramps_that_hold():
 def test_a_comma_behind_a_receiver_names_it_again():
     words = pd_file.words_of("\\; hand spring 300 \\, path line \\; pd dsp 1")[0]
     assert pd_vocabulary.message_text(words) == ";\nhand spring 300;\nhand path line;\ndsp start"
+    assert pd_vocabulary.message_text(["2.06e+11", "206000000000", "-2147483648", "2147483647", "1e+06"]) == (
+        "206000000000. 206000000000. -2147483648. 2147483647 1000000")
 
 
 def without_triggers(patcher):
