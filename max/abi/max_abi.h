@@ -109,6 +109,7 @@ MAX_IMPORT t_symbol* jpatcher_get_filepath(t_object*);
 MAX_IMPORT void jdrag_object_add(t_object*, t_object*, t_symbol*);
 
 /* MaxAudio */
+MAX_IMPORT t_object* jpatcher_get_parentpatcher(t_object*);
 MAX_IMPORT void class_dspinit(t_class*);
 MAX_IMPORT void z_dsp_setup(t_pxobject*, long);
 MAX_IMPORT void z_dsp_free(t_pxobject*);

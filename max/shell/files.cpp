@@ -52,7 +52,9 @@ void Files::look_for_folder() {
   if (!in_main_thread())
     return;
   t_object* patcher = nullptr;
-  if (object_obex_lookup(box_, gensym("#P"), &patcher) == 0 && patcher)
+  if (object_obex_lookup(box_, gensym("#P"), &patcher) != 0)
+    patcher = nullptr;
+  for (; patcher; patcher = jpatcher_get_parentpatcher(patcher)) // a subpatcher has no file
     if (const t_symbol* file = jpatcher_get_filepath(patcher);
         file && file->s_name && *file->s_name) {
       folder_ = to_generic_utf8(utf8_path(system_path(file->s_name)).parent_path());

@@ -142,7 +142,11 @@ void Script::thread(Arguments a) {
                : Role::kScheduler);
 }
 void Script::search_path(Arguments a) { add_search_path(a[0].text); }
-void Script::patcher_path(Arguments a) { set_patcher_path(a[0].text); }
+void Script::patcher_path(Arguments a) {
+  if (a.size() > 1 && a[1].text != "subpatcher")
+    throw ScriptError("patcher: a file, and perhaps the word subpatcher");
+  set_patcher_path(a[0].text, a.size() > 1);
+}
 
 void Script::buffer(Arguments a) {
   const std::size_t channels = to_size(a[1]), frames = to_size(a[2]);

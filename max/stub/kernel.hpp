@@ -267,12 +267,16 @@ Object* require_object(const void* x, const char* function);
 void free_object(Object& object);
 [[nodiscard]] const std::vector<Object*>& living_objects();
 
-/// Tells where the patcher was saved.
-void set_patcher_path(const std::string& path);
+/// Tells where the patcher was saved, and whether boxes are made in it or in a subpatcher, which
+/// has no file of its own.
+void set_patcher_path(const std::string& path, bool in_subpatcher);
 void add_search_path(const std::string& folder);
 [[nodiscard]] t_object* patcher();
 
 // --- messages (messages.cpp) ---
+[[nodiscard]] t_object* parent_patcher();
+/// Where boxes are made from now on.
+void use_subpatcher(bool in_subpatcher);
 
 /// Sends as a patch cord does.
 void send_message(Object& object, long inlet, std::string_view selector, std::span<t_atom> atoms);

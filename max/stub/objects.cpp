@@ -15,14 +15,20 @@ struct Patcher : Record {
   Patcher() : Record(Kind::kPatcher) { header.o_magic = kMagic; }
   t_object header{};
 };
-Patcher& the_patcher() {
-  static Patcher& instance = *[] {
-    auto* fresh = new Patcher;
-    add_record(&fresh->header, fresh);
-    return fresh;
-  }();
+Patcher* make_patcher() {
+  auto* fresh = new Patcher;
+  add_record(&fresh->header, fresh);
+  return fresh;
+}
+Patcher& main_patcher() {
+  static Patcher& instance = *make_patcher();
   return instance;
 }
+Patcher& subpatcher() {
+  static Patcher& instance = *make_patcher();
+  return instance;
+}
+bool in_subpatcher = false;
 
 /// What must be true of a box once its constructor is done.
 void check_construction(Object& object) {
@@ -83,7 +89,9 @@ void report(const t_object* x, const char* kind, const char* format, va_list& ar
 
 std::string Object::text() const { return type->name + (id.empty() ? "" : " " + id); }
 const std::vector<Object*>& living_objects() { return living; }
-t_object* patcher() { return &the_patcher().header; }
+t_object* patcher() { return &(in_subpatcher ? subpatcher() : main_patcher()).header; }
+t_object* parent_patcher() { return in_subpatcher ? &main_patcher().header : nullptr; }
+void use_subpatcher(bool yes) { in_subpatcher = yes; }
 
 Object* require_object(const void* x, const char* function) {
   Object* object = require<Object>(x, function);

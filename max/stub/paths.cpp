@@ -38,8 +38,9 @@ std::vector<std::string> searched() {
 void add_search_path(const std::string& folder) {
   number_of(to_generic_utf8(fs::absolute(utf8_path(folder))));
 }
-void set_patcher_path(const std::string& path) {
+void set_patcher_path(const std::string& path, bool in_subpatcher) {
   patcher_path = path.empty() ? "" : to_generic_utf8(fs::absolute(utf8_path(path)));
+  use_subpatcher(in_subpatcher);
 }
 
 } // namespace tactus::stub
@@ -108,7 +109,13 @@ short path_nameconform(const char* from, char* to, long style, long type) {
 
 t_symbol* jpatcher_get_filepath(t_object* p) {
   const ApiCall api("jpatcher_get_filepath");
-  if (p != patcher())
+  if (p != patcher() && (!p || p != parent_patcher()))
     violation("jpatcher_get_filepath: not a patcher");
-  return symbol(patcher_path);
+  return symbol(p == patcher() && parent_patcher() ? "" : patcher_path);
+}
+t_object* jpatcher_get_parentpatcher(t_object* p) {
+  const ApiCall api("jpatcher_get_parentpatcher");
+  if (p != patcher() && (!p || p != parent_patcher()))
+    violation("jpatcher_get_parentpatcher: not a patcher");
+  return p == patcher() ? parent_patcher() : nullptr;
 }

@@ -88,7 +88,7 @@ std::span<const Script::Command> Script::commands() {
       Command{"overdrive", 1, "on|off", &Script::overdrive},
       Command{"thread", 1, "main|scheduler", &Script::thread},
       Command{"searchpath", 1, "FOLDER", &Script::search_path},
-      Command{"patcher", 1, "FILE", &Script::patcher_path},
+      Command{"patcher", 1, "FILE [subpatcher]", &Script::patcher_path},
       Command{"buffer", 3, "NAME CHANNELS FRAMES [SIGNAL...]", &Script::buffer},
       Command{"echo", 0, "TEXT...", &Script::echo},
   };

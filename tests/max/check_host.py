@@ -90,10 +90,14 @@ def check_files(host):
     (host.folder / "sub").mkdir(exist_ok=True)
     (host.folder / "sub" / "known.txt").write_text("")
     lines = host.play('searchpath sub\npatcher sub/some.maxpat\nbuffer samples 2 100 constant 0.25\nnew a small~\n'
-                      'send a 0 find known.txt\nsend a 0 find unknown.txt\nsend a 0 patcher\nsend a 0 sum\n')
+                      'send a 0 find known.txt\nsend a 0 find unknown.txt\nsend a 0 patcher\nsend a 0 sum\n'
+                      'patcher sub/some.maxpat subpatcher\nnew b small~\nsend b 0 patcher\n')
     expect(any(l.endswith("/sub/known.txt") and " found " in l for l in lines), "a file of the search path")
     expect("error: small~ a: unknown.txt: no such file" in lines, "a file that is nowhere")
-    expect(any(l.endswith("/sub/some.maxpat") for l in lines), "the patcher's path")
+    paths = [(l.split()[2], l.endswith("/sub/some.maxpat")) for l in lines if l.startswith("out: ") and l.split()[3] == "1"
+             and ("some.maxpat" in l or l.split()[4:] in ([], ['""']))]
+    expect(paths == [("a", True), ("a", True), ("b", False), ("b", True)],
+           f"the path of the patcher, and of the one around a subpatcher, which has none: {paths}")
     expect("out: 0.0 a 1 float 50.0" in lines, "the sum of a buffer~")
 
 

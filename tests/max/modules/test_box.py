@@ -120,9 +120,10 @@ def test_files_are_found_by_every_name(thread, tmp_path):
     assert len(missing) == 1 and "no-such.npz" in missing[0]
 
 
-def test_a_new_file_lies_beside_the_patcher(tmp_path):
-    result = run([load("phantom"), f"patcher {tmp_path}/a.maxpat", "new b phantom", "send b 0 trace t.csv", "advance 50",
-                  "send b 0 trace stop", "free b"])
+@pytest.mark.parametrize("where", ["", " subpatcher"])
+def test_files_lie_beside_the_patcher_also_those_of_a_subpatcher(where, tmp_path):
+    result = run([load("phantom"), f"patcher {tmp_path}/a.maxpat{where}", "new b phantom", "send b 0 trace t.csv",
+                  "advance 50", "send b 0 trace stop", "free b"])
     assert not result.of("error") and (tmp_path / "t.csv").stat().st_size > 0
 
 

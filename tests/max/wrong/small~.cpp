@@ -161,6 +161,8 @@ void misuse(Small* x) {
   if (wrong("file of what is no patcher"))
     jpatcher_get_filepath(&x->header.z_ob);
   if (wrong("outlet as clock"))
+  if (wrong("parent of what is no patcher"))
+    jpatcher_get_parentpatcher(&x->header.z_ob);
     clock_fdelay(x->message_outlet, 1);
   if (wrong("outlet that Max did not give"))
     outlet_bang(x->scratch);
@@ -247,7 +249,7 @@ void sum_buffer(Small* x) {
   }
   outlet_float(x->message_outlet, sum);
 }
-/// "patcher" tells the patcher's file.
+/// "patcher" tells the file of its patcher and of the outermost.
 bool other_message(Small* x, std::string_view name, long count, t_atom* atoms) {
   if (name == "find" && count == 1)
     find_file(x, atoms[0].a_w.w_sym->s_name);
@@ -258,6 +260,9 @@ bool other_message(Small* x, std::string_view name, long count, t_atom* atoms) {
     object_obex_lookup(x, gensym("#P"), &patcher);
     outlet_anything(x->message_outlet, jpatcher_get_filepath(patcher), 0, nullptr);
   } else
+    while (t_object* parent = jpatcher_get_parentpatcher(patcher))
+      patcher = parent;
+    outlet_anything(x->message_outlet, jpatcher_get_filepath(patcher), 0, nullptr);
     return false;
   return true;
 }
