@@ -94,8 +94,12 @@ void run_low_priority() {
       waiting.pop_front();
     }
     next->set.store(false);
-    if (next->alive)
-      callback(*next, next->function, next->argument, "qelem");
+    if (!next->alive)
+      continue;
+    const Role before = current_role();
+    set_role(Role::kMain); // the queue is the main thread's, whose turn is now
+    callback(*next, next->function, next->argument, "qelem");
+    set_role(before);
   }
 }
 

@@ -127,6 +127,7 @@ void float_message(Small* x, double value) {
     x->scalar = value;
   if (wrong("race"))
     x->planted = value;
+  qelem_set(x->qelem);
   if (wrong("critical region over an outlet"))
     critical_enter(nullptr);
   outlet_float(wrong("message to a signal outlet") ? x->signal_outlet : x->message_outlet, value);
@@ -280,7 +281,10 @@ void on_clock(Small* x) {
     proxy_getinlet(&x->header.z_ob);
   outlet_bang(x->message_outlet);
 }
-void on_qelem(Small* x) { x->vectors = 0; }
+void on_qelem(Small* x) {
+  x->vectors = 0;
+  path_getdefault(); // of the main thread alone, as this is
+}
 
 void assist(Small*, void*, long direction, long index, char* text) {
   const char* what = direction == ASSIST_INLET
