@@ -78,12 +78,15 @@ MAX_IMPORT void* object_alloc(t_class*);
 MAX_IMPORT t_max_err object_free(void*);
 MAX_IMPORT t_max_err object_obex_store(void*, t_symbol*, t_object*);
 MAX_IMPORT t_max_err object_obex_lookup(void*, t_symbol*, t_object**);
+MAX_IMPORT t_max_err object_attr_touch(t_object*, t_symbol*);
+MAX_IMPORT t_max_err object_notify(void*, t_symbol*, void*);
 MAX_IMPORT void object_post(t_object*, const char*, ...);
 MAX_IMPORT void object_error(t_object*, const char*, ...);
 MAX_IMPORT t_symbol* gensym(const char*);
 MAX_IMPORT t_max_err atom_setfloat(t_atom*, double);
 MAX_IMPORT t_max_err atom_setsym(t_atom*, const t_symbol*);
 MAX_IMPORT t_max_err atom_alloc(long*, t_atom**, char*);
+MAX_IMPORT t_max_err atom_alloc_array(long, long*, t_atom**, char*);
 MAX_IMPORT void* outlet_new(void*, const char*);
 MAX_IMPORT void* outlet_bang(void*);
 MAX_IMPORT void* outlet_float(void*, double);
@@ -106,10 +109,10 @@ MAX_IMPORT short path_getdefault(void);
 MAX_IMPORT short path_topathname(short, const char*, char*);
 MAX_IMPORT short path_nameconform(const char*, char*, long, long);
 MAX_IMPORT t_symbol* jpatcher_get_filepath(t_object*);
+MAX_IMPORT t_object* jpatcher_get_parentpatcher(t_object*);
 MAX_IMPORT void jdrag_object_add(t_object*, t_object*, t_symbol*);
 
 /* MaxAudio */
-MAX_IMPORT t_object* jpatcher_get_parentpatcher(t_object*);
 MAX_IMPORT void class_dspinit(t_class*);
 MAX_IMPORT void z_dsp_setup(t_pxobject*, long);
 MAX_IMPORT void z_dsp_free(t_pxobject*);

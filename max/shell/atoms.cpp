@@ -20,14 +20,17 @@ std::vector<Atom> to_atoms(long count, const t_atom* atoms) {
   return result;
 }
 
+void set_atom(t_atom& to, const Atom& atom) {
+  if (atom.is_word)
+    atom_setsym(&to, symbol_of(atom.word));
+  else
+    atom_setfloat(&to, atom.number);
+}
+
 std::vector<t_atom> to_max_atoms(std::span<const Atom> atoms) {
   std::vector<t_atom> list(atoms.size());
-  for (std::size_t i = 0; i < atoms.size(); ++i) {
-    if (atoms[i].is_word)
-      atom_setsym(&list[i], symbol_of(atoms[i].word));
-    else
-      atom_setfloat(&list[i], atoms[i].number);
-  }
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    set_atom(list[i], atoms[i]);
   return list;
 }
 

@@ -12,6 +12,7 @@ namespace tactus::max {
 
 /// Words point to Max's symbols, which live as long as Max.
 [[nodiscard]] std::vector<Atom> to_atoms(long count, const t_atom* atoms);
+void set_atom(t_atom& to, const Atom& atom);
 [[nodiscard]] std::vector<t_atom> to_max_atoms(std::span<const Atom> atoms);
 
 /// gensym() for a word that does not end in a zero.

@@ -5,6 +5,7 @@
 #include "max/shell/guarded.hpp"
 #include "max/shell/max_object.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <stdexcept>
@@ -27,13 +28,26 @@ t_max_err get_parameter(Instance* instance, std::size_t index, long* count, t_at
   char was_allocated = 0;
   if (const t_max_err failed = atom_alloc(count, atoms, &was_allocated); failed != 0)
     return failed;
+  guarded(instance, [&](const MaxObject& object) { set_atom(**atoms, object.parameter(index)); });
+  return 0;
+}
+
+// The value of the whole box, which pattr, autopattr and pattrstorage keep: those of all
+// parameters.
+t_max_err get_value(Instance* instance, long* count, t_atom** atoms) {
   guarded(instance, [&](const MaxObject& object) {
-    const Atom value = object.parameter(index);
-    if (value.is_word)
-      atom_setsym(*atoms, symbol_of(value.word));
-    else
-      atom_setfloat(*atoms, value.number);
+    const auto size = static_cast<long>(object.declaration().parameters.size());
+    char was_allocated = 0;
+    if (atom_alloc_array(size, count, atoms, &was_allocated) != 0)
+      return;
+    *count = was_allocated ? size : std::min(*count, size); // not beyond the caller's own memory
+    for (long i = 0; i < *count; ++i)
+      set_atom((*atoms)[i], object.parameter(static_cast<std::size_t>(i)));
   });
+  return 0;
+}
+t_max_err set_value(Instance* instance, long count, t_atom* atoms) {
+  guarded(instance, [&](MaxObject& object) { object.set_parameters(to_atoms(count, atoms)); });
   return 0;
 }
 
@@ -72,6 +86,10 @@ std::string menu(const Parameter& parameter) {
 void add_attributes(t_class* handle, const Declaration& declaration) {
   if (declaration.parameters.size() > kMaxParameters)
     throw std::length_error("more parameters than kMaxParameters");
+  if (!declaration.parameters.empty()) {
+    class_addmethod(handle, method_of(&get_value), "getvalueof", A_CANT, 0);
+    class_addmethod(handle, method_of(&set_value), "setvalueof", A_CANT, 0);
+  }
   for (std::size_t i = 0; i < declaration.parameters.size(); ++i) {
     const Parameter& parameter = declaration.parameters[i];
     const std::string name(parameter.name);

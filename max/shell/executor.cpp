@@ -193,8 +193,10 @@ void Executor::carry_out(const QueuedCommand& command) {
     break;
   }
   }
-  view_.refresh(*object_);
-  if (command.kind == Kind::kParameter)
+  const bool is_parameter = command.kind == Kind::kParameter;
+  if (view_.refresh(*object_, is_parameter ? command.index : ParameterView::kNone))
+    shell_.changed();
+  if (is_parameter)
     view_.answer(command.index);
 }
 

@@ -35,6 +35,8 @@ public:
     virtual void deliver(const Outbox& outbox) = 0;
     /// A command was dropped as the queue stayed full.
     virtual void lost() noexcept = 0;
+    /// A command has changed parameters: take_change() says which. Any thread, audio's too.
+    virtual void changed() noexcept = 0;
   };
 
   Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host);
@@ -50,6 +52,10 @@ public:
   [[nodiscard]] bool waiting() const noexcept { return !queue_.empty(); }
   [[nodiscard]] double value(std::size_t parameter) const noexcept {
     return view_.value(parameter);
+  }
+  /// Whether a parameter has changed, by anything but its own setting, since this was asked last.
+  [[nodiscard]] bool take_change(std::size_t parameter) noexcept {
+    return view_.take_change(parameter);
   }
 
   /// For Host's functions, which the object calls while the token is held: keeps an output.

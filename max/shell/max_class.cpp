@@ -124,8 +124,10 @@ void add_messages(t_class* handle, const Declaration& declaration) {
   class_addmethod(handle, method_of(&on_list), "list", A_GIMME, 0);
   class_addmethod(handle, method_of(&on_bang), "bang", 0);
   class_addmethod(handle, method_of(&on_symbol), "symbol", A_SYM, 0);
+  // Max's preset object calls a method of the name preset with the object alone: the message of
+  // that name comes by "anything".
   for (const Message& message : declaration.messages)
-    if (message.name != "list" && message.name != "bang")
+    if (message.name != "list" && message.name != "bang" && message.name != "preset")
       add(message.name);
   for (const std::string_view name : {"get", "dump", "anything"})
     add(name);

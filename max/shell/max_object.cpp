@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
 
 namespace tactus::max {
@@ -61,7 +62,8 @@ MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module)
       inlets_(declaration_), files_(box()), timers_(traits_.timers),
       output_clock_(clock_new(this, method_of(&on_output))),
       nudge_clock_(clock_new(this, method_of(&on_nudge))),
-      left_element_(qelem_new(this, method_of(&on_left))) {
+      left_element_(qelem_new(this, method_of(&on_left))),
+      changed_element_(qelem_new(this, method_of(&on_changed))) {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     timers_[i] = {this, i, nullptr};
     timers_[i].clock = clock_new(&timers_[i], method_of(&on_timer));
@@ -76,7 +78,8 @@ MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module)
 }
 
 MaxObject::~MaxObject() {
-  qelem_free(left_element_);
+  for (void* element : {left_element_, changed_element_})
+    qelem_free(element);
   for (void* clock : {output_clock_, nudge_clock_}) {
     clock_unset(clock);
     object_free(clock);
@@ -112,6 +115,9 @@ bool MaxObject::begin(std::span<const Atom> arguments) {
     attr_args_process(&instance_, static_cast<short>(list.size()), list.data());
   }
   post(QueuedCommand::Kind::kCreated);
+  for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
+    (void)executor_->take_change(i); // nobody has seen the box before
+  tells_changes_.store(true);
   return true;
 }
 
@@ -195,6 +201,16 @@ Atom MaxObject::parameter(std::size_t index) const {
   return choice < parameter.choices.size() ? Atom(parameter.choices[choice]) : Atom(value);
 }
 
+void MaxObject::set_parameters(std::span<const Atom> values) {
+  const std::size_t count = declaration_.parameters.size();
+  if (values.size() > count)
+    return say_error("the stored value has " + std::to_string(values.size()) +
+                     " numbers: expected at most " + std::to_string(count) +
+                     ", one for each parameter");
+  for (std::size_t i = 0; i < values.size(); ++i)
+    message(declaration_.parameters[i].name, {values[i]});
+}
+
 void MaxObject::get(std::span<const Atom> names) {
   if (names.empty())
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
@@ -269,6 +285,19 @@ void MaxObject::lost() noexcept {
     object_error(box(), "%s", "messages come faster than they are carried out: some were lost");
 }
 
+void MaxObject::changed() noexcept {
+  if (tells_changes_.load(std::memory_order_relaxed))
+    qelem_set(changed_element_);
+}
+
+/// Whoever shows an attribute reads it again, and pattr learns that the box has another value.
+void MaxObject::tell_changes() {
+  for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
+    if (executor_->take_change(i))
+      object_attr_touch(box(), symbol_of(declaration_.parameters[i].name));
+  object_notify(box(), gensym("modified"), nullptr);
+}
+
 bool MaxObject::audio_runs() const {
   return prepared_.load(std::memory_order_relaxed) && instance_.object.z_disabled == 0 &&
          sys_getdspobjdspstate(box()) != 0;
@@ -310,6 +339,9 @@ void MaxObject::on_posted(MaxObject* self) {
 }
 void MaxObject::on_left(MaxObject* self) {
   guarded(&self->instance_, [](MaxObject& o) { o.carry_out_left(); });
+}
+void MaxObject::on_changed(MaxObject* self) {
+  guarded(&self->instance_, [](MaxObject& o) { o.tell_changes(); });
 }
 void MaxObject::on_nudge(MaxObject* self) {
   guarded(&self->instance_, [](MaxObject& o) { o.nudge(); });

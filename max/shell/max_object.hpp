@@ -51,6 +51,8 @@ public:
   void list(std::size_t inlet, std::span<const Atom> atoms);
   void message(std::string_view name, std::vector<Atom> arguments);
   [[nodiscard]] Atom parameter(std::size_t index) const;
+  /// Sets all parameters in order, as the list of their values that pattr has stored says.
+  void set_parameters(std::span<const Atom> values);
   [[nodiscard]] const Declaration& declaration() const { return declaration_; }
 
   // Audio. counts says of each of Max's signal inlets whether something is connected.
@@ -85,12 +87,14 @@ private:
   void expect_audio() override;
   void deliver(const Outbox& outbox) override;
   void lost() noexcept override;
+  void changed() noexcept override;
 
   void get(std::span<const Atom> names);
   [[nodiscard]] bool takes_numbers() const noexcept;
   void send_parameter(std::size_t index);
   void post(QueuedCommand::Kind kind, std::size_t index = 0);
   void carry_out_left();
+  void tell_changes();
   void nudge();
   void deliver_audio_output();
   void leave_to_main_thread(std::string_view name, std::vector<Atom> arguments);
@@ -105,6 +109,7 @@ private:
   static void on_nudge(MaxObject* self);
   static void on_posted(MaxObject* self);
   static void on_left(MaxObject* self);
+  static void on_changed(MaxObject* self);
 
   Instance& instance_;
   const Traits& traits_;
@@ -117,10 +122,11 @@ private:
   void* output_clock_; ///< set by the audio thread when it has written outputs
   void* nudge_clock_;  ///< looks whether audio has stopped and left commands undone
   void* posted_element_ = nullptr;
-  void* left_element_; ///< set when messages have been left to the main thread
+  void* left_element_;    ///< set when messages have been left to the main thread
+  void* changed_element_; ///< set when parameters have changed
   std::mutex left_mutex_;
   std::vector<Command> left_;
-  std::atomic<bool> prepared_{false}, nudge_set_{false};
+  std::atomic<bool> prepared_{false}, nudge_set_{false}, tells_changes_{false};
   std::atomic<unsigned> blocks_{0}, blocks_at_nudge_{0}, lost_{0};
   std::atomic<double> nudge_ms_{50}, sample_rate_{48000};
   unsigned lost_outputs_said_ = 0;

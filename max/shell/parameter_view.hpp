@@ -25,16 +25,34 @@ public:
     slots_[i].pending.fetch_add(1, std::memory_order_release);
   }
   void answer(std::size_t i) noexcept { slots_[i].pending.fetch_sub(1, std::memory_order_release); }
-  /// Reads all values of the object. For the holder of its token.
-  void refresh(const AnyObject<double>& object) noexcept {
-    for (std::size_t i = 0; i < slots_.size(); ++i)
-      slots_[i].held.store(object.get(i), std::memory_order_relaxed);
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  /// Reads all values of the object, and notes which have changed: all but the one that was set, of
+  /// which its setter knows, unless it has become another than was asked for. True if any has
+  /// changed. For the holder of the object's token.
+  bool refresh(const AnyObject<double>& object, std::size_t set = kNone) noexcept {
+    bool any = false;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      Slot& slot = slots_[i];
+      const double now = object.get(i);
+      if (now == slot.held.load(std::memory_order_relaxed))
+        continue;
+      slot.held.store(now, std::memory_order_relaxed);
+      any = true;
+      if (i != set || now != slot.asked.load(std::memory_order_relaxed))
+        slot.changed.store(true, std::memory_order_release);
+    }
+    return any;
+  }
+  /// Whether the value has changed since this was asked last.
+  [[nodiscard]] bool take_change(std::size_t i) noexcept {
+    return slots_[i].changed.exchange(false, std::memory_order_acquire);
   }
 
 private:
   struct Slot {
     std::atomic<double> asked{0}, held{0};
     std::atomic<int> pending{0};
+    std::atomic<bool> changed{false};
   };
   std::vector<Slot> slots_;
 };

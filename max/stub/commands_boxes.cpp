@@ -161,6 +161,22 @@ void Script::restore(Arguments a) {
   }
 }
 
+void Script::value(Arguments a) {
+  Object& object = box(a[0]);
+  if (a.size() == 1) {
+    print_line("whole: " + object.id + " " + to_text(get_value(object)));
+    return;
+  }
+  std::vector<t_atom> atoms = to_atoms(a.subspan(1));
+  if (!set_value(object, atoms))
+    throw ScriptError(a[0].text + " has no value");
+}
+
+void Script::preset(Arguments a) {
+  if (!ask_for_preset(box(a[0])))
+    print_line("not asked: " + a[0].text);
+}
+
 void Script::echo(Arguments a) {
   std::string text;
   for (const Token& token : a)

@@ -190,7 +190,8 @@ struct Symbol : Record {
 };
 struct Atoms : Record {
   static constexpr Kind kKind = Kind::kAtoms;
-  Atoms() : Record(kKind), block(sizeof(t_atom)) {}
+  explicit Atoms(std::size_t n) : Record(kKind), count(n), block(n * sizeof(t_atom)) {}
+  std::size_t count;
   Block block;
 };
 [[nodiscard]] t_symbol* symbol(std::string_view name);
@@ -271,12 +272,13 @@ void free_object(Object& object);
 /// has no file of its own.
 void set_patcher_path(const std::string& path, bool in_subpatcher);
 void add_search_path(const std::string& folder);
+/// The patcher of the boxes, and the one around it, if any.
 [[nodiscard]] t_object* patcher();
-
-// --- messages (messages.cpp) ---
 [[nodiscard]] t_object* parent_patcher();
 /// Where boxes are made from now on.
 void use_subpatcher(bool in_subpatcher);
+
+// --- messages (messages.cpp) ---
 
 /// Sends as a patch cord does.
 void send_message(Object& object, long inlet, std::string_view selector, std::span<t_atom> atoms);
@@ -286,8 +288,13 @@ void send_message(Object& object, long inlet, std::string_view selector, std::sp
 /// As the inspector or pattr does. False when there is no such attribute or it cannot be set.
 bool set_attribute(Object& object, std::string_view name, std::span<t_atom> atoms);
 [[nodiscard]] std::vector<t_atom> get_attribute(Object& object, const Attribute& attribute);
-/// Calls a method that Max itself calls (A_CANT), if the class has it.
-void* call_typed(method function, void* x, std::span<const t_atom> arguments);
+/// The value of the whole box, as pattr stores it (value.cpp); empty if the class has none.
+[[nodiscard]] std::vector<t_atom> get_value(Object& object);
+/// False if the class has no value.
+[[nodiscard]] bool set_value(Object& object, std::span<t_atom> atoms);
+/// Asks the box as Max's preset object does: by its method of that name, with the box alone. False
+/// if it has none.
+[[nodiscard]] bool ask_for_preset(Object& object);
 [[nodiscard]] std::string assist_text(Object& object, long direction, long index);
 void print_error(const Object* object, const std::string& text);
 

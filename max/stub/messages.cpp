@@ -122,10 +122,6 @@ void print_error(const Object* object, const std::string& text) {
   print_line("error: " + (object ? object->text() : "max") + ": " + text);
 }
 
-void* call_typed(method function, void* x, std::span<const t_atom> arguments) {
-  return call_with(function, x, arguments);
-}
-
 void send_message(Object& object, long inlet, std::string_view selector, std::span<t_atom> atoms) {
   const HostWork work;
   if (!require_object(object.header(), "a message"))

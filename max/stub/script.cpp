@@ -71,6 +71,8 @@ std::span<const Script::Command> Script::commands() {
       Command{"cord", 4, "ID OUTLET ID INLET", &Script::cord},
       Command{"save", 1, "FILE [all]", &Script::save},
       Command{"restore", 1, "FILE", &Script::restore},
+      Command{"value", 1, "ID [ATOM...]", &Script::value},
+      Command{"preset", 1, "ID", &Script::preset},
       Command{"signal", 3, "ID INLET constant|sine|noise|impulse|nan|inf|file|wav|box|none ...",
               &Script::signal},
       Command{"rate", 1, "HZ", &Script::rate},

@@ -60,6 +60,8 @@ private:
   void cord(Arguments a);
   void save(Arguments a);
   void restore(Arguments a);
+  void value(Arguments a);
+  void preset(Arguments a);
   // The host (commands_audio.cpp).
   void signal(Arguments a);
   void rate(Arguments a);

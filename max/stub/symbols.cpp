@@ -1,6 +1,7 @@
 // Symbols, one for each text, and atoms.
 #include "max/stub/kernel.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -144,22 +145,34 @@ t_max_err atom_setsym(t_atom* a, const t_symbol* s) {
   a->a_w.w_sym = const_cast<t_symbol*>(s);
   return 0;
 }
-t_max_err atom_alloc(long* count, t_atom** atoms, char* allocated) {
-  const ApiCall call("atom_alloc");
-  if (!count || !atoms || !allocated) {
-    violation("atom_alloc: null instead of an address");
+namespace {
+t_max_err allocate(const char* function, long wanted, long* count, t_atom** atoms,
+                   char* allocated) {
+  if (wanted < 1 || !count || !atoms || !allocated) {
+    violation(std::string(function) + ": null instead of an address, or no atoms");
     return -1;
   }
   *allocated = 0;
-  if (*count > 0 && *atoms) {
-    *count = 1;
-    return 0;
-  }
-  auto* fresh = new Atoms;
+  if (*count > 0 && *atoms)
+    return 0; // the caller's memory, which is as long as count says
+  auto* fresh = new Atoms(static_cast<std::size_t>(wanted));
   add_record(fresh->block.data(), fresh);
-  *count = 1;
+  *count = wanted;
   *atoms = reinterpret_cast<t_atom*>(fresh->block.data());
-  **atoms = t_atom{};
+  std::fill_n(*atoms, wanted, t_atom{});
   *allocated = 1;
   return 0;
+}
+} // namespace
+
+t_max_err atom_alloc(long* count, t_atom** atoms, char* allocated) {
+  const ApiCall call("atom_alloc");
+  const t_max_err error = allocate("atom_alloc", 1, count, atoms, allocated);
+  if (error == 0)
+    *count = 1;
+  return error;
+}
+t_max_err atom_alloc_array(long wanted, long* count, t_atom** atoms, char* allocated) {
+  const ApiCall call("atom_alloc_array");
+  return allocate("atom_alloc_array", wanted, count, atoms, allocated);
 }

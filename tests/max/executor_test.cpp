@@ -80,6 +80,7 @@ public:
     outbox.deliver([this](const Output&) { delivered.fetch_add(1); });
   }
   void lost() noexcept override { dropped.fetch_add(1); }
+  void changed() noexcept override { changes.fetch_add(1); }
 
   void send(std::size_t outlet, std::span<const Atom> atoms) override {
     executor.keep(Output::Kind::kOutlet, outlet, atoms);
@@ -114,7 +115,7 @@ public:
   }
 
   std::atomic<bool> audio{false};
-  std::atomic<int> expected{0}, delivered{0}, dropped{0};
+  std::atomic<int> expected{0}, delivered{0}, dropped{0}, changes{0};
   std::array<double, 16> out{};
   const Traits traits = traits_of<Notes>();
   Executor executor{new Adapter<Notes, double>, traits, *this, *this};

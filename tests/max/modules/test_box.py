@@ -3,7 +3,7 @@ import pathlib
 
 import pytest
 
-from max_host import BUILD, RATE, load, run
+from max_host import BUILD, RATE, declarations, load, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 STAGE = BUILD / "tactus"
@@ -56,6 +56,45 @@ def test_get_answers_to_every_name_that_dump_sends_and_preset_comes_first():
     asked = run([load("greed~"), "new b greed~", "send b 0 get preset", "send b 0 get gian"]).of("error")
     assert len(asked) == 2 and "get preset: a message without a value" in asked[0]
     assert "get gian: nothing of that name; did you mean 'gain'?" in asked[1]
+
+
+def shown(result):
+    """attribute -> the value of each time that the box has said it has changed."""
+    lines = [line.split(" ") for line in result.of("shown")]
+    return {name: [value for _, other, value in lines if other == name] for name in {line[1] for line in lines}}
+
+
+@pytest.mark.parametrize("audio", ["on", "off"])
+def test_whoever_shows_an_attribute_learns_what_else_has_changed_it(audio):
+    begin = [load("greed~"), *ON, "new b greed~ -preset clarinet", f"dsp {audio}"]
+    assert not run(begin).of("shown")  # a new box has shown nothing before
+    names = [p["name"] for p in declarations()["greed~"]["parameters"]]
+    gets = [f"get b {name}" for name in names]
+    before = run([*begin, *gets]).values("b")
+    result = run([*begin, "send b 0 preset trumpet", "run 2", *gets])
+    after = result.values("b")
+    changed = {name: [after[name]] for name in names if after[name] != before[name]}
+    assert len(changed) > 10 and shown(result) == changed
+    assert set(result.of("notified")) == {"b modified"}
+    # Of an attribute that is set, Max says so itself; a type turns the rest angle's sign.
+    own = run([*begin, "send b 0 gain 0.5", "run 2"])
+    assert not own.of("shown") and own.of("notified") == ["b modified"]
+    sign = run([*begin, "send b 0 type open", "run 2", "get b theta0"])
+    assert shown(sign) == {"theta0": [sign.values("b")["theta0"]]}
+    same = run([load("greed~"), *ON, "new b greed~ @gain 0.5", f"dsp {audio}", "send b 0 gain 0.5", "run 2"])
+    assert not same.of("notified")
+    # Many changes are told at once, when Max has time.
+    late = run([*begin, "lowpriority manual", "send b 0 preset oboe", "run 2", "send b 0 preset trumpet", "run 2",
+                "echo then", "service", *gets])
+    told = [line for line in late.lines if line.startswith(("shown", "then", "notified"))]
+    assert told[0] == "then" and late.of("notified") == ["b modified"]
+    assert shown(late).items() >= changed.items()  # and what the oboe has changed and the trumpet back
+    assert all(values == [after[name]] for name, values in shown(late).items())
+
+
+def test_the_preset_object_of_max_finds_no_method_to_call():
+    result = run([load("particle~"), "new b particle~", "preset b", "send b 0 preset maraca", "get b kind"])
+    assert not result.of("error") and "not asked: b" in result.lines
 
 
 def test_a_muted_object_is_silent_and_goes_on():
@@ -125,6 +164,9 @@ def test_files_lie_beside_the_patcher_also_those_of_a_subpatcher(where, tmp_path
     result = run([load("phantom"), f"patcher {tmp_path}/a.maxpat{where}", "new b phantom", "send b 0 trace t.csv",
                   "advance 50", "send b 0 trace stop", "free b"])
     assert not result.of("error") and (tmp_path / "t.csv").stat().st_size > 0
+    (tmp_path / "mine.npz").write_bytes((STAGE / "plate.modal.npz").read_bytes())
+    assert not run([load("modal_impact~"), f"patcher {tmp_path}/a.maxpat{where}", "new b modal_impact~",
+                    "send b 0 load mine.npz -sync"]).of("error")
 
 
 def test_arrays_are_buffers():

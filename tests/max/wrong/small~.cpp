@@ -161,9 +161,9 @@ void misuse(Small* x) {
     object_post(&own, "hello");
   if (wrong("file of what is no patcher"))
     jpatcher_get_filepath(&x->header.z_ob);
-  if (wrong("outlet as clock"))
   if (wrong("parent of what is no patcher"))
     jpatcher_get_parentpatcher(&x->header.z_ob);
+  if (wrong("outlet as clock"))
     clock_fdelay(x->message_outlet, 1);
   if (wrong("outlet that Max did not give"))
     outlet_bang(x->scratch);
@@ -260,10 +260,10 @@ bool other_message(Small* x, std::string_view name, long count, t_atom* atoms) {
     t_object* patcher = nullptr;
     object_obex_lookup(x, gensym("#P"), &patcher);
     outlet_anything(x->message_outlet, jpatcher_get_filepath(patcher), 0, nullptr);
-  } else
     while (t_object* parent = jpatcher_get_parentpatcher(patcher))
       patcher = parent;
     outlet_anything(x->message_outlet, jpatcher_get_filepath(patcher), 0, nullptr);
+  } else
     return false;
   return true;
 }
@@ -328,6 +328,32 @@ t_max_err set_gain(Small* x, void*, long count, t_atom* atoms) {
   }
   x->gain =
       atoms[0].a_type == A_FLOAT ? atoms[0].a_w.w_float : static_cast<double>(atoms[0].a_w.w_long);
+  return 0;
+}
+
+/// The value of the box: gain, and what came to the middle inlet.
+t_max_err get_value(Small* x, long* count, t_atom** atoms) {
+  static t_atom own[2];
+  char allocated = 0;
+  if (wrong("value without atom_alloc_array") || (wrong("value ignores given atoms") && *atoms)) {
+    *count = 2;
+    *atoms = own;
+    return 0;
+  }
+  atom_alloc_array(wrong("value of no atoms") ? 0 : 2, count, atoms, &allocated);
+  if (wrong("value beyond its atoms"))
+    *count = 3;
+  if (!*atoms)
+    return -1;
+  atom_setfloat(*atoms, x->gain);
+  if (*count > 1 || wrong("value beyond given atoms"))
+    atom_setfloat(*atoms + 1, x->scalar);
+  return 0;
+}
+t_max_err set_value(Small* x, long count, t_atom* atoms) {
+  set_gain(x, nullptr, count, atoms);
+  object_attr_touch(&x->header.z_ob, gensym(wrong("touches no attribute") ? "gian" : "gain"));
+  object_notify(x, gensym("modified"), nullptr);
   return 0;
 }
 
@@ -480,11 +506,15 @@ extern "C" MAX_EXPORT void ext_main(void*) {
   class_addmethod(c, erased(accepts_drag), "acceptsdrag_locked", A_CANT, 0);
   class_addmethod(c, erased(accepts_drag), "acceptsdrag_unlocked", A_CANT, 0);
   class_addmethod(c, erased(loadbang), "loadbang", A_CANT, 0);
+  class_addmethod(c, erased(get_value), "getvalueof", A_CANT, 0);
+  class_addmethod(c, erased(set_value), "setvalueof", A_CANT, 0);
   class_addmethod(c, erased(bang), "bang", 0);
   class_addmethod(c, erased(float_message), "float", wrong("float as int") ? A_LONG : A_FLOAT, 0);
   class_addmethod(c, erased(int_message), "int", A_LONG, 0);
   class_addmethod(c, erased(list), "list", A_GIMME, 0);
   class_addmethod(c, erased(anything), "anything", A_GIMME, 0);
+  if (wrong("preset with arguments"))
+    class_addmethod(c, erased(anything), "preset", A_GIMME, 0);
   if (wrong("reserved name"))
     class_addmethod(c, erased(bang), "enable", 0);
   if (wrong("unknown method of Max"))
