@@ -24,6 +24,9 @@ struct Parameter {
   /// False if setting it allocates or hands work to a thread: a host then never sets it in its
   /// audio thread.
   bool realtime = true;
+  /// False if to set it is an act that somebody must mean, such as to end an emergency stop: a host
+  /// then keeps it neither with the patch nor in presets.
+  bool stored = true;
 };
 
 /// An inlet or outlet.
@@ -63,6 +66,11 @@ struct Message {
 /// The parameter, which a host never sets in its audio thread.
 [[nodiscard]] constexpr Parameter not_realtime(Parameter parameter) {
   parameter.realtime = false;
+  return parameter;
+}
+/// The parameter, which a host keeps neither with the patch nor in presets.
+[[nodiscard]] constexpr Parameter not_stored(Parameter parameter) {
+  parameter.stored = false;
   return parameter;
 }
 

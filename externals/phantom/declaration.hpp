@@ -26,7 +26,8 @@ inline constexpr std::array kParameters{
               "power that forces of the patch may put into the hand"},
     Parameter{"damp", "N s/m", 0, 0, 100, "viscous force added to everything"},
     Parameter{"walls", "N/m", 0, 0, 5000, "stiffness of soft walls at the workspace's faces"},
-    Parameter{"motors", "", 1, 0, 1, "0: no force; 1: back over half a second, ends an estop"},
+    not_stored(
+        Parameter{"motors", "", 1, 0, 1, "0: no force; 1: back over half a second, ends an estop"}),
     Parameter{"mass", "kg", 0.1, 1e-3, 100, "simulated: of the handle"},
     Parameter{"viscous", "N s/m", 0.5, 0, 1000, "simulated: friction of the handle"},
     Parameter{"stops", "", 1, 0, 1, "simulated: hard stops 5 mm outside the workspace"},

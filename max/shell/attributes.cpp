@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace tactus::max {
 namespace {
@@ -32,22 +33,40 @@ t_max_err get_parameter(Instance* instance, std::size_t index, long* count, t_at
   return 0;
 }
 
-// The value of the whole box, which pattr, autopattr and pattrstorage keep: those of all
-// parameters.
+std::vector<std::size_t> stored_parameters(const Declaration& declaration) {
+  std::vector<std::size_t> stored;
+  for (std::size_t i = 0; i < declaration.parameters.size(); ++i)
+    if (declaration.parameters[i].stored)
+      stored.push_back(i);
+  return stored;
+}
+
+// The value of the whole box, which pattr, autopattr and pattrstorage keep: that of each parameter
+// that a host may keep.
 t_max_err get_value(Instance* instance, long* count, t_atom** atoms) {
   guarded(instance, [&](const MaxObject& object) {
-    const auto size = static_cast<long>(object.declaration().parameters.size());
+    const std::vector<std::size_t> stored = stored_parameters(object.declaration());
+    const auto size = static_cast<long>(stored.size());
     char was_allocated = 0;
     if (atom_alloc_array(size, count, atoms, &was_allocated) != 0)
       return;
     *count = was_allocated ? size : std::min(*count, size); // not beyond the caller's own memory
     for (long i = 0; i < *count; ++i)
-      set_atom((*atoms)[i], object.parameter(static_cast<std::size_t>(i)));
+      set_atom((*atoms)[i], object.parameter(stored[static_cast<std::size_t>(i)]));
   });
   return 0;
 }
 t_max_err set_value(Instance* instance, long count, t_atom* atoms) {
-  guarded(instance, [&](MaxObject& object) { object.set_parameters(to_atoms(count, atoms)); });
+  guarded(instance, [&](MaxObject& object) {
+    const std::vector<std::size_t> stored = stored_parameters(object.declaration());
+    const std::vector<Atom> values = to_atoms(count, atoms);
+    if (values.size() > stored.size())
+      throw std::length_error("the stored value has " + std::to_string(values.size()) +
+                              " numbers: expected at most " + std::to_string(stored.size()) +
+                              ", one for each parameter");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      object.message(object.declaration().parameters[stored[i]].name, {values[i]});
+  });
   return 0;
 }
 
@@ -86,7 +105,7 @@ std::string menu(const Parameter& parameter) {
 void add_attributes(t_class* handle, const Declaration& declaration) {
   if (declaration.parameters.size() > kMaxParameters)
     throw std::length_error("more parameters than kMaxParameters");
-  if (!declaration.parameters.empty()) {
+  if (!stored_parameters(declaration).empty()) {
     class_addmethod(handle, method_of(&get_value), "getvalueof", A_CANT, 0);
     class_addmethod(handle, method_of(&set_value), "setvalueof", A_CANT, 0);
   }
@@ -104,7 +123,8 @@ void add_attributes(t_class* handle, const Declaration& declaration) {
         in_quotes(parameter.unit.empty() ? name : name + " (" + std::string(parameter.unit) + ")"));
     describe("category", "symbol", "Parameters");
     describe("order", "long", std::to_string(i + 1));
-    describe("save", "long", "1");
+    if (parameter.stored)
+      describe("save", "long", "1");
     if (const std::string words = menu(parameter); !words.empty()) {
       describe("style", "symbol", "enum");
       describe("enumvals", "atom", words);

@@ -201,16 +201,6 @@ Atom MaxObject::parameter(std::size_t index) const {
   return choice < parameter.choices.size() ? Atom(parameter.choices[choice]) : Atom(value);
 }
 
-void MaxObject::set_parameters(std::span<const Atom> values) {
-  const std::size_t count = declaration_.parameters.size();
-  if (values.size() > count)
-    return say_error("the stored value has " + std::to_string(values.size()) +
-                     " numbers: expected at most " + std::to_string(count) +
-                     ", one for each parameter");
-  for (std::size_t i = 0; i < values.size(); ++i)
-    message(declaration_.parameters[i].name, {values[i]});
-}
-
 void MaxObject::get(std::span<const Atom> names) {
   if (names.empty())
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)

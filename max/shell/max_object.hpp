@@ -51,8 +51,6 @@ public:
   void list(std::size_t inlet, std::span<const Atom> atoms);
   void message(std::string_view name, std::vector<Atom> arguments);
   [[nodiscard]] Atom parameter(std::size_t index) const;
-  /// Sets all parameters in order, as the list of their values that pattr has stored says.
-  void set_parameters(std::span<const Atom> values);
   [[nodiscard]] const Declaration& declaration() const { return declaration_; }
 
   // Audio. counts says of each of Max's signal inlets whether something is connected.

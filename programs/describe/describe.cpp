@@ -50,7 +50,7 @@ std::string parameter(const Parameter& p) {
          ", " + field("text", files::quoted_json(p.text)) + ", " +
          field("choices", array(p.choices, files::quoted_json)) + ", " +
          field("values", array(p.values, number)) + ", " + field("realtime", flag(p.realtime)) +
-         "}";
+         ", " + field("stored", flag(p.stored)) + "}";
 }
 
 std::string message(const Message& m) {

@@ -92,6 +92,16 @@ def test_whoever_shows_an_attribute_learns_what_else_has_changed_it(audio):
     assert all(values == [after[name]] for name, values in shown(late).items())
 
 
+def test_neither_a_preset_nor_a_saved_patcher_switches_motors_on(tmp_path):
+    box = [load("phantom"), "new b phantom"]
+    parameters = [p for p in declarations()["phantom"]["parameters"] if p["name"] != "motors"]
+    stored = run([*box, "value b"]).of("whole")[0].removeprefix("b ")
+    assert len(stored.split()) == len(parameters)
+    result = run([*box, f"save {tmp_path}/saved", "send b 0 motors 0", f"value b {stored}", f"restore {tmp_path}/saved",
+                  "get b motors"])
+    assert result.values("b")["motors"] == "0.0" and "motors" not in (tmp_path / "saved").read_text()
+
+
 def test_the_preset_object_of_max_finds_no_method_to_call():
     result = run([load("particle~"), "new b particle~", "preset b", "send b 0 preset maraca", "get b kind"])
     assert not result.of("error") and "not asked: b" in result.lines
