@@ -34,6 +34,9 @@ FILES = {"fstream", "filesystem", "iostream", "syncstream"}
 READS = re.compile(r"\b(fopen|freopen|fread|fwrite|fgets|fputs|tmpfile|FILE)\b")
 # Waits by std::atomic's own: GCC's library on Windows looks outside of the lock and then waits in it, so that a
 # thread may wait for ever (docs/cross_build.md). A condition_variable_any with a stop_token has a stop_callback.
+# Objects speak of no host: each says where it looks, and what it wants, in the words of all of them.
+HOST = re.compile(r"\"(?:[^\"\\\n]|\\.)*\b(?:Pd|Pure Data|Max|MSP)\b(?:[^\"\\\n]|\\.)*\"")
+SPEAK_OF_NO_HOST = ("core", "files", "devices", "net", "externals")
 LOSES = re.compile(r"\b(condition_variable_any|stop_callback)\b|<(semaphore|latch|barrier)>|\.wait\([^;]*memory_order")
 INCLUDE = re.compile(r"^\s*#\s*include\s*([<\"])([^>\"]+)[>\"]", re.M)
 
@@ -56,6 +59,8 @@ def wrong_in(room, path, text):
             yield f"{path} includes <{header}>: the core includes the standard library alone, and reads no file"
     if room == "core" and (found := READS.search(re.sub(r"//.*", "", text))):
         yield f"{path} uses {found[0]}: the core reads no file"
+    if room in SPEAK_OF_NO_HOST and (found := HOST.search(re.sub(r"//.*", "", INCLUDE.sub("", text)))):
+        yield f"{path} says {found[0]}: the text of an object names no host"
     if not path.endswith("_posix.cpp") and (found := LOSES.search(re.sub(r"//.*", "", text))):
         yield f"{path} uses {found[0]}, which loses wake-ups on Windows: a std::condition_variable, or WakeCount"
 
@@ -88,6 +93,9 @@ def test_what_goes_up_or_sideways_is_found(tmp_path):
         "devices/a.cpp": "count_.wait(seen,\n            std::memory_order_acquire); // in a stop_callback\n",
         "devices/b_posix.cpp": "count_.wait(seen, std::memory_order_acquire);\n",
         "net/a.cpp": "#include <semaphore>\n",
+        "externals/x/d.cpp": 'error("no such file in Pd\'s path"); // "of Pd"\nlog("Maximum in \\"all\\"");\n',
+        "devices/c.cpp": '// "the Max shell"\nerror("in \\"Max\\"");\n',
+        "pd/a.cpp": 'error("tactus: Pd knows no such thing");\n',
         "programs/x/a.cpp": '#include "externals/x/a.hpp"\n#include "pd/shell.hpp"\n',
     }
     for name, text in lines.items():
@@ -100,7 +108,8 @@ def test_what_goes_up_or_sideways_is_found(tmp_path):
              ("externals/x/a.cpp", "fem/a.hpp"), ("externals/x/a.cpp", "m_pd.h"),
              ("externals/x/b.hpp", "max/abi"), ("max/shell/a.cpp", "pd/shell"), ("max/shell/a.cpp", "ext_obex"),
              ("programs/x/a.cpp", "pd/shell"), ("externals/x/c.hpp", "condition_variable_any"),
-             ("devices/a.cpp", "memory_order"), ("net/a.cpp", "<semaphore>")]
+             ("devices/a.cpp", "memory_order"), ("net/a.cpp", "<semaphore>"),
+             ("externals/x/d.cpp", "Pd's path"), ("devices/c.cpp", "names no host")]
     assert len(found) == len(words), found
     for name, word in words:
         assert any(name in sentence and word in sentence for sentence in found), (name, word)

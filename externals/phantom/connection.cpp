@@ -123,7 +123,7 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
     std::string found = host.find_file(texts[1]);
     if (found.empty())
       return host.error(texts[0] + " " + texts[1] +
-                        ": no such file beside the patch or in Pd's search path");
+                        ": no such file beside the patch or in the search path");
     texts[1] = std::move(found);
   }
   if (const std::string refused = device_->configure(texts); !refused.empty())

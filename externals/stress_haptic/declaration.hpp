@@ -63,7 +63,7 @@ static_assert(kParameters.size() == kParameterCount);
 inline constexpr std::array kMessages{
     takes_file(Message{
         "load", "name", 1, 1,
-        "a stress table, NAME or NAME.stress.npz: beside the patch, in Pd's path, beside the "
+        "a stress table, NAME or NAME.stress.npz: beside the patch, in the search path, beside the "
         "object"}),
     Message{"cp", "id x y z", 4, 4, "position of a control point, mm"},
     Message{"list", "d ...", 1, 12288, "displacements of all parameters, mm, in the table's order"},

@@ -42,7 +42,8 @@ def label_of(word):
 def reworded(text):
     """A text of a Pd patch in Max's words."""
     for pd_words, max_words in (("Pd's window", "the Max console"), ("-> log", "-> Max console"),
-                                ("see the log", "see the Max console"), ("[netreceive]", "[udpreceive]")):
+                                ("see the log", "see the Max console"), ("in the log", "in the console"),
+                                ("[netreceive]", "[udpreceive]")):
         text = text.replace(pd_words, max_words)
     return text
 

@@ -1,6 +1,7 @@
 """The finished package: complete against the declarations, without findings, the same bytes each time."""
 import json
 import os
+import re
 import xml.etree.ElementTree as xml
 import zipfile
 
@@ -61,6 +62,14 @@ def test_an_object_that_sounds_is_started_by_one_click_and_heard(package, declar
         if d["signal"]:
             assert any("dsp start" in b.get("text", "") for b in boxes), d["name"]
             assert any(b["maxclass"] == "ezdac~" for b in boxes), d["name"]
+
+
+def test_nothing_sends_a_reader_to_what_only_pd_has(package):
+    for path in sorted(package.rglob("*.max*")):
+        texts = [path.read_text(encoding="utf-8")] if path.suffix == ".xml" else [
+            b.get("text", "") for b in all_boxes(json.loads(path.read_text(encoding="utf-8"))["patcher"])]
+        for text in texts:
+            assert not re.search(r"Pd's (window|path|search)|\b(in|see) the log\b", text), (path.name, text)
 
 
 def test_pages_are_well_formed_and_complete(package, declarations):
