@@ -34,11 +34,13 @@ MEDIA = ("docs/results/reed_map.png",)
 ABSTRACTIONS = ("reed_sigma", "reed_point", "reed_difference", "reed_force", "reed_choice", "reed_guide")
 PATCHES = ("reed/reed_haptic", "haptic/struck_disk")
 DRAWN = "Pd draws its cells by data structures"
-# What of a Pd patch has no equivalent in Max: {patch: {object or beginning of a text: reason}}.
+# What of a Pd patch has no equivalent in Max: {patch: {object, label, or beginning of a text or sentence: reason}}.
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
-    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN},
-    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": ""},
+    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "In the map bright is": "",
+                    "draw the map again": "", "pd drag": ""},
+    "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "quantity growth": "",
+                             "quantity f_p": "", "s playability_map-map": ""},
 }
 
 

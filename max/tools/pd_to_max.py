@@ -86,6 +86,14 @@ class Converter:
                 return True
         return False
 
+    def shortened(self, text):
+        """The text without the sentences that the caller left out by their beginning."""
+        for name in self.without:
+            if " " in name and (start := text.find(name)) > 0:
+                end = text.find(". ", start)
+                text = text[:start].rstrip() + (text[end + 1:] if end >= 0 else "")
+        return text
+
     def fail(self, what, x, y):
         error = NoEquivalent(f"{self.where.name}: [{what}] at {x} {y} has no equivalent in Max", "where known")
         raise error
@@ -129,6 +137,8 @@ class _Canvas:
         return consumed
 
     def _widget(self, index, widget):
+        if any(self.converter.omitted(label.text) for label in widget.labels):
+            return
         names = self.converter.names
         if widget.receives and widget.receives not in names.sent:
             widget.receives = None
@@ -167,6 +177,7 @@ class _Canvas:
         text = pd_widgets.reworded(" ".join(plain(w) for w in pd_box.words).replace(" ,", ",").replace(" ;", ";"))
         if self.converter.omitted(text):
             return
+        text = self.converter.shortened(text)
         chars = pd_box.chars or min(60, len(text))
         width, _ = text_size.box_size(text, "comment", chars * 7 + 10)
         self._add(None, pd_box, Box("comment", text, width=width), chars * 7, 15 * (1 + len(text) // 61))
@@ -263,6 +274,8 @@ class _Canvas:
                 self.panels.append(widget.box)
             return
         length = pd_box.chars or len(" ".join(pd_box.words))
+        if " ".join(plain(w) for w in pd_box.words) in self.converter.without:
+            return
         if name in PURE and not any(index in (c[0], c[2]) for c in self.canvas.cords):
             return  # left over in the Pd patch: wired to nothing
         if name in ("inlet", "inlet~", "outlet", "outlet~"):

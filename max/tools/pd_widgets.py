@@ -43,7 +43,8 @@ def reworded(text):
     """A text of a Pd patch in Max's words."""
     for pd_words, max_words in (("Pd's window", "the Max console"), ("-> log", "-> Max console"),
                                 ("see the log", "see the Max console"), ("in the log", "in the console"),
-                                ("[netreceive]", "[udpreceive]")):
+                                ("[netreceive]", "[udpreceive]"),
+                                ("guidance: computed while guide is on", "guidance")):
         text = text.replace(pd_words, max_words)
     return text
 

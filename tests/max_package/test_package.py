@@ -70,6 +70,21 @@ def test_nothing_sends_a_reader_to_what_only_pd_has(package):
             b.get("text", "") for b in all_boxes(json.loads(path.read_text(encoding="utf-8"))["patcher"])]
         for text in texts:
             assert not re.search(r"Pd's (window|path|search)|\b(in|see) the log\b", text), (path.name, text)
+    text = (package / "patchers" / "reed_haptic.maxpat").read_text(encoding="utf-8")
+    assert "red square" not in text and "draw the map" not in text and "way out of silence.\"" in text
+    assert "while guide is on" not in text
+
+
+def test_what_a_help_patcher_sends_by_name_arrives(package):
+    for path in sorted((package / "help").iterdir()):
+        sent, received = set(), {"dsp"}
+        for b in all_boxes(json.loads(path.read_text(encoding="utf-8"))["patcher"]):
+            words = b.get("text", "").split()
+            if b["maxclass"] == "newobj" and words[0] in ("s", "send~", "r", "receive~"):
+                (sent if words[0].startswith("s") else received).add(words[1])
+            if b["maxclass"] == "message":
+                sent |= set(re.findall(r";\s*([^\s;]+)", b["text"]))
+        assert sent <= received, (path.name, sent - received)
 
 
 def test_pages_are_well_formed_and_complete(package, declarations):
