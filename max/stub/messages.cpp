@@ -234,7 +234,7 @@ std::vector<t_atom> get_attribute(Object& object, const Attribute& a) {
 }
 
 std::string assist_text(Object& object, long direction, long index) {
-  constexpr std::size_t kSize = 512, kGuard = 64;
+  constexpr std::size_t kSize = 256, kGuard = 512;
   const Method* assist = object.type->find("assist");
   if (!assist)
     return {};
@@ -246,7 +246,7 @@ std::string assist_text(Object& object, long direction, long index) {
                                                                     direction, index, text.data());
   });
   if (std::any_of(text.begin() + kSize, text.end(), [](char c) { return c != '\x5A'; }))
-    violation("assist writes more than 512 characters");
+    violation("assist writes more than 256 characters, with the zero");
   text[kSize - 1] = '\0';
   return text.data();
 }

@@ -68,9 +68,11 @@ void* construct(t_class& c, Call& call, std::string_view name, std::span<t_atom>
   return made;
 }
 
-bool has_attribute_argument(std::span<t_atom> arguments) {
-  return std::any_of(arguments.begin(), arguments.end(), [](const t_atom& a) {
-    return a.a_type == A_SYM && name_of(a.a_w.w_sym).substr(0, 1) == "@";
+/// Whether one of the arguments is @ and the name of an attribute; @ and a message is the object's.
+bool has_attribute_argument(const t_class& c, std::span<t_atom> arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [&c](const t_atom& a) {
+    return a.a_type == A_SYM && name_of(a.a_w.w_sym).substr(0, 1) == "@" &&
+           c.attribute(name_of(a.a_w.w_sym).substr(1));
   });
 }
 
@@ -123,7 +125,7 @@ Object* make_object(const std::string& id, std::string_view class_name,
   if (!object)
     return nullptr;
   object->id = id;
-  if (has_attribute_argument(arguments) && !object->attributes_processed && !c->attributes.empty())
+  if (has_attribute_argument(*c, arguments) && !object->attributes_processed)
     violation(object->text() + ": attributes among the arguments, but no attr_args_process");
   check_construction(*object);
   object->constructed = true;

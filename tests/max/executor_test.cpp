@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -29,10 +30,15 @@ struct Notes {
   static constexpr Declaration declaration{"notes~", "",       "",          "",
                                            {},       kOutlets, kParameters, kMessages};
 
+  void prepare(double rate, std::size_t frames) {
+    prepared += 1;
+    prepared_rate = rate;
+    prepared_frames = frames;
+  }
   void set(std::size_t, double value) noexcept {
     if (plant)
       planted = value;
-    gain = value;
+    gain = std::min(value, limit);
   }
   [[nodiscard]] double get(std::size_t) const noexcept { return gain; }
   void message(std::size_t index, std::span<const Atom> words, Host& host) {
@@ -58,9 +64,13 @@ struct Notes {
   }
 
   static inline bool plant = false;
+  static inline double limit = 1e6;
   static inline double planted = 0;
   static inline int strikes = 0, loads = 0, blocks = 0,
                     loads_before_block = 0; // of the one object of a test
+  static inline int prepared = 0;
+  static inline double prepared_rate = 0;
+  static inline std::size_t prepared_frames = 0;
   static inline double heard_gain = 0;
   static inline bool meet_block = false;
   static inline std::atomic<bool> holds{false}, block_begins{false};
@@ -70,7 +80,7 @@ struct Notes {
 class Rig final : public Executor::Shell, public Host {
 public:
   Rig() {
-    Notes::strikes = Notes::loads = Notes::blocks = 0;
+    Notes::strikes = Notes::loads = Notes::blocks = Notes::prepared = 0;
     Notes::heard_gain = 0;
     Notes::meet_block = false;
   }
@@ -165,6 +175,37 @@ TEST_CASE(
   CHECK(Notes::heard_gain == 0.25);
   CHECK(rig.delivered == 1);
   CHECK_FALSE(rig.executor.waiting());
+}
+
+TEST_CASE("a new chain prepares the object anew for another rate or block alone") {
+  Rig rig;
+  rig.executor.prepare(48000, 64);
+  rig.executor.prepare(48000, 64);
+  CHECK(Notes::prepared == 1);
+  rig.executor.prepare(96000, 64);
+  CHECK(Notes::prepared == 2);
+  CHECK(Notes::prepared_rate == 96000);
+  rig.executor.prepare(96000, 512);
+  CHECK(Notes::prepared == 3);
+  CHECK(Notes::prepared_frames == 512);
+}
+
+TEST_CASE("a parameter that changes is told, and by itself only if it was not set") {
+  Rig rig;
+  rig.set_gain(0.5);
+  CHECK(rig.changes == 1);
+  rig.set_gain(0.5);
+  CHECK(rig.changes == 1);
+  CHECK(rig.executor.take_change(0)); // of the gain of 1 that it began with
+  CHECK_FALSE(rig.executor.take_change(0));
+  rig.set_gain(2);
+  CHECK(rig.changes == 2);
+  CHECK_FALSE(rig.executor.take_change(0)); // its setter knows
+  Notes::limit = 3;
+  rig.set_gain(5);
+  Notes::limit = 1e6;
+  CHECK(rig.executor.value(0) == 3);
+  CHECK(rig.executor.take_change(0)); // it has become another
 }
 
 TEST_CASE("an exception of a message leaves the object to others") {

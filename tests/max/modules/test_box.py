@@ -45,6 +45,16 @@ def test_lists_and_bangs_that_mean_nothing_are_one_error_that_names_what_there_i
     assert "no message 'float'; there are send" in errors[3] and "no message 'list'" in errors[4]
 
 
+def test_a_symbol_is_a_message_and_a_message_an_attribute_argument():
+    gets = [f"get b {p['name']}" for p in declarations()["greed~"]["parameters"]]
+    trumpet = run([load("greed~"), "new b greed~ -preset trumpet", *gets])
+    assert run([load("greed~"), "new b greed~ @preset trumpet", *gets]).lines == trumpet.lines
+    assert len(trumpet.of("value")) == len(gets) and not trumpet.of("error")
+    said = run([load("greed~"), "new b greed~", "send b 0 symbol dump"])
+    assert len(said.sent("b")) > len(gets) and not said.of("error")
+    assert "tongu" in run([load("greed~"), "new b greed~", "send b 0 symbol tongu"]).of("error")[0]
+
+
 def test_get_answers_to_every_name_that_dump_sends_and_preset_comes_first():
     lines = run([load("greed~"), "new b greed~ -gain 1 trumpet", "send b 0 dump"]).sent("b")
     names = [atoms[0] for _, _, atoms in lines]
@@ -122,6 +132,10 @@ def test_realtime_messages_wait_for_the_next_block_and_for_no_longer_than_audio_
     stopped = run([*box, "send b 0 drop 5.", "dsp off", "advance 300", "echo later"])
     said = [line for line in stopped.lines if line.startswith(("error", "later", "echo"))]
     assert len(said) == 2 and "nothing falls" in said[0], said  # audio has stopped meanwhile
+    # One more, when blocks have come since the first was sent, and none comes any more.
+    two = run([*box, "send b 0 drop 5.", "run 20", "send b 0 drop 5.", "dsp off", "echo off", "advance 300"])
+    said = [line for line in two.lines if line.startswith(("error", "off"))]
+    assert [line.split(":")[0] for line in said] == ["error", "off", "error"], said
     muted = run([*box, "mute b 1", "send b 0 drop 5.", "echo sent"])
     assert "nothing falls" in muted.of("error")[0]
 
@@ -184,6 +198,11 @@ def test_arrays_are_buffers():
                   "send b 0 path array bx by bz 500.", "send b 0 path array bx by no-such-buffer 500.", "advance 20"])
     errors = result.of("error")
     assert len(errors) == 1 and "no-such-buffer" in errors[0], errors
+    # Of several channels the first: the hand follows the same numbers along x and y, and 5 mm of 100 along z.
+    hand = run([load("phantom"), "buffer bx 1 480 sine 100 20", "buffer by 2 480 sine 100 20", "buffer bz 1 480 constant 5",
+                "new b phantom", "send b 0 path array bx by bz 100.", "advance 1000"])
+    x, y, z = ([float(words[1]) for _, _, words in hand.sent("b", outlet)] for outlet in range(3))
+    assert x == y and max(x) - min(x) > 0.01 and abs(z[-1] - 0.55) < 0.01, (x[-1], y[-1], z[-1])
 
 
 def test_externals_share_a_device_by_name():

@@ -22,6 +22,7 @@ def test_two_threads_send_while_a_third_performs(name):
         lines.append("scheduler " + fuzz(d, generator, "b"))
     for p in d["parameters"]:
         lines += [f"main get b {p['name']}", f"scheduler get b {p['name']}"]
+    lines.append("main value b")
     lines += ["end", "run 200", "dsp off", "free b"]
     run(lines)
 

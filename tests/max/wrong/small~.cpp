@@ -293,8 +293,7 @@ void assist(Small*, void*, long direction, long index, char* text) {
                                   : "(message) what came";
   std::snprintf(text, 256, "%s", what);
   if (wrong("assist too long"))
-    for (int i = 0; i < 530; ++i)
-      text[i] = 'a';
+    std::snprintf(text, 300, "%0256d", 0); // 256 characters and the zero
 }
 
 t_atom_long accepts_drag(Small* x, t_object* drag, t_object*) {
