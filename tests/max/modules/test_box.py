@@ -25,12 +25,29 @@ def test_a_number_is_the_signal_of_an_inlet_without_one():
     assert levels(run(integers)) == levels(run(lines))
     spread = [line.replace("b 0 float 3000.", "b 0 list 3000. 0. 0.") for line in lines]
     assert levels(run(spread)) == levels(run(lines))
+    right = [[*lines[:5], f"send b 2 {given}", *lines[5:]] for given in ("list 90. 3.", "float 90.")]
+    assert levels(run(right[0])) == levels(run(right[1])) != levels(run(lines))  # its first number alone
+    middle = [[*lines[:5], "send b 2 float 90.", f"send b 1 {given}", *lines[5:]] for given in ("list 400. 20.", "float 400.")]
+    assert levels(run(middle[0])) == levels(run(middle[1])) != levels(run(right[1]))
 
 
 def test_control_inlets_take_numbers_and_lists():
     result = run([load("phantom"), "new b phantom", "send b 2 float 1.5", "send b 1 int 2", "send b 0 float 0.25",
                   "send b 0 list 1. 2. 3.", "send b 1 list 4.", "send b 0 bang", "advance 50"])
     assert not result.of("error") and result.sent("b")
+
+
+def test_a_list_to_the_left_inlet_gives_the_right_one_its_number_first():
+    """The left inlet of a map asks for the value at both."""
+    for turns in (30000, 300000, 3000000, 30000000):  # the map is computed by a thread of its own, in its own time
+        result = run([load("playability_map"), "new b playability_map trumpet @columns 3 @rows 3 @quantity growth", "send b 0 compute",
+                      f"repeat {turns}", "advance 1", "end", "echo done", "send b 1 float 0.7", "send b 0 float 0.5",
+                      "send b 1 float 0.1", "send b 0 list 0.5 0.7"])
+        if any(words == ["float", "1.0"] for _, _, words in result.sent("b", 3)):
+            one, other = result.sent("b", 0)
+            assert one[2] == other[2] and result.sent("b", 1)[0][2] == result.sent("b", 1)[1][2]
+            return
+    pytest.fail("the map is not computed: " + "; ".join(result.lines[:20]))
 
 
 def test_lists_and_bangs_that_mean_nothing_are_one_error_that_names_what_there_is():
@@ -202,6 +219,7 @@ def test_arrays_are_buffers():
     hand = run([load("phantom"), "buffer bx 1 480 sine 100 20", "buffer by 2 480 sine 100 20", "buffer bz 1 480 constant 5",
                 "new b phantom", "send b 0 path array bx by bz 100.", "advance 1000"])
     x, y, z = ([float(words[1]) for _, _, words in hand.sent("b", outlet)] for outlet in range(3))
+    assert all(words[0] == "float" and len(words) == 2 for outlet in range(3) for _, _, words in hand.sent("b", outlet))
     assert x == y and max(x) - min(x) > 0.01 and abs(z[-1] - 0.55) < 0.01, (x[-1], y[-1], z[-1])
 
 
