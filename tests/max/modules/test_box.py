@@ -205,6 +205,9 @@ def test_files_lie_beside_the_patcher_also_those_of_a_subpatcher(where, tmp_path
     result = run([load("phantom"), f"patcher {tmp_path}/a.maxpat{where}", "new b phantom", "send b 0 trace t.csv",
                   "advance 50", "send b 0 trace stop", "free b"])
     assert not result.of("error") and (tmp_path / "t.csv").stat().st_size > 0
+    later = run([load("phantom"), "new b phantom", f"patcher {tmp_path}/saved.maxpat{where}", "send b 0 trace later.csv",
+                 "advance 50", "send b 0 trace stop", "free b"])  # saved after the box was made
+    assert not later.of("error") and (tmp_path / "later.csv").stat().st_size > 0
     (tmp_path / "mine.npz").write_bytes((STAGE / "plate.modal.npz").read_bytes())
     assert not run([load("modal_impact~"), f"patcher {tmp_path}/a.maxpat{where}", "new b modal_impact~",
                     "send b 0 load mine.npz -sync"]).of("error")
