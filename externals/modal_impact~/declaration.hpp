@@ -123,8 +123,9 @@ enum MessageIndex : std::size_t {
 inline constexpr std::array kMessages{
     takes_file(Message{
         "load", "name [-sync]", 1, 2,
-        "read a body's table, NAME or NAME.modal.npz: beside the patch, in the search path, beside the "
-        "object (bar bell board bowl glass plate tube ...); the old body sounds until then"}),
+        "read a body's table, NAME or NAME.modal.npz: beside the patch, in the search path, "
+        "beside the object (bar bell board bowl glass plate tube ...); the old body sounds until "
+        "then"}),
     realtime(Message{"hit", "[x y z] v", 1, 4,
                      "strike at x y z mm with v m/s; without a position where the last one was"}),
     realtime(Message{"hitv", "vertex v", 2, 2, "strike at a vertex of the table"}),
