@@ -39,7 +39,7 @@ def random_settings(name, seed):
     generator = random.Random(f"{name} {seed}")
     messages = []
     for p in DECLARATIONS[name]["parameters"]:
-        if p["name"] in FIXED.get(name, ()):
+        if p["name"] in FIXED.get(name, ()) or not p["stored"]:
             continue
         if p["choices"]:
             value = generator.choice(p["choices"])
@@ -57,7 +57,7 @@ def random_settings(name, seed):
 
 def settings(lines, name):
     """The lines of a dump that a preset is to restore: parameters, and messages that are in it."""
-    parameters = {p["name"] for p in DECLARATIONS[name]["parameters"]}
+    parameters = {p["name"] for p in DECLARATIONS[name]["parameters"] if p["stored"]}
     others = {m[0] for m in MESSAGES.get(name, ())} - parameters
     found, seen = [], set()
     for line in lines:
@@ -192,6 +192,21 @@ def test_mistakes_are_one_error_each_and_change_nothing(tmp_path):
     assert dumps["before"] == dumps["after"]
     assert [line[0] for line in report] == ["stored", *["error"] * 6, "keys"]
     assert report[-1] == ["keys", 1]
+
+
+def test_a_recalled_preset_ends_no_emergency_stop():
+    rig = Rig("phantom")
+    rig.set([["slew", 3]])
+    rig.do(rig.preset, "store 1")
+    rig.set([["slew", 5]])
+    rig.do(rig.object, "estop")
+    rig.do(rig.preset, "recall 1")
+    rig.do(rig.object, "dump")
+    info = [atoms for _, atoms in rig.patch.render((rig.time + 50) / 1000, path=[LIVE]).logs["info"]]
+    assert ["estop", 1] in info and ["status", "estop", 0] not in info
+    assert [atoms for atoms in info if atoms[0] == "slew"][-1] == ["slew", 3]
+    stored = {name for name, d in DECLARATIONS.items() for p in d["parameters"] if not p["stored"]}
+    assert stored == {"phantom"}  # the patch knows its parameter by name
 
 
 def test_an_object_that_does_not_answer_is_said():
