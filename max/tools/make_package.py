@@ -5,9 +5,9 @@
                     [--externals FOLDER] [--library FOLDER] [--zip FILE]
 
 FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
-docs/refpages/, patchers/, init/ (the list of objects) and media/: a picture and, from the staged Pd library
-(--library), the bodies and networks that patchers load; Max looks there for files. What is missing is said,
-and left out.
+docs/refpages/, docs/ (the guides that help patchers name, and all that these link to), patchers/, init/ (the
+list of objects) and media/: a picture and, from the staged Pd library (--library), the bodies and networks that
+patchers load; Max looks there for files. What is missing is said, and left out.
 """
 import argparse
 import json
@@ -115,9 +115,28 @@ def copy_data(folder, library):
     return copied
 
 
+def copy_guides(package):
+    """The guides, with their pictures, under the paths by which help patchers and each other name them."""
+    for path in sorted((ROOT / "docs").rglob("*")):
+        if path.suffix in (".md", ".png"):
+            target = package / path.relative_to(ROOT)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, target)
+
+
+def missing_guides(package):
+    """Findings: guides that a text of a patcher or of a reference page names and the package does not hold."""
+    findings = []
+    for path in sorted(p for p in package.rglob("*") if p.suffix in (".maxhelp", ".maxpat", ".xml")):
+        for guide in set(re.findall(r"docs/[\w/]+\.md", path.read_text(encoding="utf-8"))):
+            if not (package / guide).exists():
+                findings.append(f"{path.name}: {guide} is not in the package")
+    return findings
+
+
 def check(package, declarations):
     """Every finding of the checkers about the finished folder."""
-    findings = []
+    findings = missing_guides(package)
     for path in sorted(package.rglob("*.maxhelp")) + sorted(package.rglob("*.maxpat")):
         findings += [f"{path.name}: {f}" for f in check_patcher.check_file(path)]
     findings += check_reference.check_folder(package / "docs" / "refpages", declarations)
@@ -161,6 +180,7 @@ def make(arguments):
     bodies = copy_data(folders["media"], arguments.library)
     (folders["init"] / f"{NAME}-objectlist.txt").write_text(
         "".join(f'max oblist "{NAME}" {d["name"]};\n' for d in declarations))
+    copy_guides(package)
     for path in MEDIA:
         shutil.copyfile(ROOT / path, folders["media"] / pathlib.Path(path).name)
     shutil.copyfile(ROOT / "LICENSE", package / "license.txt")

@@ -32,6 +32,16 @@ def test_the_checkers_find_nothing(package, declarations):
     assert make_package.check(package, declarations) == []
 
 
+def test_the_guides_that_help_names_are_there_with_their_pictures(package, tmp_path):
+    named = {guide for path in package.rglob("*.maxhelp") for guide in re.findall(r"docs/\w+\.md", path.read_text())}
+    assert {"docs/phantom.md", "docs/network.md"} <= named
+    for guide in (package / "docs").rglob("*.md"):
+        for picture in re.findall(r"!\[[^]]*\]\(([^):]+\.png)\)", guide.read_text(encoding="utf-8")):
+            assert (guide.parent / picture).exists(), (guide.name, picture)
+    (tmp_path / "some.maxhelp").write_text("see docs/nowhere.md")
+    assert make_package.missing_guides(tmp_path) == ["some.maxhelp: docs/nowhere.md is not in the package"]
+
+
 def test_every_object_has_help_and_a_reference_page(package, declarations):
     names = sorted(d["name"] for d in declarations)
     assert len(names) == len(set(names)) >= 14
