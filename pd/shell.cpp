@@ -105,10 +105,12 @@ public:
       return get(count, atoms);
     if (name == "dump")
       return dump();
-    if ((name == "float" || name == "list") && !find_message(declaration_, name)) {
+    if (name == "float" || name == "list") {
       if (count == 0) // Pd's empty list is a bang
         return run({"bang", {}});
-      if (signal_inlets_ > 0 || record_.traits().takes_numbers)
+      const bool number = count == 1 && atoms[0].a_type == A_FLOAT; // [t l] sends it as a list
+      const bool takes_numbers = signal_inlets_ > 0 || record_.traits().takes_numbers;
+      if (takes_numbers && (number || !find_message(declaration_, name)))
         return numbers_to_inlets(to_atoms(count, atoms));
     }
     run({name, to_atoms(count, atoms)});

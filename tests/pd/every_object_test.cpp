@@ -188,6 +188,30 @@ TEST_CASE("bang, an empty list, numbers and lists do something or are refused in
   }
 }
 
+TEST_CASE("an empty list is a bang, and a list of one number is that number") {
+  const auto answer = [](std::string_view object, const char* selector, MessageAtoms atoms) {
+    Box box(std::string(object), {});
+    static_cast<void>(errors());
+    static_cast<void>(sent());
+    box.send(selector, std::move(atoms));
+    std::vector<std::string> answers = errors();
+    for (const auto& message : sent())
+      answers.push_back(std::to_string(message.outlet) + " " + message.selector + " " +
+                        std::to_string(message.atoms.size()));
+    return answers;
+  };
+  for (const ObjectDescription& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    CHECK(answer(declaration.name, "list", {}) == answer(declaration.name, "bang", {}));
+    const bool takes_signals =
+        std::any_of(declaration.inlets.begin(), declaration.inlets.end(),
+                    [](const Port& port) { return port.kind == Port::Kind::kSignal; });
+    if (takes_signals || described.traits.takes_numbers)
+      CHECK(answer(declaration.name, "list", {0.5}) == answer(declaration.name, "float", {0.5}));
+  }
+}
+
 TEST_CASE("an inlet's name sent as a message is told to be that inlet") {
   for (const auto& described : objects()) {
     const Declaration& declaration = *described.declaration;
