@@ -85,6 +85,10 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     return {};
   }
   if (words.size() == 2 && words[0] == "device") {
+    if (words[1] == "0") // as `devices` lists the one that is set
+      return {};
+    if (words[1].find_first_not_of("0123456789") == std::string::npos)
+      return "net: there is no device " + words[1] + ": expected 0, HOST or HOST:PORT";
     const auto colon = words[1].rfind(':');
     const bool has_port = colon != std::string::npos && words[1].find(':') == colon;
     const int port = has_port ? port_of(words[1].substr(colon + 1)) : kPort;
@@ -94,13 +98,11 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     settings_.port = port;
     return {};
   }
-  const bool named = words.size() == 3 && words[0] == "host";
-  if (named || words.size() == 2) {
-    const std::string &host = words[named ? 1 : 0], &port = words[named ? 2 : 1];
-    if (port_of(port) == 0)
-      return refused_port(port);
-    settings_.host = host;
-    settings_.port = port_of(port);
+  if (words.size() == 3 && (words[0] == "host" || words[0] == "device")) {
+    if (port_of(words[2]) == 0)
+      return refused_port(words[2]);
+    settings_.host = words[1];
+    settings_.port = port_of(words[2]);
     return {};
   }
   return "net: " + (words.empty() ? "nothing" : words[0]) +

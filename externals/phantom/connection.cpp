@@ -81,8 +81,7 @@ void Phantom::on_backend(Words words, Host& host) {
     if (!made)
       return host.error("backend " + std::string(requested->name) + ": " + requested->problem());
     if (words.size() > 1)
-      if (const std::string refusal = configure(*made, words.subspan(1), words.size() == 2);
-          !refusal.empty())
+      if (const std::string refusal = configure_new(*made, words.subspan(1)); !refusal.empty())
         return host.error("backend " + refusal);
   } else if (!driver_) {
     if (created_ && !open())
@@ -104,6 +103,13 @@ std::string Phantom::configure(haptic::Backend& device, Words words, bool which)
   for (const Atom& word : words)
     texts.push_back(text_of(word));
   return device.configure(texts);
+}
+
+/// Words after a driver's name are a setting, as after `driver`, or say which device.
+std::string Phantom::configure_new(haptic::Backend& device, Words words) {
+  if (words.size() > 1 && configure(device, words, false).empty())
+    return {};
+  return configure(device, words, true);
 }
 
 void Phantom::on_setting(Words words, Host& host, std::string_view name) {
@@ -170,6 +176,9 @@ void Phantom::connect_simulation(Host& host) {
 
 void Phantom::connect(Words which, Host& host) {
   if (!driver_) {
+    if (!which.empty() && (which[0].is_word || which[0].number != 0))
+      return host.error(expected("open", which[0],
+                                 "nothing or 0, since sim is one device; backend chooses another"));
     if (!created_)
       return; // creation opens it
     disconnect(host);

@@ -99,6 +99,7 @@ private:
   void store_heat() noexcept;
   void end_session(Host& host);
   [[nodiscard]] static std::string configure(haptic::Backend& device, Words words, bool which);
+  [[nodiscard]] static std::string configure_new(haptic::Backend& device, Words words);
   void connect(Words which, Host& host);
   void connect_simulation(Host& host);
   void disconnect(Host& host);

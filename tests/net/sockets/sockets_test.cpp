@@ -93,7 +93,8 @@ private:
 class ClientThread {
 public:
   explicit ClientThread(int port, bool udp = false) {
-    const std::string words[] = {"127.0.0.1", std::to_string(port), "udp", udp ? "1" : "0"};
+    const std::string words[] = {"device", "127.0.0.1", std::to_string(port), "udp",
+                                 udp ? "1" : "0"};
     REQUIRE(device.configure(words) == "");
     const std::string refusal = device.open();
     REQUIRE_MESSAGE(refusal == "", refusal);
@@ -271,7 +272,7 @@ TEST_CASE("a failure waits for a servo that was late, and pauses of a servo star
 
 TEST_CASE("opening ends soon when nobody answers, and when it is cancelled") {
   RemoteDevice device;
-  const std::string nobody[] = {"127.0.0.1", "9"};
+  const std::string nobody[] = {"device", "127.0.0.1", "9"};
   REQUIRE(device.configure(nobody) == "");
   std::thread cancelling([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -292,12 +293,14 @@ TEST_CASE("settings that are not understood are refused with what there is") {
   CHECK(refusal({"host", "box", "7771"}) == "");
   CHECK(refusal({"rate", "500"}) == "");
   CHECK(refusal({"udp", "1"}) == "");
-  CHECK(refusal({"box", "7771", "udp", "1"}) == "");
+  CHECK(refusal({"device", "box", "7771", "udp", "1"}) == "");
   CHECK(refusal({"device", "box:7771", "udp", "0"}) == "");
-  CHECK(refusal({"box", "7771", "udp", "2"}).find("udp 0 or udp 1") != std::string::npos);
-  CHECK(refusal({"box", "0", "udp", "1"}).find("port") != std::string::npos);
+  CHECK(refusal({"device", "box", "7771", "udp", "2"}).find("udp 0 or udp 1") != std::string::npos);
+  CHECK(refusal({"device", "box", "0", "udp", "1"}).find("port") != std::string::npos);
   CHECK(refusal({"device", "box:0"}).find("port") != std::string::npos);
-  CHECK(refusal({"box", "66000"}).find("port") != std::string::npos);
+  CHECK(refusal({"host", "box", "66000"}).find("port") != std::string::npos);
+  CHECK(refusal({"rte", "500"}).find("rte is not understood") != std::string::npos);
+  CHECK(refusal({"device", "5"}).find("no device 5") != std::string::npos);
   CHECK(refusal({"rate", "5"}).find("50 to 4000") != std::string::npos);
   CHECK(refusal({"token", "/nowhere"}).find("token") != std::string::npos);
   CHECK(refusal({"dance"}).find("host HOST PORT") != std::string::npos);
