@@ -22,6 +22,8 @@ std::optional<Server::ClientId> Server::connect(std::string_view peer, double no
     setup.force_limit_n = settings_.force_limit_n;
     return client;
   }
+  add_notice(std::string(peer) + " is refused: " + std::to_string(kMaxClients) +
+             " clients are connected");
   return {};
 }
 
@@ -103,13 +105,17 @@ void Server::release_control(std::string_view why) {
 }
 
 void Server::log_event(const Session& session, std::string_view what) {
-  constexpr std::size_t kMaxNotices = 64;
-  if (notices_.size() == kMaxNotices)
-    notices_.erase(notices_.begin());
   std::string line = session.peer + " ";
   for (const char c : session.name) // text from the network
     line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  notices_.push_back(line + " " + std::string(what));
+  add_notice(line + " " + std::string(what));
+}
+
+void Server::add_notice(std::string line) {
+  constexpr std::size_t kMaxNotices = 64;
+  if (notices_.size() == kMaxNotices)
+    notices_.erase(notices_.begin());
+  notices_.push_back(std::move(line));
 }
 
 void Server::broadcast(const Message& message) {

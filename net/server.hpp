@@ -109,6 +109,7 @@ private:
   void release_control(std::string_view why);
   void broadcast(const Message& message);
   void log_event(const Session& session, std::string_view what);
+  void add_notice(std::string line);
 
   // server_messages.cpp: what clients say
   [[nodiscard]] Refusal handle(Session& session, Words message, double now_s);

@@ -63,7 +63,7 @@ struct TcpServer::Parts {
   asio::steady_timer timer{context};
   std::atomic<bool> stopping{false};
 
-  std::string listen(const tcp::endpoint& endpoint) {
+  Error listen(const tcp::endpoint& endpoint) {
     tcp::acceptor acceptor(context);
     Error error;
     acceptor.open(endpoint.protocol(), error);
@@ -77,10 +77,9 @@ struct TcpServer::Parts {
       acceptor.listen(16, error);
     if (!error)
       acceptor.non_blocking(true, error);
-    if (error)
-      return error.message();
-    acceptors.push_back(std::move(acceptor));
-    return {};
+    if (!error)
+      acceptors.push_back(std::move(acceptor));
+    return error;
   }
 
   /// On the acceptor's port, or on any that is free when another program has that.
@@ -301,9 +300,14 @@ TcpServer::~TcpServer() = default;
 std::string TcpServer::open(const Settings& settings) {
   Parts& p = *parts_;
   auto port = static_cast<std::uint16_t>(settings.port);
-  const auto refused = [&](const std::string& address, const std::string& reason) {
+  const auto refused = [&](const std::string& address, const Error& error) {
     return "cannot listen on " + address + " port " + std::to_string(settings.port) + " (" +
-           reason + "): choose another port, or end the program that has it";
+           error.message() + "): " +
+           (error == boost::system::errc::address_not_available
+                ? "expected an address of this computer, or 0.0.0.0 for all that it has"
+            : error == boost::system::errc::permission_denied
+                ? "expected a port from 1024 on"
+                : "choose another port, or end the program that has it");
   };
   p.acceptors.clear();
   p.datagram_sockets.clear();
@@ -314,12 +318,11 @@ std::string TcpServer::open(const Settings& settings) {
       return settings.listen + " is no address: expected one in numbers, such as 192.168.1.5";
     if (!address.is_loopback() && !p.service.guarded())
       return "listening on " + settings.listen + " needs a token file of 16 bytes or more";
-    if (const std::string reason = p.listen({address, port}); !reason.empty())
-      return refused(settings.listen, reason);
+    if (const Error failed = p.listen({address, port}))
+      return refused(settings.listen, failed);
   } else {
-    if (const std::string reason = p.listen({asio::ip::address_v4::loopback(), port});
-        !reason.empty())
-      return refused("127.0.0.1", reason);
+    if (const Error failed = p.listen({asio::ip::address_v4::loopback(), port}))
+      return refused("127.0.0.1", failed);
     port = p.acceptors.front().local_endpoint().port();
     // A machine without IPv6 has no ::1.
     static_cast<void>(p.listen({asio::ip::address_v6::loopback(), port}));

@@ -128,7 +128,11 @@ void HapticServerObject::send_notices(Host& host) {
   }
 }
 
+bool HapticServerObject::stopped() noexcept { return servo_.exchange().motors.request().stopped; }
+
 void HapticServerObject::dump(Host& host) {
+  host.info({"listen", listen_.empty() ? std::string_view("loopback") : std::string_view(listen_)});
+  host.info({"estop", stopped() ? 1.0 : 0.0});
   host.info({"status", service_ ? "open" : "closed"});
   if (service_)
     host.info({"clients", static_cast<double>(service_->server.clients())});
@@ -173,9 +177,12 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
     device_.set_button(static_cast<int>(given[0]), given[1] != 0);
   } else if (name == "estop") {
     servo_.exchange().motors.emergency_stop();
+    host.info({"status", "estop", 1.0});
   } else if (arguments[0].is_word || arguments[0].number != 1) {
     host.error(refusal("motors", arguments, "1; a client's start and stop do the rest"));
   } else {
+    if (stopped())
+      host.info({"status", "estop", 0.0});
     servo_.exchange().motors.enable();
   }
 }

@@ -75,6 +75,7 @@ private:
 
   void open(Host& host);
   void close(Host& host);
+  [[nodiscard]] bool stopped() noexcept;
   void send_force(Host& host);
   void send_notices(Host& host);
 

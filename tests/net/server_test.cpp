@@ -153,7 +153,10 @@ TEST_CASE("eight clients, not nine") {
   Rig rig(usual());
   for (int i = 0; i < 8; ++i)
     CHECK(rig.server.connect("127.0.0.1", 100).has_value());
+  static_cast<void>(rig.server.take_notices());
   CHECK(!rig.server.connect("127.0.0.1", 100).has_value());
+  CHECK(rig.server.take_notices() ==
+        std::vector<std::string>{"127.0.0.1 is refused: 8 clients are connected"});
   rig.server.disconnect(3);
   CHECK(rig.server.connect("127.0.0.1", 100) == 3);
 }

@@ -223,6 +223,8 @@ def test_another_address_needs_a_token(program, tmp_path):
     token.write_text("sixteen bytes ok\n")
     token.chmod(0o600)
     assert "numbers" in refused("--port", "0", "--listen", "elsewhere", "--token", str(token))
+    away = refused("--port", "0", "--listen", "192.0.2.1", "--token", str(token))  # RFC 5737: nobody's
+    assert "an address of this computer" in away and "another port" not in away
     server = program("--listen", "127.0.0.1", "--token", str(token))
     with pytest.raises(AssertionError):
         server.peer().hello()

@@ -72,6 +72,17 @@ def test_a_token_file_beside_the_patch(pd, tmp_path):
     assert Peer(port).hello(token="sixteen bytes ok")
 
 
+def test_dump_tells_address_and_emergency_stop(pd):
+    lines = list(SERVER)
+    lines[1] = lines[1].replace(" \\, open;", " \\, open \\, dump \\, estop \\, dump \\, motors 1 \\, motors 1 "
+                                "\\, get estop \\, listen 192.0.2.1 \\, get listen \\, close;")
+    running = pd(*lines)
+    running.wait_for(r"^info: status closed$")
+    assert re.findall(r"^info: ((?:status estop|estop|listen) .*)$", running.read(), re.M) == [
+        "listen loopback", "estop 0", "status estop 1", "listen loopback", "estop 1", "status estop 0",
+        "estop 0", "listen 192.0.2.1"]
+
+
 def test_another_address_without_a_token_is_refused(pd):
     lines = list(SERVER)
     lines[1] = lines[1].replace("msg 10 40 ", "msg 10 40 listen 0.0.0.0 \\, ")
