@@ -48,6 +48,9 @@ std::string Device::configure(std::span<const std::string> words) {
     settings_.reach_m = value * 1e-3;
   else if (name == "peak" && value >= 0.1 && value <= 40)
     settings_.peak_n = value;
+  else if (words.size() == 2 && (name == "reach" || name == "peak"))
+    return "evdev: " + name + " " + words[1] + " is not possible: expected " +
+           (name == "reach" ? "1 to 1000 mm" : "0.1 to 40 N");
   else
     return "evdev: " + name +
            " is not understood; there are: device INDEX, /dev/input/eventN or SERIAL, reach MM "

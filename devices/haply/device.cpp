@@ -52,6 +52,9 @@ std::string Device::configure(std::span<const std::string> words) {
     settings_.rate_hz = value;
   } else if (name == "peak" && value >= 0.1 && value <= 20) {
     peak_n_ = value;
+  } else if (words.size() == 2 && (name == "rate" || name == "peak")) {
+    return "haply: " + name + " " + words[1] + " is not possible: expected " +
+           (name == "rate" ? "50 to 4000 Hz" : "0.1 to 20 N");
   } else {
     return "haply: " + name +
            " is not understood; there are: device INDEX or ID, service HOST PORT, rate HZ "

@@ -63,7 +63,9 @@ void Phantom::on_workspace(Words words, Host& host) {
       return host.error("workspace: " + refusal);
     const haptic::Workspace changed{metres(mm), metres(mm + 3)};
     if (!changed.valid())
-      return host.error("workspace: each minimum must not exceed its maximum");
+      return host.error(tactus::refusal("workspace", words,
+                                        "no minimum above its maximum, xmin ymin zmin xmax ymax "
+                                        "zmax in mm"));
     workspace = changed;
     learning_ = false;
     own_workspace_ = true;

@@ -111,6 +111,8 @@ std::string NamedNetwork::add_link(Words words) {
   if (is(words.back(), "pull") || is(words.back(), "push")) {
     link.kind = is(words.back(), "pull") ? Kind::kPull : Kind::kPush;
     words = words.first(words.size() - 1);
+  } else if (words.size() == 6) {
+    return text_of(words[5]) + ": expected pull or push";
   }
   const auto& masses = network_.masses;
   double v[3] = {0, 0, norm(masses[b].position - masses[a].position) * 1e3};

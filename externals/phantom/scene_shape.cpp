@@ -62,6 +62,8 @@ ShapeChoice box(Words words) {
   std::string refusal = read_numbers(words, ranges, v);
   if (refusal.empty() && words.size() > 6)
     refusal = read(words.subspan(6), rotated, q);
+  if (refusal.empty() && q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0)
+    refusal = "the quaternion qw qx qy qz is 0 0 0 0: expected one that is a rotation, as 1 0 0 0";
   return {haptic::Box{metres(v + 3)},
           {metres(v), Rotation::of(q[0], q[1], q[2], q[3])},
           std::move(refusal)};

@@ -1,3 +1,4 @@
+#include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/path_message.hpp"
 #include "externals/phantom/phantom.hpp"
@@ -31,10 +32,13 @@ void Phantom::on_hand(Words words, Host& host) {
   const std::size_t given = words.size() - 1;
   const bool person = hand.hold == Hold::kPerson, spring = hand.hold == Hold::kSpring;
   if (given != 0 && !(spring && given == 2) && !(person && (given == 2 || given == 5)))
-    return host.error("hand " + std::string(words[0].word) +
-                      (spring   ? ": expected K B"
-                       : person ? ": expected K B or K B tremor wander yield"
-                                : ": takes no numbers"));
+    return host.error("hand " + std::string(words[0].word) + ": " +
+                      number_text(static_cast<double>(given)) +
+                      (given == 1 ? " number" : " numbers") +
+                      (spring   ? ": expected none, or K (N/m) and B (N s/m)"
+                       : person ? ": expected none, K (N/m) and B (N s/m), or these and tremor "
+                                  "(mm), wander (mm) and yield (ms)"
+                                : ": expected none"));
   double values[5] = {};
   const std::string refusal = read_numbers(words.subspan(1), std::span(ranges, given), values);
   if (!refusal.empty())

@@ -430,7 +430,7 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
 @pytest.mark.parametrize("message, sentence", [
     ("backend sim 3", "backend sim: takes no arguments"),
     ("hand soft", "hand soft: expected free, rigid, spring or person"),
-    ("hand spring 1", "hand spring: expected K B"),
+    ("hand spring 1", "hand spring: 1 number: expected none, or K (N/m) and B (N s/m)"),
     ("hand spring -1 2", "hand: K -1 N/m: expected 0..20000 N/m"),
     ("path nix.txt", "path nix.txt: no such file; or use line, circle, lissajous or array"),
     ("path line 1 2", "path line: z1 is missing: expected -10000..10000 mm"),
@@ -444,12 +444,18 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
     ("map xxy", "map xxy: expected the letters xyz in some order and three signs 1 or -1"),
     ("map xyz 1 2 1", "map xyz 1 2 1: expected the letters xyz in some order and three signs 1 or -1"),
     ("interp 2000", "interp 2000: expected auto, off or 0.25..1000 ms"),
-    ("workspace 5 0 0 1 1 1", "workspace: each minimum must not exceed its maximum"),
+    ("workspace 5 0 0 1 1 1",
+     "workspace 5 0 0 1 1 1: expected no minimum above its maximum, xmin ymin zmin xmax ymax zmax in mm"),
     ("workspace 1 2",
      "workspace 1 2: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm"),
     ("report x 1", "report x: expected mm, vel, force, button, status, jitter, "
      "error, hit, contact, release, rot, torque or grip"),
     ("list 1 2", "list: expected 3 arguments (fx fy fz), got 2"),
+    ("open falcon",
+     "open falcon: expected nothing or 0, since sim is one device; backend chooses another"),
+    ("hand rigid 3", "hand rigid: 1 number: expected none"),
+    ("scene add b box 0 0 0 1 1 1 0 0 0 0", "scene add: box: the quaternion qw qx qy qz is 0 0 0 0: "
+     "expected one that is a rotation, as 1 0 0 0"),
     ("list 1 two 3", "list two: expected three numbers, fx fy fz"),
     ("button 40 1", "button: number 40: expected 0..31"),
     ("clock sundial", "clock sundial: expected auto, logical or wall"),
@@ -471,7 +477,11 @@ def test_a_refused_message_costs_one_sentence(tmp_path, message, sentence):
 
 @pytest.mark.parametrize("driver, message, sentence", [
     ("hid", "driver deadzone 500", "driver deadzone 500: hid: deadzone 500 is not possible: expected 0 to 90"),
-    ("haply", "driver rate 9", "driver rate 9: haply: rate is not understood; there are: device INDEX or ID"),
+    ("haply", "driver rate 9", "driver rate 9: haply: rate 9 is not possible: expected 50 to 4000 Hz"),
+    ("haply", "driver rat 90", "driver rat 90: haply: rat is not understood; there are: device INDEX or ID"),
+    ("evdev", "driver peak x", "driver peak x: evdev: peak x is not possible: expected 0.1 to 40 N"),
+    ("net", "driver rat 90", "driver rat 90: net: rat is not understood; there are: host HOST PORT"),
+    ("net", "driver device 5", "driver device 5: net: there is no device 5: expected 0, HOST or HOST:PORT"),
     ("net", "driver host here y", "driver host here y: net: the port y is no whole number from 1 to 65535"),
 ])
 def test_a_setting_that_a_driver_refuses_is_named_with_its_value(driver, message, sentence):

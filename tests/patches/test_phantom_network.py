@@ -136,7 +136,7 @@ REFUSED = [
     ("network anchor q", "network anchor: q: no such mass"),
     ("network link s-1 q 3", "network link: q: no such mass"),
     ("network link s-1 s-1 3", "network link: s-1: a mass is not linked to itself"),
-    ("network link s-1 s-2 3 0 0 twist", "network link: takes 3 numbers at most"),
+    ("network link s-1 s-2 3 0 0 twist", "network link: twist: expected pull or push"),
     ("network link s-1 s-2 1e9", "network link: k 1e+09 N/m: expected 0..1000000 N/m"),
     ("network string t 0 0 0 0 1 1 1", "network string: n 0: expected 1..200"),
     ("network string t 5 0 0 0 0 0 0", "network string: the ends are 0 mm apart"),
