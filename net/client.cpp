@@ -268,6 +268,8 @@ void Client::take_error(const Message& message) {
     udp_refused_ = true; // a server that does not know datagrams
     return;
   }
+  if (code == "stopped" && !in_control_)
+    return; // to a force that was under way when control was lost, which had its reason
   trouble_ = "the server says: " + std::string(message.string_at(1).value_or(code));
   if (code == "busy" || code == "estop" || code == "role")
     lose_control();

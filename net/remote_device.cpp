@@ -262,7 +262,9 @@ std::string RemoteDevice::run_session(Wire& wire) {
   client->connect(began_s);
   wire.receive(
       [&client](std::span<const std::uint8_t> bytes) { return client->receive(bytes, now_s()); });
-  bool reported = false;
+  const std::string server = active_settings_.host + ":" + std::to_string(active_settings_.port);
+  bool reported = false, late = false;
+  notice_.clear();
   while (!stop_ && wire.open && !wire.refused && client->advance(now_s())) {
     wire.exchange_datagrams(*client);
     exchange(*client, now_s());
@@ -274,12 +276,18 @@ std::string RemoteDevice::run_session(Wire& wire) {
       const std::lock_guard lock(mutex_);
       welcome_ = client->welcome();
       round_trip_s_ = *client->round_trip_s();
-      trouble_ = client->udp_refused() ? "the haptic server on " + active_settings_.host + ":" +
-                                             std::to_string(active_settings_.port) +
-                                             " sends no datagrams, so positions come over TCP: "
-                                             "start haptic_server with --udp"
-                                       : std::string();
+      if (client->udp_refused())
+        notice_ = "the haptic server on " + server +
+                  " sends no datagrams, so positions come over TCP: start haptic_server with --udp";
+      trouble_ = notice_;
       changed_.notify_all();
+    }
+    if (const bool now_late = reported && now_s() - client->position_s() >= kStale_s;
+        now_late != late) {
+      late = now_late;
+      set_trouble(late ? "no position has come from the haptic server on " + server +
+                             " for 100 ms: no force until positions come again"
+                       : notice_);
     }
   }
   if (stop_) {
@@ -287,8 +295,10 @@ std::string RemoteDevice::run_session(Wire& wire) {
     wire.send(client->out());
     return {};
   }
-  const std::string server = active_settings_.host + ":" + std::to_string(active_settings_.port);
   const std::string reason = client->trouble().empty() ? wire.failure : client->trouble();
+  if (const std::lock_guard lock(mutex_); !welcome_)
+    return "the haptic server on " + server + " does not take the connection (" + reason + ")" +
+           (client->trouble().empty() ? ": it takes eight clients at once" : "");
   return "the connection to the haptic server on " + server + " was lost (" + reason +
          "): it is looked for again; then switch the motors on";
 }
@@ -303,6 +313,7 @@ void RemoteDevice::exchange(Client& client, double now) {
     client.start(RenderMode::kForce);
     may_start_ = false;
     sent_force_ = {};
+    set_trouble(notice_);
   }
   const bool stays = force_n == sent_force_;
   if (client.in_control() && (!stays || (!(force_n == Vec3{}) && now - sent_s_ >= kRepeat_s))) {

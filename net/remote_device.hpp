@@ -75,6 +75,7 @@ private:
   haptic::Vec3 sent_force_{};
   bool may_start_ = false; ///< no force was written since the connection, or since a refusal
   std::uint32_t refusals_ = 0, failures_ = 0;
+  std::string notice_{}; ///< what is worth telling while nothing is wrong
   /// Of failures, how many the servo has read: one that was late must not miss any.
   std::atomic<std::uint32_t> failures_seen_{0};
 

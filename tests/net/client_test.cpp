@@ -191,6 +191,7 @@ TEST_CASE("busy, an emergency stop and a wrong token are told") {
   CHECK(line.client.refusals() == 1);
   CHECK(line.client.trouble() == "the server has stopped the motors: estop");
   line.client.start(RenderMode::kForce);
+  line.client.send_force({1, 0, 0}); // under way before the refusal comes; its answer is no reason
   line.run(0.01);
   CHECK(line.client.refusals() == 2);
   CHECK(line.client.trouble().find("emergency stop") != std::string::npos);

@@ -109,6 +109,7 @@ def test_a_line_that_stalls_both_ways(world):
         world.pd.tell_phantom("list 1 0 0")
         time.sleep(0.05)
     passed = time.monotonic()
+    assert "no position has come from the haptic server" in world.pd.read()
     world.relay.stalled = False  # what was held back comes at once
     time.sleep(0.5)
     rows = world.server.end()
@@ -126,6 +127,31 @@ def test_the_server_stops_the_motors_and_pd_says_so(world):
         time.sleep(0.05)
     rows = world.server.end()
     assert last_force(rows) <= stopped + STALL_S
+
+
+def test_the_second_in_control_is_told_that_there_is_a_first(world):
+    other = world.server.peer()
+    other.hello()
+    other.send("start", "force")
+    world.open()
+    end = time.monotonic() + 30
+    while "has failed" not in world.pd.read():
+        assert time.monotonic() < end, world.pd.read()[-3000:]
+        world.pd.tell_phantom("motors 1")
+        other.hold(0.7, "force", 0.0, 0.0, 0.0)
+        world.pd.tell_phantom("list 1 0 0")
+        other.hold(0.3, "force", 0.0, 0.0, 0.0)
+    assert "another client is in control" in world.pd.wait_for(r"^error: .*has failed.*$")
+
+
+def test_a_server_with_eight_clients_says_that_it_is_full(world):
+    peers = [world.server.peer() for _ in range(8)]
+    for peer in peers:
+        peer.hello()
+    world.pd.wait_for_patch()
+    world.pd.tell_phantom("open")
+    said = world.pd.wait_for(r"^error: .*$")
+    assert "does not take the connection" in said and "eight clients" in said
 
 
 def test_no_server_is_one_sentence(tmp_path):
