@@ -134,10 +134,13 @@ std::string out_of_range_text(const Parameter& parameter, std::string_view given
 
 std::string unknown_name_text(const Declaration& declaration, std::string_view name) {
   const std::string sentence = "no message '" + std::string(name) + "'";
-  if (is_of_the_host(name) && !declaration.messages.empty())
-    return sentence + "; there are " +
+  const auto with_messages = [&] {
+    return sentence + (declaration.messages.size() == 1 ? "; there is " : "; there are ") +
            alternatives(
                declaration.messages, [](const Message& m) { return std::string(m.name); }, " and ");
+  };
+  if (is_of_the_host(name) && !declaration.messages.empty())
+    return with_messages();
   if (const std::string hint = inlet_hint(declaration, name); !hint.empty())
     return sentence + hint;
   Nearest nearest(name);
@@ -147,6 +150,8 @@ std::string unknown_name_text(const Declaration& declaration, std::string_view n
     nearest.consider(message.name);
   if (!nearest.found().empty())
     return sentence + did_you_mean(nearest.found());
+  if (declaration.parameters.empty() && !declaration.messages.empty())
+    return with_messages();
   return sentence + "; 'get' lists the parameters, the help patch all messages";
 }
 

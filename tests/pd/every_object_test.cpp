@@ -212,6 +212,23 @@ TEST_CASE("an empty list is a bang, and a list of one number is that number") {
   }
 }
 
+TEST_CASE("an object without parameters answers a word that it does not know by its messages") {
+  for (const ObjectDescription& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    if (!declaration.parameters.empty() || declaration.messages.empty())
+      continue;
+    CAPTURE(declaration.name);
+    Box box(declaration.name);
+    static_cast<void>(errors());
+    box.send("zyzzyva");
+    const auto said = errors();
+    REQUIRE(said.size() == 1);
+    CHECK(said[0].rfind(std::string(declaration.name) + ": no message 'zyzzyva'; there ", 0) == 0);
+    for (const Message& message : declaration.messages)
+      CHECK(said[0].find(std::string(message.name)) != std::string::npos);
+  }
+}
+
 TEST_CASE("an inlet's name sent as a message is told to be that inlet") {
   for (const auto& described : objects()) {
     const Declaration& declaration = *described.declaration;
