@@ -26,6 +26,19 @@ namespace {
 
 using namespace tactus::reed;
 
+constexpr const char* kUsage =
+    R"(tactus_reed_map PRESET [--range P_LO P_HI F_LO F_HI] [--bore HZ] [--nodes COLUMNS ROWS]
+                [--part I/N] > map.csv
+
+Where an instrument plays, over mouth pressure and reed frequency, one line a node.
+
+  PRESET   clarinet, sax, oboe, trumpet, trombone, voice or syrinx
+  --range  Pa and Hz (a range in which the preset plays)
+  --bore   8..4000 Hz, the bore's frequency (the preset's own length)
+  --nodes  2..2000, along pressure and along frequency (61 61)
+  --part   the I-th of N shares of the rows, for batches
+)";
+
 struct Order {
   Parameters parameters{};
   ControlRange range{};
@@ -61,10 +74,11 @@ bool take(std::span<char*> words, std::size_t at, std::span<double> values, doub
 /// A sentence when the command line is not understood, else empty.
 std::string read(std::span<char*> words, Order& order) {
   if (words.empty())
-    return "which preset? clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
+    return "no preset: expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
   const auto preset = find_preset(words[0]);
   if (!preset)
-    return "no preset " + std::string(words[0]);
+    return "no preset " + std::string(words[0]) +
+           ": expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
   order.parameters = *preset;
   order.range = range_for(*preset);
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -95,7 +109,7 @@ std::string read(std::span<char*> words, Order& order) {
       order.parts = parts;
       i += 1;
     } else {
-      return "unknown option " + std::string(option);
+      return "there is no option " + std::string(option) + "; --help shows all";
     }
   }
   return "";
@@ -104,6 +118,8 @@ std::string read(std::span<char*> words, Order& order) {
 } // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::string_view(argv[1]) == "--help")
+    return std::fputs(kUsage, stdout) < 0 ? 1 : 0;
   Order order;
   const std::string refusal = read(std::span(argv + 1, static_cast<std::size_t>(argc - 1)), order);
   if (!refusal.empty())

@@ -2,6 +2,7 @@
 
 import math
 import pathlib
+import subprocess
 
 import numpy
 import pytest
@@ -342,3 +343,17 @@ def test_the_help_of_greed_gradient_leads_a_hand_from_silence_to_a_note(rate):
         return 10 * numpy.log10(numpy.mean(numpy.square(sound, dtype=float)) + 1e-15)
     assert -40 < level() < -20
     assert level((200, "own-force", 0)) < -80
+
+
+def test_the_program_for_maps_says_what_it_takes():
+    program = stage_folder().parent / "programs" / "reed_map" / "tactus_reed_map"
+
+    def run(*options):
+        return subprocess.run([program, *options], capture_output=True, text=True)
+
+    told = run("--help")
+    assert told.returncode == 0 and all(word in told.stdout for word in ("trombone", "--range", "--part"))
+    presets = "expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx"
+    assert run("tuba").stderr == f"tactus_reed_map: no preset tuba: {presets}\n"
+    assert run().stderr == f"tactus_reed_map: no preset: {presets}\n"
+    assert run("trumpet", "--tune").stderr == "tactus_reed_map: there is no option --tune; --help shows all\n"
