@@ -189,16 +189,11 @@ TEST_CASE("bang, an empty list, numbers and lists do something or are refused in
 }
 
 TEST_CASE("an empty list is a bang, and a list of one number is that number") {
-  const auto answer = [](std::string_view object, const char* selector, MessageAtoms atoms) {
-    Box box(std::string(object), {});
+  const auto answer = [](std::string_view object, const char* selector, const MessageAtoms& atoms) {
+    Box box(object);
     static_cast<void>(errors());
-    static_cast<void>(sent());
-    box.send(selector, std::move(atoms));
-    std::vector<std::string> answers = errors();
-    for (const auto& message : sent())
-      answers.push_back(std::to_string(message.outlet) + " " + message.selector + " " +
-                        std::to_string(message.atoms.size()));
-    return answers;
+    box.send(selector, atoms);
+    return errors();
   };
   for (const ObjectDescription& described : objects()) {
     const Declaration& declaration = *described.declaration;

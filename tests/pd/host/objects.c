@@ -208,10 +208,16 @@ static void call(const method_entry* m, t_pd* pd, t_symbol* selector, int count,
 /* To an object, by Pd's rules for classes with an anything method. */
 void pd_typedmess(t_pd* pd, t_symbol* selector, int count, t_atom* atoms) {
   t_class* c = *pd;
-  if (selector == &s_list && count == 1)
-    selector = atoms[0].a_type == A_FLOAT ? &s_float : &s_symbol;
-  else if (selector == &s_list && count == 0)
-    selector = &s_bang;
+  /* As Pd's default method for lists: a class without a method for what a short list stands for
+     gets the list as it is. */
+  if (selector == &s_list && count <= 1) {
+    t_symbol* meant = count == 0 ? &s_bang : atoms[0].a_type == A_FLOAT ? &s_float : &s_symbol;
+    if (meant == &s_float && c->main_signal_offset)
+      selector = meant;
+    for (int i = 0; i < c->method_count; ++i)
+      if (c->methods[i].selector == meant)
+        selector = meant;
+  }
   if (selector == &s_float && c->main_signal_offset) {
     *(t_float*)(void*)((char*)pd + c->main_signal_offset) = count ? atoms[0].a_w.w_float : 0;
     return;
