@@ -38,7 +38,7 @@ DRAWN = "Pd draws its cells by data structures"
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
     "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "In the map bright is": "",
-                    "draw the map again": "", "pd drag": ""},
+                    "draw the map again": ""},
     "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "quantity growth": "",
                              "quantity f_p": "", "s playability_map-map": ""},
 }

@@ -17,7 +17,7 @@ LEFT, TOP, SIDE = 34, 162, 287  # of the map in reed_haptic.pd, pixels
 
 def test_dragging_the_square_in_the_map_pulls_the_hand_there(tmp_path):
     (tmp_path / "listener.pd").write_text(LISTENER)
-    with opened(ROOT / "patches" / "reed" / "reed_haptic.pd", 740, "-open", str(tmp_path / "listener.pd"), "-send",
+    with opened(ROOT / "patches" / "reed" / "reed_haptic.pd", 766, "-open", str(tmp_path / "listener.pd"), "-send",
                 "reed-force-on 0", "-send", "pd dsp 1") as desk:
         def last(name):
             found = re.findall(rf"^{name}: (\S+)$", desk.words(), re.M)

@@ -7,7 +7,7 @@ import sys
 import numpy
 import pytest
 
-from harness import Patch
+from harness import Patch, stage_folder
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 REED = ROOT / "patches" / "reed"
@@ -242,3 +242,21 @@ def test_every_syllable_of_a_bird_sounds_and_its_pitch_follows_the_valve(bird):
         asked.append(valve)
     assert numpy.isfinite(heard).all(), heard
     assert 0.75 < min(heard) and max(heard) < 1.15, (min(heard), max(heard))
+
+
+# ---- the front of reed_haptic --------------------------------------------------------------
+
+def test_the_sliders_lead_the_hand_as_the_map_does():
+    patch = Patch(opens=stage_folder() / "reed_haptic.pd", own="own")
+    patch.send(50, "own-force-on", 0)
+    patch.send(100, "own-goal-y", 0.8)
+    patch.send(200, "own-goal-z", 0.3)
+    patch.send(1200, "own-drag", "0.2 0.6")
+    for axis in "yz":
+        patch.log(axis, patch.obj("r", f"own-{axis}"))
+    logs = patch.render(2.4, RATE, dsp=False).logs
+
+    def hand(ms):
+        return [[value for at, (value,) in logs[axis] if at < ms][-1] for axis in "yz"]
+    assert hand(1200) == pytest.approx([0.8, 0.3], abs=0.01)
+    assert hand(2400) == pytest.approx([0.2, 0.6], abs=0.01)
