@@ -267,3 +267,17 @@ def test_a_name_is_suggested_only_where_it_was_meant(message, sentence):
     patch.at(10, reed, message)
     result = patch.render(0.1, expect_errors=[f"greed~: {sentence}"])
     assert len(result.errors) == 1
+
+
+@pytest.mark.parametrize("preset, pressure, note", [("trumpet", 3000, 175), ("trumpet", 3000, 466),
+                                                    ("trombone", 2500, 117), ("trombone", 2500, 233)])
+def test_a_tube_with_a_bell_is_as_much_softer_as_the_docs_say(preset, pressure, note):
+    """11 to 17 dB at the preset's gain, and 12 dB of it are four times that gain (docs/greed.md)."""
+    gain = {"trumpet": 0.04, "trombone": 0.035}[preset]
+    tube = ["-end", preset, "-tube", 1]
+
+    def level(*more):
+        return 20 * math.log10(numpy.std(window(play(["-preset", preset, "-tune", 1, *more], pressure, f_b=note), "sound")))
+    own, soft, raised = level(), level(*tube), level(*tube, "-gain", 4 * gain)
+    assert 10.5 < own - soft < 17.5
+    assert raised - soft == pytest.approx(12, abs=0.2)
