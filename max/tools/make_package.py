@@ -5,9 +5,9 @@
                     [--externals FOLDER] [--library FOLDER] [--zip FILE]
 
 FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
-docs/refpages/, docs/ (the guides that help patchers name, and all that these link to), patchers/, init/ (the
-list of objects) and media/: a picture and, from the staged Pd library (--library), the bodies and networks that
-patchers load; Max looks there for files. What is missing is said, and left out.
+docs/refpages/, docs/ (the guides with their pictures), patchers/, init/ (the list of objects) and media/: a
+picture and, from the staged Pd library (--library), the bodies and networks that patchers load; Max looks there
+for files. What is missing is said, and left out.
 """
 import argparse
 import json

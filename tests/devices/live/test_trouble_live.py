@@ -23,6 +23,19 @@ def test_a_device_that_does_not_open_says_why_once(tmp_path):
         live.end()
 
 
+def test_a_backend_takes_a_device_by_a_name_of_several_words(tmp_path):
+    world = dict(vendors_world(tmp_path), FAKE_HD="named")  # its one device is Left Device
+    with Live(tmp_path, Patch("sim"), environment=world) as live:
+        live.wait_for_patch()
+        for chosen, state in (("openhaptics Right Device", "closed"), ("openhaptics Left Device", "open")):
+            live.tell_phantom(f"backend {chosen}")
+            live.tell_phantom("open")
+            live.wait_for(rf"^info: status {state} openhaptics")
+        (error,) = lines(live, r"^error: (.*)$")
+        assert "Right Device, Default Device" in error
+        live.end()
+
+
 def test_what_a_device_wants_of_its_user_is_told_once(tmp_path):
     world = dict(vendors_world(tmp_path), FAKE_HD="inkwell")
     with Live(tmp_path, Patch("openhaptics"), environment=world) as live:
