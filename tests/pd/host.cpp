@@ -75,11 +75,26 @@ Buffers Box::run(const Buffers& inputs, std::size_t samples) {
           i < inputs.size() && !inputs[i].empty() ? inputs[i].data() + begin * channels_ : nullptr;
     for (std::size_t i = 0; i < outlets; ++i)
       out[i] = result[i].data() + begin * (result[i].size() / samples);
+    host_advance(1000.0 * static_cast<double>(frames_) / rate_); // as Pd does, to the block's end
     if (has_dsp_)
       host_run(object_.get(), in.data(), out.data());
-    host_advance(1000.0 * static_cast<double>(frames_) / rate_);
+    host_advance(0); // what the block has to say
   }
   return result;
+}
+
+Buffers part_of(const Buffers& whole, std::size_t begin, std::size_t frames) {
+  Buffers part;
+  for (const std::vector<double>& signal : whole)
+    part.emplace_back(signal.begin() + static_cast<std::ptrdiff_t>(begin),
+                      signal.begin() + static_cast<std::ptrdiff_t>(begin + frames));
+  return part;
+}
+
+void append(Buffers& whole, const Buffers& part) {
+  whole.resize(part.size());
+  for (std::size_t i = 0; i < part.size(); ++i)
+    whole[i].insert(whole[i].end(), part[i].begin(), part[i].end());
 }
 
 std::vector<std::string> errors() {
@@ -122,7 +137,7 @@ Buffers plausible_inputs(const Declaration& declaration, double rate, std::size_
         signal[n] = 300 + 60 * std::sin(kTwoPi * 3 * t);
       else
         signal[n] = 0.5 + 0.4 * std::sin(kTwoPi * 220 * t) * std::sin(kTwoPi * 2.5 * t);
-      signal[n] = as_float(signal[n]);
+      signal[n] = static_cast<double>(static_cast<float>(signal[n]));
     }
     result.push_back(std::move(signal));
   }

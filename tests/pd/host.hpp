@@ -36,20 +36,13 @@ struct Sent {
   MessageAtoms atoms;
 };
 
-/// As the float size under test holds the number.
-[[nodiscard]] inline double as_float(double value) {
-#if PD_FLOATSIZE == 32
-  return static_cast<double>(static_cast<float>(value));
-#else
-  return value;
-#endif
-}
-
 /// Every object of the package, and the probe, with its module loaded.
 [[nodiscard]] const std::vector<ObjectDescription>& objects();
 
 /// Buffers of one object's signal ports: [port][sample].
 using Buffers = std::vector<std::vector<double>>;
+[[nodiscard]] Buffers part_of(const Buffers& whole, std::size_t begin, std::size_t frames);
+void append(Buffers& whole, const Buffers& part);
 
 /// An instance of a class.
 class Box {
@@ -80,8 +73,8 @@ private:
 [[nodiscard]] std::vector<std::string> errors();
 [[nodiscard]] std::vector<Sent> sent();
 
-/// Settings that let an object be compared with itself, for tests over all objects: a signal for
-/// every signal inlet, plausible for its unit (a pressure swells and ebbs, a frequency wanders).
+/// For every signal inlet what is plausible for its unit (a pressure swells and ebbs, a frequency
+/// wanders), of no more digits than a float has.
 [[nodiscard]] Buffers plausible_inputs(const Declaration& declaration, double rate,
                                        std::size_t samples);
 
