@@ -22,7 +22,7 @@ RATE, SAMPLES, FRAMES = 48000, 96000, 64
 # on from bounce to bounce: these gestures are compared until that is heard.
 ROUNDED_DB, UNTIL_MS = -130, {"impact": 100, "plate": 1200}
 if os.environ["TACTUS_MAX"] == "ON":
-    sys.path.insert(0, str(FOLDER.parent / "max" / "modules"))
+    sys.path.insert(0, str(FOLDER.parent / "max"))
     import max_host
 
 

@@ -60,10 +60,12 @@ class Result:
         return dict(line.split(" ", 2)[1:] for line in self.of("value") if line.startswith(box + " "))
 
 
-def run(lines, timeout=300, clean=True):
+def run(lines, timeout=300, clean=True, mistake="", folder=None):
     """Runs the script; with clean, a violation of Max's rules fails the caller."""
-    text = "\n".join(lines) + "\n"
-    done = subprocess.run([*HOST, "-"], input=text, capture_output=True, text=True, timeout=timeout)
+    environment = {**os.environ, "MISTAKE": mistake,
+                   "TSAN_OPTIONS": "report_signal_unsafe=0"}  # the host reports faults from their handler
+    done = subprocess.run([*HOST, "-"], input="\n".join(lines) + "\n", capture_output=True, text=True, errors="replace",
+                          timeout=timeout, env=environment, cwd=folder)
     result = Result(done.returncode, done.stdout.splitlines(), done.stderr)
     if clean:
         assert not result.of("violation"), "\n".join(result.of("violation"))

@@ -1,5 +1,5 @@
-// One small external, right as it stands, or wrong in the one respect that MISTAKE names:
-// mistakes.txt says what the host must say of each.
+// One small external, right as it stands, or wrong in the one respect of which the host must say
+// what MISTAKE says (test_host.py).
 #include "max/abi/max_abi.h"
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace {
 const char* const chosen = std::getenv("MISTAKE");
-bool wrong(std::string_view mistake) { return chosen && mistake == chosen; }
+bool provokes(std::string_view violation) { return chosen && violation == chosen; }
 constexpr const char* kName = "small~";
 
 struct Small {
@@ -50,25 +50,25 @@ void hold_lock() {
 
 /// What no external may do in the audio thread.
 void misbehave(Small* x) {
-  if (wrong("outlet in perform"))
+  if (provokes("outlet_float: called from the audio thread"))
     outlet_float(x->message_outlet, 1);
-  if (wrong("post in perform"))
+  if (provokes("object_post: called from the audio thread"))
     object_post(&x->header.z_ob, "performing");
-  if (wrong("gensym in perform"))
+  if (provokes("gensym: called from the audio thread"))
     gensym("performing");
-  if (wrong("critical region in perform")) {
+  if (provokes("critical_enter: called from the audio thread")) {
     critical_enter(nullptr);
     critical_exit(nullptr);
   }
-  if (wrong("allocation in perform")) {
+  if (provokes("malloc in perform")) {
     void* volatile memory = std::malloc(100);
     std::free(memory);
   }
-  if (wrong("lock in perform"))
+  if (provokes("pthread_mutex_lock in perform"))
     hold_lock();
-  if (wrong("proxy_getinlet in perform"))
+  if (provokes("proxy_getinlet: called from the audio thread"))
     proxy_getinlet(&x->header.z_ob);
-  if (wrong("exception in perform"))
+  if (provokes("an exception left the external's function [in perform"))
     throw 1;
 }
 
@@ -76,32 +76,33 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
              long, void*) {
   misbehave(x);
   x->vectors.fetch_add(1, std::memory_order_relaxed);
-  const bool muted = x->header.z_disabled != 0 && !wrong("mute is ignored");
-  const bool connected =
-      x->connected[1].load(std::memory_order_relaxed) || wrong("reads what is not connected");
+  const bool muted =
+      x->header.z_disabled != 0 && !provokes("z_disabled, and outlet 0 is not silent");
+  const bool connected = x->connected[1].load(std::memory_order_relaxed) ||
+                         provokes("inlet 1, which is not connected");
   const bool silent = muted || !x->connected[0].load(std::memory_order_relaxed);
   const double scalar = x->scalar.load(std::memory_order_relaxed);
   double gain = x->gain.load(std::memory_order_relaxed);
-  if (wrong("race"))
+  if (provokes("race"))
     gain = x->planted;
-  const long length = wrong("writes past a vector")  ? n + 1
-                      : wrong("leaves a sample out") ? n - 1
-                                                     : n;
+  const long length = provokes("memory beyond the end of outlet 0")       ? n + 1
+                      : provokes("perform did not write all of outlet 0") ? n - 1
+                                                                          : n;
   for (long i = 0; i < length; ++i)
     out[0][i] = silent ? 0 : in[0][i] * (connected ? in[1][i] : scalar) * gain;
-  if (wrong("writes before a vector"))
+  if (provokes("perform wrote before the vector of outlet 0"))
     out[0][-1] = 0;
-  if (wrong("writes before an input"))
+  if (provokes("perform wrote before the vector of inlet 0"))
     in[0][-1] = 0;
-  if (wrong("changes the table of vectors"))
+  if (provokes("perform changed the table of vectors"))
     in[0] = nullptr;
-  if (wrong("writes to an input"))
+  if (provokes("perform wrote to the vector of inlet 0"))
     in[0][0] = 2;
-  if (wrong("reads past a vector"))
+  if (provokes("memory beyond the end of inlet 0"))
     x->scalar = in[0][n];
-  if (wrong("reads an inlet too many"))
+  if (provokes("an inlet's vector that there is not"))
     x->scalar = in[inlets][0];
-  if (wrong("writes an outlet too many"))
+  if (provokes("an outlet's vector that there is not"))
     out[outlets][0] = 0;
   qelem_set(x->qelem);
 }
@@ -109,9 +110,9 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
 void dsp64(Small* x, t_object* chain, short* count, double, long, long) {
   for (std::size_t i = 0; i < 2; ++i)
     x->connected[i] = count[i] != 0;
-  if (wrong("other chain"))
+  if (provokes("dsp_add64: to another chain than dsp64 was given"))
     chain = &x->header.z_ob;
-  if (wrong("writes beyond the counts"))
+  if (provokes("dsp64 wrote beyond its counts"))
     count[3] = 1;
   dsp_add64(chain, &x->header.z_ob,
             reinterpret_cast<t_perfroutine64>(reinterpret_cast<void (*)()>(perform)), 0, nullptr);
@@ -120,22 +121,23 @@ void dsp64(Small* x, t_object* chain, short* count, double, long, long) {
 // --- messages ---
 
 void float_message(Small* x, double value) {
-  if (wrong("proxy_getinlet after an outlet"))
+  if (provokes("proxy_getinlet: after an outlet was used"))
     outlet_float(x->message_outlet, value);
   const long inlet = proxy_getinlet(&x->header.z_ob);
   if (inlet == 1)
     x->scalar = value;
-  if (wrong("race"))
+  if (provokes("race"))
     x->planted = value;
   qelem_set(x->qelem);
-  if (wrong("critical region over an outlet"))
+  if (provokes("outlet_float: within a critical region"))
     critical_enter(nullptr);
-  outlet_float(wrong("message to a signal outlet") ? x->signal_outlet : x->message_outlet, value);
-  if (wrong("critical region over an outlet"))
+  outlet_float(provokes("outlet_float: to a signal outlet") ? x->signal_outlet : x->message_outlet,
+               value);
+  if (provokes("outlet_float: within a critical region"))
     critical_exit(nullptr);
-  if (wrong("critical region is kept"))
+  if (provokes("critical_enter without critical_exit"))
     critical_enter(nullptr);
-  if (wrong("exit without enter"))
+  if (provokes("critical_exit without critical_enter"))
     critical_exit(nullptr);
 }
 void int_message(Small* x, t_atom_long value) { float_message(x, static_cast<double>(value)); }
@@ -145,69 +147,71 @@ void loadbang(Small* x) { outlet_bang(x->message_outlet); }
 /// Calls that no object may make in a message.
 void misuse(Small* x) {
   t_object own{};
-  if (wrong("z_dsp_free in a message"))
+  if (provokes("z_dsp_free: outside a free method"))
     z_dsp_free(&x->header);
-  if (wrong("class outside ext_main"))
+  if (provokes("class_new: late~: outside ext_main"))
     class_new("late~", erased(loadbang), nullptr, 100, nullptr, A_GIMME, 0);
-  if (wrong("object_alloc in a message"))
+  if (provokes("object_alloc: outside a constructor"))
     object_alloc(small_class);
-  if (wrong("attr_args_process in a message"))
+  if (provokes("attr_args_process: outside the constructor"))
     attr_args_process(x, 0, nullptr);
-  if (wrong("frees a proxy of z_dsp_setup"))
+  if (provokes("object_free: a proxy of z_dsp_setup, which z_dsp_free frees"))
     object_free(x->header.z_proxy);
-  if (wrong("frees an outlet"))
+  if (provokes("object_free does not free this kind: outlet"))
     object_free(x->message_outlet);
-  if (wrong("posts for an object of its own"))
+  if (provokes("object_post: not an object of Max"))
     object_post(&own, "hello");
-  if (wrong("file of what is no patcher"))
+  if (provokes("jpatcher_get_filepath: not a patcher"))
     jpatcher_get_filepath(&x->header.z_ob);
-  if (wrong("parent of what is no patcher"))
+  if (provokes("jpatcher_get_parentpatcher: not a patcher"))
     jpatcher_get_parentpatcher(&x->header.z_ob);
-  if (wrong("outlet as clock"))
+  if (provokes("clock_fdelay: an outlet instead of clock"))
     clock_fdelay(x->message_outlet, 1);
-  if (wrong("outlet that Max did not give"))
+  if (provokes("outlet_bang: not an outlet that Max gave"))
     outlet_bang(x->scratch);
-  if (wrong("null as outlet"))
+  if (provokes("outlet_bang: null instead of outlet"))
     outlet_bang(nullptr);
-  if (wrong("negative delay"))
+  if (provokes("clock_fdelay: a delay of -1"))
     clock_fdelay(x->clock, -1);
-  if (wrong("critical region of its own"))
+  if (provokes("critical_enter: a region that is not from critical_new"))
     critical_enter(reinterpret_cast<t_critical>(x));
-  if (wrong("negative count of atoms"))
+  if (provokes("outlet_list: a wrong count of atoms: -1"))
     outlet_list(x->message_outlet, nullptr, -1, nullptr);
-  if (wrong("list with a selector"))
+  if (provokes("outlet_list: a selector other than list"))
     outlet_list(x->message_outlet, gensym("words"), 0, nullptr);
-  if (wrong("buffer unlocked twice"))
+  if (provokes("buffer_unlocksamples without buffer_locksamples"))
     if (t_buffer_obj* samples = buffer_ref_getobject(x->buffer))
       buffer_unlocksamples(samples);
-  if (wrong("null where null is not allowed")) {
+  if (provokes("gensym: null instead of a text"))
     gensym(nullptr);
+  if (provokes("clock_getftime: null"))
     clock_getftime(nullptr);
+  if (provokes("atom_alloc: null instead of an address"))
     atom_alloc(nullptr, nullptr, nullptr);
+  if (provokes("qelem_new: no function"))
     qelem_new(x, nullptr);
-  }
 }
 
 void bang(Small* x) {
   misuse(x);
   clock_fdelay(x->clock, 5);
-  if (wrong("double free"))
+  if (provokes("object_free: double free of clock"))
     object_free(stray_clock);
-  if (wrong("frees what Max did not give"))
+  if (provokes("object_free: not an object that Max gave"))
     object_free(x->scratch);
-  if (wrong("frees its own box"))
+  if (provokes("object_free: a box is freed by its patcher only"))
     object_free(x);
-  if (wrong("outlet after construction"))
+  if (provokes("outlet_new: outside the constructor"))
     outlet_new(x, nullptr);
-  if (wrong("dsp_add64 outside dsp64"))
+  if (provokes("dsp_add64: outside dsp64"))
     dsp_add64(&x->header.z_ob, &x->header.z_ob,
               reinterpret_cast<t_perfroutine64>(reinterpret_cast<void (*)()>(perform)), 0, nullptr);
-  if (wrong("outlet from its own thread"))
+  if (provokes("outlet_bang: called from a thread of the external's own"))
     std::thread([x] { outlet_bang(x->message_outlet); }).join();
-  if (wrong("buffer stays locked"))
+  if (provokes("buffer_locksamples without buffer_unlocksamples"))
     if (t_buffer_obj* samples = buffer_ref_getobject(x->buffer))
       buffer_locksamples(samples);
-  if (wrong("reads past a buffer"))
+  if (provokes("memory beyond the end of buffer~ samples"))
     if (t_buffer_obj* samples = buffer_ref_getobject(x->buffer)) {
       const float* first = buffer_locksamples(samples);
       x->scalar = static_cast<double>(
@@ -217,7 +221,7 @@ void bang(Small* x) {
 }
 
 void list(Small* x, t_symbol*, long count, t_atom* atoms) {
-  if (wrong("atom of no type") && count > 0)
+  if (provokes("outlet_list: an atom of wrong type 77") && count > 0)
     atoms[0].a_type = 77;
   outlet_list(x->message_outlet, nullptr, static_cast<short>(count), atoms);
 }
@@ -231,8 +235,11 @@ void find_file(Small* x, const char* wanted) {
     object_error(&x->header.z_ob, "%s: no such file", wanted);
     return;
   }
-  path_topathname(wrong("path that Max did not give") ? 99 : folder, name, found);
-  path_nameconform(found, path, wrong("no style of paths") ? 9 : PATH_STYLE_SLASH,
+  path_topathname(provokes("path_topathname: path 99 is none that Max gave") ? 99 : folder, name,
+                  found);
+  path_nameconform(found, path,
+                   provokes("path_nameconform: no style or type of paths: 9") ? 9
+                                                                              : PATH_STYLE_SLASH,
                    PATH_TYPE_ABSOLUTE);
   t_atom atom;
   atom_setsym(&atom, gensym(path));
@@ -271,13 +278,14 @@ void anything(Small* x, t_symbol* s, long count, t_atom* atoms) {
   if (other_message(x, s->s_name, count, atoms))
     return;
   t_symbol own{s->s_name, nullptr};
-  if (wrong("exception in a message"))
+  if (provokes("an exception left the external's function [in message"))
     throw 1;
-  outlet_anything(x->message_outlet, wrong("symbol of its own") ? &own : s,
+  outlet_anything(x->message_outlet,
+                  provokes("outlet_anything: a symbol that is not from gensym") ? &own : s,
                   static_cast<short>(count), atoms);
 }
 void on_clock(Small* x) {
-  if (wrong("proxy_getinlet in a clock"))
+  if (provokes("proxy_getinlet: outside a message"))
     proxy_getinlet(&x->header.z_ob);
   outlet_bang(x->message_outlet);
 }
@@ -292,30 +300,32 @@ void assist(Small*, void*, long direction, long index, char* text) {
                      : index == 0 ? "(signal) product"
                                   : "(message) what came";
   std::snprintf(text, 256, "%s", what);
-  if (wrong("assist too long"))
+  if (provokes("assist writes more than 256 characters"))
     std::snprintf(text, 300, "%0256d", 0); // 256 characters and the zero
 }
 
 t_atom_long accepts_drag(Small* x, t_object* drag, t_object*) {
-  if (wrong("accepts a drag without a message"))
+  if (provokes("acceptsdrag_locked: accepts, but names no message"))
     return 1;
   t_object other{};
-  jdrag_object_add(wrong("drag of its own") ? &other : drag,
-                   wrong("drag for another object") ? static_cast<t_object*>(x->clock)
-                                                    : &x->header.z_ob,
-                   gensym(wrong("drag to no message") ? "assist" : "find"));
-  return wrong("refuses a drag that it named a message for") ? 0 : 1;
+  jdrag_object_add(
+      provokes("jdrag_object_add: not the drag that the box is asked about") ? &other : drag,
+      provokes("jdrag_object_add: a clock instead of object") ? static_cast<t_object*>(x->clock)
+                                                              : &x->header.z_ob,
+      gensym(provokes("jdrag_object_add: small~ a has no message assist") ? "assist" : "find"));
+  return provokes("acceptsdrag_locked: refuses, but named a message") ? 0 : 1;
 }
 
 t_max_err get_gain(Small* x, void*, long* count, t_atom** atoms) {
   static t_atom own;
   char allocated = 0;
-  if (wrong("getter without atom_alloc") || (wrong("getter ignores given atoms") && *atoms)) {
+  if (provokes("the getter of gain returns atoms that are not from atom_alloc") ||
+      (provokes("the getter of gain does not use the atoms that it was given") && *atoms)) {
     *count = 1;
     *atoms = &own;
   } else
     atom_alloc(count, atoms, &allocated);
-  if (wrong("getter writes too much"))
+  if (provokes("the getter of gain writes beyond the atoms"))
     (*atoms)[1].a_w.w_long = 1;
   atom_setfloat(*atoms, x->gain);
   return 0;
@@ -334,24 +344,28 @@ t_max_err set_gain(Small* x, void*, long count, t_atom* atoms) {
 t_max_err get_value(Small* x, long* count, t_atom** atoms) {
   static t_atom own[2];
   char allocated = 0;
-  if (wrong("value without atom_alloc_array") || (wrong("value ignores given atoms") && *atoms)) {
+  if (provokes("getvalueof returns atoms that are not from atom_alloc_array") ||
+      (provokes("getvalueof does not use the atoms that it was given") && *atoms)) {
     *count = 2;
     *atoms = own;
     return 0;
   }
-  atom_alloc_array(wrong("value of no atoms") ? 0 : 2, count, atoms, &allocated);
-  if (wrong("value beyond its atoms"))
+  atom_alloc_array(provokes("atom_alloc_array: null instead of an address, or no atoms") ? 0 : 2,
+                   count, atoms, &allocated);
+  if (provokes("getvalueof returns more atoms than atom_alloc_array gave"))
     *count = 3;
   if (!*atoms)
     return -1;
   atom_setfloat(*atoms, x->gain);
-  if (*count > 1 || wrong("value beyond given atoms"))
+  if (*count > 1 || provokes("getvalueof returns more atoms than it was given room for"))
     atom_setfloat(*atoms + 1, x->scalar);
   return 0;
 }
 t_max_err set_value(Small* x, long count, t_atom* atoms) {
   set_gain(x, nullptr, count, atoms);
-  object_attr_touch(&x->header.z_ob, gensym(wrong("touches no attribute") ? "gian" : "gain"));
+  object_attr_touch(
+      &x->header.z_ob,
+      gensym(provokes("object_attr_touch: small~ a has no attribute gian") ? "gian" : "gain"));
   object_notify(x, gensym("modified"), nullptr);
   return 0;
 }
@@ -359,64 +373,71 @@ t_max_err set_value(Small* x, long count, t_atom* atoms) {
 // --- life ---
 
 void free_small(Small* x) {
-  if (wrong("memory freed before z_dsp_free"))
+  if (provokes("z_dsp_free must come first in a free method: memory was freed before"))
     std::free(x->scratch);
-  if (wrong("clock freed before z_dsp_free"))
+  if (provokes("z_dsp_free must come first in a free method: object_free"))
     object_free(x->clock);
-  if (!wrong("no z_dsp_free"))
+  if (!provokes("z_dsp_free was not called by the free method"))
     z_dsp_free(&x->header);
-  if (!wrong("clock leaks") && !wrong("clock freed before z_dsp_free")) {
-    if (!wrong("armed clock freed"))
+  if (!provokes("leak: clock of small~") &&
+      !provokes("z_dsp_free must come first in a free method: object_free")) {
+    if (!provokes("object_free: a clock that is armed"))
       clock_unset(x->clock);
     object_free(x->clock);
   }
-  if (!wrong("qelem leaks"))
+  if (!provokes("leak: qelem of small~"))
     qelem_free(x->qelem);
-  if (wrong("qelem freed twice"))
+  if (provokes("qelem_free: double free of qelem"))
     qelem_free(x->qelem);
-  if (!wrong("proxy leaks"))
+  if (!provokes("leak: proxy of small~"))
     object_free(x->proxy);
-  if (!wrong("buffer reference leaks"))
+  if (!provokes("leak: buffer_ref of small~"))
     object_free(x->buffer);
-  if (wrong("clock used after free"))
+  if (provokes("clock_fdelay: use of a clock after it was freed"))
     clock_fdelay(x->clock, 1);
-  if (wrong("z_dsp_free twice"))
+  if (provokes("z_dsp_free: twice"))
     z_dsp_free(&x->header);
   static Small* first = nullptr;
-  if (wrong("writes to freed memory") && first)
+  if (provokes("write to small~ a after it was freed") && first)
     first->inlet_of_proxy = 1;
   first = x;
-  if (wrong("outlet in the free method"))
+  if (provokes("outlet_bang: nothing can be sent from here"))
     outlet_bang(x->message_outlet);
-  if (!wrong("memory freed before z_dsp_free"))
+  if (!provokes("z_dsp_free must come first in a free method: memory was freed before"))
     std::free(x->scratch);
 }
 
 void make_outlets(Small* x) {
-  if (wrong("outlets from left to right")) {
+  if (provokes("dumpout is the leftmost outlet")) {
     x->signal_outlet = outlet_new(x, "signal");
     x->message_outlet = outlet_new(x, nullptr);
     x->dumpout = outlet_new(x, nullptr);
   } else {
     x->dumpout = outlet_new(x, nullptr);
-    x->message_outlet = outlet_new(x, wrong("outlet of no type")      ? "audio"
-                                      : wrong("outlet of other type") ? "bang"
-                                                                      : nullptr);
-    x->signal_outlet = outlet_new(x, wrong("outlet without signal") ? nullptr : "signal");
+    x->message_outlet =
+        outlet_new(x, provokes("outlet_new: no type of outlets: audio")           ? "audio"
+                      : provokes("outlet_float: float to an outlet of type bang") ? "bang"
+                                                                                  : nullptr);
+    x->signal_outlet = outlet_new(
+        x, provokes("outlet 0 is no signal outlet, but assist says: (signal) product") ? nullptr
+                                                                                       : "signal");
   }
   object_obex_store(x, gensym("dumpout"), static_cast<t_object*>(x->dumpout));
 }
 
 void make_inlets(Small* x) {
-  if (wrong("no z_dsp_setup"))
+  if (provokes("the constructor did not call z_dsp_setup"))
     return;
-  const long signals = wrong("too few signal inlets") ? 1 : 2;
-  if (wrong("proxy after z_dsp_setup"))
+  const long signals =
+      provokes("the proxies to the right begin with inlet 2, but there are 1 signal inlets") ? 1
+                                                                                             : 2;
+  if (provokes("proxy_new: small~: after z_dsp_setup"))
     z_dsp_setup(&x->header, signals);
-  x->proxy = proxy_new(x, 2, wrong("proxy without an address") ? nullptr : &x->inlet_of_proxy);
-  if (!wrong("proxy after z_dsp_setup"))
+  x->proxy = proxy_new(
+      x, 2, provokes("no inlet, or nowhere to write its number") ? nullptr : &x->inlet_of_proxy);
+  if (!provokes("proxy_new: small~: after z_dsp_setup"))
     z_dsp_setup(&x->header, signals);
-  if (wrong("z_dsp_setup twice"))
+  if (provokes("z_dsp_setup: small~: twice"))
     z_dsp_setup(&x->header, signals);
 }
 
@@ -434,73 +455,74 @@ void* new_small(t_symbol*, long count, t_atom* atoms) {
   x->qelem = qelem_new(x, erased(on_qelem));
   x->buffer = buffer_ref_new(&x->header.z_ob, gensym("samples"));
   x->scratch = static_cast<double*>(std::malloc(64));
-  if (wrong("double free")) {
+  if (provokes("object_free: double free of clock")) {
     stray_clock = clock_new(x, erased(on_clock));
     object_free(stray_clock);
   }
-  if (!wrong("attributes are not processed"))
+  if (!provokes("attributes among the arguments, but no attr_args_process"))
     attr_args_process(x, static_cast<short>(count), atoms);
-  if (wrong("attributes are processed twice"))
+  if (provokes("attr_args_process: twice"))
     attr_args_process(x, static_cast<short>(count), atoms);
-  if (wrong("atoms leak")) {
+  if (provokes("leak: atoms of small~")) {
     long one = 0;
     t_atom* leaked = nullptr;
     char allocated = 0;
     atom_alloc(&one, &leaked, &allocated);
   }
-  if (wrong("overwrites its header"))
+  if (provokes("the header of small~ was overwritten"))
     x->header.z_ob.o_magic = 0;
-  if (wrong("returns nothing"))
+  if (provokes("did not free what it made and does not return"))
     return nullptr;
   return x;
 }
 
 /// Declarations that Max does not take.
 void misdeclare(t_class* c) {
-  if (wrong("A_CANT not alone"))
+  if (provokes("A_GIMME and A_CANT stand alone"))
     class_addmethod(c, erased(bang), "other", A_CANT, A_LONG, 0);
-  if (wrong("method without a function"))
+  if (provokes("class_addmethod: small~: other: no function"))
     class_addmethod(c, nullptr, "other", 0);
-  if (wrong("method as the attribute"))
+  if (provokes("class_addmethod: small~: gain is an attribute too"))
     class_addmethod(c, erased(bang), "gain", 0);
-  if (wrong("attribute as the method"))
+  if (provokes("class_addattr: small~: bang is a method too"))
     class_addattr(c,
                   attribute_new("bang", gensym("float64"), 0, erased(get_gain), erased(set_gain)));
-  if (wrong("attribute without a getter"))
+  if (provokes("attribute_new: other: no getter"))
     class_addattr(c, attribute_new("other", gensym("float64"), 0, nullptr, erased(set_gain)));
-  if (wrong("attribute without a setter"))
+  if (provokes("attribute_new: other: no setter"))
     class_addattr(c, attribute_new("other", gensym("float64"), 0, erased(get_gain), nullptr));
-  if (wrong("property that Max does not know"))
+  if (provokes("Max knows no property colour"))
     class_attr_addattr_parse(c, "gain", "colour", gensym("symbol"), 0, "red");
-  if (wrong("class_dspinit twice"))
+  if (provokes("class_dspinit: twice for small~"))
     class_dspinit(c);
 }
 
 void add_attribute(t_class* c) {
-  t_object* gain =
-      attribute_new("gain", gensym(wrong("attribute of no type") ? "double" : "float64"), 0,
-                    erased(get_gain), erased(set_gain));
-  if (wrong("attribute leaks"))
+  t_object* gain = attribute_new(
+      "gain", gensym(provokes("no type of attributes: double") ? "double" : "float64"), 0,
+      erased(get_gain), erased(set_gain));
+  if (provokes("leak: attribute other was added to no class"))
     attribute_new("other", gensym("float64"), 0, erased(get_gain), erased(set_gain));
   class_addattr(c, gain);
-  if (wrong("attribute twice"))
+  if (provokes("class_addattr: small~: gain: it was added before"))
     class_addattr(c, gain);
-  class_attr_addattr_parse(c, wrong("property of no attribute") ? "gian" : "gain", "save",
+  class_attr_addattr_parse(c, provokes("small~: gian is no attribute") ? "gian" : "gain", "save",
                            gensym("long"), 0, "1");
   class_attr_addattr_parse(c, "gain", "label", gensym("symbol"), 0, "Gain");
 }
 } // namespace
 
 extern "C" MAX_EXPORT void ext_main(void*) {
-  const std::size_t size = wrong("struct smaller than t_pxobject") ? sizeof(t_object)
-                           : wrong("struct too small")             ? sizeof(Small) - sizeof(double)
+  const std::size_t size = provokes("the struct is smaller than t_pxobject") ? sizeof(t_object)
+                           : provokes("a write beyond its struct") ? sizeof(Small) - sizeof(double)
                                                                    : sizeof(Small);
   t_class* c =
-      class_new(kName, erased(new_small), wrong("no free method") ? nullptr : erased(free_small),
+      class_new(kName, erased(new_small),
+                provokes("no free method, so no z_dsp_free") ? nullptr : erased(free_small),
                 static_cast<long>(size), nullptr, A_GIMME, 0);
-  if (!wrong("no dsp64"))
-    class_addmethod(c, erased(dsp64), "dsp64", wrong("other types than Max's") ? A_GIMME : A_CANT,
-                    0);
+  if (!provokes("class_dspinit without a method dsp64"))
+    class_addmethod(c, erased(dsp64), "dsp64",
+                    provokes("dsp64 has other types than Max's") ? A_GIMME : A_CANT, 0);
   class_addmethod(c, erased(assist), "assist", A_CANT, 0);
   class_addmethod(c, erased(accepts_drag), "acceptsdrag_locked", A_CANT, 0);
   class_addmethod(c, erased(accepts_drag), "acceptsdrag_unlocked", A_CANT, 0);
@@ -508,34 +530,35 @@ extern "C" MAX_EXPORT void ext_main(void*) {
   class_addmethod(c, erased(get_value), "getvalueof", A_CANT, 0);
   class_addmethod(c, erased(set_value), "setvalueof", A_CANT, 0);
   class_addmethod(c, erased(bang), "bang", 0);
-  class_addmethod(c, erased(float_message), "float", wrong("float as int") ? A_LONG : A_FLOAT, 0);
+  class_addmethod(c, erased(float_message), "float",
+                  provokes("float has other types than Max's") ? A_LONG : A_FLOAT, 0);
   class_addmethod(c, erased(int_message), "int", A_LONG, 0);
   class_addmethod(c, erased(list), "list", A_GIMME, 0);
   class_addmethod(c, erased(anything), "anything", A_GIMME, 0);
-  if (wrong("preset with arguments"))
+  if (provokes("preset has other types than Max's"))
     class_addmethod(c, erased(anything), "preset", A_GIMME, 0);
-  if (wrong("reserved name"))
+  if (provokes("enable is a name that Max reserves"))
     class_addmethod(c, erased(bang), "enable", 0);
-  if (wrong("unknown method of Max"))
+  if (provokes("Max calls no method of this name (A_CANT)"))
     class_addmethod(c, erased(bang), "loadbnag", A_CANT, 0);
-  if (wrong("method twice"))
+  if (provokes("class_addmethod: small~: bang is there twice"))
     class_addmethod(c, erased(bang), "bang", 0);
-  if (wrong("types without end"))
+  if (provokes("the types do not end with 0"))
     class_addmethod(c, erased(bang), "endless", A_LONG, A_LONG, A_LONG, A_LONG, A_LONG, A_LONG,
                     A_LONG, A_LONG, 0);
   add_attribute(c);
-  if (!wrong("no class_dspinit"))
+  if (!provokes("a method dsp64 without class_dspinit"))
     class_dspinit(c);
   misdeclare(c);
-  if (wrong("registers no class"))
+  if (provokes("registered no class"))
     return;
-  class_register(gensym(wrong("other name space") ? "boxes" : "box"), c);
-  if (wrong("class twice"))
+  class_register(gensym(provokes("in the name space boxes, expected box") ? "boxes" : "box"), c);
+  if (provokes("class_register: small~: there is a class of this name"))
     class_register(gensym("box"), class_new(kName, erased(new_small), nullptr,
                                             static_cast<long>(size), nullptr, A_GIMME, 0));
-  if (wrong("class_dspinit after class_register"))
+  if (provokes("class_dspinit: after class_register of small~"))
     class_dspinit(c);
-  if (wrong("method after class_register"))
+  if (provokes("class_addmethod: after class_register of small~"))
     class_addmethod(c, erased(bang), "late", 0);
   small_class = c;
 }

@@ -5,7 +5,7 @@ import pytest
 
 from max_host import BUILD, RATE, declarations, load, run
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 STAGE = BUILD / "tactus"
 ON = [f"rate {RATE}", "vector 64"]
 

@@ -39,3 +39,17 @@ def test_the_last_value_that_a_thread_sends_wins(name):
     values = [float(line.split()[-1]) for line in run(lines).of("value")]
     assert values[0] in (0.75, 0.96875)
     assert values[1:] == [0.3, 0.3]
+
+
+@pytest.mark.skipif("TACTUS_MAX_SMALL" not in os.environ, reason="not under the thread sanitizer")
+def test_the_thread_sanitizer_finds_the_planted_race_and_no_other():
+    lines = [f'load "{os.environ["TACTUS_MAX_SMALL"]}"', "new a small~ @gain 0.5", "signal a 0 sine 440 0.5", "dsp on",
+             "threads 2000"]
+    lines += [f"main {line}" for line in ("send a 0 float 0.5", "send a 1 int 2", "set a gain 0.25", "get a gain",
+                                          "send a 0 bang", "send a 2 words 1 2.", "new c small~ @gain 2.", "dsp on", "free c")]
+    lines += [f"scheduler send a {line}" for line in ("0 float 0.75", "1 int 3", "0 gain 0.5", "0 bang")]
+    lines += ["end", "dsp off"]
+    right = run(lines)
+    assert "ThreadSanitizer" not in right.stderr and right.sent("a")
+    wrong = run(lines, mistake="race", clean=False)
+    assert "data race" in wrong.stderr and wrong.status != 0
