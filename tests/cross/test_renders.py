@@ -42,14 +42,6 @@ def read_gestures():
 GESTURES = read_gestures()
 
 
-def with_marks():
-    """A gesture of each object; the others are slow."""
-    played = set()
-    for name, (object_, _, _) in GESTURES.items():
-        yield pytest.param(name, marks=[pytest.mark.slow] if object_ in played else [])
-        played.add(object_)
-
-
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
     """A folder of what goes into signal inlets, by unit: a pressure swells and ebbs, a frequency wanders. No float has
@@ -164,7 +156,7 @@ def expected(system, bits, name):
     return Limits(given.get(str(bits), given.get("both", ())))
 
 
-@pytest.mark.parametrize("name", with_marks())
+@pytest.mark.parametrize("name", GESTURES)
 def test_every_host_renders_the_same(name, inputs, tmp_path):
     pd = {bits: by_pd(BUILD, EMULATOR, bits, name, inputs, tmp_path) for bits in SIZES}
     if REFERENCE and None in pd.values():
