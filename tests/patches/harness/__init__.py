@@ -3,6 +3,6 @@
 tests/patches/README.md shows its use.
 """
 from .patch import Canvas, Node, Patch
-from .run import PdFailure, Render, run_pd, stage_folder
+from .run import PdFailure, Render, read_trace, run_pd, stage_folder
 
-__all__ = ["Canvas", "Node", "Patch", "PdFailure", "Render", "run_pd", "stage_folder"]
+__all__ = ["Canvas", "Node", "Patch", "PdFailure", "Render", "read_trace", "run_pd", "stage_folder"]

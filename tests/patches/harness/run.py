@@ -4,6 +4,7 @@ Pd leaves with status 0 whatever went wrong and runs for ever when a patch is mi
 line it prints is read, a time limit set and each recording demanded. Recording goes through
 [tabwrite~] and [soundfiler]: [writesf~] loses blocks in batch mode when the machine is busy.
 """
+import csv
 import dataclasses
 import os
 import pathlib
@@ -103,6 +104,13 @@ def run_pd(patches, rate=48000, timeout=60, path=(), preload="", environment=Non
     if process.returncode:
         raise PdFailure(f"Pd ended with status {process.returncode}\n{said[-8000:]}")
     return said
+
+
+def read_trace(file):
+    """Columns of a servo's trace, by name, each an array."""
+    with open(file, encoding="utf-8") as rows:
+        table = list(csv.DictReader(rows))
+    return {name: numpy.array([float(row[name]) for row in table]) for name in table[0]}
 
 
 def sort_lines(said, expect_errors):
