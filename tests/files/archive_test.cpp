@@ -108,13 +108,7 @@ TEST_CASE("checksums are those of the polynomial's division, bit by bit, for eve
   CHECK(crc32(bytes_of("123456789")) == 0xcbf43926U); // the check value of its definition
   std::string text;
   for (int i = 0; i < 70; ++i) {
-    std::uint32_t sum = 0xffffffff;
-    for (const char c : text) {
-      sum ^= static_cast<unsigned char>(c);
-      for (int bit = 0; bit < 8; ++bit)
-        sum = sum & 1 ? 0xedb88320 ^ sum >> 1 : sum >> 1;
-    }
-    CHECK(crc32(bytes_of(text)) == ~sum);
+    CHECK(crc32(bytes_of(text)) == plain_crc32(text));
     text += static_cast<char>(i * i * 37 + 11 * i);
   }
 }

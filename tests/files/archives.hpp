@@ -1,12 +1,17 @@
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <initializer_list>
 #include <random>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -111,6 +116,49 @@ inline Member& named(std::vector<Member>& members, std::string_view name) {
   return members.emplace_back(Member{std::string(name), "<f8", {}, {}});
 }
 
+/// A change to the arrays of a table.
+using Change = std::function<void(std::vector<Member>&)>;
+
+/// These numbers in place of an array's own, or in a new one.
+template <class T>
+Change array(const char* name, std::vector<T> numbers, std::vector<std::size_t> shape) {
+  static_assert(std::is_floating_point_v<T> || std::is_signed_v<T>);
+  return [=](std::vector<Member>& members) {
+    Member& m = named(members, name);
+    m.type = (std::is_floating_point_v<T> ? "<f" : "<i") + std::to_string(sizeof(T));
+    m.data = raw(numbers);
+    m.shape = shape;
+  };
+}
+/// As many numbers as there were.
+template <class T> Change array(const char* name, std::vector<T> numbers) {
+  return [=](std::vector<Member>& members) {
+    array(name, numbers, named(members, name).shape)(members);
+  };
+}
+inline Change meta(const std::string& text) {
+  return [=](std::vector<Member>& members) {
+    named(members, "meta").data = text;
+    named(members, "meta").shape = {text.size()};
+  };
+}
+inline Change without(const std::string& name) {
+  return [=](std::vector<Member>& members) {
+    std::erase_if(members, [&](const Member& m) { return m.name == name; });
+  };
+}
+
+/// Whether a sentence is one line with all of these words.
+inline void mentions(const std::string& sentence, std::initializer_list<std::string> words) {
+  CAPTURE(sentence);
+  CHECK(!sentence.empty());
+  CHECK(sentence.find('\n') == std::string::npos);
+  for (const std::string& word : words) {
+    CAPTURE(word);
+    CHECK(sentence.find(word) != std::string::npos);
+  }
+}
+
 /// One to four random changes: bytes replaced, a bit flipped, bytes erased or put in. Never empty.
 inline std::string damaged(std::string file, std::mt19937& random) {
   for (unsigned n = 1 + random() % 4; n-- > 0;) {
@@ -133,6 +181,26 @@ inline std::string damaged(std::string file, std::mt19937& random) {
       file = "x";
   }
   return file;
+}
+
+/// Gives `read` so many damaged files, in every second of which the damage stands behind right
+/// checksums; it says whether it took one. Most files of the first sort are refused.
+template <class Read>
+void read_damaged(const std::vector<Member>& sound, int rounds, const Read& read) {
+  const std::string good = archive(sound);
+  std::mt19937 random(3);
+  int refused = 0;
+  for (int round = 0; round < rounds; ++round) {
+    refused += !read(damaged(good, random));
+    auto members = sound;
+    Member& m = members[random() % members.size()];
+    for (unsigned n = 1 + random() % 8; n-- > 0 && !m.data.empty();)
+      m.data[random() % m.data.size()] = static_cast<char>(random());
+    if (random() % 3 == 0 && !m.shape.empty())
+      m.shape[random() % m.shape.size()] = random() % 6;
+    static_cast<void>(read(archive(members)));
+  }
+  CHECK(refused > 0.7 * rounds);
 }
 
 } // namespace tactus::test

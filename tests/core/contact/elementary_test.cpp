@@ -23,30 +23,20 @@ TEST_CASE("powers are those of the mathematical library, over 300 decades") {
   CHECK(exp2_of(1e300) == exp2_of(1000));
 }
 
-TEST_CASE("a power that is followed stays within 1e-9 of the exact one") {
-  for (const double e : {0.0, 0.1, 0.25, 0.65, 1.0, 1.5, 2.5}) {
-    TaylorPower power(e);
-    double worst = 0, x = 1e-5;
-    for (int n = 0; n < 20000; ++n) {
-      x *= 1 + 0.03 * std::sin(0.37 * n) + (n % 500 == 0 ? 10 : 0) - (n % 777 == 0 ? 0.9 : 0);
-      x = std::clamp(x, 1e-50, 1e3);
-      worst = std::max(worst, std::abs(power(x) / std::pow(x, e) - 1));
-    }
-    CAPTURE(e);
-    CHECK(worst < 1e-9);
-  }
-}
-
-TEST_CASE("a power is followed from wherever it was last taken, near one as well") {
-  for (const double exponent : {.25, .5, 1.25, 2.5})
-    for (const double start : {1e-12, .02, .5, 1., 1.03, 7., 600.}) {
-      TaylorPower power(exponent);
-      double x = start;
-      for (int n = 0; n < 400; ++n) {
-        CAPTURE(exponent);
-        CAPTURE(x);
-        CHECK(std::abs(power(x) / std::pow(x, exponent) - 1) < 1e-9);
-        x *= n % 100 < 50 ? 1.003 : .997 / 1.0001;
+TEST_CASE("a power that is followed stays within 1e-9 of the exact one, from wherever it begins") {
+  for (const double e : {0.0, 0.1, 0.25, 0.65, 1.0, 1.5, 2.5})
+    for (const double start : {1e-12, 1e-5, .02, 1., 1.03, 7., 600.}) {
+      TaylorPower power(e);
+      double worst = 0, x = start;
+      for (int n = 0; n < 3000; ++n) {
+        worst = std::max(worst, std::abs(power(x) / std::pow(x, e) - 1));
+        x *= n < 400 ? (n % 100 < 50 ? 1.003 : .997 / 1.0001) // slowly, and then in leaps
+                     : 1 + 0.03 * std::sin(0.37 * n) + (n % 500 == 0 ? 10 : 0) -
+                           (n % 777 == 0 ? 0.9 : 0);
+        x = std::clamp(x, 1e-50, 1e3);
       }
+      CAPTURE(e);
+      CAPTURE(start);
+      CHECK(worst < 1e-9);
     }
 }
