@@ -1,18 +1,16 @@
 """[playability~], [greed_gradient~] and [playability_map] in a headless Pd."""
 
 import math
-import pathlib
-import subprocess
 
 import numpy
 import pytest
 
 from harness import Patch, stage_folder
+from harness.run import ROOT
+from harness.sound import RATE, level
 
-RATE = 48000
-REED = pathlib.Path(__file__).resolve().parents[2] / "patches" / "reed"
+REED = ROOT / "patches" / "reed"
 TRUMPET = ["trumpet", "-range", 0, 8000, 80, 900]
-HUGE = 1e30
 
 
 def numbers(log):
@@ -27,14 +25,13 @@ def sine(amplitude, frequency, seconds):
     return amplitude * numpy.sin(2 * numpy.pi * frequency * numpy.arange(int(seconds * RATE)) / RATE)
 
 
-@pytest.mark.parametrize("block", [1, 64, 4096])
-def test_a_sine_has_its_closed_form_envelope_rate_and_pitch(block):
-    patch = Patch(block=block)
+def test_a_sine_has_its_closed_form_envelope_rate_and_pitch():
+    patch = Patch()
     estimator = patch.signal(sine(0.03, 220, 4)) >> patch.obj(
         "playability~", "-attack", 100, "-release", 100)
     for outlet, name in enumerate(("f_p", "envelope", "rate", "variation", "analysis", "regime")):
         patch.log(name, estimator[outlet])
-    result = patch.render(seconds=1.9, rate=RATE)
+    result = patch.render(1.9)
     envelope = last(result, "envelope")[0]
     assert abs(envelope / (0.06 / math.pi) - 1) < 0.01
     assert abs(last(result, "f_p")[0] - envelope / (envelope + 0.03)) < 1e-5
@@ -46,23 +43,12 @@ def test_a_sine_has_its_closed_form_envelope_rate_and_pitch(block):
     assert last(result, "regime") == [1]
 
 
-def test_without_analysis_two_outlets_stay_silent():
-    patch = Patch()
-    estimator = patch.signal(sine(0.03, 220, 0.5)) >> patch.obj("playability~", "-analysis", 0)
-    patch.log("f_p", estimator[0])
-    patch.log("analysis", estimator[4])
-    patch.log("regime", estimator[5])
-    result = patch.render(seconds=0.4, rate=RATE)
-    assert len(result.logs["f_p"]) > 100
-    assert result.logs["analysis"] == [] and result.logs["regime"] == []
-
-
 def f_p_of(theta, *arguments, analysis=False):
     patch = Patch()
     estimator = patch.signal(theta) >> patch.obj("playability~", *arguments)
     patch.log("f_p", estimator[0])
     patch.log("analysis", estimator[4])
-    result = patch.render(seconds=1.2, rate=RATE)
+    result = patch.render(1.2)
     assert bool(result.logs["analysis"]) == analysis
     return numpy.array(numbers(result.logs["f_p"]))[:, 0]
 
@@ -75,9 +61,8 @@ def shaken_valve(seconds, level):
     return level * theta / theta.std()
 
 
-@pytest.mark.parametrize("arguments", [[], ["paper"], ["robust"], ["-mode", "robust", "-analysis", 0],
-                                       ["-analysis", 0, "-mode", "paper"]])
-def test_white_noise_does_not_play_and_a_sine_does(arguments):
+@pytest.mark.parametrize("arguments", [[], ["paper"], ["-mode", "robust", "-analysis", 0]])
+def test_noise_does_not_play_a_sine_does_and_a_shaken_valve_deceives_the_papers_mode_alone(arguments):
     analysis = 0 not in arguments
     noise = 0.03 * numpy.random.default_rng(2).standard_normal(2 * RATE)
     assert f_p_of(noise, *arguments, analysis=analysis)[-300:].max() < 0.1
@@ -86,22 +71,8 @@ def test_white_noise_does_not_play_and_a_sine_does(arguments):
     envelope = 0.03 * math.sqrt(2) * numpy.array([2 / math.pi, 1])
     low, high = envelope / (envelope + 0.03)
     assert low < tone[-1] < high
-
-
-def test_robust_is_the_default_and_never_becomes_paper():
-    theta = shaken_valve(2, 0.03)
-    assert f_p_of(theta, "paper", analysis=True)[-1] > 0.3
-    for arguments in ([], ["-analysis", 0], ["-mode", "robust", "-analysis", 0],
-                      ["-analysis", 0, "-mode", "robust"]):
-        assert f_p_of(theta, *arguments, analysis=0 not in arguments)[-300:].max() < 0.1
-
-
-def test_playability_refuses_what_is_out_of_range():
-    patch = Patch()
-    estimator = patch.obj("playability~")
-    patch.at(10, estimator, "ref -1")
-    patch.at(20, estimator, "mode nice")
-    patch.render(0.1, expect_errors=["playability~: ref -1 rad: expected", "playability~: mode nice"])
+    shaken = f_p_of(shaken_valve(2, 0.03), *arguments, analysis=analysis)
+    assert shaken[-1] > 0.3 if arguments == ["paper"] else shaken[-300:].max() < 0.1
 
 
 def gradient(patch, y, z, *flags, record=True):
@@ -129,7 +100,7 @@ def test_the_gradient_of_one_object_is_that_of_five_reeds():
         patch.obj("sig~", 80 * (900 / 80) ** at_z) >> reed[1]
         estimator = reed[1] >> patch.obj("playability~", "paper", "-analysis", 0)
         patch.log(f"f{index}", estimator[0])
-    result = patch.render(seconds=2, rate=RATE)
+    result = patch.render(2)
     f = [numpy.array(numbers(result.logs[f"f{i}"])[750:])[:, 0].mean() for i in range(5)]
     both = numpy.array(numbers(result.logs["gradient"])[750:]).mean(axis=0)
     one = numpy.array(numbers(result.logs["f_p"])[750:]).mean()
@@ -144,32 +115,33 @@ def test_the_gradient_of_one_object_is_that_of_five_reeds():
 def test_growth_mode_leads_from_silence():
     patch = Patch()
     gradient(patch, 0.05, 0.45, "-mode", "growth", "-background", 0)
-    result = patch.render(seconds=1.5, rate=RATE)
+    result = patch.render(1.5)
     assert last(result, "f_p")[0] < 1e-3
     assert last(result, "gradient")[0] > 0.5
 
 
-def size(force):
-    return math.hypot(*force)
-
-
-def test_guide_mode_pulls_to_a_note_once_its_map_is_made():
+def test_guide_mode_pulls_to_a_note_by_its_map_and_goes_on_by_the_old_one_while_there_is_audio():
     patch = Patch()
     reed = gradient(patch, 0.05, 0.45, "-mode", "guide", "-background", 0)
-    patch.at(1200, reed, "ceiling 0.7")
-    result = patch.render(seconds=1.5, rate=RATE)
-    forces, times = numbers(result.logs["force"]), [ms for ms, _ in result.logs["force"]]
+    patch.at(1000, reed, "ceiling 0.7")
+    patch.at(1200, reed, "ceiling 2, range 0 4000 80 900")
+    patch.at(2200, patch.obj("s", "pd"), "dsp 0")
+    result = patch.render(2.5)
+    forces = numpy.array(numbers(result.logs["force"]))
+    times, size = numpy.array([ms for ms, _ in result.logs["force"]]), numpy.hypot(*forces.T)
     news = [(ms, atoms[1]) for ms, atoms in result.logs["info"] if atoms[0] == "map"]
-    shares = [share for _, share in news]
+    shares = [share for ms, share in news if ms < 1200]
     assert shares == sorted(shares) and shares[-1] == 1 and len(shares) > 5
-    done = news[-1][0]
-    assert 500 < done < 650  # 1681 nodes, 3000 a second
-    assert max(size(f) for ms, f in zip(times, forces) if ms < done) == 0
-    settled = [f for ms, f in zip(times, forces) if done + 200 < ms < 1200]
-    assert all(abs(size(f) - 2) < 0.05 and f[0] > 1 for f in settled)
-    assert abs(size(forces[-1]) - 0.7) < 0.02
-    slope = last(result, "gradient")
-    assert abs(forces[-1][0] - 0.7 * slope[0]) < 0.01 and abs(forces[-1][1] - 0.7 * slope[1]) < 0.01
+    done, anew = (ms for ms, share in news if share == 1)
+    assert 500 < done < 650 and anew > 1500  # 1681 nodes, 3000 a second
+    assert not size[times < done].any()
+    settled = (times > done + 200) & (times < 1000)
+    assert abs(size[settled] - 2).max() < 0.05 and (forces[settled, 0] > 1).all()
+    limited = numpy.flatnonzero(times < 1200)[-1]
+    slope = [atoms for ms, atoms in result.logs["gradient"] if ms < 1200][-1]
+    assert abs(size[limited] - 0.7) < 0.02 and forces[limited] == pytest.approx(0.7 * numpy.array(slope), abs=0.01)
+    assert size[(times > 1400) & (times < 2200)].min() > 1.5
+    assert 2290 < times[-1] < 2310 and not forces[-1].any() and size[-2] > 1.5
 
 
 def test_a_map_made_in_a_thread_arrives_while_the_patch_plays():
@@ -178,20 +150,9 @@ def test_a_map_made_in_a_thread_arrives_while_the_patch_plays():
     reed = gradient(patch, 0.05, 0.45, "-mode", "guide", record=False)
     done = reed[3] >> patch.obj("route", "map") >> patch.obj("select", 1)
     done >> patch.obj("delay", 500) >> patch.obj("s", "harness-end")
-    result = patch.render(seconds=7200, rate=RATE, timeout=300)
+    result = patch.render(7200, timeout=300)
     assert last(result, "info") == [1]
-    assert abs(size(last(result, "force")) - 2) < 0.05
-
-
-def test_the_old_map_goes_on_until_the_new_one_is_there():
-    patch = Patch()
-    reed = gradient(patch, 0.05, 0.45, "-mode", "guide", "-background", 0)
-    patch.at(1000, reed, "range 0 4000 80 900")
-    result = patch.render(seconds=2, rate=RATE)
-    assert [atoms[1] for _, atoms in result.logs["info"]].count(1) == 2
-    forces = [f for ms, f in zip((ms for ms, _ in result.logs["force"]),
-                                 numbers(result.logs["force"])) if ms > 900]
-    assert min(size(f) for f in forces) > 1.5
+    assert abs(math.hypot(*last(result, "force")) - 2) < 0.05
 
 
 def test_a_slope_s_force_is_the_patch_s_law():
@@ -202,7 +163,7 @@ def test_a_slope_s_force_is_the_patch_s_law():
     for axis in (0, 1):
         split[axis] >> law[axis]
         patch.log(f"law{axis}", law[axis])
-    result = patch.render(seconds=1.5, rate=RATE, path=[REED])
+    result = patch.render(1.5, path=[REED])
     forces = numpy.array(numbers(result.logs["force"]))
     for axis in (0, 1):
         by_patch = numpy.array(numbers(result.logs[f"law{axis}"]))[:, 0]
@@ -211,36 +172,14 @@ def test_a_slope_s_force_is_the_patch_s_law():
         assert abs(by_patch[300:]).max() > 0.05
 
 
-def test_nothing_pulls_while_the_audio_stands_still():
-    patch = Patch()
-    reed = gradient(patch, 0.05, 0.45, "-mode", "guide", "-background", 0)
-    patch.at(1000, patch.obj("s", "pd"), "dsp 0")
-    result = patch.render(seconds=1.3, rate=RATE)
-    assert last(result, "force") == [0, 0]
-    times = [ms for ms, _ in result.logs["force"]]
-    assert 1090 < times[-1] < 1110 and size(numbers(result.logs["force"])[-2]) > 1.9
-
-
-def test_a_rebuilt_graph_plays_on():
-    patch = Patch()
-    gradient(patch, 0.6, 0.42)
-    for ms in range(1000, 1500, 10):
-        patch.rebuild_dsp(ms)
-    result = patch.render(seconds=2, rate=RATE)
-    f = numpy.array(numbers(result.logs["f_p"]))[:, 0]
-    assert f[-100:].min() > 0.9 * f[700:740].mean()
-
-
-@pytest.mark.parametrize("strange", [math.nan, math.inf, -math.inf, HUGE, -HUGE])
+@pytest.mark.parametrize("strange", [math.nan, -math.inf, 1e30])
 def test_a_strange_hand_is_survived(strange):
     patch = Patch()
     reed = gradient(patch, 0.6, 0.42)
-    for inlet in range(3):
+    for inlet, good in enumerate((0.6, 0.42, 0)):
         patch.at(300 + 100 * inlet, reed[inlet], strange)
-    patch.at(700, reed, 0.6)
-    patch.at(700, reed[1], 0.42)
-    patch.at(700, reed[2], 0)
-    result = patch.render(seconds=2.5, rate=RATE)
+        patch.at(700, reed[inlet], good)
+    result = patch.render(2.5)
     assert numpy.isfinite(numpy.array(numbers(result.logs["gradient"]))).all()
     assert abs(result["sound"]).max() <= 1
     assert last(result, "f_p")[0] > 0.3
@@ -253,21 +192,10 @@ def test_a_bore_frequency_that_is_no_number_leaves_the_last_good_one():
         patch.at(10, reed[2], 233)
         for ms, value in strange:
             patch.at(ms, reed[2], value)
-        return patch.render(seconds=0.6, rate=RATE)["sound"]
+        return patch.render(0.6)["sound"]
     steady = played()
     assert numpy.array_equal(steady, played((200, math.nan), (300, math.inf), (400, -math.inf)))
     assert not numpy.array_equal(steady, played((200, 0)))
-
-
-def test_the_gradient_refuses_a_plane_without_extent():
-    patch = Patch()
-    reed = patch.obj("greed_gradient~", "trumpet")
-    patch.at(10, reed, "range 5 5 80 900")
-    patch.at(20, reed, "preset kazoo")
-    patch.at(30, reed, "delta 0")
-    patch.render(0.1, expect_errors=["greed_gradient~: range 5 5 80 900: expected p_lo < p_hi",
-                                     "greed_gradient~: preset kazoo: expected clarinet",
-                                     "greed_gradient~: delta 0: expected"])
 
 
 def map_box(patch, *flags):
@@ -295,7 +223,7 @@ def test_a_map_is_drawn_looked_up_and_found_again(tmp_path):
     patch.at(900, box[1], 0.4)
     patch.at(901, box, 0.6)
     patch.at(920, box, f"write {kept}")
-    first = patch.render(1, rate=RATE)
+    first = patch.render(1)
     grid = cells(first)
     assert numpy.isfinite(grid).all()
     assert last(first, "progress") == [1]
@@ -304,56 +232,31 @@ def test_a_map_is_drawn_looked_up_and_found_again(tmp_path):
     assert abs(slope[0] - (grid[4, 7] - grid[4, 5]) * 5) < 1e-4
     assert abs(slope[1] - (grid[5, 6] - grid[3, 6]) * 5) < 1e-4
 
+    (tmp_path / "no.txt").write_text("something else\n")
     patch = Patch()
     box = map_box(patch)
+    patch.at(4, box, f"read {tmp_path}/no.txt")
     patch.at(5, box, f"read {kept}")
     patch.at(10, box, "compute")
-    second = patch.render(0.5, rate=RATE)
-    assert (cells(second) == grid).all()
+    assert (cells(patch.render(0.5, expect_errors=["holds no playability maps"])) == grid).all()
 
 
 def test_a_map_by_theory_has_the_sign_of_what_sounds():
     patch = Patch()
     box = map_box(patch, "-quantity", "growth")
     patch.at(10, box, "compute")
-    grid = cells(patch.render(0.5, rate=RATE))
+    grid = cells(patch.render(0.5))
     assert grid[4, 6] > 0 and grid[10, 2] < 0
 
 
-def test_a_damaged_file_of_maps_is_refused(tmp_path):
-    (tmp_path / "no.txt").write_text("something else\n")
-    patch = Patch()
-    box = map_box(patch)
-    patch.at(10, box, f"read {tmp_path}/no.txt")
-    patch.at(20, box, "draw")
-    patch.at(30, box, "read nowhere.txt")
-    patch.render(0.2, expect_errors=["holds no playability maps", "no map yet",
-                                     "cannot find nowhere.txt"])
-
-
-@pytest.mark.parametrize("rate", [44100, 48000, 96000])
+@pytest.mark.parametrize("rate", [44100, pytest.param(96000, marks=pytest.mark.slow)])
 def test_the_help_of_greed_gradient_leads_a_hand_from_silence_to_a_note(rate):
-    def level(*more):
+    def heard(*more):
         patch = Patch(opens=stage_folder() / "greed_gradient~-help.pd", own="own")
         patch.send(100, "help-play", "bang")
         for ms, receiver, value in more:
             patch.send(ms, receiver, value)
         patch.record("sound", patch.dac(1))
-        sound = patch.render(3.5, rate, dsp=False)["sound"][2 * rate:3 * rate]
-        return 10 * numpy.log10(numpy.mean(numpy.square(sound, dtype=float)) + 1e-15)
-    assert -40 < level() < -20
-    assert level((200, "own-force", 0)) < -80
-
-
-def test_the_program_for_maps_says_what_it_takes():
-    program = stage_folder().parent / "programs" / "reed_map" / "tactus_reed_map"
-
-    def run(*options):
-        return subprocess.run([program, *options], capture_output=True, text=True)
-
-    told = run("--help")
-    assert told.returncode == 0 and all(word in told.stdout for word in ("trombone", "--range", "--part"))
-    presets = "expected clarinet, sax, oboe, trumpet, trombone, voice or syrinx"
-    assert run("tuba").stderr == f"tactus_reed_map: no preset tuba: {presets}\n"
-    assert run().stderr == f"tactus_reed_map: no preset: {presets}\n"
-    assert run("trumpet", "--tune").stderr == "tactus_reed_map: there is no option --tune; --help shows all\n"
+        return level(patch.render(3.5, rate, dsp=False)["sound"][2 * rate:3 * rate])
+    assert -40 < heard() < -20
+    assert heard((200, "own-force", 0)) < -80
