@@ -143,24 +143,15 @@ def test_strikes_sent_while_the_first_table_is_read_happen_when_it_is_there():
     assert abs(ring(False, *at_a_point) - ring(True, one)).max() < 0.5
 
 
-def test_of_a_table_that_cannot_be_read_only_that_is_said(tmp_path):
+def test_of_a_table_that_cannot_be_read_only_that_is_said_and_no_more_messages_wait_than_there_is_room(tmp_path):
     (tmp_path / "bad.modal.npz").write_bytes(b"no table")
-    patch = Patch()
-    box = patch.obj("modal_impact~", "bad")
-    for i in range(3):
-        patch.at(i, box, "hit 1")
-    patch.at(1199000, box, "hit 1")
-    result = patch.render(1200, path=[tmp_path], expect_errors=["load bad: .*", "there is no body yet: load one"])
-    assert len(result.errors) == 2
-
-
-def test_more_messages_than_wait_are_refused_in_a_sentence():
-    patch = Patch()
-    box = patch.obj("modal_impact~", "plate")
-    for _ in range(66):
-        patch.at(0, box, "hit 0.1")
-    result = patch.render(1, expect_errors=["hit: the body is still being read; send it after `loaded`"])
-    assert len(result.errors) == 2
+    for name, hits, errors in (("bad", [0, 1, 2, 1199000], ["load bad: .*", "there is no body yet: load one"]),
+                               ("plate", 66 * [0], ["hit: the body is still being read; send it after `loaded`"])):
+        patch = Patch()
+        box = patch.obj("modal_impact~", name)
+        for ms in hits:
+            patch.at(ms, box, "hit 0.1")
+        assert len(patch.render(1200 if name == "bad" else 1, path=[tmp_path], expect_errors=errors).errors) == 2
 
 
 def soft_clip(x):
@@ -203,36 +194,3 @@ def test_the_soft_limit_keeps_listening_levels_within_1_and_measuring_levels_exa
                             (("-gain", 0.1), 0.1 * pascal), (("-gain", 0.05, "-limit", "off"), 0.05 * pascal),
                             (("-gain", 1, "-limit", "on"), soft_clip(pascal))]:
         assert struck("plate", hits, *flags) == pytest.approx(expected, abs=1e-4 * abs(expected).max()), flags
-
-
-def test_the_first_argument_chooses_what_one_would_guess_wherever_it_stands():
-    def preset(*words, outlet):
-        patch = Patch()
-        box = patch.obj(*words)
-        patch.log("info", box[outlet])
-        patch.at(1, box, "get preset")
-        return patch.render(0.05).logs["info"][0][1]
-
-    for words in (("trumpet",), ("trumpet", "-gain", 1), ("-gain", 1, "trumpet")):
-        assert preset("greed~", *words, outlet=4) == ["preset", "trumpet"]
-    assert preset("particle~", "-seed", 3, "ice", outlet=3) == ["preset", "ice"]
-
-
-def test_an_empty_list_is_a_bang():
-    patch = Patch()
-    patch.at(1, patch.obj("contact_friction~"), "list")
-    result = patch.render(0.05, expect_errors=["no message 'bang'; there are modes, pickup and reset"])
-    assert len(result.errors) == 1
-
-
-def test_a_list_to_greed_is_a_number_for_each_inlet():
-    patch = Patch()
-    listed, played = patch.obj("greed~", "trumpet"), patch.obj("greed~", "trumpet")
-    patch.at(0, listed, "list 3000 300 0")
-    for i, value in enumerate((3000, 300, 0)):
-        patch.signal(numpy.full(RATE // 2, value)) >> played[i]
-    for name, box in (("listed", listed), ("played", played)):
-        patch.record(name, box[1])
-    result = patch.render(0.4)
-    assert numpy.ptp(result["played"]) > 1e-3
-    assert numpy.array_equal(result["listed"], result["played"])

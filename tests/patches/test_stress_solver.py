@@ -14,21 +14,21 @@ import numpy
 import pytest
 
 from harness import Patch, stage_folder
+from harness.live import WAIT_S, LivePd, free_port, patch_text
 
 PROGRAM = stage_folder() / "part_stress"
 if not PROGRAM.exists():
     pytest.skip("the program part_stress is not built", allow_module_level=True)
-WAIT_S = 120
 MOVE_MM = 4  # a fifth of the height
 POINTS = (21, 26)  # of the top edge, across the beam, a sixth of the length from the clamp
 
 
-@pytest.fixture(scope="module")
-def beam(tmp_path_factory):
-    """A cantilever of 200 x 20 x 20 mm, 640 hex20; a lattice of 5 x 2 x 3, of which two points may move."""
+@pytest.fixture(scope="module", params=[10, pytest.param(5, marks=pytest.mark.slow)])
+def beam(tmp_path_factory, request):
+    """A cantilever of 200 x 20 x 20 mm, 80 hex20, or 640; a lattice of 5 x 2 x 3, of which two points may move."""
     path = tmp_path_factory.mktemp("beam") / "beam.stress.npz"
-    subprocess.run([PROGRAM, *"bar --length 200 --width 20 --thickness 20 --h 5 --fix x=-100 --force x=100:0,0,-100 "
-                    "--lattice 5 2 3 --controls 21,26 --quiet -o".split(), path],
+    subprocess.run([PROGRAM, *"bar --length 200 --width 20 --thickness 20 --fix x=-100 --force x=100:0,0,-100 "
+                    "--lattice 5 2 3 --controls 21,26 --quiet --h".split(), str(request.param), "-o", path],
                    check=True, capture_output=True, timeout=300)
     return path
 
@@ -78,7 +78,7 @@ def render(beam, resolve, seconds=1.0, solver=None, fails=()):
     patch.at(900, box, "bang")
     for i, name in enumerate(("gamma", "force", "info", "protocol")):
         patch.log(name, box[i])
-    return patch.render(seconds, expect_errors=fails) if fails else patch.render(seconds)
+    return patch.render(seconds, expect_errors=fails)
 
 
 def told(result, word):
@@ -128,34 +128,27 @@ def test_a_solver_that_is_not_there_or_of_another_table_is_one_sentence(beam, tm
     result = render(beam, "auto", solver=fake, fails=["resolve: the solver ended: part_stress: I am ill; Taylor"])
     assert len(result.errors) == 1
     assert set(method for _, method in told(result, "method")) == {"taylor"}
-    # Mesh and words of one part, stresses of another.
     arrays = dict(numpy.load(beam))
-    arrays["s0"] = arrays["s0"] * 1.01
-    other = tmp_path / "other.stress.npz"
-    numpy.savez(other, **arrays)
-    result = render(other, "auto", fails=["another stress at the table's own shape"])
-    assert len(result.errors) == 1
     meta = json.loads(bytes(arrays["meta"]))
     del meta["command"]
-    arrays["meta"] = numpy.frombuffer(json.dumps(meta).encode(), numpy.uint8)
-    numpy.savez(other, **arrays)
-    result = render(other, "auto", fails=["does not say how it was made"])
-    assert len(result.errors) == 1
-    del arrays["mesh"]
-    numpy.savez(other, **arrays)
-    render(other, "auto")
-    render(other, "full", fails=["resolve full: no solver for a table without its mesh"])
+    other = tmp_path / "other.stress.npz"
+    for changes, resolve, sentence in [  # mesh and words of one part, stresses of another
+            ({"s0": arrays["s0"] * 1.01}, "auto", "another stress at the table's own shape"),
+            ({"meta": numpy.frombuffer(json.dumps(meta).encode(), numpy.uint8)}, "auto", "does not say how it was made"),
+            ({"mesh": None}, "full", "resolve full: no solver for a table without its mesh"), ({"mesh": None}, "auto", None)]:
+        numpy.savez(other, **{k: v for k, v in {**arrays, **changes}.items() if v is not None})
+        result = render(other, resolve, fails=[sentence] if sentence else [])
+        assert len(result.errors) == bool(sentence)
 
 
-class Live:
-    """A Pd that plays in real time, with the object in a subpatch and a socket to its inlet."""
+class Live(LivePd):
+    """With the object in a subpatch and a socket to its inlet."""
 
     def __init__(self, folder, beam):
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        patch = folder / "live.pd"
-        patch.write_text(f"""#N canvas 0 0 400 300 12;
+        port, patch = free_port(), folder / "live.pd"
+        patch.write_text(patch_text(
+            ["obj 10 10 pd part", f"obj 10 100 netreceive {port}", "obj 10 130 route object canvas", "obj 10 160 s live-in",
+             "obj 200 160 s pd-part"], ["1 0 2 0", "2 0 3 0", "2 1 4 0"]).replace("#X obj 10 10 pd part", f"""\
 #N canvas 0 0 400 300 part 0;
 #X obj 10 10 r live-in;
 #X obj 10 40 stress_haptic {beam} -resolve auto;
@@ -164,21 +157,9 @@ class Live:
 #X connect 0 0 1 0;
 #X connect 1 0 2 0;
 #X connect 1 2 3 0;
-#X restore 10 10 pd part;
-#X obj 10 100 netreceive {port};
-#X obj 10 130 route object canvas;
-#X obj 10 160 s live-in;
-#X obj 200 160 s pd-part;
-#X connect 1 0 2 0;
-#X connect 2 0 3 0;
-#X connect 2 1 4 0;
-""")
-        self.process = subprocess.Popen(
-            [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-noaudio", "-nomidi", "-noprefs", "-stderr", "-path",
-             str(stage_folder()), "-open", str(patch)],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        os.set_blocking(self.process.stderr.fileno(), False)
-        self.text = ""
+#X restore 10 10 pd part"""))
+        super().__init__(patch)
+        self.socket = None
         self.wait_until(lambda: self.connects(port), "a socket")
 
     def connects(self, port):
@@ -190,20 +171,6 @@ class Live:
 
     def say(self, message):
         self.socket.sendall((message + ";\n").encode())
-
-    def read(self):
-        self.text += (self.process.stderr.read() or b"").decode(errors="replace")
-        return self.text
-
-    def wait_until(self, condition, what):
-        end = time.monotonic() + WAIT_S
-        while not condition():
-            assert time.monotonic() < end, f"{what} did not come:\n{self.read()[-3000:]}"
-            assert self.process.poll() is None, f"Pd ended:\n{self.read()[-3000:]}"
-            time.sleep(0.02)
-
-    def wait_for(self, pattern, since=0):
-        self.wait_until(lambda: re.search(pattern, self.read()[since:], re.M), pattern)
 
     def children(self):
         """{pid: state} of part_stress; Z is one that nobody has reaped."""
@@ -223,18 +190,11 @@ class Live:
         assert state != "Z"
         return child
 
-    def close(self):
-        self.socket.close()
-        self.process.kill()
-        self.process.wait()
-        self.process.stderr.close()
-
 
 @pytest.fixture
 def live(tmp_path, beam):
-    pd = Live(tmp_path, beam)
-    yield pd
-    pd.close()
+    with Live(tmp_path, beam) as pd, pd.socket:
+        yield pd
 
 
 def is_gone(pid):
@@ -257,11 +217,11 @@ def test_a_child_that_is_killed_is_one_sentence_and_another_can_be_started(live,
     assert live.children() == {}
     since = len(live.text)
     live.say("object reset")
-    live.wait_for("^gamma: ", since)  # the series goes on
+    live.wait_for("^gamma: ", since=since)  # the series goes on
     live.say(f"object list {mm}")
     since = len(live.text)
     live.say("object solver auto")
-    live.wait_for("^info: method (pcg|full)", since)
+    live.wait_for("^info: method (pcg|full)", since=since)
     assert len(live.children()) == 1
     assert live.read().count("the solver ended") == 1
 
