@@ -33,26 +33,19 @@ void near(double value, double expected) { CHECK(std::abs(value - expected) <= 1
 TEST_CASE("the specification's four elements: mean, weighted and axis") {
   FeedbackSettings settings;
   settings.range = Range::kCurrent;
-  Feedback f = feedback_of(test::four_elements(), settings);
-  near(f.raw.x, 25);
-  near(f.gamma.x, 0.5);
-  CHECK(f.gamma == Vec3{f.gamma.x, f.gamma.x, f.gamma.x});
-  settings.mapping = Mapping::kWeighted;
-  f = feedback_of(test::four_elements(), settings);
-  near(f.raw.x, 15);
-  near(f.gamma.x, 7.0 / 22.0);
-  near(f.gamma.x, 0.3181818181818182);
+  const auto check = [&settings](Mapping mapping, const Vec3& raw, const Vec3& gamma) {
+    settings.mapping = mapping;
+    const Feedback f = feedback_of(test::four_elements(), settings);
+    CHECK(norm(f.raw - raw) < 1e-10);
+    CHECK(norm(f.gamma - gamma) < 1e-10);
+    near(f.mean_pa, 25);
+    return f;
+  };
+  check(Mapping::kMean, {25, 25, 25}, {0.5, 0.5, 0.5});
+  const Feedback f = check(Mapping::kWeighted, {15, 15, 15}, Vec3{1, 1, 1} * (7.0 / 22.0));
   near(f.min.x, 10.0 / 3.0);
   near(f.max.x, 40);
-  settings.mapping = Mapping::kAxis;
-  f = feedback_of(test::four_elements(), settings);
-  near(f.raw.x, 12.5);
-  near(f.raw.y, 15);
-  near(f.raw.z, 17.5);
-  near(f.gamma.x, 0.3125);
-  near(f.gamma.y, 0.375);
-  near(f.gamma.z, 0.4375);
-  near(f.mean_pa, 25);
+  check(Mapping::kAxis, {12.5, 15, 17.5}, {0.3125, 0.375, 0.4375});
 }
 
 TEST_CASE("equal stresses give gamma 0, and gamma stays within 0 and 1") {
@@ -98,19 +91,18 @@ TEST_CASE(
 TEST_CASE("signed sensitivities cancel, magnitudes do not") {
   StressTable table = test::four_elements();
   table.base.von_mises.sensitivity = {1, -1, 1, -1, 0, 0, 0, 0, -2, 2, -2, 2};
-  FeedbackSettings settings;
-  settings.mapping = Mapping::kAxis;
-  settings.sensitivity = Sensitivity::kSigned;
-  near(feedback_of(table, settings).raw.x, (10 - 20 + 30 - 40) / 4.0);
-  near(feedback_of(table, settings).raw.z, (-20 + 40 - 60 + 80) / 4.0);
-  near(feedback_of(table, settings).min.x, -40);
-  settings.sensitivity = Sensitivity::kAbsolute;
-  near(feedback_of(table, settings).raw.x, 25);
-  near(feedback_of(table, settings).raw.z, 50);
-  settings.mapping = Mapping::kWeighted;
-  near(feedback_of(table, settings).raw.x, 25); // (1 + 0 + 2)/3 = 1
-  settings.sensitivity = Sensitivity::kSigned;
-  near(feedback_of(table, settings).raw.x, (-10 + 20 - 30 + 40) / 12.0);
+  const auto of = [&table](Mapping mapping, Sensitivity sensitivity) {
+    FeedbackSettings settings;
+    settings.mapping = mapping;
+    settings.sensitivity = sensitivity;
+    return feedback_of(table, settings);
+  };
+  const Feedback axes = of(Mapping::kAxis, Sensitivity::kSigned);
+  CHECK(norm(axes.raw - Vec3{(10 - 20 + 30 - 40) / 4.0, 0, (-20 + 40 - 60 + 80) / 4.0}) < 1e-10);
+  near(axes.min.x, -40);
+  CHECK(norm(of(Mapping::kAxis, Sensitivity::kAbsolute).raw - Vec3{25, 0, 50}) < 1e-10);
+  near(of(Mapping::kWeighted, Sensitivity::kAbsolute).raw.x, 25); // (1 + 0 + 2)/3 = 1
+  near(of(Mapping::kWeighted, Sensitivity::kSigned).raw.x, (-10 + 20 - 30 + 40) / 12.0);
 }
 
 TEST_CASE("the grabbed point's sensitivities weigh; with none the mean over those that can move") {
@@ -146,25 +138,6 @@ TEST_CASE("weights by volume make the mean that of the body, whatever the mesh")
   table.weight.clear();
   settings.weights = Weights::kVolume;
   near(feedback_of(table, settings).raw.x, 100);
-  // A bar with s = x Pa: split unevenly into 100 and 173 elements, the mean is 1/2.
-  for (const std::size_t count : {100U, 173U}) {
-    StressTable bar;
-    double from = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double to = std::pow(static_cast<double>(i + 1) / static_cast<double>(count), 3);
-      bar.base.von_mises.stress.push_back(static_cast<float>((from + to) / 2));
-      bar.base.von_mises.sensitivity.push_back(0);
-      bar.weight.push_back(static_cast<float>(to - from));
-      from = to;
-    }
-    bar.base.displacement_m = {0};
-    bar.parameters = {{0, 0, -1, 1}};
-    bar.control_point_m = {{}};
-    bar.trust_m = 1;
-    FeedbackSettings volume;
-    volume.weights = Weights::kVolume;
-    CHECK(feedback_of(bar, volume, 0, {0}).raw.x == approx(0.5).epsilon(1e-6)); // floats
-  }
 }
 
 TEST_CASE("maximum shear is a field of its own; a table without it gives von Mises") {
@@ -216,13 +189,11 @@ TEST_CASE("about a new base the series starts there, and the initial range stays
   CHECK(a.max == b.max);
 }
 
-TEST_CASE("the trust ratio is the longest displacement of a control point, as a vector") {
+TEST_CASE(
+    "the trust ratio is the longest displacement of a control point, as a vector; one that is "
+    "not finite counts as 0") {
   StressModel model(test::shared(test::four_elements()));
   CHECK(model.update(std::vector<double>{0.003, 0, -0.004}).trust_ratio == approx(0.5));
-}
-
-TEST_CASE("displacements that are not finite count as 0") {
-  StressModel model(test::shared(test::four_elements()));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Feedback f = model.update(std::vector<double>{std::nan(""), kInfinity, 0});
   CHECK(f.raw.x == 25);
@@ -232,7 +203,7 @@ TEST_CASE("displacements that are not finite count as 0") {
 TEST_CASE("the kernels agree with plain sums for any size, and with each other to the bit") {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> number(-1, 1);
-  for (const std::size_t count : {1U, 2U, 7U, 8U, 9U, 100U, 1023U, 1024U, 1025U, 1032U, 5003U}) {
+  for (const std::size_t count : {1U, 2U, 7U, 8U, 9U, 100U, 1023U, 1024U, 1025U, 5003U}) {
     CAPTURE(count);
     const auto floats = [&](std::size_t n) {
       std::vector<float> values(n);
@@ -303,70 +274,61 @@ TEST_CASE("the kernels agree with plain sums for any size, and with each other t
   }
 }
 
-TEST_CASE("feedback is interpolated over the time between two values") {
+TEST_CASE("feedback is interpolated over the time between two values; a fade keeps its time "
+          "although targets that come meanwhile are closer together") {
   LinearGlide glide;
   glide.go({1, 0, 0}, 10);
   CHECK(glide.at(10.05).x == 1); // the first is due at once, after 50 ms at most
   glide.go({3, 0, 0}, 10.02 + 0.05);
-  CHECK(glide.at(10.08).x == doctest::Approx(1.4));
-  CHECK(glide.at(10.12).x == doctest::Approx(3));
+  CHECK(glide.at(10.08).x == approx(1.4));
+  CHECK(glide.at(10.12).x == approx(3));
   CHECK(glide.at(20).x == 3);
-}
-
-TEST_CASE("a fade keeps its time although targets that come meanwhile are closer together") {
-  LinearGlide glide;
   glide.jump({1, 0, 0});
-  glide.fade({0, 0, 0}, 5, 0.1);
+  glide.fade({0, 0, 0}, 25, 0.1);
   CHECK(glide.moving());
-  CHECK(glide.at(5.05).x == approx(0.5));
-  glide.go({0.1, 0, 0}, 5.05);
-  CHECK(glide.at(5.051).x == doctest::Approx(0.5 - 0.4 / 50).epsilon(1e-9));
-  const double before = 0.5 - 0.4 / 5; // at 5.06
-  glide.go({0.2, 0, 0}, 5.06);
-  CHECK(glide.at(5.08).x == doctest::Approx((before + 0.2) / 2).epsilon(1e-9));
-  CHECK(glide.at(5.1).x == approx(0.2));
+  CHECK(glide.at(25.05).x == approx(0.5));
+  glide.go({0.1, 0, 0}, 25.05);
+  CHECK(glide.at(25.051).x == approx(0.5 - 0.4 / 50).epsilon(1e-9));
+  const double before = 0.5 - 0.4 / 5; // at 25.06
+  glide.go({0.2, 0, 0}, 25.06);
+  CHECK(glide.at(25.08).x == approx((before + 0.2) / 2).epsilon(1e-9));
+  CHECK(glide.at(25.1).x == approx(0.2));
   CHECK(!glide.moving());
   LinearGlide unseen; // nobody asked for its value meanwhile
   unseen.fade({1, 0, 0}, 1, 0.1);
   unseen.go({0.5, 0, 0}, 1.05);
-  CHECK(unseen.at(1.05).x == doctest::Approx(0.5));
-  glide.go({0.3, 0, 0}, 6);
-  CHECK(glide.at(6.05).x == approx(0.3));
+  CHECK(unseen.at(1.05).x == approx(0.5));
+  glide.go({0.3, 0, 0}, 26);
+  CHECK(glide.at(26.05).x == approx(0.3));
 }
 
 TEST_CASE("a power q turns the mean into the q-th root of the mean of s^q") {
-  const std::vector<double> stress{10, 20, 30, 40};
-  const auto expected = [&](unsigned q, const std::vector<double>& weights) {
-    double sum = 0, all = 0;
-    for (std::size_t i = 0; i < stress.size(); ++i) {
-      sum += weights[i] * std::pow(stress[i], q);
-      all += weights[i];
-    }
-    return std::pow(sum / all, 1.0 / q);
-  };
-  FeedbackSettings settings;
+  StressTable table = test::four_elements();
+  table.weight = {3, 1, 2, 0.5F};
   for (const unsigned q : {2U, 3U, 7U, 12U, 30U, 31U, kMaxPower}) {
     CAPTURE(q);
-    settings = {};
+    double plain = 0, weighted = 0; // of s/40
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double power = std::pow(static_cast<double>(i + 1) / 4, q);
+      plain += power / 4;
+      weighted += static_cast<double>(table.weight[i]) * power / 6.5;
+    }
+    FeedbackSettings settings;
     settings.power = q;
-    CHECK(feedback_of(test::four_elements(), settings).raw.x ==
-          approx(expected(q, {1, 1, 1, 1})).epsilon(1e-13));
-    CHECK(feedback_of(test::four_elements(), settings).mean_pa == 25);
+    const Feedback f = feedback_of(table, settings);
+    CHECK(f.raw.x == approx(40 * std::pow(plain, 1.0 / q)).epsilon(1e-13));
+    CHECK(f.mean_pa == 25);
     settings.norm = Norm::kSum; // (sum s^q)^(1/q)
-    CHECK(feedback_of(test::four_elements(), settings).raw.x ==
-          approx(std::pow(4.0, 1.0 / q) * expected(q, {1, 1, 1, 1})).epsilon(1e-13));
+    CHECK(feedback_of(table, settings).raw.x ==
+          approx(40 * std::pow(4 * plain, 1.0 / q)).epsilon(1e-13));
     settings.norm = Norm::kMean;
     settings.weights = Weights::kVolume;
-    StressTable table = test::four_elements();
-    table.weight = {3, 1, 2, 0.5F};
-    CHECK(feedback_of(table, settings).raw.x == approx(expected(q, {3, 1, 2, 0.5})).epsilon(1e-13));
+    CHECK(feedback_of(table, settings).raw.x ==
+          approx(40 * std::pow(weighted, 1.0 / q)).epsilon(1e-13));
+    settings.mapping = Mapping::kWeighted; // the others have none
+    settings.weights = Weights::kUniform;
+    near(feedback_of(table, settings).raw.x, 15);
   }
-  settings = {};
-  settings.power = kMaxPower; // the largest alone counts, but for (3/4)^64/64 = 1.6e-10
-  CHECK(feedback_of(test::four_elements(), settings).raw.x / 40 ==
-        approx(std::pow(4.0, -1.0 / kMaxPower)).epsilon(1e-9));
-  settings.mapping = Mapping::kWeighted; // the others have none
-  near(feedback_of(test::four_elements(), settings).raw.x, 15);
 }
 
 TEST_CASE("a sum of powers stays finite, and stresses below 0 do not count") {

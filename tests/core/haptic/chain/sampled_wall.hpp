@@ -42,7 +42,9 @@ struct WallCase {
   Velocity velocity = Velocity::kIdeal;
   Scene scene = Scene::kPush;
   double value = 1, hand_n_per_m = 200, hand_n_s_per_m = 2;
-  double slew_n_per_s = 2000, force_limit_n = 8, tank_j = 5e-3;
+  double slew_n_per_s = 2000, force_limit_n = 8, tank_j = 5e-3, damping_n_s_per_m = 0;
+  double allowance_w = 0;
+  bool by_patch = false; ///< the wall is rendered by commands, a tick later
 };
 
 struct WallResult {
@@ -86,8 +88,10 @@ public:
     settings.chain.slew_n_per_s = c.slew_n_per_s;
     settings.chain.force_limit_n = c.force_limit_n;
     settings.chain.tank_j = c.tank_j;
+    settings.chain.damping_n_s_per_m = c.damping_n_s_per_m;
+    settings.chain.allowance_w = c.allowance_w;
     servo_.exchange().settings.write(settings);
-    servo_.attach(*this, &wall_);
+    servo_.attach(*this, c.by_patch ? nullptr : &wall_);
   }
 
   [[nodiscard]] WallResult measure(double seconds) {
@@ -127,8 +131,14 @@ public:
 
   void tick() noexcept {
     const double period_s = 1 / case_.rate_hz;
-    servo_.step({index_, static_cast<double>(index_) * period_s, period_s});
+    const Tick tick{index_, static_cast<double>(index_) * period_s, period_s};
     ++index_;
+    if (case_.by_patch) {
+      State state;
+      state.position = device_.position();
+      servo_.exchange().commands.write({wall_.force(tick, state), index_, 0, false, tick.time_s});
+    }
+    servo_.step(tick);
     const Vec3 force = servo_.chain().written;
     result_.max_slew =
         std::max(result_.max_slew, norm(force - force_) / (case_.slew_n_per_s * period_s));

@@ -18,9 +18,7 @@ TEST_CASE("a straight motion is estimated exactly, on uneven times too") {
     t += 1e-3 * (1 + (random.next() % 4 == 0 ? 3 * random.uniform() : 0));
     v = estimator.update({0.2 * t, -0.05 * t, 0.3}, t);
   }
-  CHECK(v.x == doctest::Approx(0.2).epsilon(1e-6));
-  CHECK(v.y == doctest::Approx(-0.05).epsilon(1e-6));
-  CHECK(v.z == doctest::Approx(0.0).epsilon(1e-9));
+  CHECK(norm(v - Vec3{0.2, -0.05, 0}) < 1e-8);
 }
 
 TEST_CASE("on a coarse encoder the estimate is many times quieter than a difference") {
@@ -38,26 +36,19 @@ TEST_CASE("on a coarse encoder the estimate is many times quieter than a differe
     }
     previous = x;
   }
-  MESSAGE("RMS error at 20 mm/s: adaptive " << std::sqrt(adaptive / 1950) << ", difference "
-                                            << std::sqrt(plain / 1950) << " m/s");
-  CHECK(std::sqrt(adaptive) < 0.15 * std::sqrt(plain));
+  CHECK(std::sqrt(adaptive / 1950) < 0.15 * std::sqrt(plain / 1950)); // RMS errors, m/s
 }
 
 TEST_CASE("a sudden stop is followed within a few ticks") {
   VelocityEstimator estimator;
   estimator.set_bound(2.5e-5);
   double v = 0;
-  int settled = -1;
-  for (int i = 0; i < 100; ++i) {
-    const double x = i < 50 ? 0.2e-3 * i : 0.2e-3 * 50;
-    v = estimator.update({x, 0, 0}, i * 1e-3).x;
-    if (i == 49)
-      CHECK(v == doctest::Approx(0.2).epsilon(1e-6));
-    if (i > 50 && settled < 0 && std::abs(v) < 0.02)
-      settled = i - 50;
-  }
-  CHECK(settled > 0);
-  CHECK(settled <= 3);
+  for (int i = 0; i < 50; ++i)
+    v = estimator.update({0.2e-3 * i, 0, 0}, i * 1e-3).x;
+  CHECK(v == doctest::Approx(0.2).epsilon(1e-6));
+  for (int i = 50; i <= 53; ++i)
+    v = estimator.update({0.2e-3 * 50, 0, 0}, i * 1e-3).x;
+  CHECK(std::abs(v) < 0.02);
 }
 
 TEST_CASE("bad positions and times that stand still change nothing") {

@@ -20,20 +20,17 @@ public:
     network.touch = {0, 0, 0}; // nothing touches unless a test says so
     network.grab = {0, 0};
   }
-  std::size_t mass(double kg, const Vec3& position, bool fixed = false) {
-    network.masses.push_back({++keys_, kg, position, fixed});
-    return network.masses.size() - 1;
-  }
+  std::size_t mass(double kg, const Vec3& position) { return add_mass(kg, position, false); }
+  std::size_t anchor(const Vec3& position) { return add_mass(1, position, true); }
   void link(std::size_t a, std::size_t b, double k, double l0 = 0, double damping = 0,
             NetworkLink::Kind kind = NetworkLink::Kind::kSpring) {
-    NetworkLink link;
+    NetworkLink& link = network.links.emplace_back();
     link.a = static_cast<std::uint16_t>(a);
     link.b = static_cast<std::uint16_t>(b);
     link.kind = kind;
     link.stiffness_n_per_m = k;
     link.rest_length_m = l0;
     link.damping_n_s_per_m = damping;
-    network.links.push_back(link);
   }
   void add(const NetworkPart& part) {
     const auto first = static_cast<std::uint16_t>(network.masses.size());
@@ -49,6 +46,13 @@ public:
   }
   void publish() { model.publish(std::make_unique<const Network>(network)); }
   std::uint64_t key(std::size_t mass) const { return network.masses[mass].key; }
+  void pluck(std::size_t mass, const Vec3& force_n, double duration_s) {
+    model.queue_action({NetworkModel::Action::Kind::kPluck, key(mass), force_n, duration_s});
+  }
+  void grab(std::size_t mass) {
+    model.queue_action({NetworkModel::Action::Kind::kGrab, key(mass), {}, 0});
+  }
+  void act(NetworkModel::Action::Kind kind) { model.queue_action({kind, 0, {}, 0}); }
 
   Vec3 tick(const Vec3& handle = {0, 0.5, 0}) {
     State state;
@@ -62,30 +66,12 @@ public:
       force = tick(handle);
     return force;
   }
-  Vec3 momentum() const {
-    Vec3 sum;
-    for (std::size_t i = 0; i < network.masses.size(); ++i)
-      if (!network.masses[i].fixed)
-        sum += model.velocity(i) * network.masses[i].mass_kg;
-    return sum;
-  }
-  /// The energy that the scheme keeps for linear links without damping:
-  ///   v^T M v/2 + x_n^T K x_(n+1)/2, of links without rest length.
-  double scheme_energy_j() const {
-    double sum = 0;
-    const double h = model.step_s();
-    for (std::size_t i = 0; i < network.masses.size(); ++i)
-      if (!network.masses[i].fixed)
-        sum += 0.5 * network.masses[i].mass_kg * dot(model.velocity(i), model.velocity(i));
-    for (const NetworkLink& link : network.links) {
-      const Vec3 now = model.position(link.b) - model.position(link.a);
-      const Vec3 before = now - (model.velocity(link.b) - model.velocity(link.a)) * h;
-      sum += 0.5 * link.stiffness_n_per_m * dot(now, before);
-    }
-    return sum;
-  }
 
 private:
+  std::size_t add_mass(double kg, const Vec3& position, bool fixed) {
+    network.masses.push_back({++keys_, kg, position, fixed});
+    return network.masses.size() - 1;
+  }
   std::uint64_t keys_ = 0;
 };
 

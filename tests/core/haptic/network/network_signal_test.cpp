@@ -1,5 +1,5 @@
 #include "core/haptic/signal/signal_player.hpp"
-#include "tests/core/haptic/approx.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/haptic/network/network_rig.hpp"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
-using test::approx;
+using tactus::test::approx;
 
 namespace {
 
@@ -24,13 +24,20 @@ struct AudioRig {
   double amplitude = 1e-3, omega = kTwoPi * 440;
 
   explicit AudioRig(double rate_hz = 48000, double omega_hz = 440) : omega(kTwoPi * omega_hz) {
-    const std::size_t a = network.mass(1, {}, true), b = network.mass(1e-3, {0, 0, amplitude});
+    const std::size_t a = network.anchor({}), b = network.mass(1e-3, {0, 0, amplitude});
     network.link(a, b, 1e-3 * omega * omega);
     network.network.rate_hz = rate_hz;
     network.network.pickups[0] = {b, 2, NetworkPickup::Quantity::kVelocity};
     network.network.pickups[1] = {a, 2, NetworkPickup::Quantity::kForce};
     network.publish();
     link->set_network(network.model);
+  }
+  /// The servo ticks with the audio's time, for a player at that rate.
+  void play_in_logical_time(SignalPlayer& on, double rate_hz) {
+    link->configure(SignalLink::Time::kLogical, 1000,
+                    {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, this});
+    on.prepare(rate_hz);
+    on.attach(link.get());
   }
   void tick() {
     State state;
@@ -53,10 +60,7 @@ struct AudioRig {
 TEST_CASE("in logical time the network is played step by step, at any sample rate as a pure tone") {
   for (const double rate : {44100.0, 48000.0, 88200.0}) {
     AudioRig rig;
-    rig.link->configure(SignalLink::Time::kLogical, 1000,
-                        {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});
-    rig.player->prepare(rate);
-    rig.player->attach(rig.link.get());
+    rig.play_in_logical_time(*rig.player, rate);
     std::vector<double> velocity, force;
     for (int block = 0; block < 200; ++block) {
       rig.player->begin_block(64);
@@ -91,10 +95,7 @@ TEST_CASE("a network stepped faster than it is read is averaged, at its pitch") 
   AudioRig rig(192000);
   rig.tick();
   CHECK(rig.network.model.samples().size() == 48);
-  rig.link->configure(SignalLink::Time::kLogical, 1000,
-                      {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});
-  rig.player->prepare(48000);
-  rig.player->attach(rig.link.get());
+  rig.play_in_logical_time(*rig.player, 48000);
   std::vector<double> velocity;
   for (int i = 0; i < 9600; ++i) {
     if (i % 64 == 0)
@@ -136,12 +137,9 @@ TEST_CASE("in wall time the network is played smoothly behind the servo, over bu
 
 TEST_CASE("a second player does not play samples that an earlier one has read") {
   AudioRig rig;
-  rig.link->configure(SignalLink::Time::kLogical, 1000,
-                      {[](void* self) { static_cast<AudioRig*>(self)->tick(); }, &rig});
   auto second = std::make_unique<SignalPlayer>();
   for (SignalPlayer* player : {rig.player.get(), second.get()}) {
-    player->prepare(48000);
-    player->attach(rig.link.get());
+    rig.play_in_logical_time(*player, 48000);
     player->begin_block(4800);
     double sum = 0;
     for (int i = 0; i < 4800; ++i) {

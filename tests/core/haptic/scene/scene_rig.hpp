@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/random.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 
 #include <memory>
@@ -7,6 +8,20 @@
 
 /// A scene that is touched tick by tick, in millimetres.
 namespace tactus::haptic::test {
+
+/// Anywhere in the cube of that half side about the origin.
+inline Vec3 random_point(Random& random, double reach) {
+  const auto one = [&] { return reach * (2 * random.uniform() - 1); };
+  const double x = one(), y = one();
+  return {x, y, one()};
+}
+
+inline Pose random_pose(Random& random, double reach) {
+  const auto one = [&] { return random.uniform() - 0.5; };
+  const Vec3 at = random_point(random, reach);
+  const double w = one(), x = one(), y = one();
+  return {at, Rotation::of(w, x, y, one())};
+}
 
 class SceneRig {
 public:
@@ -25,6 +40,18 @@ public:
     publish();
     return scene.bodies.back();
   }
+  /// The sphere about the handle that touches, and not its centre.
+  SceneRig& with_tool(double radius_mm) {
+    scene.tool_radius_m = radius_mm * 1e-3;
+    publish();
+    return *this;
+  }
+  /// A body begins a straight motion to there.
+  void glide(std::size_t body, const Vec3& to_m, double seconds) {
+    scene.bodies[body].pose.position = to_m;
+    scene.bodies[body].glide_s = seconds;
+    publish();
+  }
   void publish() { model.publish(std::make_unique<const Scene>(scene)); }
 
   /// One tick with the handle there; the velocity is the motion's since the last one.
@@ -39,6 +66,13 @@ public:
     ContactEvent event;
     while (model.events().pop(event))
       events.push_back(event);
+    return force;
+  }
+  /// Held there for so many ticks; the last force.
+  Vec3 rest(int count, const Vec3& mm) {
+    Vec3 force;
+    for (; count > 0; --count)
+      force = touch(mm);
     return force;
   }
   /// Straight from one place to another in steps of at most that length; the last force.
@@ -57,6 +91,7 @@ public:
     return n;
   }
   Vec3 proxy_mm() const { return model.proxy() * 1e3; }
+  const Vec3& last_m() const { return last_; }
 
   std::vector<ContactEvent> events;
   std::uint64_t ticks = 0;

@@ -1,23 +1,18 @@
-#include "core/dsp/random.hpp"
 #include "tests/core/haptic/scene/meshes.hpp"
 #include "tests/core/haptic/scene/scene_rig.hpp"
 
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <numbers>
 
 // Sliding, sticking, edges and meshes.
 
 using namespace tactus::haptic;
+using test::random_point;
 using test::SceneRig;
 
 namespace {
-
-Vec3 random_point(tactus::Random& random, double reach) {
-  const auto one = [&] { return reach * (2 * random.uniform() - 1); };
-  const double x = one(), y = one();
-  return {x, y, one()};
-}
 
 double error(const Vec3& is, const Vec3& should) { return norm(is - should); }
 
@@ -31,12 +26,10 @@ TEST_CASE("the force of a smooth sphere is the gradient of a potential and retur
   double worst = 0, work = 0;
   Vec3 before = centre + Vec3{0, 0, 19}, force_before = rig.touch(before);
   for (int n = 1; n <= 20000; ++n) { // a knot that ends where it began, always inside
-    const double a = 2 * 3.14159265358979323846 * n / 20000, depth = 1 + 0.8 * std::sin(5 * a);
+    const double a = 2 * std::numbers::pi * n / 20000, depth = 1 + 0.8 * std::sin(5 * a);
     const Vec3 direction{std::sin(2 * a), std::sin(3 * a), std::cos(a) + 0.2};
-    const double radius = 20 - depth;
-    const Vec3 here = centre + direction * (radius / norm(direction));
+    const Vec3 out = direction * (1 / norm(direction)), here = centre + out * (20 - depth);
     const Vec3 force = rig.touch(here);
-    const Vec3 out = (here - centre) * (1 / norm(here - centre));
     worst = std::max(worst, error(force, out * (0.5 * depth)));
     work += 0.5e-3 * dot(force + force_before, here - before);
     before = here;
@@ -51,20 +44,15 @@ TEST_CASE("on a rough plane the hand sticks within the friction cone, then slips
   SceneRig rig;
   rig.add(Plane{}, {}, {800, 0, 0.4});
   rig.stroke({0, 0, 5}, {0, 0, -2});
-  double worst = 0;
   for (int n = 0; n <= 300; ++n) {
     const double x = 0.01 * n; // mm; the cone's edge lies at 0.4 * 2 mm
-    const Vec3 force = rig.touch({x, 0, -2});
-    worst = std::max(worst, error(force, {-0.8 * std::min(x, 0.8), 0, 1.6}));
+    CHECK(error(rig.touch({x, 0, -2}), {-0.8 * std::min(x, 0.8), 0, 1.6}) < 1e-9);
   }
-  CHECK(worst < 1e-9);
   // Turning back: held again where it stands, until the cone's other edge.
   for (int n = 0; n <= 300; ++n) {
     const double x = 3 - 0.01 * n, held = 3 - 0.8;
-    const Vec3 force = rig.touch({x, 0, -2});
-    worst = std::max(worst, error(force, {-0.8 * std::max(x - held, -0.8), 0, 1.6}));
+    CHECK(error(rig.touch({x, 0, -2}), {-0.8 * std::max(x - held, -0.8), 0, 1.6}) < 1e-9);
   }
-  CHECK(worst < 1e-9);
 }
 
 TEST_CASE("sticking friction does not creep, on flat and on curved faces") {
@@ -76,12 +64,8 @@ TEST_CASE("sticking friction does not creep, on flat and on curved faces") {
   const Vec3 begun = flat.stroke({0, 0, -2}, {0.7, 0.3, -2});
   const Vec3 begun_curved = curved.stroke({0, 0, 18}, {0.7, 0.3, 18});
   CHECK(begun_curved.x < -0.3);
-  for (int n = 0; n < 20000; ++n) {
-    flat.touch({0.7, 0.3, -2});
-    curved.touch({0.7, 0.3, 18});
-  }
-  CHECK(error(flat.touch({0.7, 0.3, -2}), begun) == 0);
-  CHECK(error(curved.touch({0.7, 0.3, 18}), begun_curved) == 0);
+  CHECK(flat.rest(20000, {0.7, 0.3, -2}) == begun);
+  CHECK(curved.rest(20000, {0.7, 0.3, 18}) == begun_curved);
 }
 
 TEST_CASE("on a rough sphere the tangential force is mu times the normal force") {
@@ -91,25 +75,22 @@ TEST_CASE("on a rough sphere the tangential force is mu times the normal force")
   for (int n = 0; n <= 400; ++n) {
     const double a = n * 2e-3;
     const Vec3 force = rig.touch({18 * std::sin(a), 0, 18 * std::cos(a)});
-    if (n < 150)
-      continue;
     const Vec3 out = rig.model.touches()[0].normal;
     const double normal = dot(force, out), drag = norm(force - out * normal);
-    CHECK(drag / normal == doctest::Approx(0.3).epsilon(1e-6));
+    if (n >= 150)
+      CHECK(drag / normal == doctest::Approx(0.3).epsilon(1e-6));
   }
 }
 
 TEST_CASE("over a box's edge the force ends without ever rising") {
   SceneRig rig;
   rig.add(Box{{0.03, 0.01, 0.02}});
-  Vec3 before = rig.stroke({0, 15, 0}, {0, 9, 0});
-  CHECK(error(before, {0, 0.5, 0}) < 1e-9);
+  CHECK(error(rig.stroke({0, 15, 0}, {0, 9, 0}), {0, 0.5, 0}) < 1e-9);
   for (int n = 0; n <= 1000; ++n) {
     const Vec3 force = rig.touch({0.04 * n, 9, 0.01 * n});
-    CHECK(norm(force) <= norm(before) + 1e-9);
     if (n != 750) // at the very edge either is right
       CHECK(error(force, n < 750 ? Vec3{0, 0.5, 0} : Vec3{}) < 1e-9);
-    before = force;
+    CHECK(norm(force) <= 0.5 + 1e-9);
   }
 }
 
@@ -125,41 +106,38 @@ TEST_CASE("in a corner of planes the proxy stays in all of them") {
   CHECK(error(rig.stroke({-1, -2, -8}, {-1, -2, 5}), {0.5, 1, 0}) < 1e-8);
 }
 
-TEST_CASE("inner edges of a flat mesh are not felt") {
-  SceneRig rig;
-  rig.add(test::flat_mesh(40, 0.1), {{0, 0, 0.001}, Rotation::of(1, 0.2, -0.1, 0.3)});
-  const Pose pose = rig.scene.bodies[0].pose;
-  const auto world = [&](const Vec3& mm) { return pose.to_world(mm * 1e-3) * 1e3; };
-  const Vec3 normal = pose.rotation.rotated({0, 0, 1});
-  rig.stroke(world({0, 0, 5}), world({0, 0, -1.5}));
-  tactus::Random random(3);
-  Vec3 at{0, 0, -1.5}, to = at;
-  double worst = 0;
-  for (int n = 0; n < 20000; ++n) {
-    if (n % 100 == 0) {
-      to = random_point(random, 45);
-      to.z = -1.5;
+TEST_CASE("a flat mesh is a plane from both sides, inner edges included, for a point and a tool") {
+  for (const double tool_mm : {0.0, 3.0})
+    for (const double side : {1.0, -1.0}) {
+      SceneRig rig;
+      rig.add(test::flat_mesh(40, 0.1), {{0, 0, 0.001}, Rotation::of(1, 0.2, -0.1, 0.3)});
+      const Pose pose = rig.scene.bodies[0].pose;
+      const auto world = [&](const Vec3& mm) { return pose.to_world(mm * 1e-3) * 1e3; };
+      const Vec3 normal = pose.rotation.rotated({0, 0, side});
+      Vec3 at{0, 0, (tool_mm - 1.5) * side}, to = at;
+      rig.with_tool(tool_mm).stroke(world({0, 0, 8 * side}), world(at));
+      tactus::Random random(3);
+      double worst = 0;
+      for (int n = 0; n < 5000; ++n) {
+        if (n % 100 == 0) {
+          to = random_point(random, 45 - tool_mm);
+          to.z = at.z;
+        }
+        at += (to - at) * 0.02;
+        worst = std::max(worst, error(rig.touch(world(at)), normal * 0.75));
+      }
+      CHECK(worst < 1e-8);
     }
-    at += (to - at) * 0.02;
-    worst = std::max(worst, error(rig.touch(world(at)), normal * 0.75));
-  }
-  CHECK(worst < 1e-8);
 }
 
 TEST_CASE("along the edges of its triangles, too, a flat mesh holds the proxy") {
   SceneRig rig;
   rig.add(test::flat_mesh(40, 0.1));
   rig.stroke({0, 0, 5}, {0, 0, -1}); // exactly on a corner of the grid
-  double worst = 0;
-  for (int n = 0; n <= 4000; ++n) {
-    const double s = 0.01 * n;
-    worst = std::max(worst, error(rig.touch({s, 0, -1}), {0, 0, 0.5}));
+  for (int n = 0; n <= 8000; ++n) {  // along x, and back along the diagonals
+    const double s = n <= 4000 ? 0.01 * n : 80 - 0.01 * n;
+    REQUIRE(error(rig.touch({s, n <= 4000 ? 0 : s - 40, -1}), {0, 0, 0.5}) < 1e-9);
   }
-  for (int n = 0; n <= 4000; ++n) { // the diagonals
-    const double s = 40 - 0.01 * n;
-    worst = std::max(worst, error(rig.touch({s, s - 40, -1}), {0, 0, 0.5}));
-  }
-  CHECK(worst < 1e-9);
 }
 
 TEST_CASE("a sphere of 50000 triangles feels like the sphere, as far as it is one") {
@@ -192,51 +170,10 @@ TEST_CASE("a sphere of 50000 triangles feels like the sphere, as far as it is on
 TEST_CASE("a closed mesh is touched from inside as well") {
   SceneRig rig;
   rig.add(test::mesh_sphere(0.05, 60, 60));
-  rig.stroke({0, 0, 0}, {0, 0, 0});
   const Vec3 force = rig.stroke({0, 0, 0}, {0, 30, 42});
   CHECK(norm(force) == doctest::Approx(500 * (norm({0, 30, 42}) - 50) * 1e-3).epsilon(0.03));
   CHECK(force.y < 0);
   CHECK(force.z < 0);
-}
-
-TEST_CASE(
-    "for any motion of the hand the proxy stays outside and near, and every force is finite") {
-  tactus::Random random(11);
-  for (int round = 0; round < 40; ++round) {
-    SceneRig rig;
-    for (int i = 0; i < 12; ++i) {
-      const Pose pose{random_point(random, 0.05),
-                      Rotation::of(random.uniform() - 0.5, random.uniform() - 0.5,
-                                   random.uniform() - 0.5, random.uniform() - 0.5)};
-      const double size = 0.004 + 0.01 * random.uniform();
-      const Material material{500, 0, i % 3 == 0 ? 0.0 : random.uniform()};
-      if (i % 4 == 0)
-        rig.add(Sphere{size}, pose, material);
-      else if (i % 4 == 1)
-        rig.add(Box{{size, 0.3 * size, 0.6 * size}}, pose, material);
-      else if (i % 4 == 2)
-        rig.add(Disk{size, 0.2 * size}, pose, material);
-      else if (i == 3)
-        rig.add(Plane{}, {{0, -0.045, 0}, Rotation::from_z_to({0, 1, 0.2})}, material);
-    }
-    rig.touch({0, 200, 0}); // outside of everything
-    Vec3 hand{0, 200, 0}, aim = hand;
-    for (int n = 0; n < 1500; ++n) {
-      if (n % 40 == 0)
-        aim = random_point(random, 70);
-      hand += (aim - hand) * 0.1;
-      if (n % 97 == 0)
-        hand = random_point(random, 60); // a jump
-      const Vec3 force = rig.touch(hand);
-      REQUIRE(is_finite(force));
-      const double stretch = norm(rig.model.proxy() - hand * 1e-3);
-      REQUIRE(norm(force) <= 500 * stretch * (1 + 1e-6) + 1e-9);
-      for (const Body& body : rig.scene.bodies) {
-        const double away = distance_lower_bound(body.shape, body.pose.to_local(rig.model.proxy()));
-        REQUIRE(away > -1e-9);
-      }
-    }
-  }
 }
 
 TEST_CASE("absurd positions and bodies give finite forces") {

@@ -2,7 +2,7 @@
 #include "core/haptic/servo/ring.hpp"
 #include "core/haptic/servo/statistics.hpp"
 
-#include "tests/core/haptic/approx.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -99,9 +99,9 @@ TEST_CASE("quantiles of the histogram are right to its bin") {
   for (int i = 1; i <= 10000; ++i)
     histogram.add(i * 1e-6);
   CHECK(histogram.count() == 10000);
-  CHECK(histogram.mean_s() == test::approx(5000.5e-6));
-  CHECK(histogram.quantile_s(0.5) == test::approx(5e-3).epsilon(0.026));
-  CHECK(histogram.quantile_s(0.99) == test::approx(9.9e-3).epsilon(0.026));
+  CHECK(histogram.mean_s() == tactus::test::approx(5000.5e-6));
+  CHECK(histogram.quantile_s(0.5) == tactus::test::approx(5e-3).epsilon(0.026));
+  CHECK(histogram.quantile_s(0.99) == tactus::test::approx(9.9e-3).epsilon(0.026));
   CHECK(histogram.quantile_s(1) <= histogram.max_s());
   CHECK(histogram.max_s() == 0.01);
   histogram.add(-1);
