@@ -22,8 +22,7 @@ def test_a_hand_that_comes_by_a_quarter_millimetre_a_tick_hits_at_tick_57(tmp_pa
     assert [round(r[0]) for r in of(result, "lab", "release")] == [104 + late]
 
 
-BODIES = {"sphere": ("add b sphere 0 0 0 20", (30, 0, 0), (18, 0, 0), (1, 0, 0)),
-          "sphere, askew": ("add b sphere 0 0 0 20", (20, 20, 0), (12, 12, 0), (1.071068, 1.071068, 0)),
+BODIES = {"sphere": ("add b sphere 0 0 0 20", (20, 20, 0), (12, 12, 0), (1.071068, 1.071068, 0)),
           "box": ("add b box 0 0 0 30 10 20", (0, 15, 0), (0, 7, 0), (0, 1.5, 0)),
           "box, pressed beyond its bottom": ("add b box 0 0 0 30 10 20", (0, 15, 0), (0, -13, 0),
                                              (0, 11.5, 0)),
@@ -47,7 +46,7 @@ def test_the_spring_is_k_times_the_depth_of_every_body(tmp_path, name):
     assert of(result, "lab", "force")[-1][1:] == pytest.approx(force, abs=2e-4)
 
 
-@pytest.mark.parametrize("seed", (1, 2))
+@pytest.mark.parametrize("seed", (1, pytest.param(2, marks=pytest.mark.slow)))
 def test_the_servers_give_the_same_hits_within_2_ms(tmp_path, seed):
     script, seconds = wandering(tmp_path / "hand.txt", seed)
     (tmp_path / "scene.txt").write_text(BODIES_APART)

@@ -1,13 +1,12 @@
 """Each module is exchanged by changing one object box: the rows of docs/audiohaptics.md's table."""
-import re
 import socket
 import struct
-import subprocess
 
 import numpy
 import pytest
 
 from harness import Patch, stage_folder
+from harness.live import LivePd, free_port, patch_text
 from ioa_system import NEEDS_DISK, System, of, taps
 
 needs_disk = pytest.mark.skipif(NEEDS_DISK, reason="the disk's table is made where modal_fem is built")
@@ -103,83 +102,55 @@ def test_the_listener_moves_with_the_hand(first, tmp_path):
     assert abs(result["lab.left"]).max() > 2 * abs(first["lab.left"]).max()  # five times as near
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def live_patch(lines, cords):
-    return "\n".join(["#N canvas 0 0 600 400 12;", *(f"#X {line};" for line in lines),
-                      *(f"#X connect {cord};" for cord in cords)]) + "\n"
+def live(folder, lines, cords):
+    """A Pd in real time with that patch."""
+    patch = folder / "live.pd"
+    patch.write_text(patch_text(lines, cords))
+    return LivePd(patch)
 
 
 def test_place_the_interaction_server_behind_a_network(tmp_path):
     """The hand's bus and the server's bus are mirrored over a socket, in one live Pd: the hits are the
     same as beside each other, and their times, translated twice, within 2 ms (case P23)."""
     path, port = taps(tmp_path / "hand.txt", *PLACES, start=500), free_port()
-    (tmp_path / "place.pd").write_text(live_patch(
-        [f"obj 10 10 ioa_sdd_script near {path}", "obj 10 40 ioa_re near 1",
-         "obj 10 70 ioa_net near hand", "obj 300 70 ioa_net far hit release contact",
-         "obj 300 100 ioa_is_pd far", "obj 300 130 ioa_mm_haptic far disk_scene.txt",
-         "obj 10 130 ioa_bus near hit", "obj 10 160 print near", "obj 300 10 loadbang",
-         "obj 300 30 t b b b", f"msg 400 40 listen {port}", f"msg 300 40 connect {port}",
-         "msg 200 40 bang", "obj 10 200 delay 1600", "msg 10 230 \\; pd quit",
-         "obj 150 70 ioa_is_pd near", "obj 150 100 ioa_mm_haptic near disk_scene.txt",
-         "obj 300 160 ioa_bus far hit", "obj 300 190 print far"],
-        ["8 0 9 0", "9 2 10 0", "10 0 3 0", "9 1 11 0", "11 0 2 0", "9 0 12 0", "12 0 0 0", "8 0 13 0",
-         "13 0 14 0", "6 0 7 0", "17 0 18 0"]))
-    live = subprocess.run(["pd", "-nogui", "-nosound", "-noprefs", "-stderr", "-path", str(stage_folder()),
-                           "-open", str(tmp_path / "place.pd")], capture_output=True, text=True,
-                          timeout=120, check=True)
-    said = live.stderr
-    found = {side: re.findall(rf"^{side}: hit (\S+) disk (\S+) (\S+) (\S+)", said, re.M)
-             for side in ("near", "far")}
-    assert len(found["far"]) == 2, said[-2000:]
-    # on the near bus each hit is heard twice: from its own server and from the far one
-    assert sorted(hit[1:] for hit in found["near"]) == sorted(hit[1:] for hit in 2 * found["far"])
-    for x in {hit[1] for hit in found["near"]}:
-        times = [float(hit[0]) for hit in found["near"] if hit[1] == x]
+    with live(tmp_path, [
+            f"obj 10 10 ioa_sdd_script near {path}", "obj 10 40 ioa_re near 1",
+            "obj 10 70 ioa_net near hand", "obj 300 70 ioa_net far hit release contact",
+            "obj 300 100 ioa_is_pd far", "obj 300 130 ioa_mm_haptic far disk_scene.txt",
+            "obj 10 130 ioa_bus near hit", "obj 10 160 print near", "obj 300 10 loadbang",
+            "obj 300 30 t b b b", f"msg 400 40 listen {port}", f"msg 300 40 connect {port}",
+            "msg 200 40 bang", "obj 150 70 ioa_is_pd near", "obj 150 100 ioa_mm_haptic near disk_scene.txt",
+            "obj 300 160 ioa_bus far hit", "obj 300 190 print far"],
+            ["8 0 9 0", "9 2 10 0", "10 0 3 0", "9 1 11 0", "11 0 2 0", "9 0 12 0", "12 0 0 0", "6 0 7 0",
+             "15 0 16 0"]) as pd:
+        # On the near bus each hit is heard twice: from its own server and from the far one.
+        near = pd.wait_for(r"^near: hit (\S+) disk (\S+) (\S+) (\S+)", 4)
+        far = pd.wait_for(r"^far: hit (\S+) disk (\S+) (\S+) (\S+)", 2)
+    assert sorted(hit[1:] for hit in near) == sorted(hit[1:] for hit in 2 * far)
+    for x in {hit[1] for hit in near}:
+        times = [float(hit[0]) for hit in near if hit[1] == x]
         assert len(times) == 2 and max(times) - min(times) <= 2
 
 
 def test_a_topic_that_would_run_in_a_circle_is_refused(tmp_path):
     port = free_port()
-    (tmp_path / "circle.pd").write_text(live_patch(
-        ["obj 10 10 ioa_net left hand", "obj 300 10 ioa_net right hand", "obj 10 40 loadbang",
-         "obj 10 70 t b b", f"msg 10 100 connect {port}", f"msg 100 100 listen {port}",
-         "obj 10 130 delay 300", "msg 10 160 hand 1 2 3 4 0 0 0", "obj 10 190 ioa_bus left hand",
-         "obj 10 220 print left", "obj 300 190 ioa_bus right hand", "obj 300 220 print right",
-         "obj 200 130 delay 900", "msg 200 160 \\; pd quit"],
-        ["2 0 3 0", "3 1 5 0", "5 0 1 0", "3 0 4 0", "4 0 0 0", "2 0 6 0", "6 0 7 0", "7 0 8 0", "8 0 9 0",
-         "10 0 11 0", "2 0 12 0", "12 0 13 0"]))
-    said = subprocess.run(["pd", "-nogui", "-nosound", "-noprefs", "-stderr", "-path", str(stage_folder()),
-                           "-open", str(tmp_path / "circle.pd")], capture_output=True, text=True,
-                          timeout=120, check=True).stderr
-    assert said.count("left: hand 1 2 3 4") == 1 and "right: hand" not in said
-    assert "ioa-error: right ioa_net a topic came that this side sends" in said
+    with live(tmp_path, [
+            "obj 10 10 ioa_net left hand", "obj 300 10 ioa_net right hand", "obj 10 40 loadbang",
+            "obj 10 70 t b b", f"msg 10 100 connect {port}", f"msg 100 100 listen {port}",
+            "obj 10 130 delay 300", "msg 10 160 hand 1 2 3 4 0 0 0", "obj 10 190 ioa_bus left hand",
+            "obj 10 220 print left", "obj 300 190 ioa_bus right hand", "obj 300 220 print right"],
+            ["2 0 3 0", "3 1 5 0", "5 0 1 0", "3 0 4 0", "4 0 0 0", "2 0 6 0", "6 0 7 0", "7 0 8 0", "8 0 9 0",
+             "10 0 11 0"]) as pd:
+        pd.wait_for("ioa-error: right ioa_net a topic came that this side sends")
+        assert len(pd.find("^left: hand 1 2 3 4")) == 1 and not pd.find("^right: hand")
 
 
-def test_osc_packets_over_udp_become_raw_positions(tmp_path):
-    port = free_port()
-    (tmp_path / "osc.pd").write_text(live_patch(
-        [f"obj 10 10 ioa_sdd_osc lab {port}", "obj 10 40 print osc", "obj 10 70 loadbang",
-         "obj 10 100 delay 3000", "obj 10 130 r lab.raw", "obj 10 160 t b", "msg 10 190 \\; pd quit",
-         "obj 100 160 delay 300"],
-        ["0 0 1 0", "2 0 3 0", "3 0 6 0", "4 0 5 0", "5 0 7 0", "7 0 6 0"]))
+def test_osc_packets_over_udp_become_raw_positions_of_this_computer_alone(tmp_path):
+    port = free_port(socket.SOCK_DGRAM)
     packet = b"/raw\0\0\0\0,fff\0\0\0\0" + struct.pack(">fff", 25, -3.5, 6)
-    with subprocess.Popen(["pd", "-nogui", "-nosound", "-noprefs", "-stderr", "-path", str(stage_folder()),
-                           "-open", str(tmp_path / "osc.pd")], stderr=subprocess.PIPE, text=True) as live, \
+    with live(tmp_path, [f"obj 10 10 ioa_sdd_osc lab {port}", "obj 10 40 print osc"], ["0 0 1 0"]) as pd, \
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-        bound = set()
-        while live.poll() is None:
-            with open("/proc/net/udp", encoding="ascii") as table:
-                bound |= {line.split()[1] for line in table if f":{port:04X} " in line}
-            out.sendto(packet, ("127.0.0.1", port))
-            try:
-                live.wait(0.02)
-            except subprocess.TimeoutExpired:
-                continue
-        said = live.stderr.read()
-    assert re.search(r"^osc: raw \S+ 25 -3.5 6$", said, re.M), said
-    assert bound == {f"0100007F:{port:04X}"}  # on this computer alone
+        pd.wait_until(lambda: out.sendto(packet, ("127.0.0.1", port)) and pd.find(r"^osc: raw \S+ 25 -3.5 6$"), "a position")
+        with open("/proc/net/udp", encoding="ascii") as sockets:
+            bound = {line.split()[1] for line in sockets if f":{port:04X} " in line}
+    assert bound == {f"0100007F:{port:04X}"}

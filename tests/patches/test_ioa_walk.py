@@ -1,21 +1,16 @@
 """patches/audiohaptics/walk_and_touch.pd: a walker's steps sound in a plank and are felt by the hand on it."""
-import csv
-import pathlib
-
 import numpy
 import pytest
 
-from harness import Patch, stage_folder
-
-PATCH = (pathlib.Path(__file__).resolve().parents[2] / "patches" / "audiohaptics"
-         / "walk_and_touch.pd")
+from harness import Patch, read_trace, stage_folder
+from harness.run import ROOT
 
 pytestmark = pytest.mark.skipif(not (stage_folder() / "plank.modal.npz").is_file(),
                                 reason="the plank's table is made where modal_fem is built")
 
 
 def played(folder, walking):
-    patch = Patch(opens=PATCH, own="own")
+    patch = Patch(opens=ROOT / "patches" / "audiohaptics" / "walk_and_touch.pd", own="own")
     patch.record("left", patch.dac(1))
     patch.log("excite", patch.obj("ioa_bus", "own-bus", "excite") >> patch.obj("route excite"))
     patch.send(1, "walk.phantom", f"trace {folder}/ticks.csv")
@@ -24,10 +19,10 @@ def played(folder, walking):
         patch.send(60, "walk-feet", "reset, walk 0")
     patch.send(3990, "walk.phantom", "trace stop")
     result = patch.render(4, timeout=120)
-    with open(f"{folder}/ticks.csv", encoding="utf-8") as file:
-        ticks = [(float(row["ms"]), float(row["fz_n"])) for row in csv.DictReader(file)]
+    rows = read_trace(folder / "ticks.csv")
+    ticks = numpy.stack([rows["ms"], rows["fz_n"]], 1)
     steps = [atoms[0] for ms, atoms in result.logs["excite"] if ms < 3800 and atoms[3] != 0]
-    return result["left"], numpy.array(ticks), steps
+    return result["left"], ticks, steps
 
 
 @pytest.fixture(scope="module")

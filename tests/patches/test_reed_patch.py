@@ -1,15 +1,16 @@
 """patches/reed played headless: its arithmetic on known playabilities, its direction, and the tune of
 ./play reed; the lips and the syrinx of ./play fanfare."""
 import math
-import pathlib
 import sys
 
 import numpy
 import pytest
 
 from harness import Patch, stage_folder
+from harness.run import ROOT
+from harness.sound import RATE
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+slow = pytest.mark.slow
 REED = ROOT / "patches" / "reed"
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "scenes")]
 
@@ -19,40 +20,20 @@ import _reed_patch  # noqa: E402
 import listening  # noqa: E402
 import score  # noqa: E402
 
-RATE = 48000
-
-
-def last(log):
-    return log[-1][1][0]
-
 
 # ---- arithmetic on known numbers -----------------------------------------------------------
 
-def difference(upper, lower, q, delta=None):
-    """[reed_difference]'s answer to f_p(q + D), f_p(q - D) at q; the upper one arrives last."""
-    patch = Patch()
-    box = patch.obj("reed_difference", *([] if delta is None else [delta]))
-    patch.at(10, box[2], q)
-    patch.at(20, box[1], lower)
-    patch.at(30, box, upper)
-    patch.log("slope", box)
-    return last(patch.render(0.05, path=[REED]).logs["slope"])
-
-
-@pytest.mark.parametrize("q, distance", [(0.5, 0.02), (0.01, 0.02), (0.99, 0.02), (0, 0.01),
-                                         (1, 0.01), (0.004, 0.014), (0.997, 0.013)])
+@pytest.mark.parametrize("q, distance", [(0.5, 0.02), (0.01, 0.02), (0, 0.01), (1, 0.01), (0.997, 0.013)])
 def test_the_slope_of_known_playabilities_is_exact_also_at_the_edges(q, distance):
-    upper, lower = 0.4375, 0.3125
-    slope = difference(upper, lower, q)
+    """f_p(q + D) and f_p(q - D) at q; the upper one arrives last."""
+    patch = Patch()
+    box = patch.obj("reed_difference")
+    for ms, inlet, value in ((10, 2, q), (20, 1, 0.3125), (30, 0, 0.4375)):
+        patch.at(ms, box[inlet], value)
+    patch.log("slope", box)
+    slope = patch.render(0.05, path=[REED]).logs["slope"][-1][1][0]
     # q and D are single-precision numbers: at an edge the distance 1 - q + D has their error, 6e-8.
-    assert slope == pytest.approx((upper - lower) / distance, rel=1.2e-7 / distance)
-
-
-def test_five_known_playabilities_give_both_slopes_to_a_millionth():
-    master, up, down, far, near = 0.5, 0.53, 0.48, 0.46, 0.52
-    assert abs(difference(up, down, 0.3) - (up - down) / 0.02) < 1e-6 * 5
-    assert abs(difference(far, near, 0.7) - (far - near) / 0.02) < 1e-6 * 5
-    assert difference(master, master, 0.5) == 0
+    assert slope == pytest.approx(0.125 / distance, rel=1.2e-7 / distance)
 
 
 STUBS = {
@@ -106,39 +87,28 @@ def test_the_whole_patch_finds_the_slope_of_a_known_playability(tmp_path):
     assert abs(result["reed-gradient-z"][-1] + 0.4) < 1e-4
 
 
-def settled_force(gradient, messages=()):
-    """[reed_force]'s output after a second of the gradient every 2 ms, and its way there."""
+@pytest.mark.parametrize("gradient, gain, limit", [(0.4, 0.3, 1), (-0.4, 0.3, 1), (-40, 0.3, 1), (2, 0.6, 0.5)])
+def test_the_force_is_the_limited_gradient_rises_slowly_and_ends_with_it(gradient, gain, limit):
+    """Of a gradient that comes every 2 ms for a second."""
     patch = Patch()
     box = patch.obj("reed_force", "reed")
-    metro, number = patch.obj("metro", 2), patch.obj("f", gradient)
-    metro >> number >> box
-    for name, value in messages:
+    metro = patch.obj("metro", 2)
+    metro >> patch.obj("f", gradient) >> box
+    for name, value in (("reed-gain", gain), ("reed-force-max", limit)):
         patch.send(0, name, value)
     patch.at(10, metro, 1)
     patch.at(1010, metro, 0)
     patch.log("force", box)
-    return patch.render(1.4, path=[REED]).logs["force"]
-
-
-@pytest.mark.parametrize("gradient", [0.4, -0.4, 3, -40])
-def test_the_force_is_the_limited_gradient_rises_slowly_and_ends_with_it(gradient):
-    log = settled_force(gradient)
-    times, forces = numpy.array([t for t, _ in log]), numpy.array([a[0] for _, a in log])
-    end = forces[numpy.flatnonzero(times <= 1010)[-1]]
-    assert end == pytest.approx(math.tanh(0.3 * gradient), abs=1e-4)
-    assert abs(numpy.diff(forces[times <= 1010])).max() <= 20 * 0.002 + 1e-5  # 20 N/s
+    times, forces = numpy.array([(t, a[0]) for t, a in patch.render(1.4, path=[REED]).logs["force"]]).T
+    steady = forces[times <= 1010]
+    assert steady[-1] == pytest.approx(limit * math.tanh(gain * gradient / limit), abs=1e-4)
+    assert abs(numpy.diff(steady)).max() <= 20 * 0.002 + 1e-5  # 20 N/s
     assert forces[-1] == 0 and times[-1] <= 1010 + 101
-
-
-def test_gain_and_limit_of_the_force_follow_their_names():
-    log = settled_force(2, [("reed-gain", 0.6), ("reed-force-max", 0.5)])
-    before = [a[0] for t, a in log if t <= 1010]
-    assert before[-1] == pytest.approx(0.5 * math.tanh(0.6 * 2 / 0.5), abs=1e-4)
 
 
 # ---- direction -----------------------------------------------------------------------------
 
-@pytest.mark.parametrize("z, sign", [(0.42, 1), (0.57, -1), (0.50, 1)])
+@pytest.mark.parametrize("z, sign", [(0.42, 1), pytest.param(0.57, -1, marks=slow), pytest.param(0.50, 1, marks=slow)])
 def test_on_the_trumpet_the_slope_points_to_the_next_register(z, sign):
     result = whole_patch([("reed-hand", still_hand(0.6, z))], 4)
     steady = result["reed-gradient-z"][-RATE:]
@@ -147,41 +117,24 @@ def test_on_the_trumpet_the_slope_points_to_the_next_register(z, sign):
 
 # ---- the tune ------------------------------------------------------------------------------
 
-def test_the_patch_renders_the_same_bits_each_time():
-    played = _reed_patch.gesture(4)
-    first, second = (_reed_patch.render(played) for _ in range(2))
-    assert abs(first["sound"]).max() > 0.05
-    for name in ("sound", *_reed_patch.SIGNALS):
-        assert numpy.array_equal(first[name], second[name]), name
-
-
-@pytest.fixture(scope="module")
-def tune():
-    played = _reed_patch.gesture()
+@pytest.fixture(scope="module", params=[4, pytest.param(None, marks=slow)])  # s of it, or all
+def tune(request):
+    played = _reed_patch.gesture(*[request.param] * bool(request.param))
     sound = _reed_patch.render(played)["sound"]
     return played, sound, listening.measure_notes(sound, RATE, played.notes, score.frequency)
 
 
-def test_every_sustained_note_of_the_tune_is_within_ten_cents(tune):
-    played, _, measured = tune
+def test_every_note_of_the_tune_is_in_tune_at_the_level_that_the_score_asks_and_speaks_at_once(tune):
+    played, sound, measured = tune
     off = {f"{n.onset:.2f} s {score.name(n.pitch)}": j["cents"]
            for n, j in zip(played.notes, measured) if j["sustained"]}
-    assert len(off) > 40
+    assert len(off) > len(played.notes) / 2
     assert not {note: cents for note, cents in off.items() if not abs(cents) <= 10}
-
-
-def test_no_note_of_the_tune_is_lost_and_the_level_is_what_the_score_asks(tune):
-    played, _, measured = tune
     uneven = numpy.array([j["level_db"] - asked for j, asked in zip(measured, played.intended_db)])
-    uneven -= numpy.median(uneven)
-    assert abs(uneven).max() < 2
+    assert abs(uneven - numpy.median(uneven)).max() < 2
     assert all(abs(j["cents"]) < 30 and j["fundamental_db"] > -30 for j in measured)
-
-
-def test_tongued_notes_speak_at_once_and_nothing_clicks(tune):
-    played, sound, measured = tune
-    late = [j["speaks_ms"] for j in measured if j["speaks_ms"] is not None]
-    assert len(late) > 8 and max(late) < 60
+    late = [j["speaks_ms"] for j in measured if j["speaks_ms"] is not None]  # those that are tongued
+    assert late and max(late) < 60
     assert listening.clicks(sound, RATE) == []
     assert 0.1 < abs(sound).max() < 0.5  # where [greed~]'s soft clip is still linear
 
@@ -196,32 +149,18 @@ def test_a_click_put_into_the_tune_would_be_heard(tune):
 
 # ---- lips and syrinx -----------------------------------------------------------------------
 
-@pytest.fixture(scope="module")
-def fanfare():
-    """(voice, notes, sound, measured) of each player."""
-    return [(f"{preset} {channel}", played.notes, sound.astype(float),
-             listening.measure_notes(sound, RATE, played.notes, score.frequency))
-            for preset, channel, _, _, played, sound in _brass.perform()]
-
-
-def test_the_fanfare_loses_no_note_and_all_are_in_tune(fanfare):
-    for voice, notes, sound, measured in fanfare:
+@slow
+def test_the_fanfare_loses_no_note_is_in_tune_and_without_clicks_and_has_the_dynamics_of_the_score():
+    for preset, channel, _, _, played, sound in _brass.perform():
+        voice, notes, sound = f"{preset} {channel}", played.notes, sound.astype(float)
+        measured = listening.measure_notes(sound, RATE, notes, score.frequency)
         assert abs(sound).max() < 0.5, voice  # where [greed~]'s soft clip is still linear
         for note, j in zip(notes, measured):
             where = f"{voice} {note.onset:.2f} s {score.name(note.pitch)}"
-            assert abs(j["cents"]) < 10, where
-            assert j["fundamental_db"] > -30 and j["level_db"] > -50, where
-
-
-def test_no_sample_step_of_the_fanfare_is_twice_the_largest_of_its_held_tones(fanfare):
-    for voice, notes, sound, _ in fanfare:
+            assert abs(j["cents"]) < 10 and j["fundamental_db"] > -30 and j["level_db"] > -50, where
         steps = abs(numpy.diff(sound))
         held = max(steps[slice(*(int(s * RATE) for s in listening.steady(n)))].max() for n in notes)
         assert steps.max() < 2 * held, voice
-
-
-def test_the_dynamics_of_the_score_are_heard_in_the_fanfare(fanfare):
-    for voice, notes, _, measured in fanfare:
         softest, loudest = (choice(n.velocity for n in notes) for choice in (min, max))
         levels = [numpy.mean([j["level_db"] for n, j in zip(notes, measured) if n.velocity == v])
                   for v in (softest, loudest)]

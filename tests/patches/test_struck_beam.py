@@ -6,12 +6,12 @@ import pytest
 
 from harness import Patch, stage_folder
 from harness.run import ROOT
+from harness.sound import RATE
 
 PATCH = ROOT / "patches" / "design" / "struck_beam.pd"
 FILES = re.findall(r"\S+\.(?:npz|txt)", PATCH.read_text())
 if not all((stage_folder() / file).is_file() for file in FILES):
     pytest.skip("the tables of the beam are not made in this build", allow_module_level=True)
-RATE = 48000
 
 
 def play(messages, seconds):
