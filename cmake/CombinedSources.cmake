@@ -1,20 +1,9 @@
 # combine_sources(): call once, when every target is known, before precompile_headers(). The compiler
 # then reads the project's headers, and instantiates their templates, once for several source files:
-# less than half of the work. Each file compiles by itself all the same: the preset `sanitize` and
-# -DTACTUS_COMBINE=OFF do so. build/sources/compile_commands.json has a command for each file.
+# half of the work. Each file compiles by itself all the same: the preset `separate` and -DTACTUS_COMBINE=OFF
+# do so. build/sources/compile_commands.json has a command for each file.
 option(TACTUS_COMBINE "compile several source files as one" ON)
 set(files_at_once 8)
-# What cannot stand beside others of its target: names of its own that others have too.
-set(compiled_alone "/driver\\.cpp$|/surfaces\\.cpp$|_avx2\\.cpp$|_avx512\\.cpp$"
-  "|core/reed/bore/(termination_tables|pole_fit|brass)\\.cpp$|core/footstep/(room|sole_sensor)\\.cpp$|net/client\\.cpp$|fem/mesh/prism\\.cpp$"
-  "|externals/phantom/(network_message|network_settings|driver_use)\\.cpp$|externals/stress_haptic/picture\\.cpp$"
-  "|tests/fem/cost_test\\.cpp$|tests/externals/greed_test\\.cpp$|tests/devices/live/.*_test\\.cpp$"
-  "|tests/core/haptic/allocation_test\\.cpp$")
-# What tests/externals compiles anew under the thread sanitizer is an object of its own in its library: one
-# with others would bring their definitions twice.
-set(compiled_anew "|core/(design|stress)/|core/declaration_text\\.cpp$|core/haptic/chain/velocity\\.cpp$"
-  "|core/modal/table/(loaded_table|resolved_modes)\\.cpp$|${CMAKE_SOURCE_DIR}/files/")
-string(CONCAT compiled_alone ${compiled_alone} ${compiled_anew})
 
 # combine_library(TARGET SOURCE...): by CMake's own means, a folder at a time, so that a new file meets the
 # names of its neighbours alone
@@ -23,7 +12,7 @@ function(combine_library target)
   get_target_property(folder ${target} SOURCE_DIR)
   foreach(source IN LISTS ARGN)
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder})
-    if(NOT source MATCHES "${compiled_alone}" AND NOT source MATCHES "^${CMAKE_SOURCE_DIR}/tests/")
+    if(NOT source MATCHES "^${CMAKE_SOURCE_DIR}/tests/")
       cmake_path(GET source PARENT_PATH group)
       cmake_path(RELATIVE_PATH group BASE_DIRECTORY ${CMAKE_SOURCE_DIR})
       string(MAKE_C_IDENTIFIER "${group}" group)
@@ -36,7 +25,8 @@ function(combine_library target)
   endif()
 endfunction()
 
-# combine_tests(TARGET SOURCE...): tests name their helpers alike, so each file gets a namespace
+# combine_tests(TARGET SOURCE...): tests name their helpers alike, so each NAME_test.cpp gets a namespace; a file of
+# another name is compiled by itself
 function(combine_tests target)
   get_target_property(folder ${target} SOURCE_DIR)
   get_target_property(output ${target} BINARY_DIR)
@@ -47,7 +37,7 @@ function(combine_tests target)
   foreach(source IN LISTS ARGN)
     math(EXPR left "${left} - 1")
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder})
-    if(source MATCHES "_test\\.cpp$" AND NOT source MATCHES "${compiled_alone}")
+    if(source MATCHES "_test\\.cpp$")
       list(APPEND batch ${source})
     else()
       list(APPEND alone ${source})

@@ -13,7 +13,6 @@ namespace {
 
 using footstep::CloudRecipe;
 using footstep::kMaxClouds;
-using footstep::kMaxModes;
 using footstep::ModesRecipe;
 using footstep::Recipe;
 using footstep::recipe_keys;
@@ -102,8 +101,8 @@ private:
 
   std::string gains(const std::vector<std::string_view>& words) {
     ModesRecipe& modes = section_ == "solid" ? recipe.solid.modes : recipe.friction.modes;
-    if (words.size() < 2 || words.size() > kMaxModes + 1)
-      return "gains: expected 1.." + number_text(kMaxModes) + " numbers";
+    if (words.size() < 2 || words.size() > footstep::kMaxModes + 1)
+      return "gains: expected 1.." + number_text(footstep::kMaxModes) + " numbers";
     for (std::size_t i = 1; i < words.size(); ++i) {
       double value = 0;
       if (!to_number(words[i], value) || std::abs(value) > 120)

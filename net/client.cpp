@@ -152,13 +152,13 @@ bool Client::advance(double now_s) {
 }
 
 bool Client::receive(std::span<const std::uint8_t> bytes, double now_s) {
-  using Outcome = FrameReader::Outcome;
+  using Frame = FrameReader::Outcome;
   while (!ended_) {
     Message message;
-    const Outcome outcome = reader_.next(bytes, message);
-    if (outcome == Outcome::kNeedMore)
+    const Frame outcome = reader_.next(bytes, message);
+    if (outcome == Frame::kNeedMore)
       return true;
-    if (outcome != Outcome::kMessage || reader_.framing() != Framing::kLength) {
+    if (outcome != Frame::kMessage || reader_.framing() != Framing::kLength) {
       trouble_ = "what answers there is no haptic server";
       ended_ = true;
       break;

@@ -10,7 +10,7 @@ namespace {
 /// Delays without common divisors at common sample rates, so that echoes rarely coincide.
 constexpr double kDelays[] = {0.00711, 0.00967, 0.01229, 0.01493,
                               0.01787, 0.02111, 0.02473, 0.02887};
-constexpr double kSilenceThreshold = 1e-12, kMaxPressure = 1e9;
+constexpr double kSilentPressure = 1e-12, kMaxPressure = 1e9;
 constexpr double kRingOutFactor = 1.5; // 90 dB, per t60
 
 double clamped(double value, double lowest, double highest) noexcept {
@@ -68,7 +68,7 @@ void Room::reset() noexcept {
 double Room::next(double direct) noexcept {
   if (!(std::abs(direct) < kMaxPressure))
     direct = 0;
-  if (level_ > 0 && std::abs(direct) > kSilenceThreshold)
+  if (level_ > 0 && std::abs(direct) > kSilentPressure)
     ring_out_left_ = ring_out_samples_;
   else if (ring_out_left_ == 0)
     return 0;
@@ -96,7 +96,7 @@ double Room::next(double direct) noexcept {
   for (std::size_t i = 0; i < kLines; ++i) {
     Line& line = lines_[i];
     const double in = kShare * (v[i] + (i % 2 ? -direct : direct));
-    line.samples[line.at] = std::abs(in) > kSilenceThreshold * kSilenceThreshold ? in : 0;
+    line.samples[line.at] = std::abs(in) > kSilentPressure * kSilentPressure ? in : 0;
     if (++line.at == line.samples.size())
       line.at = 0;
   }

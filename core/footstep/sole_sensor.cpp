@@ -20,7 +20,7 @@ constexpr double kMaxLightTouch = 0.5;                              // s
 constexpr double kMinStance = 0.08, kMinSwing = 0.06;               // s
 constexpr double kRiseTime = 0.0022, kFirmRiseTime = 0.0035;        // s
 constexpr double kFirm = 0.008;                                     // of the weight
-constexpr double kMinLandingSpeed = 0.02, kMaxLandingSpeed = 2;     // m/s
+constexpr double kMinSensedSpeed = 0.02, kMaxSensedSpeed = 2;       // m/s
 constexpr double kStiffening = 1.5;                                 // F ~ x^kStiffening
 constexpr double kMaxForce = 1e5;                                   // N
 
@@ -29,7 +29,7 @@ constexpr double kMaxForce = 1e5;                                   // N
 struct TypicalLanding {
   double speed, slope;
 };
-constexpr TypicalLanding kHeelFirst{0.5, 26}, kBallFirst{0.5, 9}, kSecondRegion{0.3, 3.3};
+constexpr TypicalLanding kHeelLanding{0.5, 26}, kBallLanding{0.5, 9}, kSecondRegion{0.3, 3.3};
 
 } // namespace
 
@@ -189,10 +189,10 @@ void SoleSensor::update(Region& region, double force_n, bool other_down, double&
     const double slope = std::max(channel.rise() - touch_threshold_n, 0.0) / weight_n_ /
                          std::max(region.contact_s, kRiseTime);
     const TypicalLanding& typical = other_down          ? kSecondRegion
-                                    : &region == &heel_ ? kHeelFirst
-                                                        : kBallFirst;
+                                    : &region == &heel_ ? kHeelLanding
+                                                        : kBallLanding;
     landing = typical.speed * std::pow(slope / typical.slope, 1 / kStiffening);
-    landing = std::clamp(landing, kMinLandingSpeed, kMaxLandingSpeed);
+    landing = std::clamp(landing, kMinSensedSpeed, kMaxSensedSpeed);
     return;
   }
   region.loaded = region.loaded || level > kOn;

@@ -9,7 +9,7 @@
 namespace tactus::phantom {
 namespace {
 
-constexpr auto kPollInterval = std::chrono::milliseconds(5);
+constexpr auto kWaitInterval = std::chrono::milliseconds(5);
 constexpr auto kTimeout = std::chrono::seconds(3);
 
 } // namespace
@@ -46,7 +46,7 @@ std::unique_ptr<DriverUse> DriverUse::enter(const devices::Driver& driver,
     }
     if (!keep_waiting() || std::chrono::steady_clock::now() > end)
       break;
-    std::this_thread::sleep_for(kPollInterval);
+    std::this_thread::sleep_for(kWaitInterval);
   }
   refusal = std::string(driver.name) +
             ": an earlier call of this driver has not returned; switch the device off and on, "

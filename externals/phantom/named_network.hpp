@@ -3,12 +3,16 @@
 #include "core/haptic/network/network.hpp"
 #include "core/haptic/network/shapes.hpp"
 #include "core/object.hpp"
+#include "externals/phantom/numbers.hpp"
 
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace tactus::phantom {
+
+/// Damping in a message of the network.
+inline constexpr Range kNetworkDamping{"b", "N s/m", 0, 100};
 
 /// The mass-spring network of a patch, whose masses have names, and its messages: docs/network.md.
 class NamedNetwork {

@@ -13,10 +13,9 @@ constexpr double kMaxPosition_mm = 1000;
 constexpr Range near_mm(std::string_view name) {
   return {name, "mm", -kMaxPosition_mm, kMaxPosition_mm};
 }
-constexpr Range kMass{"mass", "kg", 1e-7, 10};
+constexpr Range kPointMass{"mass", "kg", 1e-7, 10};
 constexpr Range kTotalMass{"mass", "kg", 1e-6, 1000};
-constexpr Range kStiffness{"k", "N/m", 0, 1e6};
-constexpr Range kDamping{"b", "N s/m", 0, 100};
+constexpr Range kLinkStiffness{"k", "N/m", 0, 1e6};
 constexpr Range kCorners[] = {near_mm("x1"), near_mm("y1"), near_mm("z1"),
                               near_mm("x2"), near_mm("y2"), near_mm("z2")};
 
@@ -55,7 +54,7 @@ std::string NamedNetwork::change(Words words, const Host& host) {
 /// Adds a mass, or changes one of that name: it keeps its motion and its links, and a reset then
 /// puts it at the new position.
 std::string NamedNetwork::add_mass(Words words) {
-  constexpr Range ranges[] = {kMass, near_mm("x"), near_mm("y"), near_mm("z")};
+  constexpr Range ranges[] = {kPointMass, near_mm("x"), near_mm("y"), near_mm("z")};
   if (words.empty())
     return "expected a name, kg and x y z in mm";
   double v[4] = {};
@@ -99,7 +98,8 @@ std::string NamedNetwork::add_anchor(Words words) {
 /// distance unless given.
 std::string NamedNetwork::add_link(Words words) {
   using Kind = haptic::NetworkLink::Kind;
-  constexpr Range ranges[] = {kStiffness, kDamping, {"l0", "mm", 0, 2 * kMaxPosition_mm}};
+  constexpr Range ranges[] = {
+      kLinkStiffness, kNetworkDamping, {"l0", "mm", 0, 2 * kMaxPosition_mm}};
   if (words.size() < 3)
     return "expected two masses and k, then b, l0 and pull or push";
   const std::size_t a = find(text_of(words[0])), b = find(text_of(words[1]));
@@ -145,7 +145,7 @@ std::string NamedNetwork::add_string(Words words) {
                               kCorners[5],
                               kTotalMass,
                               {"tension", "N", 1e-4, 1e4},
-                              kDamping,
+                              kNetworkDamping,
                               {"stiffness", "N/m", 0, 1e6}};
   if (words.empty())
     return "expected a name, the number of masses and two ends in mm";
@@ -175,7 +175,7 @@ std::string NamedNetwork::add_membrane(Words words) {
   constexpr Range ranges[] = {
       {"nx", "", 1, 50}, {"ny", "", 1, 50}, kCorners[0], kCorners[1], kCorners[2],
       kCorners[3],       kCorners[4],       kCorners[5], kTotalMass,  {"tension", "N/m", 1e-2, 1e6},
-      kDamping};
+      kNetworkDamping};
   if (words.empty())
     return "expected a name, columns, rows and two corners in mm";
   double v[11] = {0,

@@ -4,10 +4,6 @@
 
 /// NamedNetwork's messages for motion, touch, grab and pickups.
 namespace tactus::phantom {
-namespace {
-constexpr Range kDamping{"b", "N s/m", 0, 100};
-}
-
 std::string NamedNetwork::set_motion(Words words) {
   constexpr Range kGravity[] = {
       {"gx", "m/s^2", -100, 100}, {"gy", "m/s^2", -100, 100}, {"gz", "m/s^2", -100, 100}};
@@ -24,7 +20,7 @@ std::string NamedNetwork::set_motion(Words words) {
 }
 
 std::string NamedNetwork::set_touch(Words words) {
-  constexpr Range ranges[] = {{"radius", "mm", 0, 200}, {"k", "N/m", 0, 1e5}, kDamping};
+  constexpr Range ranges[] = {{"radius", "mm", 0, 200}, {"k", "N/m", 0, 1e5}, kNetworkDamping};
   auto& touch = network_.touch;
   double v[3] = {0, touch.stiffness_n_per_m, touch.damping_n_s_per_m};
   std::string refusal = read_some(words, ranges, 1, v);
@@ -34,7 +30,7 @@ std::string NamedNetwork::set_touch(Words words) {
 
 /// Checks the mass and sets the spring; NetworkModel::Action does the grabbing.
 std::string NamedNetwork::set_grab(Words words) {
-  constexpr Range ranges[] = {{"k", "N/m", 1, 1e5}, kDamping};
+  constexpr Range ranges[] = {{"k", "N/m", 1, 1e5}, kNetworkDamping};
   if (words.empty())
     return "expected a mass, nearest or off";
   if (is(words[0], "off"))

@@ -11,7 +11,6 @@ using haptic::Vec3;
 
 namespace {
 
-constexpr double kMm_per_m = 1e3;
 constexpr double kStep_ms = 1;             // update interval of gamma and force while they change
 constexpr double kInfo_ms = 20;            // shortest time between two reports
 constexpr double kFeedback_ms = 10;        // shortest time between two feedback messages

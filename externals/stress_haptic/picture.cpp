@@ -10,7 +10,6 @@ using haptic::Vec3;
 
 namespace {
 
-constexpr double kMm_per_m = 1e3;
 // A face is sent again when it differs by this much from its last sent state.
 constexpr double kStressStep = 1.0 / 128;    // of the scale
 constexpr double kPositionStep = 1.0 / 2000; // of the part's width

@@ -13,6 +13,8 @@
 
 namespace tactus::stress {
 
+inline constexpr double kMm_per_m = 1e3;
+
 /// Text of a message as it was sent, "range fixed 2 1", for its error.
 [[nodiscard]] std::string sentence_of(std::string_view message, std::span<const Atom> arguments);
 

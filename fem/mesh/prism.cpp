@@ -1,5 +1,7 @@
 #include "fem/mesh/prism.hpp"
 
+#include "fem/mesh/cad_solids.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <gmsh.h>
@@ -15,12 +17,6 @@ struct FlatFace {
   Vector3 normal, point;
   double area;
 };
-
-double mass_of(int dimension, int tag) {
-  double mass = 0;
-  gmsh::model::occ::getMass(dimension, tag, mass);
-  return std::abs(mass);
-}
 
 /// Normals of a face at 3 x 3 of its parameters.
 std::vector<Vector3> normals_of(int face, Vector3* point) {

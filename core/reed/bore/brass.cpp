@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSlideSemitones = 6;
 constexpr int kHighestNatural = 16, kSkippedNatural = 7;
-constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.66, 116.54, true, 0.9, 3, 6};
-constexpr BrassTube kTrombone{6.95e-3, 1e-5, 1.70, 58.27, false, 0.9, 3, 12};
+constexpr BrassTube kTrumpetTube{5.85e-3, 1.2e-6, 0.66, 116.54, true, 0.9, 3, 6};
+constexpr BrassTube kTromboneTube{6.95e-3, 1e-5, 1.70, 58.27, false, 0.9, 3, 12};
 
 /// Semitones by which each valve alone lowers the open tube.
 constexpr std::array<int, 3> kValveSemitones{2, 1, 3};
@@ -22,7 +22,9 @@ double length_increase(double semitones) { return std::exp2(semitones / 12) - 1;
 } // namespace
 
 const BrassTube* brass_tube(BoreEnd end) noexcept {
-  return end == BoreEnd::kTrumpet ? &kTrumpet : end == BoreEnd::kTrombone ? &kTrombone : nullptr;
+  return end == BoreEnd::kTrumpet    ? &kTrumpetTube
+         : end == BoreEnd::kTrombone ? &kTromboneTube
+                                     : nullptr;
 }
 
 bool uses_brass_tube(const Parameters& p) noexcept {

@@ -12,9 +12,9 @@ using Complex = std::complex<double>;
 constexpr std::size_t kMaxPoles = 2 * Termination::kReflectionBlocks;
 constexpr std::size_t kMaxUnknowns = 2 * kMaxPoles + 1;
 constexpr std::size_t kMaxRows = 2 * kMaxResponsePoints + 1;
-constexpr int kIterations = 12; // of moving the poles
-constexpr int kRootSteps = 60;  // of Aberth's iteration
-constexpr double kReal = 1e-6;  // |imaginary part|/|root| below which a root is real
+constexpr int kIterations = 12;    // of moving the poles
+constexpr int kRootSteps = 60;     // of Aberth's iteration
+constexpr double kRealRoot = 1e-6; // |imaginary part|/|root| below which a root is real
 // Bounds of the poles. One nearer to the frequency axis than the points' spacing, or beyond all
 // points, is not determined by them and may make |R| > 1.
 constexpr double kMinDamping = 4e-3;      // of the pole's size
@@ -162,7 +162,7 @@ bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>
     const Complex left =
         Complex(-std::max(std::abs(z[k].real()), kMinDamping * size), z[k].imag()) *
         std::min(1.0, kMaxPoleMagnitude / size);
-    if (std::abs(z[k].imag()) <= kReal * std::abs(z[k])) {
+    if (std::abs(z[k].imag()) <= kRealRoot * std::abs(z[k])) {
       if (zeros.count < n)
         zeros.pole[zeros.count++] = left.real();
     } else if (z[k].imag() > 0) {
