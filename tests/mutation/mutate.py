@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 """Do the tests notice? Small wrong changes, one at a time, built and tested; how many were noticed.
 
-    tests/mutation/mutate.py [ROOM...] [--count 40] [--seed 1] [--everything] [--changed REVISION]
-                             [--only PATH[:LINE]] [--folder build-mutation] [--jobs 2]
+    tests/mutation/mutate.py [ROOM...] [--count 40] [--seed 1] [--full] [--changed REVISION]
+                             [--only PATH[:LINE]] [--folder build-mutation] [--jobs 2] [--at-least PERCENT]
                              [--resume | --again | --read RESULTS.json...] [--record docs/results/mutation.md]
 
-A room is a folder of `rooms.py`. --count changes are drawn from each room with a fixed seed. Each is
-made in a copy of the sources, only what depends on it is built, and the room's unit tests run, the
-quick ones first, up to the first that fails. --everything gives what they miss to the tests of the objects
-that use the room. --changed draws only from lines that differ from REVISION.
+A room is a folder of `rooms.py`. --count changes are drawn from each room with a fixed seed. Each is made in a copy of
+the sources, only what depends on it is built, and what ./test runs for the room runs up to the first that fails: its
+unit tests, then tests of the objects and programs that use it. --full gives what they miss to the slow cases.
+--changed draws only from lines that differ from REVISION. --at-least: status 1 where fewer of all are noticed.
 
   noticed     a test failed, crashed, or took longer than ten times its usual time
   missed      every test passed: the line is printed with its change
@@ -17,7 +17,7 @@ that use the room. --changed draws only from lines that differ from REVISION.
 
 The same seed and sources give the same changes. Prints progress, one line a change, and a table by room.
 Results are kept in FOLDER/ROOM-SEED.json. --resume goes on with a run that was stopped. --again runs
-only what the unit tests missed by those files, after tests were written for it, and brings the files
+only what was missed by those files, after tests were written for it, and brings the files
 up to date; --read runs nothing. --record puts the rows into the table of a page.
 """
 import argparse
@@ -31,8 +31,8 @@ from records import Equivalents, load, record, report, save
 from rooms import ROOMS
 from workshop import COUNTED, ROOT, Room, Workshop, output
 
-NAMES = {"unit": "noticed by unit tests", "all": "noticed by tests of objects", "missed": "MISSED",
-         "compiler": "does not compile", "same": "same machine code", "equivalent": "equivalent"}
+NAMES = {"quick": "noticed", "slow": "noticed by slow cases", "missed": "MISSED", "compiler": "does not compile",
+         "same": "same machine code", "equivalent": "equivalent"}
 
 
 def lines_changed(revision):
@@ -97,12 +97,13 @@ def main():
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("room", nargs="*", help=f"of {', '.join(ROOMS)}; all if none is named")
     words.add_argument("--count", type=int, default=40)
-    words.add_argument("--seed", type=int, default=1)
-    words.add_argument("--everything", action="store_true")
+    words.add_argument("--seed", default="1")
+    words.add_argument("--full", action="store_true")
     words.add_argument("--changed", metavar="REVISION")
     words.add_argument("--only", metavar="PATH[:LINE]")
     words.add_argument("--folder", type=Path, default=ROOT / "build-mutation")
     words.add_argument("--jobs", type=int, default=2)
+    words.add_argument("--at-least", metavar="PERCENT", type=float, default=0)
     words.add_argument("--resume", action="store_true")
     words.add_argument("--again", metavar="RESULTS.json", nargs="+", type=Path)
     words.add_argument("--read", metavar="RESULTS.json", nargs="+", type=Path)
@@ -116,22 +117,22 @@ def main():
 
     def room_of(name):
         print(f"{name}: building and running its tests unchanged", file=sys.stderr)
-        return Room(name, workshop, order.everything)
+        return Room(name, workshop, order.full)
 
     if order.read:
         for path in order.read:
-            name, seed, everything, former = load(path)
+            name, seed, full, former = load(path)
             tested = [(c, "equivalent" if v == "missed" and equivalents.reason(c) else v) for c, v in former]
-            results.append((name, seed, everything, tested))
+            results.append((name, seed, full, tested))
     elif order.again:
         for path in order.again:
-            name, seed, everything, former = load(path)
-            open_ones = [c for c, v in former if v in ("missed", "all", "equivalent")]
+            name, seed, full, former = load(path)
+            open_ones = [c for c, v in former if v in ("missed", "slow", "equivalent")]
             now = dict(run(room_of(name), open_ones, len(open_ones), equivalents))
-            if not order.everything:  # what tests of objects noticed, they notice still
-                now.update({c: v for c, v in former if v == "all" and now[c] == "missed"})
+            if not order.full:  # what slow cases noticed, they notice still
+                now.update({c: v for c, v in former if v == "slow" and now[c] == "missed"})
             tested = [(c, now.get(c, v)) for c, v in former]
-            results.append((name, seed, everything or order.everything, tested))
+            results.append((name, seed, full or order.full, tested))
             save(path, *results[-1])
     else:
         changed = lines_changed(order.changed) if order.changed else None
@@ -139,13 +140,16 @@ def main():
             changes = drawn(name, order.seed, order.count, changed, order.only)
             if changes:
                 path = None if order.changed or order.only else order.folder / f"{name}-{order.seed}.json"
-                keep = lambda tested: path and save(path, name, order.seed, order.everything, tested)
+                keep = lambda tested: path and save(path, name, order.seed, order.full, tested)
                 known = load(path)[3] if order.resume and path and path.exists() else ()
                 tested = run(room_of(name), changes, order.count, equivalents, keep, known)
-                results.append((name, order.seed, order.everything, tested))
+                results.append((name, order.seed, order.full, tested))
     print("\n" + report(results))
     if order.record:
         record(order.record, results)
+    verdicts = [v for *_, tested in results for _, v in tested if v in COUNTED]
+    if verdicts and 100 * (1 - verdicts.count("missed") / len(verdicts)) < order.at_least:
+        raise SystemExit(f"fewer than {order.at_least:g} % of {len(verdicts)} changes were noticed")
 
 
 if __name__ == "__main__":

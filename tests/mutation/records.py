@@ -8,7 +8,7 @@ from changes import Change
 from workshop import COUNTED, ROOT
 
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
-HEAD = ["| room | seed | changes | noticed by unit tests | by all | equivalent | date |", "|---|---|---|---|---|---|---|"]
+HEAD = ["| room | seed | changes | noticed by ./test | by ./test --full | equivalent | date |", "|---|---|---|---|---|---|---|"]
 
 
 def line_of(change):
@@ -39,14 +39,14 @@ class Equivalents:
         return None
 
 
-def save(path, room, seed, everything, tested):
+def save(path, room, seed, full, tested):
     """Results of a room as JSON: [{path, line, column, old, new, kind, text, verdict}]."""
     changes = [{**vars(change), "text": line_of(change), "verdict": verdict} for change, verdict in tested]
-    path.write_text(json.dumps({"room": room, "seed": seed, "everything": everything, "changes": changes}, indent=1))
+    path.write_text(json.dumps({"room": room, "seed": seed, "full": full, "changes": changes}, indent=1))
 
 
 def load(path):
-    """(room, seed, everything, [(change, verdict)]) of a former run.
+    """(room, seed, full, [(change, verdict)]) of a former run.
 
     Each change is found again by its line's text, nearest to where it was; what is gone is left out.
     """
@@ -61,25 +61,25 @@ def load(path):
             continue
         kept["line"] = min(matching, key=lambda line_number: abs(line_number - kept["line"]))
         tested.append((Change(**kept), verdict))
-    return former["room"], former["seed"], former["everything"], tested
+    return former["room"], former["seed"], former["full"], tested
 
 
 def share(part, total):
     return f"{part} ({100 * part / max(total, 1):.0f} %)"
 
 
-def row(room, seed, everything, tested):
+def row(room, seed, full, tested):
     verdicts = [v for _, v in tested]
-    total, unit = sum(v in COUNTED for v in verdicts), verdicts.count("unit")
-    by_all = share(unit + verdicts.count("all"), total) if everything else "not run"
-    return (f"| {room} | {seed} | {total} | {share(unit, total)} | {by_all} | {verdicts.count('equivalent')} "
+    total, quick = sum(v in COUNTED for v in verdicts), verdicts.count("quick")
+    by_all = share(quick + verdicts.count("slow"), total) if full else "not run"
+    return (f"| {room} | {seed} | {total} | {share(quick, total)} | {by_all} | {verdicts.count('equivalent')} "
             f"| {date.today()} |")
 
 
 def report(rooms):
-    """The table and the changes that were missed; rooms: [(room, seed, everything, tested)]."""
+    """The table and the changes that were missed; rooms: [(room, seed, full, tested)]."""
     lines = HEAD + [row(*room) for room in rooms]
-    for title, verdict in (("Missed", "missed"), ("Noticed by tests of objects only", "all")):
+    for title, verdict in (("Missed", "missed"), ("Noticed by slow cases only", "slow")):
         found = [str(c) for *_, tested in rooms for c, v in tested if v == verdict]
         if found:
             lines += ["", f"{title}:", ""] + [f"- {change}" for change in found]
@@ -90,7 +90,7 @@ def record(path, rooms):
     """Puts rows into the table of a page, in the place of older ones of the same room and seed."""
     lines = path.read_text().split("\n")
     for room in rooms:
-        begin = end = lines.index(HEAD[1]) + 1
+        begin = end = lines.index(HEAD[0]) + 2
         while end < len(lines) and lines[end].startswith("|"):
             end += 1
         key = f"| {room[0]} | {room[1]} |"

@@ -1,7 +1,6 @@
 """A copy of the sources with a build of its own, and the tests that answer for a room."""
 import hashlib
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -11,10 +10,8 @@ from pathlib import Path
 from rooms import ROOMS
 
 ROOT = Path(__file__).resolve().parents[2]
-COUNTED = ("unit", "all", "missed")  # verdicts that enter the rate
-CASE_TIME = re.compile(r"^([0-9.]+) s: (.*)$", re.MULTILINE)  # what doctest prints of a test case
-SLOW_CASE_S = 0.2
-SLOW_S = 30  # all slow cases of a program, at most
+COUNTED = ("quick", "slow", "missed")  # verdicts that enter the rate
+QUICK, SLOW = ["-LE", "^(slow|threads|night)$"], ["-L", "^slow$"]
 
 
 def output(*command):
@@ -36,7 +33,7 @@ def passes(command, limit, folder):
 
 
 class Workshop:
-    """The sources as they are in the work tree, copied to `folder`, and a release build of them."""
+    """The sources as they are in the work tree, copied to `folder`, and a build of them, quick to compile."""
 
     def __init__(self, folder, jobs):
         self.source, self.build, self.jobs = folder / "source", folder / "build", str(jobs)
@@ -52,32 +49,19 @@ class Workshop:
         for path in self.source.rglob("*"):
             if path.is_file() and not (ROOT / path.relative_to(self.source)).exists():
                 path.unlink()
-        self.run("cmake", "-S", str(self.source), "-B", str(self.build), "-G", "Ninja",
-                 "-DCMAKE_BUILD_TYPE=Release", "-DTACTUS_TESTS=ON")
+        self.run("cmake", "-S", str(self.source), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                 "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DTACTUS_TESTS=ON")
 
     def run(self, *command):
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             raise SystemExit(f"{' '.join(command)} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
 
-    def make(self, targets, check=True):
+    def make(self, targets=(), check=True):
         command = ["ninja", "-C", str(self.build), "-j", self.jobs, *targets]
         if check:
             return self.run(*command)
         return subprocess.run(command, capture_output=True).returncode == 0
-
-    def names_of(self, start):
-        """Object files of the build whose names begin so."""
-        targets = subprocess.run(["ninja", "-C", str(self.build), "-t", "targets", "all"], capture_output=True,
-                                 text=True, check=True).stdout
-        names = [line.partition(":")[0] for line in targets.splitlines()]
-        return sorted(name for name in names if name.startswith(start) and name.endswith(".o"))
-
-    def link(self, objects, program):
-        """Links objects before all of core, which gives what they leave out."""
-        main = "tests/CMakeFiles/doctest_main.dir/doctest_main.cpp.o"
-        self.run("c++", "-o", str(program), *(str(self.build / name) for name in [*objects, main]),
-                 str(self.build / "core/libtactus_core.a"))
 
     def program(self, target):
         found = [p for p in self.build.joinpath("tests").rglob(target) if p.is_file()]
@@ -85,100 +69,76 @@ class Workshop:
             raise SystemExit(f"no program {target} was built")
         return found[0]
 
-    def digest(self, targets):
-        return [hashlib.sha256(self.program(t).read_bytes()).hexdigest() for t in targets]
-
 
 class Room:
-    """A folder of sources with the tests that answer for it."""
+    """A folder of sources with the tests that answer for it: ./test alone, or with full ./test --full."""
 
-    def __init__(self, name, workshop, everything):
-        self.name, self.workshop = name, workshop
+    def __init__(self, name, workshop, full):
+        self.name, self.workshop, self.full = name, workshop, full
         self.units = [[u] if isinstance(u, str) else list(u) for u in ROOMS[name]["unit"]]
-        self.targets = [u[0] for u in self.units]
-        self.patterns = ROOMS[name]["all"] if everything else ""
-        self.quick = {}  # by target: objects, without what else is in core and includes the same headers
-        workshop.make([] if everything else [*self.targets, *(u[1] for u in self.units if len(u) > 1)])
-        core = [folder for folder in ROOMS[name]["sources"] if folder.startswith("core/")]
-        for target in self.targets if core else []:
-            own = [o for folder in core
-                   for o in workshop.names_of(f"core/CMakeFiles/tactus_core.dir/{folder.removeprefix('core/')}/")]
-            self.quick[target] = own + workshop.names_of(f"tests/CMakeFiles/{target}.dir/")
-            workshop.link(self.quick[target], workshop.build / "tests" / f"mutant_{target}")
-        self.programs = [f"mutant_{t}" if t in self.quick else t for t in self.targets]
-        self.usual, self.slow_cases = [], []
+        # Modules are no part of the programs that load them: then everything is built.
+        self.targets = [] if "modules" in ROOMS[name] else sorted({target for u in self.units for target in u[:2]})
+        workshop.make(self.targets)
+        self.objects = {path: self.stamp(path) for path in workshop.build.rglob("*.o")}
+        self.usual = {}  # by command: s
         for unit in self.units:
+            self.time(self.command(unit, "--test-suite-exclude=slow"))
+
+    @staticmethod
+    def stamp(path):
+        """(when, what) an object file was compiled to."""
+        return path.stat().st_mtime_ns, hashlib.sha256(path.read_bytes()).hexdigest()
+
+    def same_code(self):
+        """Whether each object file that was compiled again is what it was; they count as those of before from now on."""
+        changed = False
+        for path, (when, what) in self.objects.items():
+            if path.stat().st_mtime_ns != when:
+                self.objects[path] = path.stat().st_mtime_ns, what
+                changed = changed or self.stamp(path)[1] != what
+        return not changed
+
+    def time(self, command):
+        """The time limit of a command that passed before any change."""
+        key = tuple(command)
+        if key not in self.usual:
             begin = time.monotonic()
-            done = subprocess.run(self.command(unit, *(["--duration=true"] if len(unit) == 1 else [])), text=True,
-                                  cwd=workshop.build, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=1800)
-            if done.returncode:
-                raise SystemExit(f"{' '.join(unit)} fails before any change")
-            self.usual.append(time.monotonic() - begin)
-            slow = [(float(s), name) for s, name in CASE_TIME.findall(done.stdout) if float(s) > SLOW_CASE_S]
-            self.slow_cases.append([name for _, name in slow])
-            self.usual[-1] -= sum(seconds for seconds, _ in slow)
-        if self.patterns:
-            begin = time.monotonic()
-            if not passes(self.all_tests(), 3600, workshop.build):
-                raise SystemExit(f"{self.patterns} fail before any change")
-            self.usual_all = time.monotonic() - begin
-        self.digests = workshop.digest(self.programs)
+            if not passes(command, 3600, self.workshop.build):
+                raise SystemExit(f"{' '.join(command)} fails before any change")
+            self.usual[key] = time.monotonic() - begin
+        return 10 * self.usual[key] + 20
 
     def command(self, unit, *more):
         """A test program itself, or (program, double, arguments) on a double of its device."""
         target, *double = unit
         wrapped = ["umockdev-wrapper", str(self.workshop.program(double[0])), *double[1:]] if double else []
-        program = f"mutant_{target}" if target in self.quick else target
-        return [*wrapped, str(self.workshop.program(program)), *more]
+        return [*wrapped, str(self.workshop.program(target)), "--abort-after=1", "--minimal=true", *more]
 
-    def make(self):
-        """Builds the test programs; False if that fails."""
-        for target, objects in self.quick.items():
-            if not self.workshop.make(objects, check=False):
-                return False
-            self.workshop.link(objects, self.workshop.program(f"mutant_{target}"))
-        rest = [t for t in self.targets if t not in self.quick]
-        return not rest or self.workshop.make(rest, check=False)
-
-    def all_tests(self):
-        return ["ctest", "--test-dir", str(self.workshop.build), "-j", self.workshop.jobs, "--stop-on-failure",
-                "-R", self.patterns]
-
-    def noticed_by_units(self):
-        """The quick cases of every program come first: most changes end there.
-
-        A test on a double runs in real time, so that it must fail twice on a busy machine.
-        """
-        quick, slow = [], []
-        for unit, usual, slow_cases in zip(self.units, self.usual, self.slow_cases):
-            if len(unit) > 1:
-                slow.append((self.command(unit), usual, 2))
-                continue
-            # A comma parts names, a question mark stands for any character.
-            names = ",".join(re.sub(r"[,*\\]", "?", name) for name in slow_cases)
-            stop = ["--abort-after=1", "--minimal=true"]
-            quick.append((self.command(unit, *([f"--test-case-exclude={names}"] if names else []), *stop), usual, 1))
-            if names:
-                slow.append((self.command(unit, f"--test-case={names}", *stop), SLOW_S, 1))
-        return any(all(not passes(command, 10 * usual + 20, self.workshop.build) for _ in range(tries))
-                   for command, usual, tries in quick + slow)
+    def notices(self, suite, labels):
+        """Whether a unit program or a test of the room fails. What runs on a double, in real time, must fail twice."""
+        for unit in self.units:
+            command = self.command(unit, suite)
+            limit = 10 * self.usual.get(tuple(command), 60) + 20
+            if all(not passes(command, limit, self.workshop.build) for _ in range(len(unit) > 1 and 2 or 1)):
+                return True
+        self.workshop.make()
+        return not passes(["ctest", "--test-dir", str(self.workshop.build), "-j", self.workshop.jobs,
+                           "--stop-on-failure", "-R", ROOMS[self.name]["tests"], *labels], 3600, self.workshop.build)
 
     def verdict_of(self, change):
-        """unit, all, missed, or why the change does not count: compiler, same (machine code)."""
+        """quick, slow, missed, or why the change does not count: compiler, same (machine code)."""
         path = self.workshop.source / change.path
         text = path.read_text()
         path.write_text(change.apply(text))
         try:
-            if not self.make():
+            if not self.workshop.make(self.targets, check=False):
                 return "compiler"
-            if self.workshop.digest(self.programs) == self.digests:
+            if self.same_code():
                 return "same"
-            if self.noticed_by_units():
-                return "unit"
-            if self.patterns:
-                self.workshop.make([])
-                if not passes(self.all_tests(), 10 * self.usual_all + 60, self.workshop.build):
-                    return "all"
+            if self.notices("--test-suite-exclude=slow", QUICK):
+                return "quick"
+            if self.full and self.notices("--test-suite=slow", SLOW):
+                return "slow"
             return "missed"
         finally:
             path.write_text(text)
