@@ -140,19 +140,18 @@ def test_a_broken_link_is_one_line_with_its_page(tmp_path, text, said):
     assert len(found) == 1 and found[0].startswith("README.md: (") and said in found[0]
 
 
-def test_what_a_scene_was_said_to_make_and_did_not_is_a_fault(tmp_path):
+def test_what_a_scene_did_not_make_and_a_written_page_with_a_dead_link_are_found(tmp_path):
     small_site(tmp_path)
     scene = tmp_path / "in" / "out" / "walk"
     scene.mkdir(parents=True)
     (scene / "scene.json").write_text("{}")
     assert faults(tmp_path, "[a](out/walk/s.wav)") == ["README.md: (out/walk/s.wav) ./play walk has not made it"]
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "a.html").write_text('<a href="b.html">b</a><a href="#x">x</a><img src="https://example.org/p.png">')
+    assert len(dead(tmp_path / "b")) == 3
 
 
-def test_a_written_page_with_a_dead_link_is_found(tmp_path):
-    (tmp_path / "a.html").write_text('<a href="b.html">b</a><a href="#x">x</a><img src="https://example.org/p.png">')
-    assert len(dead(tmp_path)) == 3
-
-
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("chromium"), reason="Chromium is not installed")
 def test_a_browser_shows_every_picture_and_says_which_it_cannot(tmp_path):
     root, files = small_site(tmp_path)

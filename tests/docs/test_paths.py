@@ -8,10 +8,8 @@ ROOMS = "core|files|fem|devices|net|pd|max|externals|programs|patches|help|tests
 NAMED = re.compile(rf"`((?:{ROOMS})/[\w~./-]+)`")
 
 
-def pages():
-    names = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True,
-                           check=True).stdout.split()
-    return [name for name in names if name != "CHANGELOG.md"]
+def tracked(*patterns):
+    return subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
 
 
 def exists(path):
@@ -21,29 +19,22 @@ def exists(path):
 
 
 def test_the_pages_name_files_that_exist():
-    missing = [f"{page}: {path}" for page in pages() for path in NAMED.findall((ROOT / page).read_text())
+    pages = [name for name in tracked("*.md") if name != "CHANGELOG.md"]
+    assert "docs/architecture.md" in pages
+    missing = [f"{page}: {path}" for page in pages for path in NAMED.findall((ROOT / page).read_text())
                if not exists(path)]
     assert not missing, "\n".join(missing)
 
 
-def test_the_pages_are_found():
-    assert "docs/architecture.md" in pages()
-
-
 def test_every_folder_of_tests_is_in_their_readme():
     text = (ROOT / "tests" / "README.md").read_text()
-    tracked = subprocess.run(["git", "ls-files", "tests"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    folders = {name.split("/")[1] for name in tracked.split() if name.count("/") > 1}
+    folders = {name.split("/")[1] for name in tracked("tests") if name.count("/") > 1}
     assert not {folder for folder in folders if f"`{folder}/`" not in text}
 
 
 def test_scripts_that_need_debians_packages_ask_for_debians_python():
     """Another Python may come first in PATH, and has no numpy."""
-    tracked = subprocess.run(["git", "ls-files", "*.py", "scripts"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     needs = re.compile(r"^(?:import|from) (?:numpy|scipy|matplotlib|PIL)\b", re.M)
-    wrong = []
-    for name in tracked.split():
-        text = (ROOT / name).read_text(errors="replace")
-        if text.startswith("#!") and needs.search(text) and not text.startswith("#!/usr/bin/python3\n"):
-            wrong.append(name)
-    assert not wrong
+    texts = {name: (ROOT / name).read_text(errors="replace") for name in tracked("*.py", "scripts") if (ROOT / name).is_file()}
+    assert not [name for name, text in texts.items()
+                if text.startswith("#!") and needs.search(text) and not text.startswith("#!/usr/bin/python3\n")]

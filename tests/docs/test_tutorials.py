@@ -13,6 +13,7 @@ sys.path.insert(0, str(ROOT / "tests" / "patches"))
 
 from harness import Patch  # noqa: E402
 
+slow = pytest.mark.slow
 FOLDER = ROOT / "docs" / "tutorials"
 OBJECTS = sorted(path.parent.name for path in (ROOT / "externals").glob("*/CMakeLists.txt"))
 # Where the page's messages go; and, of objects without a sound of their own, what shows that they work:
@@ -55,25 +56,20 @@ def play(name, sent=(), seconds=2.0):
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_begin_sounds_or_moves(name):
-    result = play(name)
-    if name in SHOWN:
-        values = {tuple(atoms) for _, atoms in result.logs["shown"]}
-        assert len(values) > (0 if name == "playability_map" else 3), f"{name}: {SHOWN[name]} has {values}"
-    if name.endswith("~"):
-        loudest = abs(result["left"]).max()
-        assert 0.01 < loudest <= 0.99, f"{name}: {loudest}"
-
-
-@pytest.mark.parametrize("name", OBJECTS)
-def test_the_messages_of_the_page_are_taken(name):
+def test_it_begins_to_sound_or_move_and_the_messages_of_the_page_are_taken(name):
     sent = messages(name)
     assert sent, f"{name}.md has no ```pd block"
-    result = play(name, [(RECEIVER[name], message) for message in sent])  # an error in Pd's window is a failure
+    # An error in Pd's window is a failure. Until the first message, 0.8 s after the start, it plays by itself.
+    result = play(name, [(RECEIVER[name], message) for message in sent])
+    if name in SHOWN:
+        values = {tuple(atoms) for ms, atoms in result.logs["shown"] if name == "playability_map" or ms < 800}
+        assert len(values) > (0 if name == "playability_map" else 3), f"{name}: {SHOWN[name]} has {values}"
     if name.endswith("~"):
+        assert 0.01 < abs(result["left"][:38400]).max() <= 0.99
         assert abs(result["left"]).max() <= 1
 
 
+@slow
 @pytest.mark.parametrize("name", sorted(set(OBJECTS) - ON_A_NETWORK))
 def test_the_messages_to_click_are_taken(name):
     listening = set(re.findall(r"^#X obj \d+ \d+ r (\S+);|^#X obj .* hsl \S+ \S+ \S+ \S+ \S+ \S+ \S+ (\S+) ",
@@ -95,7 +91,8 @@ def test_the_clarinet_is_silent_and_speaks_at_the_pressures_that_the_page_names(
     assert silent < 1e-6 and 1e-3 < soft < 0.1 * loud
 
 
-@pytest.mark.parametrize("preset", ["clarinet", "sax", "oboe", "trumpet", "trombone", "voice", "syrinx"])
+@pytest.mark.parametrize("preset", [preset if preset in ("clarinet", "syrinx") else pytest.param(preset, marks=slow) for preset in (
+    "clarinet", "sax", "oboe", "trumpet", "trombone", "voice", "syrinx")])
 def test_every_preset_sounds_at_the_pressure_of_the_faq_and_one_below_700_pa(preset):
     assert "at `[sig~ 2000]` every preset sounds, below 700 the syrinx alone" in (ROOT / "docs" / "faq.md").read_text()
     for pressure, sounds in ((2000, True), (690, preset == "syrinx")):
@@ -105,6 +102,7 @@ def test_every_preset_sounds_at_the_pressure_of_the_faq_and_one_below_700_pa(pre
         assert (loudness(patch.render(2.5), 2, 2.5) > 1e-3) == sounds
 
 
+@slow
 def test_the_glass_and_the_door_sound_as_the_page_says():
     wait = ("rub-velocity", 0.4)
     result = play("contact_friction~", [wait] * 3 + [("rub-velocity", 0.08), ("rub-normal", 8)] + [wait] * 3)

@@ -47,11 +47,12 @@ def take(patch, played):
 
 
 @pytest.fixture(scope="module")
-def pictures():
+def pictures(request):
     """What is still being photographed, by patch: four at once, since most of the time goes by waiting
     for windows."""
+    wanted = {item.callspec.params["patch"] for item in request.session.items if "pictures" in item.fixturenames}
     with ThreadPoolExecutor(4) as photographers:
-        yield {patch: photographers.submit(take, patch, patch in HELP) for patch in HELP + INSTRUMENTS}
+        yield {patch: photographers.submit(take, patch, patch in HELP) for patch in wanted}
         photographers.shutdown(cancel_futures=True)
 
 
@@ -70,7 +71,11 @@ def seen_in(future):
     return paths
 
 
-@pytest.mark.parametrize("patch", HELP, ids=lambda p: p.stem)
+def cases(patches, quick):
+    return [pytest.param(p, id=p.stem, marks=() if p.stem == quick else pytest.mark.slow) for p in patches]
+
+
+@pytest.mark.parametrize("patch", cases(HELP, "greed~-help"))
 def test_a_help_patch_looks_right_and_changes_with_the_click(patch, pictures):
     before, after = seen_in(pictures[patch])
     differing = subprocess.run(["compare", "-metric", "AE", str(before), str(after), "null:"],
@@ -78,6 +83,6 @@ def test_a_help_patch_looks_right_and_changes_with_the_click(patch, pictures):
     assert float(differing.split()[0]) > 20, "nothing moves on the screen after the click"
 
 
-@pytest.mark.parametrize("patch", INSTRUMENTS, ids=lambda p: p.stem)
+@pytest.mark.parametrize("patch", cases(INSTRUMENTS, None))
 def test_an_instrument_looks_right(patch, pictures):
     seen_in(pictures[patch])

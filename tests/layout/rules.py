@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 from pd_boxes import Rectangle, is_graph
 
-RULES = ("crossed", "overlap", "cut", "up", "hidden", "astride", "web")
 INSET = 2  # a cord or a box that touches an edge is drawn beside it
 ROW_INSET = 3  # above and below the letters of a line
 SMALL_PANEL = 40  # a panel no wider or higher than this carries a heading: boxes beside it are not on it
@@ -25,7 +24,6 @@ WEB = 4  # crossings that any patch may have; one more for each eight cords
 class Fault:
     rule: str
     text: str
-    marks: tuple = ()  # rectangles and (start, end) of cords, for draw.py
 
 
 @dataclass
@@ -87,8 +85,7 @@ def crossed(drawing):
             own = item.number in (cord.source, cord.target) and item.what == "box"
             inset = 0 if item.what != "box" else INSET
             if not own and runs_through(cord.start, cord.end, item.room.shrunk(inset)):
-                yield Fault("crossed", f"{cord_name(drawing, cord)} runs through the {item.what} '{item.name}'",
-                            (item.room, (cord.start, cord.end)))
+                yield Fault("crossed", f"{cord_name(drawing, cord)} runs through the {item.what} '{item.name}'")
 
 
 def overlap(drawing):
@@ -100,7 +97,7 @@ def overlap(drawing):
             across, down = a.room.shared_with(b.room)
             if across > 1 and down > 1:
                 yield Fault("overlap", f"the {b.what} '{b.name}' and the {a.what} '{a.name}' share {across:.0f} x "
-                                       f"{down:.0f} pixels", (a.room, b.room))
+                                       f"{down:.0f} pixels")
 
 
 def shown_part(canvas):
@@ -117,7 +114,7 @@ def cut(drawing):
     everything = items(drawing) + panels
     for item in everything:
         if not window.holds(item.room):
-            yield Fault("cut", f"the {item.what} '{item.name}' reaches beyond the window", (item.room,))
+            yield Fault("cut", f"the {item.what} '{item.name}' reaches beyond the window")
     part = shown_part(drawing.canvas)
     for item in everything if part else ():
         drawn = drawing.boxes[item.number]
@@ -125,7 +122,7 @@ def cut(drawing):
         across, down = part.shared_with(drawn.frame)
         astride = drawn.kind != "box" and not shown and across > 1 and down > 1
         if astride or (shown and not part.holds(item.room)):
-            yield Fault("cut", f"the {item.what} '{item.name}' reaches beyond what the parent shows", (item.room, part))
+            yield Fault("cut", f"the {item.what} '{item.name}' reaches beyond what the parent shows")
 
 
 def counts(drawing, cord):
@@ -140,7 +137,7 @@ def counts(drawing, cord):
 def up(drawing):
     for cord in drawing.cords:
         if cord.end[1] <= cord.start[1] and cord.source != cord.target and not counts(drawing, cord):
-            yield Fault("up", f"{cord_name(drawing, cord)} goes up", ((cord.start, cord.end),))
+            yield Fault("up", f"{cord_name(drawing, cord)} goes up")
 
 
 def hidden(drawing):
@@ -152,8 +149,7 @@ def hidden(drawing):
                 continue
             across, down = panel.frame.shared_with(drawn.frame)
             if across > 1 and down > 1:
-                yield Fault("hidden", f"the panel '{panel.name}' is drawn over '{drawn.name}'",
-                            (panel.frame, drawn.frame))
+                yield Fault("hidden", f"the panel '{panel.name}' is drawn over '{drawn.name}'")
 
 
 def astride(drawing):
@@ -164,7 +160,7 @@ def astride(drawing):
         for item in items(drawing):
             across, down = panel.shared_with(item.room)
             if across > INSET and down > INSET and not panel.holds(item.room, 1):
-                yield Fault("astride", f"the {item.what} '{item.name}' lies half on a panel", (item.room, panel))
+                yield Fault("astride", f"the {item.what} '{item.name}' lies half on a panel")
 
 
 def cross(a, b):
@@ -182,8 +178,7 @@ def web(drawing):
     cords = drawing.cords
     pairs = [(a, b) for i, a in enumerate(cords) for b in cords[:i] if cross(a, b)]
     if len(pairs) > WEB + len(cords) // 8:
-        yield Fault("web", f"{len(pairs)} crossings of {len(cords)} cords",
-                    tuple((c.start, c.end) for pair in pairs for c in pair))
+        yield Fault("web", f"{len(pairs)} crossings of {len(cords)} cords")
 
 
 def faults(drawing):

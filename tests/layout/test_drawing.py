@@ -16,6 +16,7 @@ STAGE = Stage(os.environ.get("TACTUS_STAGE", BUILD / "tactus"), BUILD / "declara
 # Every object's help patch and what has the most kinds of boxes; an ioa module stands for the others.
 PATCHES = [p for p in STAGE.patches() if re.match(r"(?!ioa_)\w+~?-help$|ioa_(r_screen|check|mm_sound)|reed_|struck|design_"
                                                  r"|wind|finger|mass|footstep_map", p.stem)]
+QUICK = ("greed~-help", "ioa_r_screen", "wind_controller")
 VERSION = subprocess.run(["pd", "-version"], capture_output=True, text=True).stderr if shutil.which("pd") else ""
 
 pytestmark = pytest.mark.skipif(not re.search(r"Pd-0\.53", VERSION), reason="reads the drawing commands of Pd 0.53")
@@ -53,7 +54,8 @@ def missing(drawing, seen):
     return lost + list(cords - collections.Counter(seen["cords"]))
 
 
-@pytest.mark.parametrize("path", PATCHES, ids=lambda p: p.name)
+@pytest.mark.parametrize("path", [pytest.param(p, marks=() if p.stem in QUICK else pytest.mark.slow) for p in PATCHES],
+                         ids=lambda p: p.name)
 def test_frames_texts_and_cords_are_where_pd_draws_them(path):
     canvas = pd_file.read(path)
     windows = pd_drawing.canvases(pd_drawing.commands(STAGE.folder, path, sorted(set(names_within(canvas)))))
@@ -70,6 +72,7 @@ def test_frames_texts_and_cords_are_where_pd_draws_them(path):
     assert compared
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(any(not shutil.which(p) for p in ("Xvfb", "openbox", "xdotool", "import")),
                     reason="needs xvfb openbox xdotool imagemagick")
 def test_the_corners_of_boxes_are_those_of_a_photograph(tmp_path):

@@ -1,5 +1,6 @@
 """The search by feel of ./play design: equal volume and limits, forces of Pd, and moves that follow these alone."""
 import sys
+import types
 
 import numpy
 import pytest
@@ -59,48 +60,34 @@ def test_pd_answers_a_pull_by_the_spring_of_the_shape(shapes, setup, power):
     assert numpy.ptp(found) > 0.01
 
 
-def moves_of(shapes, setup, difference, monkeypatch, noticed=0.07):
-    """Coordinates after one move of one hand whose third point is softer on the side of +y alone."""
-    monkeypatch.setattr(search, "ROUNDS", 1)
-
-    def forces(part, setup, hands):
-        newton = numpy.full((len(hands), setup.points * len(setup.pulls())), 3.0)
-        newton[:, 2 * len(setup.pulls()) + 2] -= 3 * difference  # the pull towards +y of the third point
-        return newton
-
-    _, x, moves, _ = search.by_feel(shapes, setup, [7], noticed, forces)
-    third = numpy.random.default_rng(7).choice(shapes.part.handles, setup.points, replace=False)[2]
-    return x[0], moves[0], third
-
-
 def test_the_point_and_its_direction_come_from_the_forces(shapes, monkeypatch):
-    x, moves, third = moves_of(shapes, search.CHOSEN, 0.1, monkeypatch)
-    assert moves == 1
-    assert x == pytest.approx(shapes.restored(shapes.along(third, 0, search.STEP)), abs=1e-12)
-    x, moves, third = moves_of(shapes, search.CHOSEN, -0.1, monkeypatch)
-    assert x == pytest.approx(shapes.restored(shapes.along(third, 0, -search.STEP)), abs=1e-12)
-    x, moves, _ = moves_of(shapes, search.CHOSEN, 0.06, monkeypatch)
-    assert moves == 0 and not x.any()
+    """One move of one hand whose third point is softer, or harder, on the side of +y alone."""
+    monkeypatch.setattr(search, "ROUNDS", 1)
+    setup = search.CHOSEN
+    third = numpy.random.default_rng(7).choice(shapes.part.handles, setup.points, replace=False)[2]
+    for difference, moved in ((0.1, search.STEP), (-0.1, -search.STEP), (0.06, 0)):
+        def forces(part, setup, hands):
+            newton = numpy.full((len(hands), setup.points * len(setup.pulls())), 3.0)
+            newton[:, 2 * len(setup.pulls()) + 2] -= 3 * difference  # the pull towards +y of the third point
+            return newton
+        _, x, moves, _ = search.by_feel(shapes, setup, [7], 0.07, forces)
+        assert moves[0] == bool(moved)
+        assert x[0] == pytest.approx(shapes.restored(shapes.along(third, 0, moved)), abs=1e-12)
 
 
 def test_a_point_at_its_limit_leaves_the_move_to_the_next(shapes, monkeypatch):
     """The third point is the clearest each time; when it cannot go on towards +y, the second goes towards +x."""
     monkeypatch.setattr(search, "ROUNDS", 12)
     first, second, third = shapes.part.handles[:3]
-
-    class Same:
-        def choice(self, *_, **__):
-            return [first, second, third]
-
-    monkeypatch.setattr(numpy.random, "default_rng", lambda seed: Same())
+    same = types.SimpleNamespace(choice=lambda *_, **__: [first, second, third])
+    monkeypatch.setattr(numpy.random, "default_rng", lambda seed: same)
 
     def forces(part, setup, hands):
         newton = numpy.full((len(hands), setup.points * 4), 3.0)
         newton[:, 4] -= 0.4
         newton[:, 10] -= 0.5
         return newton
-
-    _, x, moves, _ = search.by_feel(shapes, search.CHOSEN, [1], 0.07, forces)
+    _, x, _, _ = search.by_feel(shapes, search.CHOSEN, [1], 0.07, forces)
     where = dict(zip(shapes.part.coordinates, x[0]))
     assert where[third, 1] > search.LIMIT - 1.5e-3
     assert where[second, 0] > 2e-3
@@ -128,28 +115,22 @@ class Series:
         return self.part.taylor(parameters), self.part.slope
 
 
-def test_descent_ends_near_the_optimum_of_a_linear_program(shapes):
-    """min t with s0 + S x <= t, |x| <= 8 mm and the volume to first order; by HiGHS."""
+def test_descent_ends_near_the_optimum_of_a_linear_program_with_steps_of_any_size(shapes, monkeypatch):
+    """min t with s0 + S x <= t, |x| <= 8 mm and the volume to first order; by HiGHS. Steps of 40 mm go from limit to limit
+    and are halved."""
     part, slope = shapes.part, shapes.volume_slope(numpy.zeros(shapes.size))
     scale = part.stress.max()
     program = scipy.optimize.linprog(
-        [0] * shapes.size + [1], A_ub=numpy.column_stack([shapes.slope.T * search.LIMIT / scale, -numpy.ones(len(part.stress))]),
-        b_ub=-part.stress / scale, A_eq=[[*(slope / numpy.abs(slope).max()), 0]], b_eq=[0],
+        [0] * shapes.size + [1], b_ub=-part.stress / scale, A_eq=[[*(slope / numpy.abs(slope).max()), 0]], b_eq=[0],
+        A_ub=numpy.column_stack([shapes.slope.T * search.LIMIT / scale, -numpy.ones(len(part.stress))]),
         bounds=[(-1, 1)] * shapes.size + [(0, None)])
     assert program.status == 0
     peaks, last = search.descend(shapes, Series(part, 1))
     assert (numpy.diff(peaks[0]) < 0.01 * scale).all()
     assert shapes.volume(last[0]) == pytest.approx(shapes.first_volume, rel=1e-9)
     assert program.fun <= peaks[0, -1] / scale < program.fun + 0.03
-    print(f"linear program {program.fun * scale / 1e6:.2f} MPa, descent {peaks[0, -1] / 1e6:.2f} MPa")
-
-
-def test_descent_halves_steps_that_gain_nothing(shapes, monkeypatch):
-    """Steps of 40 mm go from limit to limit."""
-    fine, _ = search.descend(shapes, Series(shapes.part, 1))
     monkeypatch.setattr(search, "STEP", 40e-3)
-    coarse, _ = search.descend(shapes, Series(shapes.part, 1))
-    assert coarse[0, -1] == pytest.approx(fine[0, -1], rel=0.01)
+    assert search.descend(shapes, Series(part, 1))[0][0, -1] == pytest.approx(peaks[0, -1], rel=0.01)
 
 
 def test_descent_stays_where_the_mesh_is_valid(shapes):

@@ -1,19 +1,15 @@
-"""[modal_impact~] whose body is reshaped asks the program modal_fem for the modes of the moved mesh: in a render,
-whose results repeat, and live, where the child may die or be missing."""
-import os
-import signal
-import struct
+"""[modal_impact~] whose body is reshaped asks the program modal_fem for the modes of the moved mesh."""
 import subprocess
 
 import numpy
 import pytest
 
 from harness import Patch, stage_folder
+from harness.sound import RATE
 
 PROGRAM = stage_folder() / "modal_fem"
 if not PROGRAM.exists():
     pytest.skip("the program modal_fem is not built", allow_module_level=True)
-RATE = 48000
 BODY = "bar --length 200 --width 20 --thickness 20 --material steel --h 10 --tolerance 0 --fix x=-100 --modes 12 --loss 0.002".split()
 LATTICE = "--lattice 5 2 2 --directions y --range 6 --controls 6,7,8,9,16,17,18,19".split()  # of the top, not at the clamp
 MOVE_MM = -4  # a fifth of the height
@@ -30,40 +26,31 @@ def beam(tmp_path_factory):
     return folder / "beam.modal.npz"
 
 
-def nodes_of(path):
-    lines = path.read_text().splitlines()
-    first = next(i for i, s in enumerate(lines) if s.upper().startswith("*NODE")) + 1
-    last = next(i for i in range(first, len(lines)) if lines[i].startswith("*"))
-    rows = [s.split(",") for s in lines[first:last]]
-    return lines, first, last, [r[0] for r in rows], numpy.array([[float(c) for c in r[1:4]] for r in rows])
-
-
-def bernstein(t, degree):
-    """Of the clamped uniform B-spline that has one knot interval for each point beyond its degree (Cox, de Boor)."""
-    points = len(degree[1])
-    p = degree[0]
-    knots = numpy.concatenate([numpy.zeros(p), numpy.linspace(0, 1, points - p + 1), numpy.ones(p)])
-    basis = [((t >= a) & (t < b)) | ((b == 1) & (t == 1) & (a < b)) for a, b in zip(knots[:-1], knots[1:])]
-    basis = [b.astype(float) for b in basis]
-    for d in range(1, p + 1):
-        basis = [(basis[i] * (t - knots[i]) / (knots[i + d] - knots[i]) if knots[i + d] > knots[i] else 0 * t)
-                 + (basis[i + 1] * (knots[i + d + 1] - t) / (knots[i + d + 1] - knots[i + 1])
-                    if knots[i + d + 1] > knots[i + 1] else 0 * t) for i in range(len(basis) - 1)]
+def spline(t, degree, points):
+    """The clamped uniform B-splines of that degree (Cox, de Boor)."""
+    knots = numpy.concatenate([numpy.zeros(degree), numpy.linspace(0, 1, points - degree + 1), numpy.ones(degree)])
+    basis = [((t >= a) & (t < b) | (b == 1) & (t == 1) & (a < b)).astype(float) for a, b in zip(knots, knots[1:])]
+    for d in range(1, degree + 1):
+        def share(i):
+            return (t - knots[i]) / (knots[i + d] - knots[i]) if knots[i + d] > knots[i] else 0 * t
+        basis = [basis[i] * share(i) + basis[i + 1] * (1 - share(i + 1)) * (knots[i + d + 1] > knots[i + 1])
+                 for i in range(len(basis) - 1)]
     return numpy.array(basis)
 
 
 def moved_frequencies(beam, p):
     """By modal_fem on the mesh whose nodes were moved here, by a B-spline of our own."""
-    table = numpy.load(beam)
-    lines, first, last, names, x = nodes_of(beam.with_name("beam.inp"))
-    low, high = x.min(0), x.max(0)
-    u, v, w = ((x - low) / (high - low)).T
-    along, across, deep = bernstein(u, (3, range(5))), bernstein(v, (1, range(2))), bernstein(w, (1, range(2)))
+    lines = beam.with_name("beam.inp").read_text().splitlines()
+    first = next(i for i, s in enumerate(lines) if s.upper().startswith("*NODE")) + 1
+    last = next(i for i in range(first, len(lines)) if lines[i].startswith("*"))
+    rows = [s.split(",") for s in lines[first:last]]
+    x = numpy.array([[float(c) for c in row[1:4]] for row in rows])
+    u, v, w = ((x - x.min(0)) / numpy.ptp(x, axis=0)).T
+    along, across, deep = spline(u, 3, 5), spline(v, 1, 2), spline(w, 1, 2)
     y = x.copy()
-    for (c, axis, _, _), by in zip(table["parameters"], p):
-        c = int(c)
-        y[:, int(axis)] += by * along[c % 5] * across[c // 5 % 2] * deep[c // 10]
-    text = [f"{n}, " + ", ".join(f"{c:.15g}" for c in at) for n, at in zip(names, y)]
+    for (c, axis, _, _), by in zip(numpy.load(beam)["parameters"].astype(int), p):
+        y[:, axis] += by * along[c % 5] * across[c // 5 % 2] * deep[c // 10]
+    text = [f"{row[0]}, " + ", ".join(f"{c:.15g}" for c in at) for row, at in zip(rows, y)]
     moved = beam.with_name("moved.inp")
     moved.write_text("\n".join([*lines[:first], *text, *lines[last:]]) + "\n")
     out = beam.with_name("moved.modal.npz")
@@ -98,12 +85,11 @@ def test_after_a_solve_the_frequencies_are_those_of_the_moved_mesh(beam):
     p = shape(table)
     exact = moved_frequencies(beam, p)
     patch, box = struck(beam)
-    patch.at(100, box, message(p))
-    patch.at(105, box, "info")
-    patch.at(400, box, "info")
-    result = patch.render(.5, path=[beam.parent])
+    for ms, told_it in ((100, message(p)), (105, "info"), (400, "info"), (410, "resolve off"), (420, message(0 * p))):
+        patch.at(ms, box, told_it)
+    result = patch.render(1, path=[beam.parent])
     before, after = (numpy.array(told(result, "frequencies", t)[0]) for t in (104, 399))
-    assert len(told(result, "resolved")) == 1
+    assert len(told(result, "resolved")) == 1  # none any more once it is off
     assert abs(after / exact - 1).max() < 1e-6
     assert abs(numpy.sort(before)[:2] / exact[:2] - 1).max() > .01  # by Taylor's series
 
@@ -140,9 +126,3 @@ def test_a_missing_solver_is_one_sentence_and_the_expansion_goes_on(beam, tmp_pa
     p = shape(table, MOVE_MM * .7)
     by_series = table["freq"] * numpy.exp(.5 * (p @ table["domega2_dp"]) / (2 * numpy.pi * table["freq"]) ** 2)
     assert numpy.allclose(told(result, "frequencies", 899)[0], numpy.sort(by_series), rtol=1e-5)
-
-
-def test_resolve_off_asks_for_nothing(beam):
-    patch, box = struck(beam, "-resolve", "off")
-    patch.at(100, box, message(shape(numpy.load(beam))))
-    assert not told(patch.render(1, path=[beam.parent]), "resolved")
