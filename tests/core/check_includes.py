@@ -30,6 +30,7 @@ NAMES = {
     "concepts": "floating_point integral same_as",
     "condition_variable": "condition_variable condition_variable_any",
     "csignal": "raise signal",
+    "cstdarg": "va_list",
     "cstddef": "byte max_align_t nullptr_t ptrdiff_t size_t to_integer",
     "cstdint": "int16_t int32_t int64_t int8_t intptr_t uint16_t uint32_t uint64_t uint8_t uintptr_t",
     "cstdio": "FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf fwrite getchar perror printf "
@@ -37,7 +38,6 @@ NAMES = {
     "cstdlib": "abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc realloc size_t strtod "
                "strtol strtoul strtoull system",
     "cstring": "memcmp memcpy memmove memset size_t strcmp strerror strlen strncmp",
-
     "cctype": "isalnum isalpha isdigit isspace tolower toupper",
     "ctime": "clock clock_t gmtime size_t strftime time time_t",
     "cwchar": "size_t swprintf",
@@ -54,6 +54,7 @@ NAMES = {
     "istream": "istream",
     "iterator": "istream_iterator back_inserter distance istreambuf_iterator next prev",
     "limits": "numeric_limits",
+    "list": "list",
     "map": "map multimap",
     "memory": "make_shared make_unique shared_ptr static_pointer_cast unique_ptr weak_ptr",
     "mutex": "call_once lock_guard mutex recursive_mutex once_flag scoped_lock try_to_lock unique_lock",

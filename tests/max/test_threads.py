@@ -10,33 +10,28 @@ from test_every_object import connected, fuzz
 
 OBJECTS = declarations()
 CHOSEN = [name for name in os.environ.get("TACTUS_MAX_OBJECTS", "").split(",") if name] or sorted(OBJECTS)
-VECTORS = int(os.environ.get("TACTUS_MAX_VECTORS", "600"))
 
 
+def threads(name, vectors, lines, then):
+    begin = [load(name), f"rate {RATE}", "vector 64", *connected(OBJECTS[name]), "dsp on"]
+    return run([*begin, f"threads {vectors}", *lines, "end", *then])
+
+
+@pytest.mark.parametrize("vectors", [100, pytest.param(600, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", CHOSEN)
-def test_two_threads_send_while_a_third_performs(name):
+def test_two_threads_send_while_a_third_performs(name, vectors):
     d, generator = OBJECTS[name], random.Random(name)
-    lines = [load(name), f"rate {RATE}", "vector 64", f"new b {name}", *connected(d), "dsp on", f"threads {VECTORS}"]
-    for _ in range(40):
-        lines.append("main " + fuzz(d, generator, "b"))
-        lines.append("scheduler " + fuzz(d, generator, "b"))
-    for p in d["parameters"]:
-        lines += [f"main get b {p['name']}", f"scheduler get b {p['name']}"]
-    lines.append("main value b")
-    lines += ["end", "run 200", "dsp off", "free b"]
-    run(lines)
+    lines = [f"{thread} {fuzz(d, generator, 'b')}" for _ in range(40) for thread in ("main", "scheduler")]
+    lines += [f"{thread} get b {p['name']}" for p in d["parameters"] for thread in ("main", "scheduler")]
+    threads(name, vectors, [*lines, "main value b"], ["run 200", "dsp off", "free b"])
 
 
-@pytest.mark.parametrize("name", [name for name in CHOSEN if OBJECTS[name]["signal"]])
+@pytest.mark.parametrize("name", [name for name in CHOSEN if OBJECTS[name]["signal"] and any(
+    p["name"] == "gain" and p["realtime"] for p in OBJECTS[name]["parameters"])])
 def test_the_last_value_that_a_thread_sends_wins(name):
-    d = OBJECTS[name]
-    p = next((p for p in d["parameters"] if p["name"] == "gain" and p["realtime"]), None)
-    if not p:
-        pytest.skip("no gain")
-    lines = [load(name), f"rate {RATE}", "vector 64", f"new b {name}", *connected(d), "dsp on", f"threads {VECTORS}"]
-    lines += [f"main send b 0 gain {i / 8}" for i in range(1, 7)] + ["scheduler send b 0 gain 0.96875"]
-    lines += ["end", "run 4", "get b gain", "send b 0 gain 0.3", "get b gain", "run 2", "get b gain"]
-    values = [float(line.split()[-1]) for line in run(lines).of("value")]
+    lines = [f"main send b 0 gain {i / 8}" for i in range(1, 7)] + ["scheduler send b 0 gain 0.96875"]
+    then = ["run 4", "get b gain", "send b 0 gain 0.3", "get b gain", "run 2", "get b gain"]
+    values = [float(line.split()[-1]) for line in threads(name, 100, lines, then).of("value")]
     assert values[0] in (0.75, 0.96875)
     assert values[1:] == [0.3, 0.3]
 
