@@ -64,7 +64,7 @@ def test_what_sounds_is_counted_by_kind():
 
 
 def cost(label, sections, made=None):
-    made = made or steps(6)
+    made = made or steps(2)
     return Aim.of_label(label).cost(Played([made], sections))[1]
 
 
@@ -86,10 +86,11 @@ def test_a_lost_step_costs():
     assert cost("wood", [("impact", 1.0)], lost)["levels"] > 10
 
 
-@pytest.mark.parametrize("label", MATERIALS)
+@pytest.mark.parametrize("label", [
+    label if label in ("wood", "creak") else pytest.param(label, marks=pytest.mark.slow) for label in MATERIALS])
 def test_every_ground_has_an_aim_and_finite_residuals(label):
     aim = Aim.of_label(label)
-    played = Played([steps(4), steps(4, 2)], [("impact", 1.0)])
+    played = Played([steps(2), steps(2, 2)], [("impact", 1.0)])
     found = aim.residuals(played, numpy.zeros(3))
     assert numpy.isfinite(found).all()
     total, costs = aim.cost(played, numpy.zeros(3))

@@ -68,17 +68,14 @@ def test_two_contacts_are_found_with_their_interval_level_and_dip():
     assert summary[4] == pytest.approx((first, first))
 
 
-def test_one_contact_is_one_contact():
-    course = time_course([burst(0.1, 0.02, 300)])
+def test_one_contact_is_one_also_with_another_nearer_than_30_ms_or_20_db_lower_and_silence_has_none():
+    near = burst(0.1, 0.003, 800) + burst(0.12, 0.003, 800)
+    low = burst(0.1, 0.006, 800) + burst(0.2, 0.006, 800, 10 ** (-26 / 20))
+    course = time_course([burst(0.1, 0.02, 300), near, low, numpy.zeros(RATE)])
     assert course.share_of_two == 0
     assert not numpy.isfinite(course.contacts[0, :3]).any()
     assert numpy.isnan(summary_of_contacts(course)[2]).all()
-
-
-def test_two_contacts_nearer_than_30_ms_or_20_db_lower_are_one():
-    near = burst(0.1, 0.003, 800) + burst(0.12, 0.003, 800)
-    low = burst(0.1, 0.006, 800) + burst(0.2, 0.006, 800, 10 ** (-26 / 20))
-    assert time_course([near, low]).share_of_two == 0
+    assert course.energy_db[3] == pytest.approx(FLOOR_OF_ALL, abs=0.1)
 
 
 def test_a_band_decays_by_20_db_in_its_own_time():
@@ -94,12 +91,6 @@ def test_level_and_what_comes_before_do_not_count():
     # The frames' grid is 2.9 ms.
     a, b = (time_course([s]).energy_db[0] for s in (sound, 0.01 * later))
     assert a == pytest.approx(b, abs=0.5)
-
-
-def test_silence_has_no_contacts_and_no_energy():
-    course = time_course([numpy.zeros(RATE)])
-    assert course.energy_db[0] == pytest.approx(FLOOR_OF_ALL, abs=0.1)
-    assert course.share_of_two == 0
 
 
 def test_the_onset_is_26_db_below_the_loudest_moment():
@@ -133,13 +124,9 @@ def test_bursts_are_counted_in_their_band_and_time():
     creak = sum(burst(0.1 + t, 0.005, 2000, 10 ** (-9 / 20)) for t in (0.2, 0.24, 0.28, 0.32))
     early = burst(0.17, 0.005, 2000)
     low = sum(burst(0.1 + t, 0.02, 300, 0.7) for t in (0.2, 0.24, 0.28))
-    numbers, highest, late = bursts([step, step + creak, step + early, step + low]).T
-    assert list(numbers) == [0, 4, 0, 0]
+    steady = step + 0.3 * numpy.sin(2 * numpy.pi * 2000 * TIME) * (TIME > 0.1) * (TIME < 0.8)
+    numbers, highest, late = bursts([step, step + creak, step + early, step + low, steady]).T
+    assert list(numbers) == [0, 4, 0, 0, 0]
     assert highest[1] == pytest.approx(-9, abs=0.5)
     assert late[1] == pytest.approx(10 * numpy.log10(4) - 9, abs=0.7)
     assert late[0] < -20 and late[2] < -20
-
-
-def test_a_steady_tone_is_no_burst():
-    step = burst(0.1, 0.005, 2000) + 0.3 * numpy.sin(2 * numpy.pi * 2000 * TIME) * (TIME > 0.1) * (TIME < 0.8)
-    assert bursts([step])[0, 0] == 0
