@@ -25,9 +25,7 @@ TEST_CASE("20 bad packets within a second end a connection") {
 }
 
 TEST_CASE("a broken frame ends a connection and its force") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   client.send_text("hap start force");
   client.send_bytes({0xFF, 0xFF, 0xFF, 0xFF});
   CHECK(client.has_received("bye 'frame'"));
@@ -38,9 +36,7 @@ TEST_CASE("a broken frame ends a connection and its force") {
 }
 
 TEST_CASE("a flood is cut to 5000 packets a second, and the rest is no sign of life") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   client.send_text("hap start force");
   client.received();
   for (int i = 0; i < 20000; ++i)
@@ -78,9 +74,7 @@ TEST_CASE("a half-sent frame is given 2 s, a byte a second too") {
 }
 
 TEST_CASE("frames that come in pieces in time are no half-sent frame") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   const Bytes bytes = frame(Framing::kLength, Message(Address::kPing).integer(1));
   for (int i = 0; i < 60; ++i) { // there is always a frame open
     client.send_bytes({bytes.begin() + (i ? 5 : 0), bytes.end()});
@@ -92,9 +86,7 @@ TEST_CASE("frames that come in pieces in time are no half-sent frame") {
 }
 
 TEST_CASE("a client that does not read loses positions, never events, and is let go at 1 MiB") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   client.send_text("hap subscribe pos 1000");
   client.received();
   int asked = 0;
@@ -122,7 +114,7 @@ TEST_CASE("the queue gives back what went in, in order") {
   OutQueue queue;
   std::mt19937 random(3);
   std::vector<std::uint8_t> in, out;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     Bytes bytes(random() % 3000);
     for (auto& byte : bytes)
       byte = static_cast<std::uint8_t>(random());
@@ -186,26 +178,4 @@ TEST_CASE("the comparison of tokens looks at every byte") {
   for (const char* wrong : {"", "a", "abc", "abcde", "abcx", "xbcd", "abcdabcd", "axcd"})
     CHECK(!equal_in_constant_time("abcd", wrong));
   CHECK(!equal_in_constant_time("", "a"));
-}
-
-TEST_CASE("random bytes never stop the server from answering") {
-  Rig rig(usual());
-  std::mt19937 random(5);
-  TestClient good(rig);
-  good.hello();
-  for (int round = 0; round < 300; ++round) {
-    TestClient client(rig, static_cast<Framing>(random() % 3));
-    client.hello();
-    for (int i = 0; i < 20 && !client.closing(); ++i) {
-      Bytes bytes(random() % 200);
-      for (auto& byte : bytes)
-        byte = static_cast<std::uint8_t>(random());
-      client.send_bytes(bytes);
-      rig.tick();
-    }
-    client.disconnect();
-    good.send_text("hap ping 5");
-    CHECK(good.has_received("pong 5.000000"));
-  }
-  CHECK(rig.max_force_n == 0);
 }

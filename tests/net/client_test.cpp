@@ -1,57 +1,10 @@
 #include "net/backoff.hpp"
-#include "net/client.hpp"
 #include "tests/net/rig.hpp"
 
 /// The client against the server, in a time of their own, over a line that can be cut.
 using namespace tactus;
 using namespace tactus::net;
 using haptic::Vec3;
-
-namespace {
-
-struct Line {
-  explicit Line(ServerSettings settings = usual(), ClientSettings own = {})
-      : rig(std::move(settings)), client(std::move(own)) {}
-
-  void connect() {
-    id = rig.server.connect("127.0.0.1", rig.now_s);
-    REQUIRE(id.has_value());
-    client.connect(rig.now_s);
-  }
-  void cut() {
-    rig.server.disconnect(*id);
-    client.disconnect();
-    id.reset();
-  }
-  static Bytes taken(OutQueue& queue) {
-    Bytes bytes;
-    while (queue.size() > 0) {
-      bytes.insert(bytes.end(), queue.front().begin(), queue.front().end());
-      queue.consume(queue.front().size());
-    }
-    return bytes;
-  }
-  void run(double seconds) {
-    for (int left = static_cast<int>(seconds * 1e3 + 0.5); left > 0; --left) {
-      rig.tick();
-      if (!id)
-        continue;
-      wanted = wanted && client.advance(rig.now_s);
-      if (passes) {
-        rig.server.receive(*id, taken(client.out()), rig.now_s);
-        wanted = wanted && client.receive(taken(rig.server.out(*id)), rig.now_s);
-      }
-    }
-  }
-
-  Rig rig;
-  Client client;
-  std::optional<Server::ClientId> id;
-  bool passes = true; ///< bytes, both ways
-  bool wanted = true; ///< the client keeps the connection
-};
-
-} // namespace
 
 TEST_CASE("a client learns what the device is and where its handle is") {
   Line line;
@@ -179,7 +132,17 @@ TEST_CASE("what does not say welcome is no server") {
   CHECK(other.trouble().find("no haptic server") != std::string::npos);
 }
 
-TEST_CASE("busy, an emergency stop and a wrong token are told") {
+TEST_CASE("another in control, an emergency stop and a wrong token are told") {
+  Line second;
+  second.connect();
+  second.run(0.01);
+  TestClient first(second.rig);
+  first.hello();
+  first.send_text("hap start force");
+  second.client.start(RenderMode::kForce);
+  second.run(0.01);
+  CHECK(!second.client.in_control());
+  CHECK(second.client.trouble() == "the server says: another client is in control");
   Line line;
   line.connect();
   line.run(0.01);
@@ -206,19 +169,6 @@ TEST_CASE("busy, an emergency stop and a wrong token are told") {
   right.connect();
   right.run(0.01);
   CHECK(right.client.ready());
-}
-
-TEST_CASE("who is second is told that another client is in control") {
-  Line line;
-  line.connect();
-  line.run(0.01);
-  TestClient other(line.rig);
-  other.hello();
-  other.send_text("hap start force");
-  line.client.start(RenderMode::kForce);
-  line.run(0.01);
-  CHECK(!line.client.in_control());
-  CHECK(line.client.trouble() == "the server says: another client is in control");
 }
 
 TEST_CASE("a new connection begins with a new frame") {

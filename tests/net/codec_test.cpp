@@ -46,7 +46,7 @@ Bytes packet_of(std::string_view address, std::string_view tags, Bytes arguments
 
 } // namespace
 
-TEST_CASE("a force is the 32 bytes of the OSC specification") {
+TEST_CASE("a force is the 32 bytes of the OSC specification, 35 in SLIP") {
   CHECK(force_packet().size() == 32);
   Bytes out(100);
   out.resize(encode_osc(force(), out));
@@ -54,15 +54,14 @@ TEST_CASE("a force is the 32 bytes of the OSC specification") {
   Message message;
   CHECK(decode_osc(out, message) == "");
   CHECK(message == force());
-}
-
-TEST_CASE("its SLIP form has 35 bytes, the end of each frame and one escape") {
-  const Bytes slip = frame(Framing::kSlip, force());
+  const Bytes slip = frame(Framing::kSlip, force()); // with the end of each frame and one escape
   CHECK(slip.size() == 35);
   CHECK(slip.front() == 0xC0);
   CHECK(slip.back() == 0xC0);
   CHECK(slip[1 + 24] == 0xDB); // -2 is C0 00 00 00
   CHECK(slip[1 + 25] == 0xDC);
+  CHECK(read_all(slip + Bytes(slip.begin() + 1, slip.end())).size() == 2); // one END between two
+  CHECK(read_all(Bytes{0xC0, 0xC0, 0xC0} + slip).size() == 1);
 }
 
 TEST_CASE("three framings give the same message, however the stream is cut") {
@@ -75,13 +74,6 @@ TEST_CASE("three framings give the same message, however the stream is cut") {
   for (const Bytes& one : {slip, length, text})
     for (const std::size_t piece : {1u, 2u, 3u, 7u, 35u, 1000u})
       CHECK(read_all(one + one + one, piece) == expected);
-}
-
-TEST_CASE("one END between SLIP frames is as good as two") {
-  Bytes slip = frame(Framing::kSlip, force());
-  const Bytes second(slip.begin() + 1, slip.end());
-  CHECK(read_all(slip + second).size() == 2);
-  CHECK(read_all(Bytes{0xC0, 0xC0, 0xC0} + slip).size() == 1);
 }
 
 TEST_CASE("Pd's integers come as floats and are read as integers") {
@@ -128,6 +120,8 @@ TEST_CASE("FUDI words: numbers, escapes, blanks") {
   CHECK(fudi("hap start 1-2") == "start '1-2'");
   CHECK(fudi("hap start - + e5 nan inf 0x10") == "start '-' '+' 'e5' 'nan' 'inf' '0x10'");
   CHECK(fudi("   \n") == "nothing");
+  CHECK(frame(Framing::kFudi, Message(Address::kError).string("").string("a\nb")) ==
+        bytes_of("hap error - a?b;\n"));
   CHECK(fudi("hello there") == "hello");
   CHECK(fudi_reason("hap force 1, 2") != "");
   CHECK(fudi_reason("hap start \\") != "");
@@ -273,9 +267,4 @@ TEST_CASE("what does not fit is not written at all") {
   CHECK(encode_frame(Framing::kSlip, Message(Address::kError).string(name), large) == 0);
   CHECK(encode_frame(Framing::kSlip, force(), std::span(large).first(34)) == 0);
   CHECK(encode_frame(Framing::kSlip, force(), std::span(large).first(35)) == 35);
-}
-
-TEST_CASE("an empty string is a dash in FUDI, control characters are question marks") {
-  CHECK(frame(Framing::kFudi, Message(Address::kError).string("").string("a\nb")) ==
-        bytes_of("hap error - a?b;\n"));
 }

@@ -1,5 +1,6 @@
 """What tests need to talk to a haptic server from outside: an encoder of its own, and the program."""
 import csv
+import itertools
 import os
 import signal
 import socket
@@ -50,29 +51,16 @@ def slip(packet):
     return b"\xc0" + packet.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc") + b"\xc0"
 
 
-def with_length(packet):
-    return struct.pack(">i", len(packet)) + packet
-
-
-def fudi(address, *values):
-    words = [str(value) for value in values if value != ""]
-    return (" ".join(["hap", *address.split("/"), *words]) + ";\n").encode()
-
-
 class Peer:
-    """One connection. Messages are lists: an address, then its values."""
+    """One connection, in SLIP. Messages are lists: an address, then its values."""
 
-    def __init__(self, port, framing="length", host="127.0.0.1", timeout=20):
-        self.framing, self.rest, self.waiting = framing, b"", []
+    def __init__(self, port, host="127.0.0.1", timeout=20):
+        self.rest, self.waiting = b"", []
         self.socket = socket.create_connection((host, port), timeout=timeout)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def send(self, address, *values):
-        if self.framing == "fudi":
-            data = fudi(address, *values)
-        else:
-            data = {"slip": slip, "length": with_length}[self.framing](osc(address, *values))
-        self.socket.sendall(data)
+        self.socket.sendall(slip(osc(address, *values)))
 
     def hello(self, role="control", token=""):
         self.send("hello", 1, "peer", role, token)
@@ -81,30 +69,11 @@ class Peer:
     def cut(self):
         """Takes complete messages off what has come."""
         while True:
-            if self.framing == "fudi":
-                end = self.rest.find(b";")
-                if end < 0:
-                    return
-                words = self.rest[:end].decode().replace("\\ ", "\0").split()
-                self.rest = self.rest[end + 1:]
-                words = [word.replace("\0", " ") for word in words[1:]]
-                if words[0] == "cp":
-                    words = ["/".join(words[:2]), *words[2:]]
-                self.waiting.append(words[:1] + [number(word) for word in words[1:]])
-            elif self.framing == "slip":
-                frame, end, rest = self.rest.lstrip(b"\xc0").partition(b"\xc0")
-                if not end:
-                    return
-                self.rest = rest
-                self.waiting.append(parse(frame.replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")))
-            else:
-                if len(self.rest) < 4:
-                    return
-                size, = struct.unpack_from(">i", self.rest)
-                if len(self.rest) < 4 + size:
-                    return
-                self.waiting.append(parse(self.rest[4:4 + size]))
-                self.rest = self.rest[4 + size:]
+            frame, end, rest = self.rest.lstrip(b"\xc0").partition(b"\xc0")
+            if not end:
+                return
+            self.rest = rest
+            self.waiting.append(parse(frame.replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")))
 
     def take(self, seconds):
         """More bytes, within that time; False when the connection has ended."""
@@ -139,22 +108,19 @@ class Peer:
                 return True
         return False
 
-    def hold(self, seconds, *message, every=0.02):
-        """Sends the message again and again for that long."""
+    def push(self, holds, seconds=60):
+        """Asks for 1 N and ever a little more until that holds, so that a trace tells when the server last
+        heard of it."""
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.send(*message)
-            time.sleep(every)
+        for i in itertools.count():
+            self.send("force", 1 + 2e-4 * i, 0.0, 0.0)
+            if holds():
+                return
+            assert time.monotonic() < end, "in vain"
+            time.sleep(0.02)
 
     def close(self):
         self.socket.close()
-
-
-def number(word):
-    try:
-        return float(word)
-    except ValueError:
-        return word
 
 
 class Program:
@@ -171,8 +137,16 @@ class Program:
         assert ":" in self.first, self.process.communicate()
         self.port = int(self.first.split(":")[2].split()[0])
 
-    def peer(self, framing="length"):
-        return Peer(self.port, framing)
+    def peer(self, **options):
+        return Peer(self.port, **options)
+
+    def in_control(self, port=None):
+        """A client that is in control and whose force has come up; over the relay with its port."""
+        peer = Peer(port or self.port)
+        peer.hello()
+        peer.send("start", "force")
+        peer.push(lambda: self.force() > 0.9)
+        return peer
 
     def signal(self, number):
         self.process.send_signal(number)
@@ -187,17 +161,16 @@ class Program:
 
     def wait_for_force(self, at_least, seconds=60):
         """Until the trace holds a force of at least so many N."""
-        end = time.monotonic() + seconds
-        while self.force() < at_least:
-            assert time.monotonic() < end, f"no force of {at_least} N came"
-            time.sleep(0.02)
+        wait_until(lambda: self.force() >= at_least, seconds)
+
+    def wait_for_none(self, seconds=60):
+        wait_until(lambda: self.force() == 0, seconds)
 
     def end(self):
         """Ends it and returns the ticks: (s, force in N as a triple)."""
         self.signal(signal.SIGTERM)
         output, errors = self.process.communicate(timeout=60)
         assert self.process.returncode == 0, output + errors
-        self.output = output
         with open(self.trace) as file:
             rows = [(float(row["ms"]) / 1e3, tuple(float(row[f"f{axis}_n"]) for axis in "xyz"))
                     for row in csv.DictReader(file)]
@@ -207,21 +180,31 @@ class Program:
         return rows
 
 
+def wait_until(holds, seconds=60):
+    end = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < end, "in vain"
+        time.sleep(0.02)
+
+
 def size(force):
     return sum(component * component for component in force) ** 0.5
 
 
-def last_force(rows, after=0.0):
-    """The time of the last tick with a force; None when there is none."""
-    times = [time_s for time_s, force in rows if size(force) > 0 and time_s > after]
-    return times[-1] if times else None
+def longest_hold_s(rows):
+    """How long a force stayed the same, of clients that always ask for another: at most the half second
+    after which silence ends it, by the server's own clock, whatever stalls."""
+    longest_s, begun_s, held = 0.0, 0.0, 0.0
+    for time_s, force in rows:
+        if size(force) == 0 or abs(size(force) - held) > 1e-4:
+            begun_s, held = time_s, size(force)
+        longest_s = max(longest_s, time_s - begun_s if held else 0.0)
+    return longest_s
 
 
-def largest(rows, begin, end):
-    """The largest force, in N, between two times."""
-    return max(size(force) for time_s, force in rows if begin <= time_s <= end)
+HOLD_S = 0.5 + 2e-3  # and two ticks
 
 
-def near(rows, time_s):
-    """The force at the first tick from that time on."""
-    return next(force for tick_s, force in rows if tick_s >= time_s)
+def some_force(rows, begin, end=float("inf")):
+    """Whether there was one between two times."""
+    return any(size(force) > 0 for time_s, force in rows if begin < time_s < end)

@@ -11,17 +11,17 @@ class Relay:
 
     delay_s, jitter_s: of every piece, the jitter uniform up to jitter_s or, with `exponential`, of
     that mean; loss: share of pieces that come late by retry_s, as a
-    retransmission does; stalled: nothing passes and nobody is told (a half-open peer); dribble:
-    bytes a second at most; cut(): both ends are closed. passed_s: when the target got its last piece.
+    retransmission does; stalled: nothing passes and nobody is told (a half-open peer); cut(): both
+    ends are closed.
     """
 
     def __init__(self, target, seed=1):
         self.target, self.chance = target, random.Random(seed)
         self.delay_s = self.jitter_s = self.loss = 0.0
-        self.retry_s, self.stalled, self.dribble, self.exponential = 0.2, False, None, False
+        self.retry_s, self.stalled, self.exponential = 0.2, False, False
         self.door = socket.create_server(("127.0.0.1", 0))
         self.port = self.door.getsockname()[1]
-        self.pairs, self.ended, self.passed_s = [], False, 0.0
+        self.pairs, self.ended = [], False
         threading.Thread(target=self.accept, daemon=True).start()
 
     def accept(self):
@@ -40,9 +40,9 @@ class Relay:
                 one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self.pairs.append((client, server))
             for source, sink in ((client, server), (server, client)):
-                threading.Thread(target=self.pump, args=(source, sink, sink is server), daemon=True).start()
+                threading.Thread(target=self.pump, args=(source, sink), daemon=True).start()
 
-    def pump(self, source, sink, to_target):
+    def pump(self, source, sink):
         waiting, due_last = [], 0.0  # (time, bytes) in order
         poll = selectors.DefaultSelector()
         poll.register(source, selectors.EVENT_READ)
@@ -61,36 +61,25 @@ class Relay:
                     due_last = max(due_last, time.monotonic() + late)
                     waiting.append((due_last, data))
                 while waiting and waiting[0][0] <= time.monotonic() and not self.stalled:
-                    data = waiting.pop(0)[1]
-                    if self.dribble:
-                        for i in range(len(data)):
-                            sink.sendall(data[i:i + 1])
-                            time.sleep(1 / self.dribble)
-                            if not self.dribble:
-                                sink.sendall(data[i + 1:])
-                                break
-                    else:
-                        sink.sendall(data)
-                    if to_target:
-                        self.passed_s = time.monotonic()
+                    sink.sendall(waiting.pop(0)[1])
         except OSError:
             pass
-        for one in (source, sink):
-            try:
-                one.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                pass
+        shut(source, sink)
 
     def cut(self):
         pairs, self.pairs = self.pairs, []
         for pair in pairs:
-            for one in pair:
-                try:
-                    one.shutdown(socket.SHUT_RDWR)
-                except OSError:
-                    pass
+            shut(*pair)
 
     def close(self):
         self.ended = True
         self.door.close()
         self.cut()
+
+
+def shut(*sockets):
+    for one in sockets:
+        try:
+            one.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass

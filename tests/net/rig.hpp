@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/device/simulated_device.hpp"
+#include "net/client.hpp"
 #include "net/servo_link.hpp"
 #include "tests/net/bytes.hpp"
 
@@ -74,6 +75,13 @@ public:
   void hello(std::string_view role = "control", std::string_view token = "") {
     send(Message(Address::kHello).integer(1).string("test").string(role).string(token));
   }
+  /// Says this line for so long, each tenth of a second.
+  void repeat(const std::string& line, double seconds) {
+    for (int left = static_cast<int>(seconds * 10 + 0.5); left > 0; --left) {
+      send_text(line);
+      rig_.run(0.1);
+    }
+  }
   /// What the server has said since the last call, a line a message.
   std::vector<std::string> received() {
     std::vector<std::string> lines;
@@ -112,5 +120,74 @@ inline ServerSettings usual() {
   settings.force_limit_n = 3;
   return settings;
 }
+
+/// A server and a client that has said hello.
+struct Served {
+  Served() { client.hello(); }
+  Rig rig{usual()};
+  TestClient client{rig};
+};
+
+/// A server and a client of net/client.hpp, with a line for both transports between them that can
+/// be cut.
+struct Line {
+  explicit Line(ServerSettings settings = usual(), ClientSettings own = {}, int udp_port = 0)
+      : rig(std::move(settings)), client(std::move(own)), port(udp_port) {}
+
+  void connect() {
+    id = rig.server.connect("127.0.0.1", rig.now_s, port);
+    REQUIRE(id.has_value());
+    client.connect(rig.now_s);
+  }
+  void cut() {
+    rig.server.disconnect(*id);
+    client.disconnect();
+    id.reset();
+  }
+  static Bytes taken(OutQueue& queue) {
+    Bytes bytes;
+    while (queue.size() > 0) {
+      bytes.insert(bytes.end(), queue.front().begin(), queue.front().end());
+      queue.consume(queue.front().size());
+    }
+    return bytes;
+  }
+  void tick() {
+    rig.tick();
+    if (!id)
+      return;
+    wanted = wanted && client.advance(rig.now_s);
+    if (!passes)
+      return;
+    rig.server.receive(*id, taken(client.out()), rig.now_s);
+    const Bytes answer = taken(rig.server.out(*id));
+    tcp_bytes += answer.size();
+    wanted = wanted && client.receive(answer, rig.now_s);
+    if (const auto probe = client.datagrams().probe(rig.now_s); probe && probes_pass)
+      CHECK(rig.server.receive_datagram("127.0.0.1", probe->span(), rig.now_s) == id);
+    while (const auto datagram = rig.server.datagrams(*id)->take()) {
+      ++datagrams;
+      if (datagrams_pass)
+        client.receive_datagram(datagram->span(), rig.now_s);
+    }
+    oldest_s = std::max(oldest_s, rig.now_s - client.position_s());
+  }
+  void run(double seconds) {
+    oldest_s = 0;
+    tcp_bytes = datagrams = 0;
+    for (int left = static_cast<int>(seconds * 1e3 + 0.5); left > 0; --left)
+      tick();
+  }
+
+  Rig rig;
+  Client client;
+  int port;
+  std::optional<Server::ClientId> id{};
+  bool passes = true; ///< bytes of TCP, both ways
+  bool probes_pass = true, datagrams_pass = true;
+  bool wanted = true; ///< the client keeps the connection
+  std::size_t tcp_bytes = 0, datagrams = 0;
+  double oldest_s = 0; ///< age of the newest position, at its largest
+};
 
 } // namespace tactus::net

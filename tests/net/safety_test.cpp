@@ -7,6 +7,8 @@ using haptic::Vec3;
 
 namespace {
 
+const char* const kPush = "hap force 2 0 0";
+
 /// A client in control whose force of 2 N has come up.
 struct ActiveServer {
   Rig rig{usual()};
@@ -14,68 +16,43 @@ struct ActiveServer {
   ActiveServer() {
     client.hello();
     client.send_text("hap start force");
-    for (int i = 0; i < 8; ++i) {
-      client.send_text("hap force 2 0 0");
-      rig.run(0.1);
-    }
+    client.repeat(kPush, 0.8);
     REQUIRE(rig.force_n.x == doctest::Approx(2));
-    client.send_text("hap force 2 0 0");
+    client.send_text(kPush);
     client.received();
   }
 };
 
 } // namespace
 
-TEST_CASE("500 ms of silence end the force") {
-  ActiveServer p;
-  p.rig.run(0.44);
-  CHECK(p.rig.force_n.x == doctest::Approx(2));
-  p.rig.run(0.06);
-  CHECK(p.rig.force_n == Vec3{});
-}
-
-TEST_CASE("pings alone keep it") {
+TEST_CASE("500 ms of silence end the force; pings alone keep it, bad packets do not") {
   ActiveServer p;
   for (int i = 0; i < 20; ++i) {
     p.rig.run(kPingInterval_s);
     p.client.send_text("hap ping 1");
     CHECK(p.rig.force_n.x == doctest::Approx(2));
   }
-}
-
-TEST_CASE("bad packets are no sign of life") {
-  ActiveServer p;
-  for (int i = 0; i < 50; ++i) {
-    p.client.send_text("hap force x 0 0");
-    p.rig.run(0.06);
-  }
-  CHECK(!p.client.closing());
+  p.rig.run(0.44);
+  CHECK(p.rig.force_n.x == doctest::Approx(2));
+  p.client.send_text("hap force x 0 0");
+  p.rig.run(0.06);
   CHECK(p.rig.force_n == Vec3{});
+  CHECK(!p.client.closing());
 }
 
-TEST_CASE("a burst after a silence brings nothing back; messages that keep coming do") {
+TEST_CASE(
+    "neither pings nor a burst after a silence bring a force back; messages that keep coming do") {
   ActiveServer p;
+  p.rig.run(0.7);
+  p.rig.max_force_n = 0;
+  p.client.repeat("hap ping 1", 0.8);
   p.rig.run(0.7);
   for (int i = 0; i < 200; ++i)
-    p.client.send_text("hap force 2 0 0");
-  p.rig.max_force_n = 0;
+    p.client.send_text(kPush);
   p.rig.run(0.4);
   CHECK(p.rig.max_force_n == 0);
-  for (int i = 0; i < 30; ++i) {
-    p.client.send_text("hap force 2 0 0");
-    p.rig.run(0.02);
-  }
+  p.client.repeat(kPush, 0.8);
   CHECK(p.rig.force_n.x == doctest::Approx(2));
-}
-
-TEST_CASE("pings after a silence bring no old force back") {
-  ActiveServer p;
-  p.rig.run(0.7);
-  for (int i = 0; i < 8; ++i) {
-    p.client.send_text("hap ping 1");
-    p.rig.run(0.1);
-    CHECK(p.rig.force_n == Vec3{});
-  }
 }
 
 TEST_CASE("messages that a slow line delivers late keep no force up") {
@@ -92,14 +69,14 @@ TEST_CASE("messages that a slow line delivers late keep no force up") {
   REQUIRE(seen_ms >= 0);
   for (int i = 0; i < 30; ++i) { // a way of 0.6 s there and back
     p.client.send_text("hap ping 2 " + std::to_string(std::max(0, seen_ms - 600)));
-    p.client.send_text("hap force 2 0 0");
+    p.client.send_text(kPush);
     p.rig.run(0.1);
     seen_ms = server_ms();
   }
   CHECK(p.rig.force_n.x == doctest::Approx(2));
   for (int i = 0; i < 16; ++i) { // no newer time is seen: all that comes is from before
     p.client.send_text("hap ping 3 " + std::to_string(seen_ms - 600));
-    p.client.send_text("hap force 2 0 0");
+    p.client.send_text(kPush);
     p.rig.run(0.1);
   }
   CHECK(p.rig.force_n == Vec3{});
@@ -109,7 +86,7 @@ TEST_CASE("messages that a slow line delivers late keep no force up") {
   for (int i = 0; i < 10; ++i) {
     seen_ms = server_ms();
     p.client.send_text("hap ping 5 " + std::to_string(seen_ms));
-    p.client.send_text("hap force 2 0 0");
+    p.client.send_text(kPush);
     p.rig.run(0.1);
   }
   CHECK(p.rig.force_n.x == doctest::Approx(2));
@@ -144,23 +121,6 @@ TEST_CASE("a controlling client that was disconnected controls no more") {
   CHECK(p.rig.server.servo_command().running);
 }
 
-TEST_CASE("forces are of force mode, feedback of the others") {
-  ActiveServer p;
-  p.client.send_text("hap feedback 1 0.5");
-  CHECK(p.client.has_received("error 'stopped'"));
-  p.client.send_text("hap start spring");
-  p.client.send_text("hap force 2 0 0");
-  CHECK(p.client.has_received("error 'stopped'"));
-  CHECK(p.rig.server.servo_command().force_n == Vec3{});
-}
-
-TEST_CASE("before anybody has said start the motors are off") {
-  Rig rig(usual());
-  CHECK(rig.servo.exchange().motors.request().paused);
-  rig.run(0.1);
-  CHECK(rig.servo.exchange().motors.request().paused);
-}
-
 TEST_CASE("stop and a lost connection end the force within milliseconds") {
   ActiveServer stopped;
   stopped.client.send_text("hap stop");
@@ -172,16 +132,19 @@ TEST_CASE("stop and a lost connection end the force within milliseconds") {
   CHECK(lost.rig.force_n == Vec3{});
 }
 
-TEST_CASE("the motors stay off until start, and rise over half a second") {
+TEST_CASE("the motors are off until start, and rise over half a second") {
+  Rig rig(usual());
+  CHECK(rig.servo.exchange().motors.request().paused);
+  rig.run(0.1);
+  CHECK(rig.servo.exchange().motors.request().paused);
   ActiveServer p;
   p.client.send_text("hap stop");
-  for (int i = 0; i < 10; ++i) {
-    p.client.send_text("hap force 2 0 0");
-    p.rig.run(0.1);
-    CHECK(p.rig.force_n == Vec3{});
-  }
+  p.rig.run(0.1);
+  p.rig.max_force_n = 0;
+  p.client.repeat(kPush, 1);
+  CHECK(p.rig.max_force_n == 0);
   p.client.send_text("hap start force");
-  p.client.send_text("hap force 2 0 0");
+  p.client.send_text(kPush);
   p.rig.run(0.25);
   CHECK(p.rig.force_n.x == doctest::Approx(1).epsilon(0.1));
 }
@@ -202,19 +165,11 @@ TEST_CASE("a client can lower the force limit and never raise it") {
   CHECK(norm(p.rig.force_n) <= 0.5 * (1 + 1e-12));
   p.client.send_text("hap forcemax -1");
   CHECK(p.client.has_received("error 'range'"));
-}
-
-TEST_CASE("another client's limit is its own") {
-  ActiveServer p;
-  p.client.send_text("hap forcemax 0.5");
-  p.client.send_text("hap stop");
+  p.client.send_text("hap stop"); // the limit was this client's own
   TestClient other(p.rig);
   other.hello();
   other.send_text("hap start force");
-  for (int i = 0; i < 8; ++i) {
-    other.send_text("hap force 2 0 0");
-    p.rig.run(0.1);
-  }
+  other.repeat(kPush, 0.8);
   CHECK(p.rig.force_n.x == doctest::Approx(2));
 }
 
@@ -226,19 +181,13 @@ TEST_CASE("an emergency stop at the server ends control, and no client releases 
   CHECK(p.client.has_received("status 'stopped' 'estop'"));
   p.client.send_text("hap start force");
   CHECK(p.client.has_received("error 'estop'"));
-  for (int i = 0; i < 10; ++i) {
-    p.client.send_text("hap force 2 0 0");
-    p.rig.run(0.1);
-    CHECK(p.rig.force_n == Vec3{});
-  }
+  p.rig.max_force_n = 0;
+  p.client.repeat(kPush, 1);
   p.rig.servo.exchange().motors.enable(); // somebody at the device
-  for (int i = 0; i < 10; ++i) {
-    p.client.send_text("hap force 2 0 0");
-    p.rig.run(0.1);
-    CHECK(p.rig.force_n == Vec3{}); // start is still missing
-  }
+  p.client.repeat(kPush, 1);              // start is still missing
+  CHECK(p.rig.max_force_n == 0);
   p.client.send_text("hap start force");
-  p.client.send_text("hap force 2 0 0");
+  p.client.send_text(kPush);
   p.rig.run(0.4);
   CHECK(p.rig.force_n.x > 1);
 }
@@ -271,10 +220,7 @@ TEST_CASE("a fault of the device ends control; a new start tries again") {
   client.hello();
   client.send_text("hap start force");
   const auto push = [&] {
-    for (int i = 0; i < 8; ++i) {
-      client.send_text("hap force 2 0 0");
-      rig.run(0.1);
-    }
+    client.repeat(kPush, 0.8);
     return rig.force_n.x;
   };
   CHECK(push() == doctest::Approx(2).epsilon(0.3));
@@ -299,10 +245,8 @@ TEST_CASE("a servo without its server ends the force by itself") {
 }
 
 TEST_CASE("feedback becomes a spring at the anchor") {
-  Rig rig(usual());
+  auto [rig, client] = Served();
   rig.hold({0.013, 0, 0});
-  TestClient client(rig);
-  client.hello();
   client.send_text("hap gains 0 400 0 4");
   client.send_text("hap anchor 10 0 0");
   client.send_text("hap start spring");
@@ -356,9 +300,7 @@ TEST_CASE("a start begins with gamma 0, whatever the last client felt") {
 }
 
 TEST_CASE("gains are cut to what the device renders stably, and said") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   client.received();
   client.send_text("hap gains 100 100000 1 1000");
   CHECK(client.received().front() == "status 'gains' 100.000000 500.000000 1.000000 5.000000");
@@ -400,8 +342,14 @@ TEST_CASE("sequence numbers: older ones are ignored, a jump back is bad") {
   CHECK(p.client.has_received("error 'range'"));
 }
 
-TEST_CASE("wrong arguments are bad packets") {
+TEST_CASE("wrong arguments are bad packets, and what is not of the mode is refused") {
   ActiveServer p;
+  p.client.send_text("hap feedback 1 0.5");
+  CHECK(p.client.has_received("error 'stopped'"));
+  p.client.send_text("hap start spring");
+  p.client.send_text(kPush);
+  CHECK(p.client.has_received("error 'stopped'"));
+  CHECK(p.rig.server.servo_command().force_n == Vec3{});
   for (const char* line :
        {"hap force 1 2", "hap force", "hap force a b c", "hap force 1 2 3 4 5",
         "hap force 1.5 2 3 4", "hap start", "hap start dance", "hap feedback 1", "hap ping",

@@ -4,14 +4,8 @@ using namespace tactus;
 using namespace tactus::net;
 using haptic::Vec3;
 
-namespace {
-
-constexpr Framing kFramings[] = {Framing::kSlip, Framing::kLength, Framing::kFudi};
-
-} // namespace
-
-TEST_CASE("hello is answered with the device and its limits, in the client's framing") {
-  for (const Framing framing : kFramings) {
+TEST_CASE("hello is answered with the device and its limits, and a force obeyed, in each framing") {
+  for (const Framing framing : {Framing::kSlip, Framing::kLength, Framing::kFudi}) {
     Rig rig(usual());
     TestClient client(rig, framing);
     client.hello();
@@ -20,42 +14,11 @@ TEST_CASE("hello is answered with the device and its limits, in the client's fra
     CHECK(lines[0] == "welcome 1.000000 'simulated' '-' 3.000000 3.000000 1000.000000");
     CHECK(lines[1].starts_with("status 'workspace' -50.000000 -50.000000 -50.000000 50.000000"));
     CHECK(lines[2].starts_with("status 'limits' 500.000000 5.000000"));
-  }
-}
-
-TEST_CASE("three framings give the same command") {
-  for (const Framing framing : kFramings) {
-    Rig rig(usual());
-    TestClient client(rig, framing);
-    client.hello();
     client.send_text("hap start force");
     client.send_text("hap force 1 -2 0.5");
     CHECK(rig.server.servo_command().force_n == Vec3{1, -2, 0.5});
     CHECK(rig.server.servo_command().running);
   }
-}
-
-TEST_CASE("a command in bytes from outside becomes the force at the device") {
-  Rig rig(usual());
-  TestClient client(rig, Framing::kSlip);
-  client.hello();
-  client.send_text("hap start force");
-  client.send_bytes(Bytes{0xC0} + [] {
-    Bytes escaped;
-    for (const std::uint8_t byte : force_packet())
-      if (byte == 0xC0) {
-        escaped.push_back(0xDB);
-        escaped.push_back(0xDC);
-      } else {
-        escaped.push_back(byte);
-      }
-    return escaped;
-  }() + Bytes{0xC0});
-  for (int i = 0; i < 7; ++i) {
-    client.send_text("hap ping 1");
-    rig.run(0.1);
-  }
-  CHECK(norm(rig.force_n - Vec3{1, -2, 0.5}) < 1e-12);
 }
 
 TEST_CASE(
@@ -132,9 +95,7 @@ TEST_CASE("versions: a newer client is sent the server's, an older one is discon
 }
 
 TEST_CASE("an unknown address and a second hello are answered by an error and ignored") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   client.received();
   for (int i = 0; i < 30; ++i) // no bad packet
     client.send_bytes(with_length(bytes_of(std::string_view("/hap/dance\0\0,\0\0\0", 16))));
@@ -162,10 +123,8 @@ TEST_CASE("eight clients, not nine") {
 }
 
 TEST_CASE("streams have their rate and skip what they missed") {
-  Rig rig(usual());
+  auto [rig, client] = Served();
   rig.hold({0.01, -0.02, 0.03});
-  TestClient client(rig);
-  client.hello();
   client.received();
   rig.run(0.01);
   client.send_text("hap subscribe pos 250");
@@ -192,31 +151,26 @@ TEST_CASE("streams have their rate and skip what they missed") {
 }
 
 TEST_CASE("control points are replaced as a whole") {
-  Rig rig(usual());
-  TestClient client(rig);
-  client.hello();
+  auto [rig, client] = Served();
   client.send_text("hap start spring");
-  client.send_text("hap cp begin 2");
-  client.send_text("hap cp set 0 1 2 3");
-  client.send_text("hap cp end");
-  CHECK(client.has_received("error 'points'"));
-  client.send_text("hap cp set 0 1 2 3");
-  CHECK(client.has_received("error 'points'"));
-  client.send_text("hap cp begin 2");
-  client.send_text("hap cp set 2 1 2 3");
-  CHECK(client.has_received("error 'range'"));
-  client.send_text("hap cp set -1 1 2 3");
-  CHECK(client.has_received("error 'range'"));
-  client.send_text("hap cp begin 4097");
-  CHECK(client.has_received("error 'range'"));
-  client.send_text("hap cp begin 4096");
-  CHECK(!client.has_received("error"));
+  for (const auto& [line, answer] : {std::pair{"hap cp begin 2", ""},
+                                     {"hap cp set 0 1 2 3", ""},
+                                     {"hap cp end", "error 'points'"},
+                                     {"hap cp set 0 1 2 3", "error 'points'"},
+                                     {"hap cp begin 2", ""},
+                                     {"hap cp set 2 1 2 3", "error 'range'"},
+                                     {"hap cp set -1 1 2 3", "error 'range'"},
+                                     {"hap cp begin 4097", "error 'range'"},
+                                     {"hap cp begin 4096", ""}}) {
+    client.received();
+    client.send_text(line);
+    CHECK(client.has_received(*answer ? answer : "error") == (*answer != 0));
+  }
 }
 
 TEST_CASE("the first button drags the nearest point, within the client's workspace") {
-  Rig rig(usual());
-  TestClient client(rig), observer(rig);
-  client.hello();
+  auto [rig, client] = Served();
+  TestClient observer(rig);
   observer.hello("observe");
   client.send_text("hap cp begin 2");
   client.send_text("hap cp set 0 6 0 0");

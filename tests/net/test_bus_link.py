@@ -2,46 +2,31 @@
 no event lost. Lines are a relay's; those of the kernel are in test_bus_lines.py. TACTUS_SEEDS=10: so many
 scripts and lines for each kind of jitter, instead of one; `-s` prints a row of each."""
 import os
-import pathlib
 import re
 import signal
-import sys
 import time
 
 import pytest
 
-TESTS = pathlib.Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS / "patches"), str(TESTS / "devices" / "live")]
-from ioa_system import BODIES_APART, wandering  # noqa: E402
-from pd_process import Pd, patch  # noqa: E402
-from relay import Relay  # noqa: E402
+from ioa_system import BODIES_APART, wandering
+from pd_process import patch
+from relay import Relay
 
 
-@pytest.fixture
-def pds(tmp_path):
-    running = []
-
-    def start(name, boxes, cords, **options):
-        running.append(Pd(tmp_path, *patch(boxes, cords), name=name, **options))
-        return running[-1]
-    yield start
-    for one in running:
-        one.close()
-
-
-def server(pds, scene):
+def server(pd, scene):
     """A Pd with the interaction server alone. What it tells of late messages comes as a mark with the
     time of it, translated like all times."""
     boxes = {"net": "obj ioa_net far hit release mark", "is": "obj ioa_is far",
              "mm": f"obj ioa_mm_haptic far {scene}", "begin": "obj loadbang", "listen": "msg listen 0",
              "print": "obj print far", "sort": "obj route late", "t": "obj t b", "clock": "obj ioa_clock",
              "mark": r"msg mark \$1 late 0 0 0 0", "bus": "obj ioa_bus far"}
-    running = pds("far", boxes, ["begin 0 listen 0", "listen 0 net 0", "net 0 print 0", "net 0 sort 0",
-                                 "sort 0 t 0", "t 0 clock 0", "clock 0 mark 0", "mark 0 bus 0"])
+    running = pd(*patch(boxes, ["begin 0 listen 0", "listen 0 net 0", "net 0 print 0", "net 0 sort 0",
+                                 "sort 0 t 0", "t 0 clock 0", "clock 0 mark 0", "mark 0 bus 0"]),
+                 name="far")
     return running, int(running.wait_for(r"^far: status listening (\d+)$"))
 
 
-def hand(pds, scene, script, port):
+def hand(pd, scene, script, port):
     """A Pd with the hand, that shows the hits of a server of its own and of the one behind the line."""
     boxes = {"net": "obj ioa_net lab hand", "sdd": f"obj ioa_sdd_script lab {script}",
              "re": "obj ioa_re lab 1", "tap": "obj ioa_bus lab hand", "beside": "obj ioa_bus ref",
@@ -51,10 +36,10 @@ def hand(pds, scene, script, port):
              "print": "obj print link", "sort": "obj route connected late", "one": "obj sel 1",
              "wait": "obj delay 1500", "end": "obj r lab.script-end", "t": "obj t b",
              "clock": "obj ioa_clock", "late": "obj print late"}
-    return pds("hand", boxes, ["begin 0 connect 0", "connect 0 net 0", "net 0 print 0", "net 0 sort 0",
+    return pd(*patch(boxes, ["begin 0 connect 0", "connect 0 net 0", "net 0 print 0", "net 0 sort 0",
                                "sort 0 one 0", "one 0 wait 0", "wait 0 sdd 0", "tap 0 beside 0",
                                "hits 0 far 0", "own 0 ref 0", "sort 1 t 0", "t 0 clock 0",
-                               "clock 0 late 0"])
+                               "clock 0 late 0"]), name="hand")
 
 
 def hits(running, side):
@@ -62,16 +47,16 @@ def hits(running, side):
             re.findall(rf"^{side}: hit (\S+) (\S+) ", running.read(), re.M)]
 
 
-def play(pds, tmp_path, seed, meanwhile=lambda far, relay: None, **line):
+def play(pd, tmp_path, seed, meanwhile=lambda far, relay: None, **line):
     """Both servers' hits once the script has been played, and when messages were late. meanwhile: what
     happens while it is played; line: settings of the relay."""
     script, seconds = wandering(tmp_path / "hand.txt", seed)
     (tmp_path / "scene.txt").write_text(BODIES_APART)
-    far, port = server(pds, tmp_path / "scene.txt")
+    far, port = server(pd, tmp_path / "scene.txt")
     relay = Relay(port, seed)
     vars(relay).update(line)
     try:
-        near = hand(pds, tmp_path / "scene.txt", script, relay.port)
+        near = hand(pd, tmp_path / "scene.txt", script, relay.port)
         near.wait_for(r"^link: (connected 1)$")
         end = time.monotonic() + 1.5 + seconds + 2
         time.sleep(1.5)
@@ -103,22 +88,20 @@ def compare(local, networked, late):
 
 
 UNIFORM, EXPONENTIAL = {"jitter_s": 0.02}, {"jitter_s": 0.01, "exponential": True}
-LINES = ([(UNIFORM, 1), (EXPONENTIAL, 2)] if "TACTUS_SEEDS" not in os.environ else
-         [(jitter, seed) for jitter in (UNIFORM, EXPONENTIAL)
-          for seed in range(1, 1 + int(os.environ["TACTUS_SEEDS"]))])
-
-
+SEEDS = os.environ.get("TACTUS_SEEDS")
+LINES = ([(jitter, seed) for jitter in (UNIFORM, EXPONENTIAL) for seed in range(1, 1 + int(SEEDS))] if SEEDS else
+         [(UNIFORM, 1), pytest.param(EXPONENTIAL, 2, marks=pytest.mark.slow)])
 TRIALS = 3
 
 
 @pytest.mark.parametrize("jitter,seed", LINES)
-def test_p23_over_30_ms_and_20_ms_of_jitter_each_way_the_hits_are_the_same(pds, tmp_path, jitter, seed):
+def test_p23_over_30_ms_and_20_ms_of_jitter_each_way_the_hits_are_the_same(pd, tmp_path, jitter, seed):
     """A stall of the machine can cost a hit (once in 46 runs on a busy one), and is no part of the line: a trial
     with messages that were told late and another number of hits is repeated."""
     for trial in range(1, 1 + TRIALS):
         folder = tmp_path / str(trial)
         folder.mkdir()
-        local, networked, late = play(pds, folder, seed, delay_s=0.03, **jitter)
+        local, networked, late = play(pd, folder, seed, delay_s=0.03, **jitter)
         if len(local) == len(networked) or not late:
             break
         print(f"{jitter} seed {seed}, trial {trial}: {len(networked)} of {len(local)} hits, {len(late)} times late")
@@ -131,7 +114,8 @@ def test_p23_over_30_ms_and_20_ms_of_jitter_each_way_the_hits_are_the_same(pds, 
     assert worst_ms <= 2
 
 
-def test_no_hit_is_lost_when_a_computer_and_the_line_stall(pds, tmp_path):
+@pytest.mark.slow
+def test_no_hit_is_lost_when_a_computer_and_the_line_stall(pd, tmp_path):
     def stall(far, relay):
         for _ in range(2):
             time.sleep(0.3)
@@ -142,7 +126,7 @@ def test_no_hit_is_lost_when_a_computer_and_the_line_stall(pds, tmp_path):
             relay.stalled = True
             time.sleep(0.7)
             relay.stalled = False
-    local, networked, late = play(pds, tmp_path, 1, stall, delay_s=0.01)
+    local, networked, late = play(pd, tmp_path, 1, stall, delay_s=0.01)
     assert late  # it was told
     worst_ms, _ = compare(local, networked, late)
     assert worst_ms <= 2

@@ -25,55 +25,27 @@ namespace {
 
 const char* const kNode = "/dev/input/event3";
 
-// Two forces it knows (constant, bit 0x52; gain, bit 0x60), three axes, five buttons.
-const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input5\n"
-                            "E: SUBSYSTEM=input\n"
-                            "A: name=Double Stick\\n\n"
-                            "A: uniq=STICK7\\n\n"
-                            "A: capabilities/ff=100040000 0\\n\n"
-                            "A: capabilities/abs=7\\n\n"
-                            "\n"
-                            "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input5/event3\n"
-                            "N: input/event3\n"
-                            "E: DEVNAME=/dev/input/event3\n"
-                            "E: SUBSYSTEM=input\n"
-                            "E: MAJOR=13\nE: MINOR=67\n"
-                            "L: device=../../input5\n"
-                            "\n"
-                            "P: /devices/platform/keyboard/input/input6\n"
-                            "E: SUBSYSTEM=input\n"
-                            "A: name=Keyboard\\n\n"
-                            "A: capabilities/ff=0\\n\n"
-                            "\n"
-                            "P: /devices/platform/keyboard/input/input6/event4\n"
-                            "N: input/event4\n"
-                            "E: DEVNAME=/dev/input/event4\n"
-                            "E: SUBSYSTEM=input\n"
-                            "L: device=../../input6\n"
-                            "\n"
-                            "P: /devices/pci0000:00/usb1/1-4/1-4:1.0/input/input12\n"
-                            "E: SUBSYSTEM=input\n"
-                            "A: name=Silent Wheel\\n\n"
-                            "A: capabilities/ff=100040000 0\\n\n"
-                            "\n"
-                            "P: /devices/pci0000:00/usb1/1-4/1-4:1.0/input/input12/event12\n"
-                            "N: input/event12\n"
-                            "E: DEVNAME=/dev/input/event12\n"
-                            "E: SUBSYSTEM=input\n"
-                            "E: MAJOR=13\nE: MINOR=76\n"
-                            "L: device=../../input12\n"
-                            "\n"
-                            "P: /devices/pci0000:00/usb1/1-5/1-5:1.0/input/input21\n"
-                            "E: SUBSYSTEM=input\n"
-                            "A: name=Silent Stick\\n\n"
-                            "A: capabilities/ff=100040000 0\\n\n"
-                            "\n"
-                            "P: /devices/pci0000:00/usb1/1-5/1-5:1.0/input/input21/event21\n"
-                            "N: input/event21\n"
-                            "E: DEVNAME=/dev/input/event21\n"
-                            "E: SUBSYSTEM=input\n"
-                            "E: MAJOR=13\nE: MINOR=85\n"
-                            "L: device=../../input21\n";
+// What the kernel tells of an input device; `further`: attributes of its own.
+std::string record(const std::string& port, int input, int event, const std::string& name,
+                   const std::string& further) {
+  const std::string of_input = "input" + std::to_string(input),
+                    node = "input/event" + std::to_string(event),
+                    path = "P: /devices/" + port + "/input/" + of_input;
+  return path + "\nE: SUBSYSTEM=input\nA: name=" + name + "\\n\n" + further + "\n" + path +
+         "/event" + std::to_string(event) + "\nN: " + node + "\nE: DEVNAME=/dev/" + node +
+         "\nE: SUBSYSTEM=input\nE: MAJOR=13\nE: MINOR=" + std::to_string(64 + event) +
+         "\nL: device=../../" + of_input + "\n\n";
+}
+
+std::string records() {
+  // Two forces that it knows: constant, bit 0x52; gain, bit 0x60.
+  const std::string forces = "A: capabilities/ff=100040000 0\\n\n", usb = "pci0000:00/usb1/";
+  return record(usb + "1-2/1-2:1.0", 5, 3, "Double Stick",
+                "A: uniq=STICK7\\n\n" + forces + "A: capabilities/abs=7\\n\n") +
+         record("platform/keyboard", 6, 4, "Keyboard", "A: capabilities/ff=0\\n\n") +
+         record(usb + "1-4/1-4:1.0", 12, 12, "Silent Wheel", forces) +
+         record(usb + "1-5/1-5:1.0", 21, 21, "Silent Stick", forces);
+}
 
 constexpr int kKeys[] = {BTN_MISC, BTN_TRIGGER, BTN_THUMB, BTN_GAMEPAD, KEY_MAX - 7};
 
@@ -220,7 +192,7 @@ int main(int count, char** words) {
     return std::fputs("umockdev-wrapper joystick_double PROGRAM ARGUMENTS...\n", stderr), 2;
   UMockdevTestbed* bed = tactus::mock::new_test_bed();
   GError* error = nullptr;
-  if (!umockdev_testbed_add_from_string(bed, kRecord, &error)) {
+  if (!umockdev_testbed_add_from_string(bed, records().c_str(), &error)) {
     std::fprintf(stderr, "joystick_double: %s\n", error->message);
     return 2;
   }

@@ -3,7 +3,6 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/device/hand.hpp"
 #include "devices/falcon/kinematics.hpp"
-#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +13,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <vector>
+#include <span>
 
 using namespace tactus;
 using devices::falcon::FrozenEncoderDetector;
@@ -137,62 +136,76 @@ Outcome run(const Holder& holder, double friction_n, const Force& force, std::ui
   return outcome;
 }
 
-double minutes() {
-  const char* text = std::getenv("ENCODER_WATCH_MINUTES");
-  return text ? std::atof(text) : kSanitized ? .25 : 1;
-}
+struct Push {
+  const char* name;
+  Force force;
+  double limit_s; ///< waiting 3 s (12 s for a hand that was still before), 0.5 s of fading, 0.2 s
+                  ///< of nothing
+};
+const Push kPushes[] = {{"0.5..2.5 N, slow", slow, 7}, {"1 N, 250 Hz", buzzing, 13},
+                        {"1 N", constant(1), 13},      {"2 N", constant(2), 13},
+                        {"3 N", constant(3), 13},      {"5 N", constant(5), 13}};
 
-} // namespace
-
-TEST_CASE("encoders that freeze at any instant are found under any force above the friction") {
-  struct Row {
-    const char* name;
-    Force force;
-    double limit_s;
-  };
-  // Waiting 3 s (12 s for a hand that was still before), 0.5 s of fading, 0.2 s of nothing.
-  const std::vector<Row> rows{{"1 N", constant(1), 13},     {"2 N", constant(2), 13},
-                              {"3 N", constant(3), 13},     {"5 N", constant(5), 13},
-                              {"slow 0.5..2.5 N", slow, 7}, {"1 N, 250 Hz", buzzing, 13}};
+/// So many encoders freeze, each at an instant of its own, with each holder under each push.
+void find_frozen(int runs, std::span<const Push> pushes) {
   for (const Holder& holder : {kPerson, kStill, kBraced})
-    for (const Row& row : rows) {
+    for (const Push& push : pushes) {
       double sum_s = 0, max_s = 0;
-      constexpr int kRuns = kSanitized ? 2 : 12;
       Random random(7);
-      for (int i = 0; i < kRuns; ++i) {
+      for (int i = 0; i < runs; ++i) {
         const double frozen_at_s = 5 + 25 * random.uniform();
         const Outcome outcome =
-            run(holder, FrozenEncoderDetector::kFriction_n, row.force,
+            run(holder, FrozenEncoderDetector::kFriction_n, push.force,
                 static_cast<std::uint64_t>(i + 1), frozen_at_s, frozen_at_s + 40);
         CHECK_FALSE(outcome.false_alarm);
-        CHECK(outcome.found_s < row.limit_s);
+        CHECK(outcome.found_s < push.limit_s);
         sum_s += outcome.found_s;
         max_s = std::max(max_s, outcome.found_s);
       }
-      std::printf("%-26s %-16s found after %.1f s, %.1f s at most\n", holder.name, row.name,
-                  sum_s / kRuns, max_s);
+      std::printf("%-26s %-16s found after %.1f s, %.1f s at most\n", holder.name, push.name,
+                  sum_s / runs, max_s);
     }
 }
 
-TEST_CASE("a hand that holds still is no frozen encoder") {
-  double hours = 0;
+/// A hand that holds still for so long, with each holder, friction and push.
+void hold_still(double minutes, std::span<const double> frictions_n, std::span<const Push> pushes) {
   for (const Holder& holder : {kPerson, kStill, kBraced})
-    for (const double friction_n : {0.0, 0.2, FrozenEncoderDetector::kFriction_n}) {
+    for (const double friction_n : frictions_n) {
       int questions = 0;
       double min_gain = 1;
-      for (const Force& force :
-           {constant(0.5), constant(1), constant(3), constant(5), Force(slow), Force(buzzing)}) {
-        const Outcome outcome = run(holder, friction_n, force, 3, kForever, 60 * minutes());
-        INFO(holder.name << ", friction " << friction_n << " N");
+      for (const Push& push : pushes) {
+        const Outcome outcome = run(holder, friction_n, push.force, 3, kForever, 60 * minutes);
+        INFO(holder.name << ", " << push.name << ", friction " << friction_n << " N");
         CHECK_FALSE(outcome.false_alarm);
         questions += outcome.questions;
         min_gain = std::min(min_gain, outcome.min_gain);
-        hours += minutes() / 60;
       }
       std::printf("%-26s friction %.1f N: %.0f questions an hour, force never below %.0f %%\n",
-                  holder.name, friction_n, questions / (6 * minutes() / 60), 100 * min_gain);
+                  holder.name, friction_n,
+                  questions / (static_cast<double>(pushes.size()) * minutes / 60), 100 * min_gain);
     }
-  std::printf("no false alarm in %.1f hours\n", hours);
+}
+
+constexpr double kFriction_n[] = {FrozenEncoderDetector::kFriction_n, 0, 0.2};
+
+} // namespace
+
+TEST_CASE("encoders that freeze are found under a force above the friction") {
+  find_frozen(1, std::span(kPushes).first(2));
+}
+
+TEST_CASE("encoders that freeze at any instant are found under any force above the friction" *
+          doctest::test_suite("slow")) {
+  find_frozen(12, kPushes);
+}
+
+TEST_CASE("a hand that holds still for ten seconds is no frozen encoder") {
+  hold_still(1. / 6, std::span(kFriction_n).first(1), std::span(kPushes).first(2));
+}
+
+TEST_CASE("a hand that holds still is no frozen encoder" * doctest::test_suite("slow")) {
+  const char* text = std::getenv("ENCODER_WATCH_MINUTES");
+  hold_still(text ? std::atof(text) : 1, kFriction_n, kPushes);
 }
 
 TEST_CASE("no motion and no force, or none that counts, is no frozen encoder") {

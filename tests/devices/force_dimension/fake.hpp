@@ -1,14 +1,9 @@
 #pragma once
 
 #include "core/haptic/device/device.hpp"
-#include "devices/driver.hpp"
-#include "devices/shared_library.hpp"
-
-#include <doctest/doctest.h>
+#include "tests/devices/vendor_library.hpp"
 
 #include <array>
-#include <cstdlib>
-#include <memory>
 #include <utility>
 
 /// The stand-in for the vendor's library, with its hooks, and what every test does with a device.
@@ -17,25 +12,11 @@ namespace tactus {
 using haptic::State;
 using haptic::Vec3;
 
-struct Fake {
-  explicit Fake(const char* mode = "") {
-    setenv("TACTUS_LIBDHD", FAKE_DHD, 1);
-    setenv("FAKE_DHD", mode, 1);
-    const char* const name = FAKE_DHD;
-    REQUIRE(library.load({&name, 1}));
-    REQUIRE(library.symbol("fake_dhd_set_position", set_position));
-    REQUIRE(library.symbol("fake_dhd_switch_off", switch_off));
-    REQUIRE(library.symbol("fake_dhd_switch_on", switch_on));
-    REQUIRE(library.symbol("fake_dhd_set", set));
-    REQUIRE(library.symbol("fake_dhd_force", force_of));
-    REQUIRE(library.symbol("fake_dhd_counts", counts_of));
-    REQUIRE(library.symbol("fake_dhd_max_force", max_force));
-    REQUIRE(library.symbol("fake_dhd_device_counts", device_counts));
-    REQUIRE(library.symbol("fake_dhd_wrist", wrist_of));
-    REQUIRE(library.symbol("fake_dhd_gap", gap));
-    REQUIRE(library.symbol("fake_dhd_break", break_down));
-    REQUIRE(library.symbol("fake_dhd_calls", calls_of));
-  }
+struct Fake : VendorLibrary {
+  static constexpr const char *kDriver = "dhd", *kPathVariable = "TACTUS_LIBDHD";
+  static std::unique_ptr<haptic::Backend> make() { return devices::find_driver(kDriver)->make(); }
+
+  explicit Fake(const char* mode = "") : VendorLibrary(kPathVariable, FAKE_DHD, "FAKE_DHD", mode) {}
   Vec3 force() const {
     double f[3] = {};
     force_of(f);
@@ -58,26 +39,24 @@ struct Fake {
     calls_of(all.data());
     return all;
   }
-  devices::SharedLibrary library;
-  void (*set_position)(double, double, double) = nullptr;
-  void (*switch_off)(int) = nullptr;
-  void (*switch_on)() = nullptr;
-  void (*set)(int, int, int, unsigned) = nullptr;
-  void (*force_of)(double*) = nullptr;
-  void (*counts_of)(int*) = nullptr;
-  double (*max_force)() = nullptr;
-  int (*device_counts)() = nullptr;
-  int (*wrist_of)(double*) = nullptr;
-  void (*gap)(double) = nullptr;
-  void (*break_down)(int) = nullptr;
-  void (*calls_of)(int*) = nullptr;
+  void (*set_position)(double, double,
+                       double) = hook<void(double, double, double)>("fake_dhd_set_position");
+  void (*switch_off)(int) = hook<void(int)>("fake_dhd_switch_off");
+  void (*switch_on)() = hook<void()>("fake_dhd_switch_on");
+  void (*set)(int, int, int, unsigned) = hook<void(int, int, int, unsigned)>("fake_dhd_set");
+  void (*force_of)(double*) = hook<void(double*)>("fake_dhd_force");
+  void (*counts_of)(int*) = hook<void(int*)>("fake_dhd_counts");
+  double (*max_force)() = hook<double()>("fake_dhd_max_force");
+  int (*device_counts)() = hook<int()>("fake_dhd_device_counts");
+  int (*wrist_of)(double*) = hook<int(double*)>("fake_dhd_wrist");
+  void (*gap)(double) = hook<void(double)>("fake_dhd_gap");
+  void (*break_down)(int) = hook<void(int)>("fake_dhd_break");
+  void (*calls_of)(int*) = hook<void(int*)>("fake_dhd_calls");
 };
 
-inline std::unique_ptr<haptic::Backend> make() {
-  const devices::Driver* driver = devices::find_driver("dhd");
-  REQUIRE(driver != nullptr);
-  return driver->make();
-}
+using Opened = OpenedOn<Fake>;
+
+inline auto make() { return Fake::make(); }
 
 /// Ticks of a servo that always asks for this force.
 inline State drive(haptic::Backend& device, const Vec3& force, int ticks) {

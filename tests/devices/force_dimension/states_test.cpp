@@ -14,16 +14,14 @@ using namespace tactus;
 
 namespace {
 
-std::string refusal(haptic::Backend& device, const std::vector<std::string>& words) {
+std::string set(haptic::Backend& device, const std::vector<std::string>& words) {
   return device.configure(words);
 }
 
 } // namespace
 
 TEST_CASE("angles, gripper and buttons are read in the project's axes, and no number is none") {
-  const Fake fake("sigma.7");
-  const auto device = make();
-  REQUIRE(device->open() == "");
+  const auto [fake, device] = Opened("sigma.7");
   CHECK(device->caps().has_rotation);
   CHECK(device->caps().has_buttons);
   CHECK(device->identity().vendor == "Force Dimension");
@@ -49,9 +47,7 @@ TEST_CASE("each reason for motors that are off has a sentence; those of the hand
   std::set<std::string> sentences;
   for (int cause = 0; cause <= 6; ++cause) {
     CAPTURE(cause);
-    const Fake fake;
-    const auto device = make();
-    REQUIRE(device->open() == "");
+    const auto [fake, device] = Opened();
     const bool by_hand = cause == 1 || cause == 5 || cause == 6; // button, cable, grip
     fake.switch_off(cause);
     drive(*device, {1, 0, 0}, 70);
@@ -69,9 +65,7 @@ TEST_CASE("each reason for motors that are off has a sentence; those of the hand
 }
 
 TEST_CASE("motors come on again a fifth of a second after the last force, at the next look") {
-  const Fake fake;
-  const auto device = make();
-  REQUIRE(device->open() == "");
+  const auto [fake, device] = Opened();
   for (const int before : {100, 117}) { // whenever the looks, every 64 ticks, fall
     fake.switch_off(3);
     drive(*device, {1, 0, 0}, before);
@@ -98,9 +92,7 @@ TEST_CASE("motors come on again a fifth of a second after the last force, at the
 }
 
 TEST_CASE("the status is asked for once in 64 ticks, from the first on") {
-  const Fake fake;
-  const auto device = make();
-  REQUIRE(device->open() == "");
+  const auto [fake, device] = Opened();
   const int before = fake.calls()[1];
   drive(*device, {}, 1);
   CHECK(fake.calls()[1] == before + 1);
@@ -109,9 +101,7 @@ TEST_CASE("the status is asked for once in 64 ticks, from the first on") {
 }
 
 TEST_CASE("a fault of the device is a fault of the state, and its repair ends it") {
-  const Fake fake;
-  const auto device = make();
-  REQUIRE(device->open() == "");
+  const auto [fake, device] = Opened();
   State state = drive(*device, {}, 70);
   CHECK(state.flags == State::kHomed);
   fake.break_down(1);
@@ -125,9 +115,7 @@ TEST_CASE("a fault of the device is a fault of the state, and its repair ends it
 }
 
 TEST_CASE("an opening forgets what was wrong before it, and begins without force") {
-  const Fake fake("sigma.7");
-  const auto device = make();
-  REQUIRE(device->open() == "");
+  const auto [fake, device] = Opened("sigma.7");
   fake.set_position(0.01, 0.01, 0.01);
   drive(*device, {}, 2);
   fake.set(0, 1, 1, 0);
@@ -150,9 +138,7 @@ TEST_CASE("an opening forgets what was wrong before it, and begins without force
 }
 
 TEST_CASE("a position out of reach is the last good one") {
-  const Fake fake;
-  const auto device = make();
-  REQUIRE(device->open() == "");
+  const auto [fake, device] = Opened();
   fake.set_position(0.01, 0.02, 0.03);
   const Vec3 good = drive(*device, {}, 1).position;
   fake.set_position(0.01, 9, 0.03);
@@ -161,45 +147,15 @@ TEST_CASE("a position out of reach is the last good one") {
   CHECK((state.flags & State::kUnreachable) != 0);
 }
 
-TEST_CASE("a device with a watchdog is left to it, and what is closed has no trouble") {
-  const Fake fake;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  for (int i = 0; i < 150; ++i) {
-    static_cast<void>(device->write({1, 0, 0}));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  const Vec3 before = fake.force();
-  CHECK(norm(before) > 0.5);
-  std::this_thread::sleep_for(std::chrono::milliseconds(150)); // thrice what a guard would wait
-  CHECK(fake.force() == before);
-  fake.set(1, 0, 0, 0);
-  State state;
-  CHECK_FALSE(device->read({}, state));
-  CHECK(device->trouble() != "");
-  device->close();
-  CHECK(device->trouble() == "");
-}
-
-TEST_CASE("an uncalibrated device refuses a force and takes none for one") {
-  const Fake fake;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  fake.set(0, 0, 1, 0);
-  drive(*device, {}, 70);
-  CHECK_FALSE(device->write({1, 0, 0}));
-  CHECK(device->write({}));
-}
-
-TEST_CASE("an opening tries three times within half a second") {
-  const Fake fake("none");
-  const auto device = make();
-  const int before = fake.calls()[0];
-  const auto begun = std::chrono::steady_clock::now();
-  const std::string sentence = device->open();
-  CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(500));
-  CHECK(fake.calls()[0] == before + 3);
-  CHECK(sentence.find("device 0 does not open (no device found; 0 there)") != std::string::npos);
+TEST_CASE("an opening tries three times, and a list leaves an open device alone") {
+  const Fake none("none");
+  const int before = none.calls()[0];
+  CHECK(make()->open() != "");
+  CHECK(none.calls()[0] == before + 3);
+  const auto [fake, device] = Opened();
+  const int counts = fake.device_counts();
+  CHECK(devices::find_driver("dhd")->list().size() == 1);
+  CHECK(fake.device_counts() == counts);
 }
 
 TEST_CASE(
@@ -207,25 +163,25 @@ TEST_CASE(
   const Fake fake("many");
   const auto device = make();
   for (const char* index : {"0", "5", "63"}) {
-    REQUIRE(refusal(*device, {"device", index}) == "");
+    REQUIRE(set(*device, {"device", index}) == "");
     REQUIRE(device->open() == "");
     const auto listed = devices::find_driver("dhd")->list();
     REQUIRE(listed.size() == 1);
     CHECK(std::to_string(listed[0].index) == index);
   }
-  REQUIRE(refusal(*device, {"device", "1234"}) == "");
+  REQUIRE(set(*device, {"device", "1234"}) == "");
   REQUIRE(device->open() == "");
   CHECK(devices::find_driver("dhd")->list().at(0).index == 0);
-  REQUIRE(refusal(*device, {"device", "64"}) == ""); // no such serial number
+  REQUIRE(set(*device, {"device", "64"}) == ""); // no such serial number
   CHECK(device->open().find("device 64 does not open") != std::string::npos);
   for (const std::vector<std::string>& words : {std::vector<std::string>{"device"},
                                                 {"device", "-1"},
                                                 {"device", "1x"},
                                                 {"device", ""},
                                                 {"device", "1", "2"}})
-    CHECK(refusal(*device, words).find("device takes a number") != std::string::npos);
-  CHECK(refusal(*device, {}).find("dhd: nothing is not a setting") == 0);
-  CHECK(refusal(*device, {"speed", "3"}).find("dhd: speed is not a setting") == 0);
-  CHECK(refusal(*device, {"home", "now"}).find("dhd: home is not a setting") == 0);
-  CHECK(refusal(*device, {"calibrate"}) == "");
+    CHECK(set(*device, words).find("device takes a number") != std::string::npos);
+  CHECK(set(*device, {}).find("dhd: nothing is not a setting") == 0);
+  CHECK(set(*device, {"speed", "3"}).find("dhd: speed is not a setting") == 0);
+  CHECK(set(*device, {"home", "now"}).find("dhd: home is not a setting") == 0);
+  CHECK(set(*device, {"calibrate"}) == "");
 }

@@ -1,4 +1,4 @@
-#include "devices/driver.hpp"
+#include "tests/devices/cancelled_opening.hpp"
 #include "tests/devices/haply/mock.hpp"
 
 #include <array>
@@ -11,35 +11,6 @@ using namespace tactus;
 using haptic::State;
 using haptic::Vec3;
 
-namespace {
-
-std::unique_ptr<haptic::Backend> make() {
-  const devices::Driver* driver = devices::find_driver("haply");
-  REQUIRE(driver != nullptr);
-  return driver->make();
-}
-
-void wait_1ms() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
-
-/// Ticks like a servo's, each asking for this force, until the condition holds; half a minute at
-/// most. False when it never did.
-template <class Condition>
-bool drive_until(haptic::Backend& device, const Vec3& force, Condition holds) {
-  for (int i = 0; i < 30000; ++i) {
-    State state;
-    const bool answered = device.read({}, state);
-    CHECK(device.write(force));
-    if (holds(answered, state))
-      return true;
-    wait_1ms();
-  }
-  return false;
-}
-
-bool alive(bool answered, const State&) { return answered; }
-
-} // namespace
-
 TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   Mock mock;
   const auto device = make();
@@ -48,9 +19,7 @@ TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   CHECK(device->identity().model == "inverse3");
   CHECK(device->trouble() == "");
   mock.tell("place 0.01 -0.14 0.18"); // from the base; the middle is at 0 -0.12 0.15
-  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-12;
-  }));
+  CHECK(drive_until(*device, {}, at({0.01, 0.03, 0.02})));
   State last;
   CHECK(drive_until(*device, {0, 1, 0}, [&last](bool answered, const State& state) {
     last = state;
@@ -72,41 +41,13 @@ TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   CHECK(report.preset == "arm_front_centered");
 }
 
-TEST_CASE("the maker's limits are the defaults, around the middle that the preset sets") {
-  Mock mock;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  const haptic::Caps caps = device->caps();
-  CHECK(caps.latency_ticks == 1); // a message carries a force there and a state back
-  CHECK(caps.peak_force_n == 10);
-  CHECK(caps.stiffness_limit_n_per_m == 1000);
-  CHECK(caps.workspace_min == Vec3{-0.15, -0.15, -0.15});
-  CHECK(caps.workspace_max == Vec3{0.15, 0.15, 0.15});
-}
-
-TEST_CASE(
-    "a service without presets leaves the origin in the base, and the workspace in front of it") {
-  Mock mock("old");
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  const haptic::Caps caps = device->caps();
-  CHECK(norm((caps.workspace_min + caps.workspace_max) * 0.5 - Vec3{0, 0.15, 0.12}) < 1e-12);
-  mock.tell("place 0.01 -0.14 0.18");
-  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && norm(state.position - Vec3{0.01, 0.18, 0.14}) < 1e-12;
-  }));
-  CHECK(mock.report().wrong == 0);
-}
-
 TEST_CASE("what navigation does to the workspace changes neither metres nor directions") {
   Mock mock;
   const auto device = make();
   REQUIRE(device->open() == "");
   mock.tell("workspace scale 2.5 quarter offset 1 2 3");
   mock.tell("place 0.01 -0.14 0.18");
-  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-9;
-  }));
+  CHECK(drive_until(*device, {}, at({0.01, 0.03, 0.02})));
   CHECK(drive_until(*device, {1, 2, 3}, [&](bool, const State&) {
     const Mock::Report report = mock.report(); // what the device itself feels, the service's axes
     return norm(Vec3{report.x, report.y, report.z} - Vec3{1, -3, 2}) < 1e-9;
@@ -131,7 +72,7 @@ TEST_CASE("the force ends with the servo, and with the device") {
       drive_until(*device, {1, 0, 0}, [&](bool, const State&) { return mock.report().x == 1; }));
   bool fell = false; // nobody writes any more
   for (int i = 0; i < 5000 && !fell; ++i) {
-    wait_1ms();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
     fell = mock.report().x == 0;
   }
   CHECK(fell);
@@ -148,8 +89,7 @@ TEST_CASE("the force ends with the servo, and with the device") {
 TEST_CASE("a peak is kept, and what is no number is no force") {
   Mock mock;
   const auto device = make();
-  const std::array<std::string, 2> peak{"peak", "0.5"};
-  REQUIRE(device->configure(peak) == "");
+  REQUIRE(set(*device, {"peak", "0.5"}) == "");
   REQUIRE(device->open() == "");
   CHECK(device->caps().peak_force_n == 0.5);
   CHECK(drive_until(*device, {3, 4, 0}, [&](bool, const State&) {
@@ -158,24 +98,6 @@ TEST_CASE("a peak is kept, and what is no number is no force") {
   }));
   CHECK(
       drive_until(*device, {NAN, 0, 0}, [&](bool, const State&) { return mock.report().z == 0; }));
-}
-
-TEST_CASE("messages that are no JSON change nothing; too many of them end the session") {
-  Mock mock;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  mock.tell("garbage 5");
-  for (int i = 0; i < 10; ++i)
-    wait_1ms();
-  CHECK(drive_until(*device, {}, alive));
-  CHECK(mock.report().sessions == 1);
-  mock.tell("garbage 100000");
-  CHECK(drive_until(*device, {}, [&](bool, const State&) {
-    return device->trouble().find("no JSON") != std::string::npos;
-  }));
-  mock.tell("garbage 0");
-  CHECK(drive_until(*device, {}, alive));
-  CHECK(mock.report().sessions > 1);
 }
 
 TEST_CASE("an uncalibrated device gets no force and says so") {
@@ -195,14 +117,14 @@ TEST_CASE("an uncalibrated device gets no force and says so") {
   CHECK(device->trouble() == "");
 }
 
-TEST_CASE("a service that hangs, ends and starts again is found again") {
+TEST_CASE("a service that hangs up, ends and starts again is found again, and so is an unplugged "
+          "device") {
   const auto device = make();
   int port = 0;
   {
-    Mock mock;
+    Mock mock = Mock::alone();
     port = mock.port();
-    const std::array<std::string, 3> service{"service", "127.0.0.1", std::to_string(port)};
-    REQUIRE(device->configure(service) == "");
+    REQUIRE(set(*device, {"service", "127.0.0.1", std::to_string(port)}) == "");
     REQUIRE(device->open() == "");
     REQUIRE(drive_until(*device, {}, alive));
     mock.tell("drop"); // hangs up once
@@ -212,21 +134,15 @@ TEST_CASE("a service that hangs, ends and starts again is found again") {
   CHECK(drive_until(*device, {1, 0, 0}, [&](bool answered, const State&) {
     return !answered && device->trouble().find("systemctl") != std::string::npos;
   }));
-  Mock again("one", port);
+  Mock again = Mock::alone(port);
   CHECK(drive_until(*device, {}, alive));
   CHECK(device->trouble() == "");
-  again.tell("quiet");
-  CHECK(drive_until(*device, {}, [](bool answered, const State&) { return !answered; }));
-}
-
-TEST_CASE("an unplugged device falls silent and returns") {
-  Mock mock;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  mock.tell("unplug");
-  CHECK(drive_until(*device, {}, [](bool answered, const State&) { return !answered; }));
-  mock.tell("plug");
+  again.tell("unplug");
+  CHECK(drive_until(*device, {}, silent));
+  again.tell("plug");
   CHECK(drive_until(*device, {}, alive));
+  again.tell("quiet");
+  CHECK(drive_until(*device, {}, silent));
 }
 
 TEST_CASE("no service, no device, a wrong device and another server are four sentences") {
@@ -245,8 +161,7 @@ TEST_CASE("no service, no device, a wrong device and another server are four sen
   {
     Mock mock;
     const auto device = make();
-    const std::array<std::string, 2> other{"device", "FFFF"};
-    REQUIRE(device->configure(other) == "");
+    REQUIRE(set(*device, {"device", "FFFF"}) == "");
     refusals[2] = device->open();
     CHECK(refusals[2].find("049D") != std::string::npos);
   }
@@ -255,40 +170,8 @@ TEST_CASE("no service, no device, a wrong device and another server are four sen
   CHECK(refusals[3].find("not Haply's service") != std::string::npos);
 }
 
-TEST_CASE("settings are checked") {
-  const auto device = make();
-  const auto refused = [&](std::initializer_list<std::string> words) {
-    const std::vector<std::string> all(words);
-    return device->configure(all) != "";
-  };
-  CHECK(refused({"rate", "9"}));
-  CHECK(refused({"rate", "fast"}));
-  CHECK(refused({"peak", "21"}));
-  CHECK(refused({"peak", "nan"}));
-  CHECK(refused({"service", "localhost", "0"}));
-  CHECK(refused({"service", "localhost"}));
-  CHECK(refused({"colour", "red"}));
-  CHECK(refused({}));
-  CHECK_FALSE(refused({"rate", "500"}));
-  CHECK_FALSE(refused({"service", "localhost", "10001"}));
-}
-
 TEST_CASE("an opening that waits for a service is cancelled") {
   setenv("TACTUS_HAPLY", "127.0.0.1:1", 1);
   const auto device = make();
-  std::string sentence;
-  std::atomic<bool> opened{false};
-  std::thread opening([&] {
-    sentence = device->open();
-    opened = true;
-  });
-  wait_1ms();
-  const auto asked = std::chrono::steady_clock::now();
-  while (!opened) {
-    device->cancel();
-    wait_1ms();
-  }
-  opening.join();
-  CHECK(std::chrono::steady_clock::now() - asked < std::chrono::milliseconds(600));
-  CHECK(sentence.find("cancelled") != std::string::npos);
+  CHECK(cancelled_opening(*device).find("cancelled") != std::string::npos);
 }

@@ -1,7 +1,7 @@
 """A stand-in for Haply's inverse service, by another WebSocket and JSON library than the driver's.
 
 Keeps the service's rules: an inventory first, then one state for each message, force that lives for
-one message. Says "port N", then obeys lines on its standard input: `place X Y Z` (m, service's axes),
+one message. Says "port N", then obeys lines on its standard input: `begin KIND` (all anew), `place X Y Z` (m, service's axes),
 `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
 (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
 `drop`, `pad N` (so many letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
@@ -157,7 +157,11 @@ class Service:
             self.clients.discard(socket)
 
     async def command(self, words):
-        if words[0] == "place":
+        if words[0] == "begin":
+            for socket in list(self.clients):
+                await socket.close()
+            self.__init__(words[1])
+        elif words[0] == "place":
             self.position, self.velocity = [float(w) for w in words[1:4]], [0.0] * 3
         elif words[0] == "workspace":  # scale S, quarter, offset X Y Z; nothing ends it
             self.workspace = {}
@@ -185,8 +189,8 @@ class Service:
               self.profile or "-", self.basis or "-", self.preset, flush=True)
 
 
-async def main(kind, port):
-    service = Service(kind)
+async def main(port):
+    service = Service("one")
     loop = asyncio.get_running_loop()
     reader = asyncio.StreamReader()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
@@ -196,4 +200,4 @@ async def main(kind, port):
             await service.command(line.decode().split())
 
 
-asyncio.run(main(sys.argv[1], int(sys.argv[2])))
+asyncio.run(main(int(sys.argv[1])))

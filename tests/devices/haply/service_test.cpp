@@ -1,4 +1,3 @@
-#include "devices/driver.hpp"
 #include "devices/haply/connection.hpp"
 #include "tests/devices/haply/mock.hpp"
 
@@ -16,30 +15,6 @@ using namespace tactus;
 using haptic::State;
 using haptic::Vec3;
 
-namespace {
-
-std::unique_ptr<haptic::Backend> make() { return devices::find_driver("haply")->make(); }
-
-/// Ticks like a servo's until the condition holds, half a minute at most.
-template <class Condition>
-bool drive_until(haptic::Backend& device, const Vec3& force, Condition holds) {
-  for (int i = 0; i < 30000; ++i) {
-    State state;
-    const bool answered = device.read({}, state);
-    CHECK(device.write(force));
-    if (holds(answered, state))
-      return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
-}
-
-std::string set(haptic::Backend& device, const std::vector<std::string>& words) {
-  return device.configure(words);
-}
-
-} // namespace
-
 TEST_CASE("the service is looked for where the environment says, whole, or else at port 10001") {
   const auto looked_for = [](const char* text) {
     setenv("TACTUS_HAPLY", text, 1);
@@ -54,7 +29,7 @@ TEST_CASE("the service is looked for where the environment says, whole, or else 
   CHECK(devices::haply::default_address().port == "10001");
 }
 
-TEST_CASE("what a device can do, and what it is before it is opened") {
+TEST_CASE("what a device can do: the maker's limits, around the middle that the preset sets") {
   Mock mock;
   const auto device = make();
   CHECK(device->trouble() == "");
@@ -62,18 +37,82 @@ TEST_CASE("what a device can do, and what it is before it is opened") {
   CHECK_FALSE(device->read({}, state));
   REQUIRE(device->open() == "");
   const haptic::Caps caps = device->caps();
-  CHECK(caps.has_velocity);
-  CHECK(caps.has_buttons);
-  CHECK(caps.has_rotation);
-  CHECK(caps.needs_home);
-  CHECK(caps.rate_hz == 1000);
+  CHECK(caps.latency_ticks == 1); // a message carries a force there and a state back
+  CHECK(caps.peak_force_n == 10);
+  CHECK(caps.stiffness_limit_n_per_m == 1000);
   CHECK(caps.damping_limit_n_s_per_m == 6);
+  CHECK(caps.workspace_min == Vec3{-0.15, -0.15, -0.15});
+  CHECK(caps.workspace_max == Vec3{0.15, 0.15, 0.15});
+  CHECK(caps.rate_hz == 1000);
+  CHECK((caps.has_velocity && caps.has_buttons && caps.has_rotation && caps.needs_home));
   CHECK(device->identity().vendor == "Haply");
   const auto listed = devices::find_driver("haply")->list();
   REQUIRE(listed.size() == 1);
   CHECK(listed[0].identity.model == "inverse3");
   CHECK(listed[0].identity.serial == "049D");
   CHECK(listed[0].state == "ready");
+}
+
+TEST_CASE(
+    "without presets the origin is the base's; what cannot be placed is the middle at first") {
+  Mock mock("old");
+  mock.tell("workspace scale 0");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const haptic::Caps caps = device->caps();
+  CHECK(norm((caps.workspace_min + caps.workspace_max) * 0.5 - Vec3{0, 0.15, 0.12}) < 1e-12);
+  State last;
+  CHECK(drive_until(*device, {}, [&](bool answered, const State& state) {
+    last = state;
+    return answered;
+  }));
+  CHECK(norm(last.position - Vec3{0, 0.15, 0.12}) < 1e-12);
+  CHECK(last.velocity == Vec3{});
+  CHECK((last.flags & State::kUnreachable) != 0);
+  mock.tell("workspace");
+  mock.tell("place 0.01 -0.14 0.18");
+  CHECK(drive_until(*device, {}, at({0.01, 0.18, 0.14})));
+  CHECK(mock.report().wrong == 0);
+}
+
+TEST_CASE("a session that has ended leaves a device that is neither read nor opened") {
+  const auto device = make();
+  {
+    Mock mock = Mock::alone();
+    REQUIRE(set(*device, {"service", "127.0.0.1", std::to_string(mock.port())}) == "");
+    REQUIRE(device->open() == "");
+    CHECK(drive_until(*device, {}, alive));
+    device->close();
+    CHECK(drive_until(*device, {}, silent));
+  }
+  CHECK(device->open().find("start Haply Hub") != std::string::npos);
+}
+
+TEST_CASE("messages without JSON are borne up to fifty in a row, answers up to 64 kB") {
+  Mock mock;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const auto goes_on = [&](const char* fault) {
+    const long before = mock.tell(fault).messages;
+    return drive_until(*device, {}, [&](bool answered, const State&) {
+      return answered && mock.report().messages > before + 60;
+    });
+  };
+  for (const char* fault : {"garbage 45", "garbage 45", "garbage 45", "pad 60000"})
+    CHECK(goes_on(fault));
+  CHECK(mock.report().sessions == 1);
+  CHECK(device->trouble() == "");
+  for (const char* fault : {"pad 66000", "garbage 55"}) {
+    const long before = mock.tell(fault).sessions;
+    CHECK(drive_until(*device, {},
+                      [&](bool, const State&) { return mock.report().sessions > before; }));
+    mock.tell("pad 0");
+    CHECK(drive_until(*device, {}, alive));
+  }
+  mock.tell("garbage 100000");
+  CHECK(drive_until(*device, {}, [&](bool, const State&) {
+    return device->trouble().find("no JSON") != std::string::npos;
+  }));
 }
 
 TEST_CASE("one of two devices is chosen by its number or id, and a small one has small limits") {
@@ -94,9 +133,7 @@ TEST_CASE("one of two devices is chosen by its number or id, and a small one has
     CHECK(caps.damping_limit_n_s_per_m == 2);
     CHECK(caps.workspace_min == Vec3{-0.04, -0.04, -0.04});
     CHECK(caps.workspace_max == Vec3{0.04, 0.04, 0.04});
-    CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-      return answered && norm(state.position - Vec3{0.02, 0, 0}) < 1e-12;
-    }));
+    CHECK(drive_until(*device, {}, at({0.02, 0, 0})));
     CHECK(
         drive_until(*device, {9, 0, 0}, [&](bool, const State&) { return mock.report().x == 4; }));
   }
@@ -115,21 +152,9 @@ TEST_CASE("one of two devices is chosen by its number or id, and a small one has
   CHECK(mock.report().wrong == 0);
 }
 
-TEST_CASE("an opening after the service has ended is refused, whatever was before") {
-  const auto device = make();
-  {
-    Mock mock;
-    REQUIRE(set(*device, {"service", "127.0.0.1", std::to_string(mock.port())}) == "");
-    REQUIRE(device->open() == "");
-    CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
-    device->close();
-    CHECK(drive_until(*device, {}, [](bool answered, const State&) { return !answered; }));
-  }
-  CHECK(device->open().find("start Haply Hub") != std::string::npos);
-}
-
-TEST_CASE("a session begins as soon as the configuration shows what was asked for, even late") {
-  for (const char* kind : {"one", "late"}) {
+TEST_CASE("a session begins as soon as the configuration shows what was asked for, even late, and "
+          "at any scale") {
+  for (const char* kind : {"one", "late", "scaled"}) { // a mount may show the device larger
     CAPTURE(kind);
     Mock mock(kind);
     const auto device = make();
@@ -139,42 +164,11 @@ TEST_CASE("a session begins as soon as the configuration shows what was asked fo
     CHECK(report.messages < 100);
     CHECK(report.basis == "XYZ");
     CHECK(report.preset == "arm_front_centered");
-    CHECK(device->caps().workspace_max == Vec3{0.15, 0.15, 0.15});
     mock.tell("place 0.01 -0.14 0.18");
-    CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-      return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-12;
-    }));
+    CHECK(drive_until(*device, {}, at({0.01, 0.03, 0.02})));
+    CHECK(
+        drive_until(*device, {0, 1, 0}, [&](bool, const State&) { return mock.report().z == 1; }));
   }
-}
-
-TEST_CASE("a position that the service cannot place is the middle until there was a good one") {
-  Mock mock("old");
-  mock.tell("workspace scale 0");
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  State last;
-  CHECK(drive_until(*device, {}, [&](bool answered, const State& state) {
-    last = state;
-    return answered;
-  }));
-  CHECK(norm(last.position - Vec3{0, 0.15, 0.12}) < 1e-12);
-  CHECK(last.velocity == Vec3{});
-  CHECK((last.flags & State::kUnreachable) != 0);
-  mock.tell("workspace");
-  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && (state.flags & State::kUnreachable) == 0;
-  }));
-}
-
-TEST_CASE("a mount that shows the device larger changes neither metres nor metres a second") {
-  Mock mock("scaled");
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  mock.tell("place 0.01 -0.14 0.18");
-  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-12;
-  }));
-  CHECK(drive_until(*device, {0, 1, 0}, [&](bool, const State&) { return mock.report().z == 1; }));
 }
 
 TEST_CASE("the service is asked as often as the rate says, not more") {
@@ -201,67 +195,33 @@ TEST_CASE("a grip with a cable is a grip") {
 
 TEST_CASE("each setting is taken within its range and refused beyond, with what was expected") {
   const auto device = make();
+  const auto refused = [&](const char* name, std::initializer_list<const char*> values,
+                           const char* expected) {
+    for (const char* value : values)
+      CHECK(set(*device, {name, value}).find(expected) != std::string::npos);
+  };
   for (const char* value : {"50", "4000"})
     CHECK(set(*device, {"rate", value}) == "");
-  for (const char* value : {"49.9", "4001", "nan", "1k"})
-    CHECK(set(*device, {"rate", value})
-              .find("rate " + std::string(value) + " is not possible: expected 50 to 4000 Hz") !=
-          std::string::npos);
+  refused("rate", {"49.9", "4001", "nan", "1k"}, "expected 50 to 4000 Hz");
   for (const char* value : {"0.1", "20"})
     CHECK(set(*device, {"peak", value}) == "");
-  for (const char* value : {"0.09", "20.1", "-1"})
-    CHECK(set(*device, {"peak", value})
-              .find("peak " + std::string(value) + " is not possible: expected 0.1 to 20 N") !=
-          std::string::npos);
+  refused("peak", {"0.09", "20.1"}, "expected 0.1 to 20 N");
   for (const char* port : {"1", "65535"})
     CHECK(set(*device, {"service", "here", port}) == "");
   for (const char* port : {"0", "65536", "99.5", "x"})
     CHECK(set(*device, {"service", "here", port}).find("no whole number from 1 to 65535") !=
           std::string::npos);
   CHECK(set(*device, {}).find("haply: nothing is not understood") == 0);
-  CHECK(set(*device, {"device"}) != "");
   CHECK(set(*device, {"device", "0", "1"}) != "");
-  CHECK(set(*device, {"rate", "100", "200"}) != "");
-}
-
-TEST_CASE("messages that are no JSON are borne up to fifty in a row") {
-  Mock mock;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  for (int round = 0; round < 3; ++round) {
-    const long before = mock.tell("garbage 45").messages;
-    CHECK(drive_until(*device, {}, [&](bool answered, const State&) {
-      return answered && mock.report().messages > before + 60;
-    }));
-  }
-  CHECK(mock.report().sessions == 1);
-  CHECK(device->trouble() == "");
-  mock.tell("garbage 55");
-  CHECK(drive_until(*device, {}, [&](bool, const State&) { return mock.report().sessions > 1; }));
-}
-
-TEST_CASE("an answer of up to 64 kB is read, a longer one ends the session") {
-  Mock mock;
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  const long before = mock.tell("pad 60000").messages;
-  CHECK(drive_until(*device, {}, [&](bool answered, const State&) {
-    return answered && mock.report().messages > before + 20;
-  }));
-  CHECK(mock.report().sessions == 1);
-  mock.tell("pad 66000");
-  CHECK(drive_until(*device, {}, [&](bool, const State&) { return mock.report().sessions > 1; }));
-  mock.tell("pad 0");
-  CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
 }
 
 TEST_CASE("a service that is looked for takes no processor meanwhile") {
   const auto device = make();
   {
-    Mock mock;
+    Mock mock = Mock::alone();
     REQUIRE(set(*device, {"service", "127.0.0.1", std::to_string(mock.port())}) == "");
     REQUIRE(device->open() == "");
-    CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
+    CHECK(drive_until(*device, {}, alive));
   }
   CHECK(drive_until(*device, {}, [&](bool answered, const State&) {
     return !answered && device->trouble().find("does not answer") != std::string::npos;

@@ -70,13 +70,6 @@ def simulated(runs):
     return runs["sim"].report()
 
 
-def test_all_stations_are_in_the_report(simulated):
-    for station in ("position", "wall", "sphere", "sine", "jitter", "drivers"):
-        assert f"[{station}]" in simulated
-    assert re.search(r"loop: \w+, [\d.]+ Hz", simulated)
-    assert "ENDED EARLY" not in simulated
-
-
 def skip_if_ticks_are_missing(report, station):
     """A missed tick holds the force for longer; a few of them leave the tolerances."""
     missed = number(rf"\[{station}\][^[]*skipped (\d+)", report)
@@ -85,6 +78,8 @@ def skip_if_ticks_are_missing(report, station):
 
 
 def test_the_wall_has_the_stiffness_that_was_asked_for(simulated):
+    assert re.search(r"loop: \w+, [\d.]+ Hz", simulated) and "ENDED EARLY" not in simulated
+    assert re.search(r"limits: peak 40\.00 N, continuous 40\.00 N, stiffness not stated, damping 20\.0 N s/m\n", simulated)
     skip_if_ticks_are_missing(simulated, "wall")
     asked = number(r"N/m of (\d+) asked", simulated)
     assert number(r"force over depth (\d+) N/m", simulated) == pytest.approx(asked, rel=0.02)
@@ -100,6 +95,28 @@ def test_the_sines_move_mass_spring_and_damper_as_they_must(simulated):
         theory = 1e3 * hold / abs(complex(200 - 0.1 * omega**2, 2.5 * omega))
         measured = number(rf"\b{hz} Hz: .* ([\d.]+) mm/N", simulated)
         assert measured == pytest.approx(theory, rel=0.2)
+
+
+STATIONS = ["position", "wall", "sphere", "sine"]
+
+
+@pytest.mark.parametrize("name, stations, words", [
+    ("sim", STATIONS, ["[jitter]", "[drivers]"]),
+    ("hd", STATIONS, ["PHANTOM Omni", "loop: driver"]),
+    ("stick", ["position", "wall"], ["device: evdev, Double Stick", "fewer than three motors"]),
+    ("hid", ["position"], ["device: hid, 3Dconnexion SpaceNavigator"] + 3 * ["no motors"]),
+    ("falcon", STATIONS, ["device: falcon, Novint Falcon"])])
+def test_a_device_goes_through_the_stations_that_it_has_motors_for(runs, name, stations, words):
+    if name not in runs:
+        pytest.skip("umockdev is missing")
+    report = runs[name].report()
+    for station in STATIONS:
+        ran = re.search(rf"\[{station}\](\n  .*)*loop: ", report)
+        assert bool(ran) == (station in stations) or name == "stick", station
+    for word in words:
+        assert report.count(word) >= words.count(word), word
+    assert "F-0042" not in report and "DOUBLE01" not in report  # serial numbers stay at home
+    assert name != "stick" or "150 Hz" not in report  # beyond what 250 forces a second can say
 
 
 def test_a_list_names_all_drivers_and_what_they_lack():
@@ -122,10 +139,6 @@ def test_wrong_options_are_one_sentence(words, sentence):
     assert (status, output, errors) == (2, "", f"haptic_check: {sentence}\n")
 
 
-def test_a_limit_that_the_device_does_not_state_is_said_to_be_so(simulated):
-    assert re.search(r"limits: peak 40\.00 N, continuous 40\.00 N, stiffness not stated, damping 20\.0 N s/m\n", simulated)
-
-
 def test_an_unknown_driver_and_a_missing_library_are_told(tmp_path):
     status, _, errors = run("--device", "spoon", "--yes")
     assert status == 2 and "spoon" in errors
@@ -136,40 +149,6 @@ def test_an_unknown_driver_and_a_missing_library_are_told(tmp_path):
     assert "ENDED EARLY" in file.read_text()  # worth an issue, too
     status, _, errors = run("--device", "sim", "--seconds", "-3")
     assert status == 2 and "--seconds" in errors
-
-
-def test_a_device_with_its_own_scheduler_goes_through_all_stations(runs):
-    report = runs["hd"].report()
-    assert "PHANTOM Omni" in report and "loop: driver" in report
-    assert "F-0042" not in report  # serial numbers stay at home
-
-
-def double(runs, name):
-    """The report on the double that is the only device in its world, so the one that is chosen."""
-    if name not in runs:
-        pytest.skip("umockdev is missing")
-    return runs[name].report()
-
-
-def test_a_joystick_has_a_wall_at_its_side_and_no_sphere(runs):
-    report = double(runs, "stick")
-    assert "device: evdev, Double Stick" in report
-    assert "fewer than three motors" in report
-    assert "150 Hz" not in report  # beyond what 250 forces a second can say
-
-
-def test_a_device_without_motors_shows_its_position_alone(runs):
-    report = double(runs, "hid")
-    assert "device: hid, 3Dconnexion SpaceNavigator" in report
-    assert report.count("no motors") == 3
-
-
-def test_a_falcon_goes_through_all_stations(runs):
-    report = double(runs, "falcon")
-    assert "device: falcon, Novint Falcon" in report
-    assert "DOUBLE01" not in report
-    for station in ("position", "wall", "sphere", "sine"):
-        assert re.search(rf"\[{station}\](\n  .*)*loop: ", report), station
 
 
 def test_an_interrupt_ends_in_order(tmp_path):
@@ -185,7 +164,8 @@ def test_an_interrupt_ends_in_order(tmp_path):
     assert "ENDED EARLY: interrupted" in file.read_text()
 
 
-@pytest.mark.parametrize("call, seen", [("hdInitDevice", "Opening"), ("hdEndFrame", "1. Position")])
+@pytest.mark.parametrize("call, seen", [
+    ("hdInitDevice", "Opening"), pytest.param("hdEndFrame", "1. Position", marks=pytest.mark.slow)])
 def test_an_interrupt_ends_a_call_that_does_not_return(tmp_path, call, seen):
     hang = tmp_path / "hang.txt"
     hang.write_text(call if seen == "Opening" else "")

@@ -82,6 +82,14 @@ class Live(Pd):
         super().__init__(folder, *patch.lines, *patch.cords, before=wrapper, environment=environment,
                          stdin=subprocess.PIPE)
 
+    def __exit__(self, kind, *_):
+        """Where all went well Pd quits, with no force left in the double's motors."""
+        try:
+            if kind is None and self.process.poll() is None:
+                assert motors(self.end()) == [0, 0, 0]
+        finally:
+            self.close()
+
     def wait_for_patch(self):
         """Until Pd hears what is said to it."""
         def heard():
@@ -130,7 +138,7 @@ class Live(Pd):
     def end(self):
         """What the double saw last, after Pd was told to quit."""
         self.tell_phantom("quit")
-        self.process.wait(30)
+        self.process.wait(60)
         self.read()
         return self.state()
 
@@ -138,14 +146,20 @@ class Live(Pd):
         return [float(x) for x in re.findall(r"^x: (\S+)$", self.read(), re.M)]
 
 
-def falcon_world(folder, *options):
-    double = os.environ.get("FALCON_DOUBLE")
+def world(name, *options):
+    """The words in front of Pd that make the world of a double."""
+    double = os.environ.get(name)
     if not double:
         pytest.skip("umockdev is missing: apt-get install umockdev libumockdev-dev")
-    return [*shlex.split(double), "--stdin", "--report", str(folder / "double.txt"), *options]
+    return [*shlex.split(double), *options]
+
+
+def falcon_world(folder, *options):
+    return world("FALCON_DOUBLE", "--stdin", "--report", str(folder / "double.txt"), *options)
 
 
 def falcon_patch(folder):
+    """Its Falcon is opened at once."""
     (folder / "firmware.bin").write_bytes(bytes(i * i * 7 % 251 for i in range(500)))
     patch = Patch("falcon")
     patch.at(50, "firmware firmware.bin")
@@ -166,3 +180,8 @@ def pd_of(folder):
             continue
         if words[0] == PD[0].encode() and bytes(folder / "patch.pd") in words:
             yield int(entry.name)
+
+
+def some(quick, *slow):
+    """Parameters of a test, of which the first stand for all in the quick tier."""
+    return [*quick, *(pytest.param(*one, marks=pytest.mark.slow) for one in slow)]

@@ -1,17 +1,12 @@
 """A device's library that does not return holds up nothing but its own thread: Pd goes on, says so,
-and ends within a second."""
-
+and ends. Within a second, promised; here all that counts is that it does, on a busy machine, too."""
 import os
 import signal
 import time
 
 import pytest
 
-from live_pd import Live, Patch, falcon_patch, falcon_world, pd_of
-
-# The longest that Pd may take to end on a machine that does other things, too. What it takes on an
-# idle one is printed (pytest -s); 1 s is promised.
-GENEROUS_S = 5
+from live_pd import Live, Patch, falcon_patch, falcon_world, pd_of, some
 
 
 def vendors_world(folder):
@@ -26,7 +21,7 @@ def hang(folder, *calls):
     fresh.rename(folder / "hang.txt")
 
 
-def seconds_to_end(live, how="quit", folder=None):
+def ends(live, how="quit", folder=None):
     begun = time.monotonic()
     if how == "quit":
         live.tell_phantom("quit")
@@ -34,16 +29,11 @@ def seconds_to_end(live, how="quit", folder=None):
         for pid in pd_of(folder):
             os.kill(pid, how)
     live.process.wait(60)
-    taken = time.monotonic() - begun
-    print(f"{how}: {taken:.2f} s")
-    return taken
-
-
-DRIVERS = {"hd": "openhaptics", "dhd": "dhd"}
+    print(f"{how}: {time.monotonic() - begun:.2f} s")
 
 
 def opened(folder, driver, count=1):
-    """Pd with a device that runs."""
+    """Pd with devices that run."""
     patch = Patch(driver)
     for i in range(1, count):
         other, which = patch.obj(f"phantom {driver} -name n{i}"), patch.obj(f"open {i}", "msg")
@@ -56,40 +46,37 @@ def opened(folder, driver, count=1):
     live.tell_phantom("others bang")
     live.wait_for(rf"^other: status open {driver}", count - 1)
     live.tell_phantom("open")
-    live.wait_for(rf"^info: status open {driver}")
     live.wait_for(r"^info: status sched")
     live.wait_until(lambda: len(live.positions()) > 5 or live.tell_phantom("list 0.5 0 0"))
     return live
 
 
-@pytest.mark.parametrize("driver, call", [
-    ("dhd", "dhdGetPosition"), ("dhd", "dhdSetForce"), ("dhd", "dhdClose"),
-    ("openhaptics", "hdEndFrame"), ("openhaptics", "hdStopScheduler"),
-    ("openhaptics", "hdDisableDevice")])
-@pytest.mark.parametrize("how", ["quit", signal.SIGTERM])
+@pytest.mark.parametrize("driver, call, how", some(
+    [("dhd", "dhdSetForce", "quit"), ("openhaptics", "hdStopScheduler", signal.SIGTERM)],
+    ("dhd", "dhdGetPosition", "quit"), ("dhd", "dhdClose", signal.SIGTERM),
+    ("openhaptics", "hdEndFrame", signal.SIGTERM), ("openhaptics", "hdDisableDevice", "quit")))
 def test_pd_ends_beside_a_call_that_hangs(tmp_path, driver, call, how):
     with opened(tmp_path, driver) as live:
         hang(tmp_path, call)
         time.sleep(0.1)
-        assert seconds_to_end(live, how, tmp_path) < GENEROUS_S
-        if how == "quit" and call != "hdEndFrame":
+        ends(live, how, tmp_path)
+        if how == "quit":
             assert "has not returned; the program ends without it" in live.read()
 
 
-@pytest.mark.parametrize("driver, call", [("dhd", "dhdOpenID"), ("openhaptics", "hdInitDevice"),
-                                          ("openhaptics", "hdStartScheduler")])
+@pytest.mark.parametrize("driver, call", some(
+    [("dhd", "dhdOpenID")], ("openhaptics", "hdInitDevice"), ("openhaptics", "hdStartScheduler")))
 def test_pd_ends_beside_an_opening_that_hangs(tmp_path, driver, call):
     hang(tmp_path, call)
-    patch = Patch(driver)
-    with Live(tmp_path, patch, environment=vendors_world(tmp_path)) as live:
+    with Live(tmp_path, Patch(driver), environment=vendors_world(tmp_path)) as live:
         live.wait_for_patch()
         live.tell_phantom("open")
         live.wait_for(rf"^info: status opening {driver}")
         time.sleep(0.3)
-        assert seconds_to_end(live) < GENEROUS_S
+        ends(live)
 
 
-@pytest.mark.parametrize("message", ["close", "backend sim"])
+@pytest.mark.parametrize("message", some(["close"], ["backend sim"]))
 def test_an_opening_that_hangs_and_is_not_wanted_any_more_is_told(tmp_path, message):
     hang(tmp_path, "dhdOpenID")
     with Live(tmp_path, Patch("dhd"), environment=vendors_world(tmp_path)) as live:
@@ -101,29 +88,27 @@ def test_an_opening_that_hangs_and_is_not_wanted_any_more_is_told(tmp_path, mess
         live.wait_for(r"^error: .*dhd: opening the device has not returned for 1 s; its thread is")
         hang(tmp_path)  # it opens after all, for nobody, and is closed
         live.tell_phantom("backend dhd")
-        time.sleep(0.5)
-        live.tell_phantom("open")
-        live.wait_for(r"^info: status open dhd")
-        assert seconds_to_end(live) < GENEROUS_S
+        live.wait_until(lambda: live.tell_phantom("open") or "info: status open dhd" in live.read())
 
 
+@pytest.mark.slow
 def test_pd_ends_beside_many_devices_that_hang(tmp_path):
     with opened(tmp_path, "dhd", 6) as live:
         hang(tmp_path, "dhdClose", "dhdGetPosition")
         time.sleep(0.1)
-        assert seconds_to_end(live) < GENEROUS_S
+        ends(live)
 
 
 def test_pd_ends_while_a_deaf_falcon_is_opened(tmp_path):
     with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--do", "deaf 1000")) as live:
         live.wait_for(r"^info: status opening falcon")
         time.sleep(1)
-        assert seconds_to_end(live) < GENEROUS_S
+        ends(live)
 
 
-@pytest.mark.parametrize("message", ["close", "backend sim", "backend hid", "open"])
-@pytest.mark.parametrize("driver, call", [("dhd", "dhdGetPosition"), ("dhd", "dhdClose"),
-                                          ("openhaptics", "hdStopScheduler")])
+@pytest.mark.parametrize("driver, call, message", some(
+    [("dhd", "dhdGetPosition", "backend sim"), ("openhaptics", "hdStopScheduler", "open")],
+    ("dhd", "dhdClose", "close"), ("dhd", "dhdClose", "backend hid"), ("dhd", "dhdGetPosition", "open")))
 def test_leaving_a_device_that_hangs_takes_no_time_and_is_told(tmp_path, driver, call, message):
     with opened(tmp_path, driver) as live:
         hang(tmp_path, call)
@@ -138,13 +123,11 @@ def test_leaving_a_device_that_hangs_takes_no_time_and_is_told(tmp_path, driver,
             live.tell_phantom("path circle 0 0 0 20 500")
             live.wait_until(lambda: len(live.positions()) > seen + 20)
         if message == "open":  # refused, since the driver still hangs
-            live.wait_for(r"^error: .*an earlier call of this driver has not returned", seconds=60)
+            live.wait_for(r"^error: .*an earlier call of this driver has not returned")
         hang(tmp_path)  # the call returns after all: the device is closed and can be opened again
-        time.sleep(0.5)
-        if message in ("open", "close"):
-            live.tell_phantom("open")
-            live.wait_for(rf"^info: status open {driver}", 2)
-        assert seconds_to_end(live) < GENEROUS_S
+        live.tell_phantom(f"backend {driver}")
+        live.wait_until(lambda: live.tell_phantom("open") or
+                        live.read().count(f"info: status open {driver}") > 1)
 
 
 def test_listing_that_hangs_holds_up_nobody(tmp_path):
@@ -153,7 +136,6 @@ def test_listing_that_hangs_holds_up_nobody(tmp_path):
         live.wait_for_patch()
         live.tell_phantom("devices")
         live.wait_for(r"^info: device sim")
-        time.sleep(3.5)
-        live.tell_phantom("devices")
-        live.wait_for(r"^error: .*devices: dhd: listing devices has not returned yet")
-        assert seconds_to_end(live) < GENEROUS_S
+        live.wait_until(lambda: live.tell_phantom("devices") or
+                        "devices: dhd: listing devices has not returned yet" in live.read())
+        ends(live)

@@ -5,13 +5,12 @@ No test asserts how fast anything is; they wait for what must happen."""
 import os
 import pathlib
 import re
-import shlex
 import signal
 import subprocess
 
 import pytest
 
-from live_pd import PD, Live, Patch, falcon_patch, falcon_world, motors, pd_of
+from live_pd import PD, Live, Patch, falcon_patch, falcon_world, motors, pd_of, some, world
 
 
 def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_path):
@@ -43,47 +42,25 @@ def test_signals_that_end_pd_are_for_its_own_thread(tmp_path):
             bit = 1 << (number - 1)
             assert not held[pid] & bit
             assert all(mask & bit for mask in others)
-        live.end()
 
 
 @pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("how", some([signal.SIGTERM], [signal.SIGINT]))
 def test_a_terminated_pd_leaves_no_force_either(tmp_path, how):
     with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
         live.wait_for(r"^info: status homed 1")
         live.push("0 0 2")
         for pid in pd_of(tmp_path):
             os.kill(pid, how)
-        live.process.wait(30)
+        live.process.wait(60)
         assert motors(live.state()) == [0, 0, 0]
 
 
-def test_an_unplugged_falcon_is_lost_found_again_and_stays_without_force(tmp_path):
-    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path)) as live:
-        live.wait_for(r"^info: status homed 1")
-        live.push("0 0 2")
-        live.tell_double("unplug")
-        live.wait_for(r"^info: status lost falcon")
-        assert "the device does not answer any more; check its cable and power" in live.text
-        live.tell_double("forget")
-        live.tell_double("plug")
-        live.wait_for(r"^info: status open falcon", 2)
-        live.wait_for(r"^info: status homed 1", 2)
-        seen = len(live.positions())
-        live.wait_until(lambda: len(live.positions()) > seen + 50)
-        assert motors(live.state()) == [0, 0, 0]  # until motors 1
-        live.tell_phantom("motors 1")
-        live.push("0 0 2")
-        assert motors(live.end()) == [0, 0, 0]
-
-
 def test_a_space_mouse_pushed_to_the_right_is_an_x_of_one(tmp_path):
-    double = os.environ.get("HID_DOUBLE")
-    if not double:
-        pytest.skip("umockdev is missing: apt-get install umockdev libumockdev-dev")
     patch = Patch("hid")
     patch.at(100, "open")
     patch.at(150, "list 1 2 3")
-    with Live(tmp_path, patch, [*shlex.split(double), "--stdin", "navigator"]) as live:
+    with Live(tmp_path, patch, world("HID_DOUBLE", "--stdin", "navigator")) as live:
         live.wait_for(r"^info: status open hid")
         live.wait_for(r"^info: status noforce hid")
         live.wait_for(r"^x: 0.5$")
@@ -96,7 +73,6 @@ def test_a_space_mouse_pushed_to_the_right_is_an_x_of_one(tmp_path):
         live.wait_for(r"^info: status lost hid")
         live.tell_double("plug")
         live.wait_for(r"^info: status open hid", 2)
-        live.end()
 
 
 def test_devices_are_listed_with_what_keeps_a_driver_from_working(tmp_path):
@@ -107,7 +83,6 @@ def test_devices_are_listed_with_what_keeps_a_driver_from_working(tmp_path):
         live.wait_for(r"^info: device sim 0 tactus simulated - open")
         live.wait_for(r"^info: device falcon 0 \S+ .*ready")
         live.wait_for(r"^info: obstacle openhaptics .*/nowhere/libHD.so")
-        live.end()
 
 
 def test_closing_and_opening_again_works_as_often_as_one_likes(tmp_path):
@@ -121,22 +96,6 @@ def test_closing_and_opening_again_works_as_often_as_one_likes(tmp_path):
                 live.tell_phantom("open")
         live.tell_phantom("backend sim")
         live.wait_for(r"^info: status open sim")
-        assert motors(live.end()) == [0, 0, 0]
-
-
-def test_a_vendor_library_with_its_own_scheduler_steps_the_servo(tmp_path):
-    if not os.environ.get("FAKE_HD"):
-        pytest.skip("the double of the vendor's library is not built")
-    patch = Patch("openhaptics")
-    patch.at(50, "open")
-    with Live(tmp_path, patch, environment={"PHANTOM_LIBHD": os.environ["FAKE_HD"]}) as live:
-        live.wait_for(r"^info: status open openhaptics")
-        live.wait_for(r"^info: status sched driver")
-        live.tell_phantom("list 0.2 0 0")  # slow enough for many positions in the workspace
-        live.wait_until(lambda: len(set(live.positions())) > 50)
-        live.tell_phantom("stats")
-        live.wait_for(r"^info: stats ticks \d\d+")
-        live.end()
 
 
 def test_a_device_is_refused_in_batch_unless_the_wall_clock_is_asked_for(tmp_path):

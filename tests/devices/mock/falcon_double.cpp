@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <fstream>
 #include <sstream>
-#include <utility>
 
 namespace tactus::mock {
 namespace {
@@ -120,7 +119,6 @@ void FalconDouble::run(std::uint8_t byte) {
     for (std::size_t i = 0; i < 4; ++i)
       value += (packet_[1 + 4 * motor + i] - 'A') << 4 * i;
     motors_[motor] = value >= 32768 ? value - 65536 : value;
-    largest_[motor] = std::max(largest_[motor], std::abs(motors_[motor]));
   }
   flags_ = packet_[13] - 'A';
   frame();
@@ -146,12 +144,6 @@ void FalconDouble::move() {
 
 void FalconDouble::frame() {
   ++frames_;
-  const auto due = schedule_.equal_range(frames_);
-  for (auto i = due.first; i != due.second; ++i)
-    if (i->second == "unplug" || i->second == "plug")
-      requests_.push_back(i->second);
-    else
-      handle_command(i->second);
   if (flags_ & 1) { // homing: each arm passes its mark in turn
     ++homing_frames_;
     homed_ = homing_frames_ > 60 ? 7 : homing_frames_ > 40 ? 3 : homing_frames_ > 20 ? 1 : homed_;
@@ -207,15 +199,6 @@ int FalconDouble::in(std::uint8_t, std::span<std::uint8_t> payload) {
 
 std::string FalconDouble::command(const std::string& line) {
   const std::scoped_lock lock(mutex_);
-  return handle_command(line);
-}
-
-std::deque<std::string> FalconDouble::take_requests() {
-  const std::scoped_lock lock(mutex_);
-  return std::exchange(requests_, {});
-}
-
-std::string FalconDouble::handle_command(const std::string& line) {
   std::istringstream words(line);
   std::string name;
   int value = 0;
@@ -265,8 +248,7 @@ std::string FalconDouble::state() const {
        << " uploads=" << uploads_ << " firmware=" << firmware_bytes_ << " homed=" << homed_
        << " flags=" << flags_;
   for (std::size_t motor = 0; motor < 3; ++motor)
-    text << " motor" << motor << "=" << motors_[motor] << " largest" << motor << "="
-         << largest_[motor] << " count" << motor << "=" << sent_[motor];
+    text << " motor" << motor << "=" << motors_[motor] << " count" << motor << "=" << sent_[motor];
   text << " latency=" << latency_ms_ << " divisor=" << divisor_;
   return text.str();
 }

@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <deque>
-#include <map>
 
 namespace tactus::mock {
 
@@ -46,10 +45,6 @@ public:
   std::string command(const std::string& line);
   /// Writes the answer to "state", a line a number, whole or not at all; nothing without a name.
   void report(const std::string& file);
-  /// That command before frame number n.
-  void schedule(long frame, const std::string& line) { schedule_.emplace(frame, line); }
-  /// Commands of the schedule that are the program's to do, taken once.
-  std::deque<std::string> take_requests();
 
 private:
   using Clock = std::chrono::steady_clock;
@@ -57,12 +52,9 @@ private:
   void run(std::uint8_t byte);
   void frame();
   void move();
-  std::string handle_command(const std::string& line);
   [[nodiscard]] std::string state() const;
 
   mutable std::mutex mutex_;
-  std::multimap<long, std::string> schedule_;
-  std::deque<std::string> requests_;
 
   // the serial chip
   int divisor_ = 0, latency_ms_ = 16;
@@ -80,7 +72,7 @@ private:
   std::array<std::uint8_t, 16> packet_{};
   std::size_t filled_ = 0;
   long frames_ = 0, broken_ = 0, garbage_ = 0, bad_ = 0, lose_ = 0, homing_frames_ = 0, wild_ = 0;
-  std::array<int, 3> motors_{}, largest_{};
+  std::array<int, 3> motors_{};
   int flags_ = 0, homed_ = 0, buttons_ = 0;
   bool frozen_ = false, still_ = false;
   std::array<int, 3> sent_{}, pose_{};

@@ -2,9 +2,7 @@
 //
 //   umockdev-wrapper falcon_double [OPTIONS] PROGRAM ARGUMENTS...
 //     --loaded            the firmware is there already
-//     --at FRAME COMMAND  that command (falcon_double.hpp) before the given run frame; may be
-//     repeated
-//     --do COMMAND        at once
+//     --do COMMAND        that command (falcon_double.hpp) at once; may be repeated
 //     --report FILE       the last state, name=value a line, at the end and every 100 ms
 //     --stdin             commands from standard input, answers on standard output
 //
@@ -13,7 +11,6 @@
 #include "tests/devices/mock/falcon_double.hpp"
 
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 
@@ -23,7 +20,7 @@ using tactus::mock::FalconDouble;
 using tactus::mock::MockUsb;
 
 int usage() {
-  std::fputs("umockdev-wrapper falcon_double [--loaded] [--at FRAME COMMAND] [--do COMMAND] "
+  std::fputs("umockdev-wrapper falcon_double [--loaded] [--do COMMAND] "
              "[--report FILE] [--stdin] PROGRAM ARGUMENTS...\n",
              stderr);
   return 2;
@@ -34,7 +31,7 @@ int usage() {
 int main(int count, char** words) try {
   bool loaded = false, from_stdin = false;
   std::string file;
-  std::vector<std::pair<long, std::string>> schedule;
+  std::vector<std::string> at_once;
   int at = 1;
   for (; at < count && std::strncmp(words[at], "--", 2) == 0; ++at) {
     const std::string option = words[at];
@@ -42,11 +39,8 @@ int main(int count, char** words) try {
       loaded = true;
     else if (option == "--stdin")
       from_stdin = true;
-    else if (option == "--at" && at + 2 < count) {
-      schedule.emplace_back(std::atol(words[at + 1]), words[at + 2]);
-      at += 2;
-    } else if (option == "--do" && at + 1 < count)
-      schedule.emplace_back(0, words[++at]);
+    else if (option == "--do" && at + 1 < count)
+      at_once.emplace_back(words[++at]);
     else if (option == "--report" && at + 1 < count)
       file = words[++at];
     else
@@ -73,17 +67,13 @@ int main(int count, char** words) try {
         return falcon_double.command(line);
       return "ok";
     };
-    for (const auto& [frame, line] : schedule)
-      if (frame > 0)
-        falcon_double.schedule(frame, line);
-      else if (answer(line) == "?")
+    for (const std::string& line : at_once)
+      if (answer(line) == "?")
         return usage();
     int idle = 0;
     status = tactus::mock::run_child(
         words + at, answer,
         [&] {
-          for (const std::string& line : falcon_double.take_requests())
-            answer(line);
           if (++idle % 20 == 0)
             falcon_double.report(file);
         },

@@ -1,7 +1,6 @@
 #include "tests/devices/mock/mock_usb.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <stdexcept>
@@ -29,35 +28,14 @@ std::string hexadecimal_id(std::uint16_t id) {
   return text;
 }
 
-std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xff); }
-std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
-
 std::vector<std::uint8_t> descriptors(const UsbDescription& d) {
-  const auto serial = static_cast<std::uint8_t>(d.serial.empty() ? 0 : 3);
-  const std::array<std::uint8_t, 18> device{18,
-                                            1,
-                                            0,
-                                            2,
-                                            0,
-                                            0,
-                                            0,
-                                            8,
-                                            low(d.vendor),
-                                            high(d.vendor),
-                                            low(d.product),
-                                            high(d.product),
-                                            low(d.release),
-                                            high(d.release),
-                                            1,
-                                            2,
-                                            serial,
-                                            1};
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(device.size() + d.configuration.size());
-  for (const std::uint8_t byte : device)
-    bytes.push_back(byte);
-  for (const std::uint8_t byte : d.configuration)
-    bytes.push_back(byte);
+  std::vector<std::uint8_t> bytes{18, 1, 0, 2, 0, 0, 0, 8};
+  for (const std::uint16_t word : {d.vendor, d.product, d.release})
+    for (const int shift : {0, 8})
+      bytes.push_back(static_cast<std::uint8_t>(word >> shift));
+  for (const int last : {1, 2, d.serial.empty() ? 0 : 3, 1}) // strings; one configuration
+    bytes.push_back(static_cast<std::uint8_t>(last));
+  bytes.insert(bytes.end(), d.configuration.begin(), d.configuration.end());
   return bytes;
 }
 

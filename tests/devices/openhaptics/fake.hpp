@@ -1,39 +1,22 @@
 #pragma once
 
 #include "core/haptic/servo/servo.hpp"
-#include "devices/driver.hpp"
 #include "devices/servo_thread.hpp"
-#include "devices/shared_library.hpp"
-
-#include <doctest/doctest.h>
+#include "tests/devices/vendor_library.hpp"
 
 #include <array>
-#include <chrono>
-#include <cstdlib>
-#include <memory>
 #include <thread>
 
 /// The stand-in for the vendor's library, with its hooks, and what every test does with a device.
 namespace tactus {
 
-/// The stand-in library, with its hooks; loaded beside the driver, so it is the same one.
-struct Fake {
-  explicit Fake(const char* mode = "") {
-    setenv("PHANTOM_LIBHD", FAKE_HD, 1);
-    setenv("FAKE_HD", mode, 1);
-    const char* const name = FAKE_HD;
-    REQUIRE(library.load({&name, 1}));
-    REQUIRE(library.symbol("fake_hd_fail", fail));
-    REQUIRE(library.symbol("fake_hd_press", press));
-    REQUIRE(library.symbol("fake_hd_counts", counts_of));
-    REQUIRE(library.symbol("fake_hd_last_force", force_of));
-    REQUIRE(library.symbol("fake_hd_torque", torque_of));
-    REQUIRE(library.symbol("fake_hd_set_position", set_position));
-    REQUIRE(library.symbol("fake_hd_calibration", calibration));
-    REQUIRE(library.symbol("fake_hd_more_counts", more_counts_of));
-    void (*reset)() = nullptr;
-    REQUIRE(library.symbol("fake_hd_reset", reset));
-    reset(); // the library stays loaded, with its state
+/// The stand-in library, with its hooks.
+struct Fake : VendorLibrary {
+  static constexpr const char *kDriver = "openhaptics", *kPathVariable = "PHANTOM_LIBHD";
+  static std::unique_ptr<haptic::Backend> make() { return devices::find_driver(kDriver)->make(); }
+
+  explicit Fake(const char* mode = "") : VendorLibrary(kPathVariable, FAKE_HD, "FAKE_HD", mode) {
+    hook<void()>("fake_hd_reset")(); // the library stays loaded, with its state
   }
   std::array<unsigned long, 6> counts() const {
     std::array<unsigned long, 6> all{};
@@ -53,16 +36,18 @@ struct Fake {
     force_of(f);
     return {f[0], f[1], f[2]};
   }
-  devices::SharedLibrary library;
-  void (*fail)(unsigned) = nullptr;
-  void (*press)(int) = nullptr;
-  void (*counts_of)(unsigned long*) = nullptr;
-  void (*force_of)(double*) = nullptr;
-  int (*torque_of)(double*) = nullptr;
-  void (*set_position)(double, double, double) = nullptr;
-  void (*calibration)(int) = nullptr;
-  void (*more_counts_of)(int*) = nullptr;
+  void (*fail)(unsigned) = hook<void(unsigned)>("fake_hd_fail");
+  void (*press)(int) = hook<void(int)>("fake_hd_press");
+  void (*counts_of)(unsigned long*) = hook<void(unsigned long*)>("fake_hd_counts");
+  void (*force_of)(double*) = hook<void(double*)>("fake_hd_last_force");
+  int (*torque_of)(double*) = hook<int(double*)>("fake_hd_torque");
+  void (*set_position)(double, double,
+                       double) = hook<void(double, double, double)>("fake_hd_set_position");
+  void (*calibration)(int) = hook<void(int)>("fake_hd_calibration");
+  void (*more_counts_of)(int*) = hook<void(int*)>("fake_hd_more_counts");
 };
+
+using Opened = OpenedOn<Fake>;
 
 /// The servo as the host hangs it into the device's own thread.
 struct Session {
@@ -105,10 +90,6 @@ struct Session {
   std::uint64_t ticks = 0, number = 0;
 };
 
-inline std::unique_ptr<haptic::Backend> make() {
-  const devices::Driver* driver = devices::find_driver("openhaptics");
-  REQUIRE(driver != nullptr);
-  return driver->make();
-}
+inline auto make() { return Fake::make(); }
 
 } // namespace tactus

@@ -1,7 +1,7 @@
 /* A stand-in for the vendor's libHD: one device with a mass of 0.1 kg and a scheduler thread of
  * 1 kHz. Force moves the mass, so a caller can see that force and position belong together.
  * The environment's FAKE_HD chooses what goes wrong, that a hand holds the
- * mass ("held") or that the scheduler has 25 Hz ("slow"). As the real driver, it opens no device
+ * mass ("held") or that the scheduler has 25 Hz ("slow") or does not wait ("quick"). As the real driver, it opens no device
  * when it is loaded a second time; the environment's FAKE_HD_LOADS counts. */
 #include <pthread.h>
 #include <stdio.h>
@@ -248,7 +248,7 @@ static void* scheduler(void* unused) {
   const double period = 1e-3, mass = 0.1, drag = 1.0;
   (void)unused;
   while (running) {
-    const struct timespec pause = {0, mode("slow") ? 40000000 : 1000000};
+    const struct timespec pause = {0, mode("slow") ? 40000000 : mode("quick") ? 20000 : 1000000};
     int axis;
     nanosleep(&pause, NULL);
     if (!running)

@@ -18,30 +18,16 @@ def lines():
     return [line for line in RULES.read_text().splitlines() if line and not line.startswith("#")]
 
 
-def test_every_line_is_a_rule():
-    for line in lines():
-        for term in line.split(", "):
-            assert TERM.match(term), f"{term!r} in {line!r}"
-
-
-def test_what_is_jumped_to_is_there_and_each_rule_matches_before_it_acts():
+def test_every_line_is_a_rule_that_matches_before_it_gives_access_also_without_a_seat():
+    """uaccess gives nothing over ssh or without a screen; a group does."""
     text = RULES.read_text()
     assert set(re.findall(r'GOTO="(\w+)"', text)) == set(re.findall(r'LABEL="(\w+)"', text))
     for line in lines():
+        for term in line.split(", "):
+            assert TERM.match(term), f"{term!r} in {line!r}"
         if "TAG+=" in line:
-            assert "==" in line and line.endswith('TAG+="uaccess"')
-
-
-def test_every_device_has_a_group_for_those_who_do_not_sit_at_the_computer():
-    """uaccess gives nothing over ssh or without a screen."""
-    for line in lines():
-        if "TAG+=" not in line:
-            continue
-        group = re.search(r'GROUP="(\w+)", MODE="0660", TAG', line)
-        assert group, line
-        expected = ("dialout" if "tty" in line else
-                    "input" if 'SUBSYSTEM=="input"' in line else "plugdev")
-        assert group.group(1) == expected, line
+            group = ("dialout" if "tty" in line else "input" if 'SUBSYSTEM=="input"' in line else "plugdev")
+            assert "==" in line and line.endswith(f'GROUP="{group}", MODE="0660", TAG+="uaccess"'), line
 
 
 def test_the_devices_of_the_documentation_are_in():

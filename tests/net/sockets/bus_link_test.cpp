@@ -66,6 +66,11 @@ template <class Condition> bool eventually(std::initializer_list<Side*> sides, C
   return false;
 }
 
+bool connected(Side& caller, Side& listener) {
+  return eventually({&listener, &caller},
+                    [&] { return caller.link.peers() == 1 && listener.link.peers() == 1; });
+}
+
 int listening(Side& side, int port = 0) {
   side.link.listen(port, "");
   REQUIRE(eventually({&side}, [&] { return side.find(What::kListening) != nullptr; }));
@@ -80,8 +85,7 @@ TEST_CASE("two links give each other every event in order, evenly, with times of
   std::this_thread::sleep_for(std::chrono::milliseconds(300)); // so that their times differ
   Side caller;
   caller.link.connect("127.0.0.1", port);
-  REQUIRE(eventually({&listener, &caller},
-                     [&] { return caller.link.peers() == 1 && listener.link.peers() == 1; }));
+  REQUIRE(connected(caller, listener));
   constexpr int kEvents = 2000;
   std::vector<double> sent_s;
   for (int i = 0; i < kEvents; ++i) {
@@ -123,21 +127,21 @@ TEST_CASE("a link that ends is found again by who calls, and events pass again")
   const int port = listening(*listener);
   Side caller;
   caller.link.connect("127.0.0.1", port);
-  REQUIRE(eventually({listener.get(), &caller}, [&] { return caller.link.peers() == 1; }));
+  REQUIRE(connected(caller, *listener));
   listener.reset();
   REQUIRE(eventually({&caller}, [&] { return caller.link.peers() == 0; }));
   REQUIRE(caller.find(What::kEnded) != nullptr);
   listener = std::make_unique<Side>();
   CHECK(listening(*listener, port) == port); // the same port at once
-  REQUIRE(eventually({listener.get(), &caller},
-                     [&] { return caller.link.peers() == 1 && listener->link.peers() == 1; }));
+  REQUIRE(connected(caller, *listener));
   caller.send("hit", 7);
   CHECK(eventually({listener.get(), &caller}, [&] { return listener->received.size() == 1; }));
 }
 
-TEST_CASE("ending a link takes no time, though a peer does not read what it is sent") {
+TEST_CASE("ending a link waits for no peer that does not read what it is sent") {
+  // It would wait 200 ms; what a busy machine adds is not in the shortest of nine.
   namespace asio = boost::asio;
-  std::vector<double> took_s;
+  double shortest_s = 1e9;
   for (int i = 0; i < 9; ++i) {
     Side listener;
     const int port = listening(listener);
@@ -150,36 +154,42 @@ TEST_CASE("ending a link takes no time, though a peer does not read what it is s
     CHECK(peer.read_some(asio::buffer(answer)) > 0);
     const double began_s = now_s();
     listener.link.disconnect();
-    took_s.push_back(now_s() - began_s);
+    shortest_s = std::min(shortest_s, now_s() - began_s);
   }
-  std::nth_element(took_s.begin(), took_s.begin() + 4, took_s.end());
-  CHECK(took_s[4] < 2e-3);
+  CHECK(shortest_s < 0.05);
 }
 
-TEST_CASE("what cannot be opened or reached is told in one sentence, once") {
-  Side first, second;
+TEST_CASE("what cannot be opened, reached or entered is told in one sentence") {
+  Side first, second, right;
+  const auto says = [&](What what, const char* words) {
+    REQUIRE(eventually({&first, &second}, [&] { return second.find(what) != nullptr; }));
+    CHECK(second.find(what)->text.find(words) != std::string::npos);
+    second.notices.clear();
+  };
+  first.link.set_token("sixteen bytes ok");
   const int port = listening(first);
   second.link.listen(port, "");
-  REQUIRE(eventually({&second}, [&] { return second.find(What::kFailed) != nullptr; }));
-  CHECK(second.find(What::kFailed)->text.find("choose another port") != std::string::npos);
-  second.notices.clear();
+  says(What::kFailed, "choose another port");
   second.link.listen(0, "0.0.0.0");
-  REQUIRE(eventually({&second}, [&] { return second.find(What::kFailed) != nullptr; }));
-  CHECK(second.find(What::kFailed)->text.find("needs a token file") != std::string::npos);
+  says(What::kFailed, "needs a token file");
+  second.link.set_token("sixteen bytes no");
+  second.link.connect("127.0.0.1", port);
+  says(What::kWarning, "token is wrong");
+  CHECK(first.link.peers() == 0);
+  second.link.disconnect();
+  right.link.set_token("sixteen bytes ok");
+  right.link.connect("127.0.0.1", port);
+  CHECK(connected(right, first));
   second.notices.clear();
-  first.link.disconnect();
-  Side unconnected;
-  unconnected.link.connect("127.0.0.1", 9);
-  REQUIRE(eventually({&unconnected}, [&] { return unconnected.find(What::kFailed) != nullptr; }));
-  CHECK(unconnected.find(What::kFailed)->text.find("trying again") != std::string::npos);
+  second.link.connect("127.0.0.1", 9);
+  says(What::kFailed, "trying again");
 }
 
 TEST_CASE("a patch that ends its link from what it lets out is safe") {
   Side listener, caller;
   const int port = listening(listener);
   caller.link.connect("127.0.0.1", port);
-  REQUIRE(eventually({&listener, &caller}, [&] { return caller.link.peers() == 1; }));
-  REQUIRE(eventually({&listener, &caller}, [&] { return listener.link.peers() == 1; }));
+  REQUIRE(connected(caller, listener));
   for (int i = 0; i < 10; ++i)
     caller.send("hit", i);
   int received = 0;
@@ -192,19 +202,4 @@ TEST_CASE("a patch that ends its link from what it lets out is safe") {
   }
   CHECK(received == 1);
   CHECK(listener.link.peers() == 0);
-}
-
-TEST_CASE("a token that differs is refused, and the right one from a file's text enters") {
-  Side listener, wrong, right;
-  listener.link.set_token("sixteen bytes ok");
-  const int port = listening(listener);
-  wrong.link.set_token("sixteen bytes no");
-  wrong.link.connect("127.0.0.1", port);
-  REQUIRE(eventually({&listener, &wrong}, [&] { return wrong.find(What::kWarning) != nullptr; }));
-  CHECK(wrong.find(What::kWarning)->text.find("token is wrong") != std::string::npos);
-  CHECK(listener.link.peers() == 0);
-  wrong.link.disconnect();
-  right.link.set_token("sixteen bytes ok");
-  right.link.connect("127.0.0.1", port);
-  CHECK(eventually({&listener, &right}, [&] { return right.link.peers() == 1; }));
 }

@@ -1,12 +1,10 @@
+#include "tests/devices/cancelled_opening.hpp"
 #include "tests/devices/falcon/live/rig.hpp"
 
-#include <doctest/doctest.h>
-
-#include <atomic>
 #include <utility>
 #include <vector>
 
-using tactus::haptic::State;
+using tactus::cancelled_opening;
 
 TEST_CASE("a Falcon on the bus is listed, and one that has left is not") {
   Rig rig;
@@ -41,6 +39,7 @@ TEST_CASE(
   static_cast<void>(rig.set({"firmware", "/nowhere/firmware.bin"}));
   CHECK(rig.falcon.open().find("/nowhere/firmware.bin cannot be read") != std::string::npos);
   CHECK(rig.open(0).find("0 bytes") != std::string::npos);
+  CHECK(rig.open(65537).find("has 65537 bytes; expected 1 to 65536") != std::string::npos);
   rig.set({"device", "no such"});
   CHECK(rig.open().find("no Falcon is called no such") != std::string::npos);
 }
@@ -58,23 +57,17 @@ TEST_CASE("firmware is uploaded in spite of deaf greetings and two wrong echoes,
   rig.falcon.close();
   REQUIRE(rig.open() == "");
   CHECK(rig.control.value("uploads") == before + 3);
-  SUBCASE("unless it is asked for") {
-    rig.falcon.close();
-    CHECK(rig.set({"reload"}) == "");
-    REQUIRE(rig.open() == "");
-    CHECK(rig.control.value("uploads") == before + 4);
-  }
-}
-
-TEST_CASE("a boot loader that takes its time after each restart is waited for") {
-  Rig rig;
-  rig.control.ask("forget");
+  rig.falcon.close(); // unless it is asked for, of a boot loader that takes its time
+  CHECK(rig.set({"reload"}) == "");
   rig.control.ask("boot 400");
-  CHECK(rig.open() == "");
+  REQUIRE(rig.open(1) == "");
   rig.control.ask("boot 0");
+  CHECK(rig.control.value("uploads") == before + 4);
+  CHECK(rig.control.value("firmware") == 1);
 }
 
-TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with advice") {
+TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with advice" *
+          doctest::test_suite("slow")) {
   Rig rig;
   rig.control.ask("forget");
   rig.control.ask("echo 1000");
@@ -88,44 +81,17 @@ TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with
 TEST_CASE("the opening of a deaf Falcon is cancelled in a third of a second, wherever it is") {
   Rig rig;
   rig.control.ask("deaf 100000");
-  for (const int wait_ms : {20, 300, 700, 1500, 2600}) {
+  for (const int wait_ms : {20, 700}) {
     rig.control.ask("forget");
-    std::string sentence;
-    std::atomic<bool> opened{false};
-    std::thread opening([&] {
-      sentence = rig.open();
-      opened = true;
-    });
-    std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
-    CHECK_FALSE(opened);
-    const auto asked = std::chrono::steady_clock::now();
-    while (!opened) {
-      rig.falcon.cancel();
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
-    opening.join();
-    INFO("after " << wait_ms << " ms it took " << took.count() << " s");
-    CHECK(took.count() < 10); // 0.3 s, and what a busy machine adds; uncancelled, 100 s
-    CHECK(sentence.find("cancelled") != std::string::npos);
+    const auto begun = std::chrono::steady_clock::now();
+    CHECK(cancelled_opening(
+              rig.falcon, [&] { return rig.open(); }, wait_ms)
+              .find("cancelled") != std::string::npos);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+    CHECK(took.count() < 20); // 0.3 s, and what a busy machine adds; uncancelled, 100 s
   }
   rig.control.ask("deaf 0");
   CHECK(rig.open() == "");
-}
-
-TEST_CASE("a Falcon that falls silent in run mode is closed in less than a second") {
-  Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  rig.run(50, {0, 0, 1});
-  rig.control.ask("stall 10000");
-  rig.run(50, {0, 0, 1});
-  const auto asked = std::chrono::steady_clock::now();
-  rig.falcon.close();
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
-  INFO("it took " << took.count() << " s");
-  CHECK(took.count() < 5); // 0.1 s, and what a busy machine adds; 10 s with the line
-  rig.control.ask("stall 0");
 }
 
 TEST_CASE("no force before homing, full force half a second after") {
@@ -161,27 +127,4 @@ TEST_CASE("no force before homing, full force half a second after") {
     CHECK(static_cast<double>(motor) <= (0.05 + 1.2 * time_s / 0.5) * full);
   CHECK(rig.until([&] { return rig.saw("flags=2"); }, 30000, {0, 0, 2})); // green
   CHECK(rig.until([&] { return rig.falcon.trouble().empty(); }));
-}
-
-TEST_CASE("lights and homing follow their messages, and what is misspelt is explained") {
-  Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  CHECK(rig.set({"led", "red", "blue"}) == "");
-  CHECK(rig.until([&] { return rig.saw("flags=12"); }));
-  CHECK(rig.set({"led", "auto"}) == "");
-  CHECK(rig.set({"calibrate"}) == "");
-  CHECK(rig.until([&] { return !rig.homed() && rig.says("pull the grip out"); }, 30000, {0, 1, 0}));
-  CHECK(rig.home());
-  for (const auto& words : std::vector<std::vector<std::string>>{{},
-                                                                 {"led"},
-                                                                 {"led", "pink"},
-                                                                 {"led", "off", "red"},
-                                                                 {"gain", "nan"},
-                                                                 {"gain", "1"},
-                                                                 {"gain", "1e4x"},
-                                                                 {"firmware"},
-                                                                 {"dance"}})
-    CHECK_FALSE(rig.falcon.configure(words).empty());
-  CHECK(rig.set({"gain", "12000"}) == "");
 }

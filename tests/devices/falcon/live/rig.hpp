@@ -4,6 +4,8 @@
 #include "devices/falcon/falcon.hpp"
 #include "tests/devices/mock/control.hpp"
 
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -93,6 +95,25 @@ struct Rig {
   [[nodiscard]] bool homed() const { return (state.flags & tactus::haptic::State::kHomed) != 0; }
   bool home() {
     return until([this] { return homed(); });
+  }
+  /// Opened and homed; with `still` the hand's intention stands at the centre.
+  void ready(bool still = false) {
+    if (still)
+      control.ask("still");
+    REQUIRE(open() == "");
+    REQUIRE(home());
+  }
+  [[nodiscard]] bool unreachable() const {
+    return (state.flags & tactus::haptic::State::kUnreachable) != 0;
+  }
+  /// No motor has force, soon, though nobody reads or writes any more.
+  [[nodiscard]] bool falls_still() const {
+    for (int i = 0; i < 500; ++i) {
+      if (saw("motor0=0") && saw("motor1=0") && saw("motor2=0"))
+        return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
   }
   /// The double's state holds this "name=value".
   [[nodiscard]] bool saw(const std::string& pair) const {

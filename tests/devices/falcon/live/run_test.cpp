@@ -1,47 +1,13 @@
 #include "tests/devices/falcon/live/rig.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 
 using namespace tactus::devices::falcon;
 using tactus::haptic::State;
 
-TEST_CASE("five hundred frames carry positions in and the right motor commands out") {
-  Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  const long before = rig.control.value("frames");
-  const tactus::haptic::Vec3 force{1, 0.5, -2};
-  CHECK(rig.until([&] { return rig.control.value("frames") - before >= 1000; }, 20000, force));
-  // The double's hand has come to rest: its counts say where.
-  CHECK(rig.until(
-      [&] {
-        const auto count = [&](int i) {
-          return static_cast<std::int16_t>(rig.control.value("count" + std::to_string(i)));
-        };
-        const Forward found = forward(motor_angles({count(0), count(1), count(2)}));
-        const Counts expected = motor_counts(torques(found.position, force), 10000);
-        bool right = found.found && norm(rig.state.position - (found.position - kCentre)) < 0.1e-3;
-        for (int i = 0; i < 3; ++i)
-          right = right && std::abs(rig.control.value("motor" + std::to_string(i)) -
-                                    expected[static_cast<std::size_t>(i)]) <= 5;
-        return right;
-      },
-      30000, force));
-  CHECK(rig.control.value("broken") == 0);
-  CHECK(rig.falcon.caps().latency_ticks == 1); // an order is answered before the next one acts
-  rig.control.ask("buttons 5");
-  CHECK(rig.until([&] { return rig.state.buttons == 5; }));
-  rig.control.ask("buttons 0");
-}
-
 TEST_CASE("the simulated hand yields to the force in its direction") {
   Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready(true);
   REQUIRE(rig.settle());
   for (int axis = 0; axis < 3; ++axis) {
     const double rest = rig.state.position[axis];
@@ -54,8 +20,7 @@ TEST_CASE("the simulated hand yields to the force in its direction") {
 
 TEST_CASE("noise on the line, lost bytes and split packets cost frames and nothing else") {
   Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready();
   tactus::haptic::Vec3 last = rig.state.position;
   double leap = 0;
   for (const char* fault : {"garbage 37", "bad 3", "lose 4", "split 5", "garbage 200"}) {
@@ -78,8 +43,7 @@ TEST_CASE("noise on the line, lost bytes and split packets cost frames and nothi
 
 TEST_CASE("a line that is silent for 300 ms fails the reads and then comes back") {
   Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready();
   rig.run(100);
   rig.control.ask("stall 300");
   CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0.02; }));
@@ -89,8 +53,7 @@ TEST_CASE("a line that is silent for 300 ms fails the reads and then comes back"
 
 TEST_CASE("homed flags that fall take the force away until the grip has been moved again") {
   Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready();
   rig.run(700, {0, 0, 1});
   rig.control.ask("unhome");
   REQUIRE(rig.until([&] { return !rig.homed(); }, 30000, {0, 0, 1}));
@@ -103,11 +66,10 @@ TEST_CASE("homed flags that fall take the force away until the grip has been mov
   CHECK(rig.home());
 }
 
-TEST_CASE("encoders that stand still under a newton are a fault, and moving again clears it") {
+TEST_CASE("encoders that stand still under a newton are a fault, and moving again clears it" *
+          doctest::test_suite("slow")) {
   Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready(true);
   rig.run(700, {1, 0, 0});
   rig.control.ask("freeze 1");
   const auto faulty = [&] { return (rig.state.flags & State::kFault) != 0; };
@@ -132,8 +94,7 @@ TEST_CASE("encoders that stand still under a newton are a fault, and moving agai
 
 TEST_CASE("pulled out, the driver fails at once; plugged in, it opens again") {
   Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready();
   rig.control.ask("unplug");
   REQUIRE(rig.until([&] { return rig.says("left the bus"); }, 30000, {0, 1, 0}));
   CHECK_FALSE(rig.step());
@@ -150,8 +111,7 @@ TEST_CASE("pulled out, the driver fails at once; plugged in, it opens again") {
 
 TEST_CASE("closing leaves no force in the motors") {
   Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready();
   rig.run(700, {0, 0, 3});
   REQUIRE(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
   rig.falcon.close();
@@ -159,38 +119,9 @@ TEST_CASE("closing leaves no force in the motors") {
     CHECK(rig.control.value(motor) == 0);
 }
 
-TEST_CASE("forces that are no numbers reach no motor") {
-  Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  for (const double value : std::vector<double>{NAN, INFINITY, -INFINITY, 1e308, 5e-324})
-    rig.run(20, {value, 0, 1});
-  for (int i = 0; i < 3; ++i)
-    CHECK(rig.control.value("largest" + std::to_string(i)) <= 4096);
-  CHECK(rig.failed_writes == 0);
-}
-
-TEST_CASE("a servo that stalls leaves no force in the motors") {
-  Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  rig.run(700, {0, 0, 3});
-  REQUIRE(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
-  bool none = false; // nobody reads or writes any more
-  for (int i = 0; i < 500 && !none; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    none = rig.saw("motor0=0") && rig.saw("motor1=0") && rig.saw("motor2=0");
-  }
-  CHECK(none);
-  CHECK(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
-}
-
 TEST_CASE("one wild answer is not believed, and changes neither position nor force") {
   Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready(true);
   REQUIRE(rig.settle());
   const tactus::haptic::Vec3 rest = rig.state.position;
   double farthest = 0;
@@ -201,7 +132,7 @@ TEST_CASE("one wild answer is not believed, and changes neither position nor for
       rig.step();
       farthest = std::max(farthest, norm(rig.state.position - rest));
       homed = homed && rig.homed();
-      flagged = flagged || (rig.state.flags & State::kUnreachable) != 0;
+      flagged = flagged || rig.unreachable();
     }
   }
   CHECK(farthest < 1e-3); // 1000 counts are some 35 mm
@@ -211,31 +142,23 @@ TEST_CASE("one wild answer is not believed, and changes neither position nor for
 
 TEST_CASE("angles that the arms cannot have take the force away at that tick") {
   Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
+  rig.ready(true);
   rig.run(700, {0, 0, 2});
   REQUIRE(rig.settle({0, 0, 2}));
   const tactus::haptic::Vec3 last = rig.state.position;
-  const auto unreachable = [&] { return (rig.state.flags & State::kUnreachable) != 0; };
   rig.control.ask("pose -2500 2500 -2500");
-  REQUIRE(rig.until(unreachable, 30000, {0, 0, 2}));
+  REQUIRE(rig.until([&] { return rig.unreachable(); }, 30000, {0, 0, 2}));
   CHECK(norm(rig.state.position - last) < 1e-3);
   // This tick's order already had no force: after it none has been sent that had one.
-  bool none = false;
-  for (int i = 0; i < 500 && !none; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    none = rig.saw("motor0=0") && rig.saw("motor1=0") && rig.saw("motor2=0");
-  }
-  CHECK(none);
+  CHECK(rig.falls_still());
   const long frames = rig.control.value("frames");
   rig.run(200, {0, 0, 2});
   CHECK(rig.control.value("frames") > frames);
   CHECK(rig.saw("motor2=0"));
-  CHECK(unreachable());
+  CHECK(rig.unreachable());
   CHECK(rig.until([&] { return rig.says("cannot have"); }, 30000, {0, 0, 2}));
   rig.control.ask("pose");
-  REQUIRE(rig.until([&] { return !unreachable(); }));
+  REQUIRE(rig.until([&] { return !rig.unreachable(); }));
   CHECK(rig.falcon.trouble().empty());
 }
 
@@ -252,17 +175,5 @@ TEST_CASE("a Falcon homes although its angles make no sense before") {
   CHECK(rig.until([&] { return rig.state.buttons == 3; }));
   rig.control.ask("buttons 0");
   rig.control.ask("pose");
-  CHECK(rig.until([&] { return (rig.state.flags & State::kUnreachable) == 0; }));
-}
-
-TEST_CASE("a line that falls silent at an unreachable pose is silent") {
-  Rig rig;
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  rig.control.ask("pose -2500 2500 -2500");
-  REQUIRE(rig.until([&] { return (rig.state.flags & State::kUnreachable) != 0; }));
-  rig.control.ask("stall 2000");
-  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0; }));
-  rig.control.ask("pose");
-  rig.control.ask("stall 0");
+  CHECK(rig.until([&] { return !rig.unreachable(); }));
 }

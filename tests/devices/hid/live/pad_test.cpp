@@ -35,6 +35,8 @@ TEST_CASE("an axis table changes what drives what" * doctest::skip(skipped())) {
   Rig rig;
   const std::string file = "axis_table_" + std::to_string(getpid()) + ".txt";
   std::ofstream(file) << "x Rx\ny -Ry\nz none\n";
+  REQUIRE(rig.set({"table", "/nowhere/table"}) == "");
+  CHECK(rig.device.open().find("/nowhere/table") != std::string::npos);
   REQUIRE(rig.set({"table", file}) == "");
   REQUIRE(rig.device.open() == "");
   rig.control.ask("report 00 00 ff ff 80 0000");
