@@ -9,25 +9,22 @@ import pytest
 import text_size
 
 
-@pytest.fixture(scope="module")
-def helvetica():
-    path = pathlib.Path(matplotlib.get_data_path()) / "fonts" / "pdfcorefonts" / "Helvetica.afm"
+def advances(font):
+    """Character -> width in thousandths of the font's size."""
+    path = pathlib.Path(matplotlib.get_data_path()) / "fonts" / "pdfcorefonts" / f"{font}.afm"
     with path.open("rb") as file:
-        return AFM(file)
+        return AFM(file).get_width_char
 
 
-def test_widths_are_those_of_helvetica(helvetica):
-    for code in range(32, 127):
-        assert text_size.ADVANCE[code - 32] == helvetica.get_width_char(chr(code)), chr(code)
+def test_widths_are_those_of_helvetica():
+    width = advances("Helvetica")
+    assert [width(chr(code)) for code in range(32, 127)] == list(text_size.ADVANCE[:95])
 
 
 def test_bold_text_is_about_as_wide_as_helvetica_bold():
-    path = pathlib.Path(matplotlib.get_data_path()) / "fonts" / "pdfcorefonts" / "Helvetica-Bold.afm"
-    with path.open("rb") as file:
-        bold = AFM(file)
+    width = advances("Helvetica-Bold")
     for text in ("a surface rubs a body: squeaks, creaks, bows and brakes", "haptic device: force in, position out"):
-        exact = sum(bold.get_width_char(c) for c in text) * 12 / 1000
-        assert text_size.width(text, 12, True) == pytest.approx(exact, rel=0.04)
+        assert text_size.width(text, 12, True) == pytest.approx(sum(map(width, text)) * 12 / 1000, rel=0.04)
 
 
 def test_saved_boxes_of_max_have_the_widths_that_are_computed():
