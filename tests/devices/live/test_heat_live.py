@@ -4,6 +4,8 @@
 import os
 import re
 
+import pytest
+
 from live_pd import Live, Patch
 
 
@@ -16,6 +18,7 @@ def opened(live, receiver=""):
         live.tell_phantom(f"{receiver} {message}".strip())
 
 
+@pytest.mark.slow  # core/haptic holds how a limit falls and rises
 def test_warm_motors_lower_the_limit_are_told_once_and_cool_by_no_other_object(tmp_path):
     patch = Patch("openhaptics")
     other = patch.obj("phantom openhaptics")

@@ -44,7 +44,6 @@ def test_signals_that_end_pd_are_for_its_own_thread(tmp_path):
             assert all(mask & bit for mask in others)
 
 
-@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("how", some([signal.SIGTERM], [signal.SIGINT]))
 def test_a_terminated_pd_leaves_no_force_either(tmp_path, how):
     with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
