@@ -70,33 +70,3 @@ def test_frames_texts_and_cords_are_where_pd_draws_them(path):
         assert not lost, f"{drawing.where}: {lost}"
         compared += sum(1 for b in drawing.boxes if b) + len(drawing.cords)
     assert compared
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(any(not shutil.which(p) for p in ("Xvfb", "openbox", "xdotool", "import")),
-                    reason="needs xvfb openbox xdotool imagemagick")
-def test_the_corners_of_boxes_are_those_of_a_photograph(tmp_path):
-    """Objects, messages and number boxes are framed in black on white: the pixels of every frame, and none beside."""
-    import matplotlib.image
-    boxes = ["#X obj 40 30 metro 250;", "#X msg 40 80 one two three four five six, f 14;", "#X obj 200 30 spigot;",
-             "#X obj 200 80 route a b c d, f 20;",
-             "#X obj 40 150 list append 10 20 30 40 50 60 70 80 90 100 110 120 130 140 150;"]
-    patch = tmp_path / "frames.pd"
-    patch.write_text("#N canvas 60 40 520 260 12;\n" + "\n".join(boxes) + "\n")
-    done = subprocess.run([str(ROOT / "scripts" / "photograph"), str(patch), str(tmp_path / "frames.png"), "--stage",
-                           str(tmp_path)], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
-    image = matplotlib.image.imread(tmp_path / "frames.png")
-    image = image if image.ndim == 2 else image[..., :3].mean(axis=2)
-    menu = image.shape[0] - 260
-    (drawing,) = drawings(pd_file.read(patch), STAGE)
-    for drawn in drawing.boxes:
-        f = drawn.frame
-        left, top, bottom = int(f.left), int(f.top) + menu, int(f.bottom) + menu
-        across = slice(left + 12, left + 20)  # beside inlets and outlets
-        assert (image[top, across] < 0.4).all() and (image[bottom, across] < 0.4).all(), drawn.name
-        assert (image[top + 1:top + 3, across] > 0.6).all() and (image[top - 1, across] > 0.6).all(), drawn.name
-        assert (image[top:bottom, left] < 0.4).all() and (image[top:bottom, left - 1] > 0.6).all(), drawn.name
-        if drawn.box.kind == "obj":
-            middle = (top + bottom) // 2
-            assert image[middle, int(f.right)] < 0.4 < 0.6 < image[middle, int(f.right) + 1], drawn.name

@@ -134,27 +134,3 @@ def test_a_hand_that_moves_in_one_leaves_the_other_alone(tmp_path, first, second
     assert moved(result.logs["two"]) < STILL
     if first in ("phantom-help", "reed_haptic"):
         assert moved(result.logs["one"]) > 3 * STILL
-
-
-def test_the_map_of_one_patch_does_not_move_the_hand_of_another(tmp_path):
-    """What happened before: playability_map-help moved the hand of an open reed_haptic."""
-    patch = Patch(opens=copies(tmp_path, ("map", "playability_map-help"), ("reeds", "reed_haptic")))
-    patch.log("map", patch.obj("r", "map-y"))
-    patch.log("reeds", patch.obj("r", "reeds-y"))
-    for ms in range(50, 500, 50):
-        patch.send(ms, "map-y", ms / 500)
-    result = patch.render(0.6)
-    assert moved(result.logs["map"]) > 0.5 and moved(result.logs["reeds"]) < STILL
-
-
-def test_what_one_wind_controller_plays_the_other_does_not(tmp_path):
-    """In Pd: the recorded player of the first, then a message to the outside name, which both hear."""
-    patch = Patch(opens=copies(tmp_path, ("one", "wind_controller"), ("two", "wind_controller")))
-    for own in ("one", "two"):
-        patch.log(own, patch.obj("r", f"{own}-key"))
-    patch.send(50, "one-play", "bang")
-    patch.send(900, "one-stop", "bang")
-    patch.send(1000, "wind-event", "note 62 90")
-    logs = patch.render(1.2).logs
-    assert [atoms[0] for _, atoms in logs["two"]] == [62]
-    assert len(logs["one"]) >= 2 and logs["one"][-1][1][0] == 62

@@ -54,9 +54,9 @@ def test_points_are_dragged_and_stress_is_felt_and_a_killed_server_is_found_agai
                     pd.wait_for(f"^heard: {said}", count)
                 pd.wait_until(lambda: [h for h in pd.find(r"^heard: cp move 1 \S+ (\S+) \S+$", since) if float(h) >= mm],
                               f"a height of {mm} mm")
-                gammas = [float(g) for g in pd.wait_for(r"^gamma: (\S+)$")]
-                pd.wait_for(r"^gamma: ", len(gammas) + 100)  # it is felt for a while
-                return gammas
+                written = servers[-1].trace.stat().st_size + 40000  # it is felt for a while: some hundred rows
+                pd.wait_until(lambda: servers[-1].trace.stat().st_size > written, "the trace")
+                return [float(g) for g in pd.find(r"^gamma: (\S+)$")]
             gammas = lifted_to(13.9, 1)
             # The beam is higher: less stress, and the server was told.
             assert 0 < gammas[-1] < 0.95 * max(gammas)

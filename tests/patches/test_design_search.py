@@ -93,15 +93,6 @@ def test_a_point_at_its_limit_leaves_the_move_to_the_next(shapes, monkeypatch):
     assert where[second, 0] > 2e-3
 
 
-def test_a_random_walk_keeps_volume_and_limits_and_its_seed(shapes):
-    peaks, last = search.at_random(shapes, [3, 4, 3])
-    assert peaks.shape == (3, search.ROUNDS + 1)
-    assert (last[0] == last[2]).all() and (last[0] != last[1]).any()
-    for x in last:
-        assert 1e-3 < numpy.abs(x).max() <= search.LIMIT
-        assert shapes.volume(x) == pytest.approx(shapes.first_volume, rel=1e-9)
-
-
 class Series:
     """In the place of part_stress: the series, which has the same derivatives everywhere; refuses beyond a reach."""
 

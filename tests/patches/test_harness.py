@@ -48,15 +48,6 @@ def test_control_messages_arrive_in_time_with_words_and_exact_numbers():
     assert log[3][1][0] == 1 and math.isinf(log[3][1][1]) and math.isnan(log[3][1][2])
 
 
-def test_rebuilding_the_graph_loses_no_sample():
-    ramp = numpy.arange(24000, dtype=numpy.float32)
-    patch = Patch()
-    patch.record("out", patch.signal(ramp))
-    for ms in range(10, 400, 10):
-        patch.rebuild_dsp(ms)
-    assert numpy.array_equal(patch.render(0.5)["out"], ramp)
-
-
 def test_messages_act_at_the_block_of_their_time_and_sub_patches_have_their_own_block_size():
     patch = Patch()
     step, inner = patch.obj("sig~"), patch.sub("coarse", block=512)
@@ -68,24 +59,6 @@ def test_messages_act_at_the_block_of_their_time_and_sub_patches_have_their_own_
     result = patch.render(0.2)
     begins, late = (int(numpy.argmax(result[name])) for name in ("step", "late"))
     assert 4800 - 64 <= begins <= 4800 and late == begins + 512 - 64
-
-
-def test_an_opened_patch_is_heard_through_its_dac_and_driven_by_messages(tmp_path):
-    played = tmp_path / "played.pd"
-    played.write_text("#N canvas 0 0 300 300 12;\n#X obj 20 20 r level;\n#X obj 20 50 sig~;\n"
-                      "#X obj 20 80 dac~;\n#X obj 90 20 s echo;\n#X obj 120 60 table kept 3;\n"
-                      "#X connect 0 0 1 0;\n#X connect 1 0 2 1;\n#X connect 0 0 3 0;\n")
-    patch = Patch(opens=played)
-    patch.record("left", patch.dac(1))
-    patch.record("right", patch.dac(2))
-    patch.log("echo", patch.obj("r echo"))
-    patch.array("kept")
-    patch.send(50, "level", 0.5)
-    patch.send(60, "kept", [0, 1, 2, 3])
-    result = patch.render(0.1)
-    assert not result["left"].any() and result["right"][-1] == 0.5
-    assert result.logs["echo"] == [(50, [0.5])]
-    assert list(result.arrays["kept"]) == [1, 2, 3]
 
 
 @pytest.mark.parametrize("box", ["no-such-object", "tabread~ no-such-array"])

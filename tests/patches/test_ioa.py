@@ -3,7 +3,7 @@ import numpy
 import pytest
 
 from harness import Patch
-from ioa_system import BODIES_APART, SERVERS, System, hits, of, render, rows, taps, wandering
+from ioa_system import BODIES_APART, SERVERS, System, hits, of, render, rows, wandering
 
 
 # ---- interaction server ------------------------------------------------------------------------
@@ -134,12 +134,6 @@ def test_the_damper_acts_on_the_approach_alone(tmp_path, server):
         if coming or contact[0] > 84:
             expected = 0.6 * contact[2] + (3 * 0.25 if coming else 0)
             assert force[-1] == pytest.approx(expected, abs=0.01)
-
-
-def test_without_a_renderer_the_servos_bodies_have_no_force(tmp_path):
-    result = render(0.2, taps(tmp_path / "hand.txt", (25, 0)), r_modal=None, r_spring=None)
-    contacts = of(result, "lab", "contact")
-    assert len(contacts) > 4 and not any(any(c[3:]) for c in contacts)
 
 
 # ---- sensors and recognition ---------------------------------------------------------------------

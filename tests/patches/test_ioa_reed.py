@@ -10,7 +10,7 @@ import pytest
 
 from harness import Patch, read_trace
 from harness.run import ROOT
-from harness.sound import RATE, cents, component, part, peak
+from harness.sound import cents, component, part, peak
 
 PATCH = ROOT / "patches" / "audiohaptics" / "finger_on_reed.pd"
 MASS, REED_HZ, QUALITY, REST_M, ARM_M = 3.376e-6, 2500, 5, 0.4e-3, 0.01  # preset clarinet

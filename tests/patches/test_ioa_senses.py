@@ -4,7 +4,7 @@ import pytest
 import scipy.io.wavfile
 
 from harness import Patch
-from ioa_system import NEEDS_DISK, SERVERS, System, hits, of, render, rows, taps
+from ioa_system import NEEDS_DISK, System, hits, of, render, rows, taps
 
 needs_disk = pytest.mark.skipif(NEEDS_DISK, reason="the disk's table is made where modal_fem is built")
 
@@ -58,28 +58,7 @@ def test_a_hit_becomes_a_mark_by_the_root_of_its_speed(tmp_path):
     assert mark[1:] == ["disk", pytest.approx(25), 0, pytest.approx(6), pytest.approx(20 * 0.6, rel=1e-3)]
 
 
-# ---- force: a sense that can be taken out --------------------------------------------------------
-
-def pressed(tmp_path, **modules):
-    """Force on the simulated device in newtons at the end, its hand pressing the disk."""
-    patch = Patch()
-    system = System(patch, sdd="ioa_sdd_phantom", r_modal=None, **modules)
-    patch.at(0, system.box["sdd"], "hand rigid, path line 25 0 20 25 0 3 400")
-    patch.log("info", patch.obj("r", "lab.phantom-info"))
-    patch.send(200, "lab.phantom", "bang")
-    result = patch.render(0.21)
-    return [a[1:] for _, a in result.logs["info"] if a[0] == "force"][-1], result
-
-
-def test_the_hand_feels_the_spring_only_with_renderer_and_driver(tmp_path):
-    for server in SERVERS:
-        force, result = pressed(tmp_path, **{"is": server})
-        assert force == pytest.approx([0, 0, 2.7], abs=0.05)  # 900 N/m, 3 mm
-        assert len(hits(result)) == 1
-        for part in ("r_spring", "ddd"):
-            force, result = pressed(tmp_path, **{"is": server, part: None})
-            assert force == [0, 0, 0] and len(hits(result)) == 1
-
+# ---- force -----------------------------------------------------------------------------------------
 
 def test_a_hand_on_a_spring_is_held_back_by_the_disk(tmp_path):
     patch = Patch()

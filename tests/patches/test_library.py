@@ -7,7 +7,6 @@ import pytest
 from harness import Patch, run, stage_folder
 
 BODIES = ("bar", "bell", "board", "bowl", "glass", "plate", "tube")  # what README promises
-RATE = 48000
 with_bodies = pytest.mark.skipif(not (stage_folder() / "bowl.modal.npz").is_file(),
                                  reason="this build does not make the bodies of finite elements")
 

@@ -18,9 +18,9 @@ import _tour  # noqa: E402
 from _bodies import RATE  # noqa: E402
 
 
-@pytest.fixture(scope="module")
-def disk():
-    return _bodies.table(*_disk.DISK)
+@pytest.fixture(scope="module", params=["of the library", pytest.param("with all modes", marks=pytest.mark.slow)])
+def disk(request):
+    return stage_folder() / "disk.modal.npz" if request.param == "of the library" else _bodies.table(*_disk.DISK)
 
 
 def ring_at(path, sound_from, seen_at, seconds=3.0):
@@ -45,9 +45,10 @@ def test_a_struck_disk_sounds_at_the_tables_frequencies(disk):
         assert abs(frequencies - hz).min() < 0.05
 
 
-def test_the_paper_s_ball_gives_the_disk_the_impulse_of_the_coupled_equations(disk):
+@pytest.mark.slow
+def test_the_paper_s_ball_gives_the_disk_the_impulse_of_the_coupled_equations():
     # 18.21 mN s with 211 modes, 18.17 with those below 22 kHz: steps of 1/40 of the contact.
-    sound, contact = _disk.drop(disk)
+    sound, contact = _disk.drop(_bodies.table(*_disk.DISK))
     assert contact.sum() / RATE == pytest.approx(18.19e-3, rel=0.01)
     assert _disk.peak_near(sound, _disk.MEASURED[0]) is None  # which is the supported disk's
 

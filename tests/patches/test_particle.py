@@ -46,33 +46,15 @@ def test_collisions_are_a_poisson_process_of_rate_count_times_power(rate, second
     assert windows.var() / windows.mean() == pytest.approx(1, abs=3.5 * math.sqrt(2 / len(windows)))
 
 
-def test_a_shake_of_energy_e_causes_count_times_e_collisions_and_no_more():
-    count, shakes = 30, 20
-    result = render(("-count", count, "-decay", 0.03, "-attack", 0.001),
-                    [(10 + 500 * i, "shake 2") for i in range(shakes)], seconds=shakes / 2 + 0.5)
-    expected = 2 * count * shakes
-    # Two collisions in one sample count as one: at 2000 a second and less, 2 % of them.
-    assert abs(numpy.count_nonzero(result["collisions"]) - expected) < 4 * math.sqrt(expected) + 0.02 * expected
-
-
 @pytest.mark.parametrize("decay, attack", [(0.02, 1e-4), (0.3, 1e-4), (0.5, 0.1)])
 def test_the_energy_of_a_shake_comes_with_the_attack_and_goes_with_the_decay(decay, attack):
     energy = render(("-decay", decay, "-attack", attack), [(0, "shake 3")])["energy"]
     time = numpy.arange(1, len(energy) + 1) / RATE
     exact = 3 * (numpy.exp(-time / decay) - numpy.exp(-time / attack)) * decay / (decay - attack)
-    assert energy[96:] == pytest.approx(exact[96:], rel=3e-3, abs=1e-6)
+    assert numpy.allclose(energy[96:], exact[96:], rtol=3e-3, atol=1e-6)
     fed = render(("-decay", decay), power=7, seconds=10 * decay + 0.1)["energy"]
     time = numpy.arange(1, len(fed) + 1) / RATE
-    assert fed == pytest.approx(7 * decay * (1 - numpy.exp(-time / decay)), rel=1e-4)
-
-
-@pytest.mark.parametrize("frequency", [800, 9000])
-def test_the_spectrum_peaks_at_the_grains_frequency(frequency):
-    result = render(("-frequency", frequency, "-quality", 30, "-count", 100, "-length", 0.02), power=20, seconds=4)
-    f, power = scipy.signal.welch(result["sound"], RATE, nperseg=4096)
-    # A band of Q 30 is 3 % wide; the noise of 8000 grains moves its peak by a part of that.
-    assert f[power.argmax()] == pytest.approx(frequency, rel=0.02)
-    assert power[f > 2 * frequency].max(initial=0) < 1e-2 * power.max()
+    assert numpy.allclose(fed, 7 * decay * (1 - numpy.exp(-time / decay)), rtol=1e-4)
 
 
 def test_a_struck_body_rings_at_its_modes_and_loses_60_db_in_their_time():
@@ -153,18 +135,6 @@ def test_a_seed_repeats_also_after_a_reset_and_another_does_not():
     assert not twice[:480 - 64].any() and not twice[4 * RATE:5 * RATE].any()
 
 
-def test_reset_fades_and_a_shake_within_the_fade_is_not_lost():
-    # Without a reset it goes on for seconds.
-    result = render((*TONE, 3), [(0, "shake 20"), (100, "reset")], seconds=0.4)
-    sound, first, end = result["sound"], int(0.0995 * RATE), int(0.107 * RATE)
-    assert abs(sound[first - 480:first]).max() > 0.05
-    assert not sound[end:].any() and not result["energy"][end:].any()
-    # Faded, not cut: no step larger than the tone's own steepest, 2 pi 300 / 48000 of its size, twice.
-    assert abs(numpy.diff(sound[first:end])).max() < 0.1 * abs(sound[:first]).max()
-    shaken = render((*TONE, 3), [(0, "shake 20"), (100, "reset"), (102, "shake 20")], seconds=0.4)
-    assert abs(shaken["sound"][int(0.12 * RATE):]).max() > 0.01
-
-
 def test_gain_moves_smoothly_and_holds_from_the_first_sample():
     sound = render((*TONE, 30), [(0, "shake 3"), (100, "gain 0")], seconds=0.3)["sound"]
     before = abs(sound[:int(0.1 * RATE)])
@@ -174,14 +144,6 @@ def test_gain_moves_smoothly_and_holds_from_the_first_sample():
     loud, soft = (render(("ice", "-gain", gain), [(10, "bang")], seconds=0.3)["sound"] for gain in (0.8, 0.2))
     quiet = abs(loud) < 0.5  # what is not clipped
     assert numpy.allclose(loud[quiet], 4 * soft[quiet], atol=1e-6)
-
-
-def test_another_kind_lets_what_sounds_ring_out():
-    alone, changed = (render((*TONE, 30, "-decay", 0.01), [(0, "shake 1"), *more], seconds=0.4)["sound"]
-                      for more in ((), ((150, "kind grains"),)))
-    # The energy is empty by then: 30 exp(-15) collisions are to be expected.
-    assert abs(alone[int(0.16 * RATE):]).max() > 1e-3
-    assert numpy.array_equal(alone, changed)
 
 
 def test_the_impulses_make_any_other_body_sound():

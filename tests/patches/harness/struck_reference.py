@@ -81,44 +81,6 @@ def closed_form_board(length=.5, width=.35, thickness=.008, young=1.1e10, densit
     return table
 
 
-def inextensional_bowl(radius=.08, thickness=.003, modes=9, density=7800):
-    """Table of a free steel hemisphere with Rayleigh's inextensional shapes, cos and sin n phi."""
-    rows, columns = 24, 64
-    xyz, tri = [], []
-    for face, r in ((1, radius), (-1, radius - thickness)):
-        first = len(xyz)
-        for i in range(rows + 1):
-            for j in range(columns):
-                t, p = numpy.pi / 2 * (i + .02) / (rows + .02), 2 * numpy.pi * j / columns
-                xyz.append([r * numpy.sin(t) * numpy.cos(p), r * numpy.sin(t) * numpy.sin(p),
-                            -r * numpy.cos(t)])
-        for i in range(rows):
-            for j in range(columns):
-                a, b = first + i * columns + j, first + i * columns + (j + 1) % columns
-                quad = [[a, a + columns, b + columns], [a, b + columns, b]]
-                tri += quad if face > 0 else [q[::-1] for q in quad]
-    xyz = numpy.array(xyz)
-    t = numpy.arccos(-xyz[:, 2] / numpy.linalg.norm(xyz, axis=1))
-    p = numpy.arctan2(xyz[:, 1], xyz[:, 0])
-    mass = density * 2 * numpy.pi * radius ** 2 * thickness
-    phi, f = [], []
-    for n in range(2, 2 + modes):
-        for turn in (0, numpy.pi / 2):
-            wave, tangent = n * p + turn, numpy.tan(t / 2) ** n
-            w = (n + numpy.cos(t)) * tangent * numpy.cos(wave)
-            u, v = -numpy.sin(t) * tangent * numpy.cos(wave), numpy.sin(t) * tangent * numpy.sin(wave)
-            out = xyz / numpy.linalg.norm(xyz, axis=1)[:, None]
-            south = numpy.stack([numpy.cos(t) * numpy.cos(p), numpy.cos(t) * numpy.sin(p),
-                                 numpy.sin(t)], 1)
-            east = numpy.stack([-numpy.sin(p), numpy.cos(p), 0 * p], 1)
-            d = w[:, None] * out + u[:, None] * south + v[:, None] * east
-            phi.append(d / numpy.sqrt((d ** 2).sum(1).mean() * mass))
-            f.append(480 * (n ** 3 - n) / 6 / (1 + .1 * n) * (1 + 1e-3 * (turn > 0)))
-    inertia = mass * radius ** 2 * numpy.diag([5 / 12, 5 / 12, 2 / 3])
-    return arrays("bowl", "free", 2e11, density, numpy.array(f), numpy.array(phi), xyz,
-                  numpy.array(tri), mass, numpy.array([0, 0, -radius / 2]), inertia)
-
-
 def box(length, width, thickness, columns, rows):
     """The two large faces of a board, outward; its edges hardly radiate."""
     x, y = numpy.meshgrid(numpy.linspace(-.5, .5, columns + 1) * length,
