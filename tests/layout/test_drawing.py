@@ -1,5 +1,4 @@
-"""The computed frames, texts and cords are those that Pd draws: compared with its own drawing commands, without a
-screen, and once with the pixels of a photograph."""
+"""The computed frames, texts and cords are those that Pd draws: compared with its own drawing commands, without a screen."""
 import collections
 import os
 import pathlib

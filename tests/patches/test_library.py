@@ -59,14 +59,6 @@ def test_the_library_is_loaded_by_its_name(tmp_path, parent, form):
         assert alone.count("couldn't create") == len(names)  # nothing else finds them
 
 
-def test_the_library_is_also_a_box_and_may_be_loaded_twice(tmp_path, parent):
-    said = boxes(tmp_path, ["tactus/tactus", "greed~ trumpet", "tactus/greed~ trumpet", "tactus", "particle~ ice"],
-                 declare="-lib tactus", path=[parent])
-    assert not said.strip(), said
-    said = boxes(tmp_path, ["tactus/tactus", "greed~ trumpet"], path=[parent])
-    assert not said.strip(), said
-
-
 def load(words, path, **options):
     """What [modal_impact~] has loaded, by its info outlet."""
     patch = Patch()

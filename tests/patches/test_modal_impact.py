@@ -105,13 +105,6 @@ def test_bad_tables_are_refused_with_a_sentence_each_and_the_old_body_goes_on(tm
     assert len(result.errors) == len(BAD_TABLES) + 1 and abs(result["left"]).max() > 0
 
 
-def test_numpys_other_layouts_are_read(tmp_path):
-    xyz = numpy.load(table(tmp_path / "square.modal.npz"))["xyz"]
-    result = play(tmp_path, [(30, "hit 30 40 0 1")], 0.3, freq=numpy.array([400.0, 1000.0, 1600.0], ">f8"),
-                  xyz=numpy.asfortranarray(xyz))
-    assert abs(result["left"]).max() > 0
-
-
 def test_a_gain_of_creation_holds_from_the_first_strike(tmp_path):
     loud, quiet = (play(tmp_path, [(1.4, "hit 30 40 0 1")], 0.1, "-gain", gain)["left"] for gain in (0.1, 0.001))
     assert abs(100 * quiet - loud).max() < 1e-5 * abs(loud).max()
@@ -203,12 +196,6 @@ def test_strikes_land_at_their_samples_in_windows_at_another_rate(tmp_path, bloc
     for sample in expected - expected[0]:
         assert abs(begun - begun[0] - sample).min() <= 1 + 0.5 * factor
     assert -1 <= begun[0] - expected[0] <= max(size, 64 * factor) + 1
-
-
-def test_a_roll_every_three_milliseconds_has_no_jitter(tmp_path):
-    messages = [BALL, *((3 * i, "hit 30 40 0 .1") for i in range(1, 100))]
-    begun = begins(play(tmp_path, messages, 0.5, inside=4096)["contact"])
-    assert set(range(begun[0], begun[0] + 99 * 144, 144)) <= set(begun)
 
 
 # ---- the plate of the package ------------------------------------------------------------------
