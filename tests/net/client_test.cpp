@@ -203,20 +203,3 @@ TEST_CASE("pauses between attempts double up to 4 s and are spread by a fifth") 
   CHECK(lowest < 0.82);
   CHECK(highest > 1.18);
 }
-
-TEST_CASE("random bytes from a server do no harm") {
-  Random random(9);
-  for (int round = 0; round < 500; ++round) {
-    Client client;
-    client.connect(1);
-    for (int i = 0; i < 20; ++i) {
-      Bytes bytes(random.next() % 100);
-      for (auto& byte : bytes)
-        byte = static_cast<std::uint8_t>(random.next());
-      if (i == 0)
-        bytes.insert(bytes.begin(), {0, 0, 0});
-      static_cast<void>(client.receive(bytes, 1));
-    }
-    CHECK(!client.ready());
-  }
-}

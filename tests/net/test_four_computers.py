@@ -8,10 +8,10 @@ import sys
 import pytest
 import scipy.io.wavfile
 
+pytestmark = pytest.mark.slow
 ROOT = pathlib.Path(__file__).parents[2]
 
 
-@pytest.mark.slow
 def test_hits_are_felt_heard_and_seen_on_three_other_computers(tmp_path):
     ran = subprocess.run([sys.executable, str(ROOT / "scripts/four_computers.py"), "--out", str(tmp_path)],
                          capture_output=True, text=True, timeout=200, env=dict(os.environ))

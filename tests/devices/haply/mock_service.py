@@ -5,8 +5,7 @@ one message. Says "port N", then obeys lines on its standard input: `begin KIND`
 `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
 (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
 `drop`, `pad N` (so many letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
-too, and no grip; `late` shows its configuration one message late; `wired` has a grip with a cable;
-`scaled` has a mount that shows everything twice as large.
+too, and no grip; `late` shows its configuration one message late; `scaled` has a mount that shows everything twice as large.
 """
 import asyncio
 import json
@@ -94,9 +93,6 @@ class Service:
             if full:
                 other["config"]["type"] = "minverse"
             return json.dumps({"inverse3": [self.device(full), other]})
-        if self.kind == "wired":
-            grip["state"]["buttons"] = {"a": True, "b": False, "c": True}
-            return json.dumps({"inverse3": [self.device(full)], "verse_grip": [grip]})
         return json.dumps({"session_id": self.sessions, "inverse3": [self.device(full)],
                            "wireless_verse_grip": [grip]})
 

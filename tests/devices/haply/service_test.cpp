@@ -184,15 +184,6 @@ TEST_CASE("the service is asked as often as the rate says, not more") {
   CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(40 * 20 - 60));
 }
 
-TEST_CASE("a grip with a cable is a grip") {
-  Mock mock("wired");
-  const auto device = make();
-  REQUIRE(device->open() == "");
-  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && state.buttons == 5u;
-  }));
-}
-
 TEST_CASE("each setting is taken within its range and refused beyond, with what was expected") {
   const auto device = make();
   const auto refused = [&](const char* name, std::initializer_list<const char*> values,

@@ -77,6 +77,7 @@ def skip_if_ticks_are_missing(report, station):
         pytest.skip(f"this machine missed {missed:.0f} ticks meanwhile")
 
 
+@pytest.mark.slow  # analysis_test has its arithmetic, without real time
 def test_the_wall_has_the_stiffness_that_was_asked_for(simulated):
     assert re.search(r"loop: \w+, [\d.]+ Hz", simulated) and "ENDED EARLY" not in simulated
     assert re.search(r"limits: peak 40\.00 N, continuous 40\.00 N, stiffness not stated, damping 20\.0 N s/m\n", simulated)
@@ -86,6 +87,7 @@ def test_the_wall_has_the_stiffness_that_was_asked_for(simulated):
     assert number(r"(\d+) hits", simulated) >= 2
 
 
+@pytest.mark.slow
 def test_the_sines_move_mass_spring_and_damper_as_they_must(simulated):
     """M 0.1 kg, B 0.5 + 2 N s/m, K 200 N/m; the force is held over 1 ms, hence the sinc."""
     skip_if_ticks_are_missing(simulated, "sine")

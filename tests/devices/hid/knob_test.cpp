@@ -1,11 +1,8 @@
 #include "devices/hid/knob.hpp"
 
-#include "core/dsp/random.hpp"
-
 #include <doctest/doctest.h>
 
 #include <array>
-#include <cmath>
 
 using namespace tactus::devices::hid;
 
@@ -74,22 +71,6 @@ TEST_CASE("a described device's axes are shares of their range around its middle
   CHECK(decoder.knob().buttons == 2);
   CHECK(decoder.decode(Bytes{9, 255, 0, 0}));
   CHECK(decoder.knob().buttons == 0);
-}
-
-TEST_CASE("random reports leave shares within one") {
-  tactus::Random random(22);
-  Decoder decoder = Decoder::space_mouse({});
-  for (int i = 0; i < 100000; ++i) {
-    Bytes report(random.next() % 20);
-    for (auto& byte : report)
-      byte = static_cast<std::uint8_t>(random.next());
-    if (!report.empty() && i % 2)
-      report[0] = static_cast<std::uint8_t>(1 + random.next() % 3);
-    static_cast<void>(decoder.decode(report));
-    for (const double share : decoder.knob().share)
-      if (!(std::abs(share) <= 1))
-        FAIL("a share of " << share);
-  }
 }
 
 TEST_CASE("a description's full scale is believed from 100 to 2000 counts, else it is 350") {

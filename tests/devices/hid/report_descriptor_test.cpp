@@ -136,33 +136,21 @@ TEST_CASE("descriptions that are cut short or absurd end the reading and keep wh
   CHECK(parse_report_descriptor(Bytes{0xfe, 0x01, 0x00, 0x55}).complete);
 }
 
-TEST_CASE("a million random bytes, and broken descriptions of real form, are only ever data") {
+TEST_CASE("broken descriptions of real form are only ever data") {
   tactus::Random random(21);
-  const auto check = [&](std::span<const std::uint8_t> bytes) {
-    const ReportDescriptor d = parse_report_descriptor(bytes);
-    CHECK(d.fields.size() <= 256);
-    std::array<std::uint8_t, 16> report{};
-    for (auto& byte : report)
-      byte = static_cast<std::uint8_t>(random.next());
-    for (const Field& field : d.fields) {
-      std::int32_t number = field.low;
-      const std::span<const std::uint8_t> part(report.data(), random.next() % 17);
-      if (extract(part, field, number) && (number < field.low || number > field.high))
-        FAIL("out of range");
-    }
-  };
-  Bytes bytes(1000000);
-  for (auto& byte : bytes)
-    byte = static_cast<std::uint8_t>(random.next());
-  for (std::size_t at = 0; at < bytes.size();) {
-    const std::size_t length = std::min<std::size_t>(1 + random.next() % 400, bytes.size() - at);
-    check(std::span<const std::uint8_t>(bytes).subspan(at, length));
-    at += length;
-  }
   for (int round = 0; round < 5000; ++round) {
     Bytes mutant = kStick;
     for (std::uint64_t i = 0; i < 1 + random.next() % 6; ++i)
       mutant[random.next() % mutant.size()] = static_cast<std::uint8_t>(random.next());
-    check(mutant);
+    const ReportDescriptor d = parse_report_descriptor(mutant);
+    CHECK(d.fields.size() <= 256);
+    Bytes report(random.next() % 17);
+    for (auto& byte : report)
+      byte = static_cast<std::uint8_t>(random.next());
+    for (const Field& field : d.fields) {
+      std::int32_t number = field.low;
+      if (extract(report, field, number) && (number < field.low || number > field.high))
+        FAIL("out of range");
+    }
   }
 }

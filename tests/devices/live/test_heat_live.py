@@ -8,6 +8,8 @@ import pytest
 
 from live_pd import Live, Patch
 
+pytestmark = pytest.mark.slow  # core/haptic holds how a limit falls and rises
+
 
 def forces(live, tag="info"):
     return [float(x) for x in re.findall(rf"^{tag}: force (\S+) \S+ \S+$", live.read(), re.M)]
@@ -18,7 +20,6 @@ def opened(live, receiver=""):
         live.tell_phantom(f"{receiver} {message}".strip())
 
 
-@pytest.mark.slow  # core/haptic holds how a limit falls and rises
 def test_warm_motors_lower_the_limit_are_told_once_and_cool_by_no_other_object(tmp_path):
     patch = Patch("openhaptics")
     other = patch.obj("phantom openhaptics")

@@ -10,7 +10,7 @@ import subprocess
 
 import pytest
 
-from live_pd import PD, Live, Patch, falcon_patch, falcon_world, motors, pd_of, some, world
+from live_pd import PD, Live, Patch, falcon_patch, falcon_world, motors, pd_of, world
 
 
 def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_path):
@@ -44,7 +44,8 @@ def test_signals_that_end_pd_are_for_its_own_thread(tmp_path):
             assert all(mask & bit for mask in others)
 
 
-@pytest.mark.parametrize("how", some([signal.SIGTERM], [signal.SIGINT]))
+@pytest.mark.parametrize("how", [
+    signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_terminated_pd_leaves_no_force_either(tmp_path, how):
     with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
         live.wait_for(r"^info: status homed 1")

@@ -39,7 +39,7 @@ struct Rig {
     return device.write(force) && well;
   }
   /// Steps until the condition holds; false when it does not within so many ticks.
-  template <class Condition> bool until(Condition condition, int ticks = 3000) {
+  template <class Condition> bool until(Condition condition, int ticks = 30000) {
     for (int i = 0; i < ticks; ++i) {
       step();
       if (condition())
@@ -47,7 +47,7 @@ struct Rig {
     }
     return false;
   }
-  bool reaches(const tactus::haptic::Vec3& position_mm, int ticks = 3000) {
+  bool reaches(const tactus::haptic::Vec3& position_mm, int ticks = 30000) {
     return until([&] { return norm(state.position * 1e3 - position_mm) < 1e-6; }, ticks);
   }
   /// Sends reports until the condition holds: on a busy machine the double may lose one.
