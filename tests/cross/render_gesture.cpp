@@ -50,9 +50,10 @@ std::vector<Message> read_messages(std::istream& lines) {
 /// Times from the gesture's begin, to a microsecond.
 void write_messages(std::ostream& out, double begin_ms) {
   out << std::setprecision(17);
-  for (int i = 0; i < host_error_count(); ++i)
-    out << "error: " << host_error(i) << '\n';
-  for (const Sent& message : sent()) {
+  const Heard all = heard();
+  for (const std::string& error : all.errors)
+    out << "error: " << error << '\n';
+  for (const Sent& message : all.sent) {
     out << std::round(1e3 * (message.ms - begin_ms)) / 1e3 << ' ' << message.outlet << ' '
         << message.selector;
     for (const MessageAtom& atom : message.atoms)
@@ -84,7 +85,7 @@ bool render(const Declaration& declaration, const MessageAtoms& arguments, const
   if (!box.made())
     return false;
   box.dsp(kRate, kFrames);
-  const double begin_ms = host_now();
+  const double begin_ms = now_ms();
   Buffers outputs;
   const std::vector<Message> messages = read_messages(std::cin);
   auto next = messages.begin();
@@ -108,7 +109,7 @@ int main(int count, char** words) {
     std::fprintf(stderr, "usage: render_gesture STAGE STEM INPUTS OBJECT ATOM... < MESSAGES\n");
     return 2;
   }
-  host_set_folder(words[1]);
+  set_folder(words[1]);
   MessageAtoms arguments;
   for (const char* word : std::span(words, static_cast<std::size_t>(count)).subspan(5))
     arguments.push_back(atom_of(word));

@@ -67,6 +67,7 @@ def test_deken_reads_the_name_and_the_files_beside_it(package):
     assert {row.split("\t")[0] for row in rows} >= {"greed~", "footstep~", "modal_impact~", "phantom", "playability~"}
 
 
+@pytest.mark.slow
 def test_the_same_build_gives_the_same_bytes(made, tmp_path):
     again = make("deken", tmp_path)
     names = sorted(path.name for path in made.iterdir())
@@ -123,6 +124,7 @@ def test_a_broken_package_and_one_without_an_object_are_found(library, package, 
     assert list(try_package.load_every_object(part, ["pd"])) == ["greed~"]
 
 
+@pytest.mark.slow
 def test_debian_packages(tmp_path):
     made = {path.name.split("_")[0]: path for path in make("debian", tmp_path / "a").glob("*.deb")}
     for path in make("debian", tmp_path / "b").glob("*.deb"):

@@ -2,6 +2,8 @@
 import pathlib
 import subprocess
 
+import pytest
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # A Debian in which `have` is installed and `offered` could be; `mentioned` is a name without a package.
 DEBIAN = """root=$1 command=./test; shift; . "$root/scripts/common.sh"
@@ -10,23 +12,14 @@ apt-cache() { case $2 in offered) echo "Package: offered" ;; mentioned) ;; *) re
 choose_packages "$@" """
 
 
-def chosen(*words):
-    return subprocess.run(["bash", "-c", DEBIAN, "bash", ROOT, *words], capture_output=True, text=True,
-                          check=True).stdout.split()
-
-
-def test_the_first_alternative_that_debian_has_is_taken():
-    assert chosen("missing|have", "missing|offered|have", "offered|have") == ["have", "offered", "offered"]
-
-
-def test_what_is_optional_is_left_out_where_debian_lacks_it():
-    assert chosen("missing?", "mentioned?", "offered?", "have?") == ["offered", "have"]
-    assert chosen("mentioned|offered") == ["offered"]
-
-
-def test_a_plain_name_is_asked_for_even_where_debian_lacks_it():
-    """So that installing it fails and says so."""
-    assert chosen("missing", "have") == ["missing", "have"]
+@pytest.mark.parametrize("asked, chosen", [
+    ("missing|have missing|offered|have offered|have mentioned|offered", "have offered offered offered"),
+    ("missing? mentioned? offered? have?", "offered have"),  # what is optional is left out where Debian lacks it
+    ("missing have", "missing have"),  # but not a plain name, so that installing it fails and says so
+])
+def test_the_first_alternative_that_debian_has_is_taken(asked, chosen):
+    done = subprocess.run(["bash", "-c", DEBIAN, "bash", ROOT, *asked.split()], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == chosen.split()
 
 
 def test_every_line_of_the_list_is_a_group_of_words():
@@ -39,15 +32,12 @@ missing_packages() { echo "$lacking"; }; as_root() { :; }; set_up() { sleep 0.2;
 begin_set_up play; [ -z "$installer" ] && echo none || { wait "$installer"; echo "ended with $?"; }"""
 
 
-def begun(missing, status=0):
-    return subprocess.run(["bash", "-c", MISSING, "bash", ROOT], capture_output=True, text=True, check=True,
-                          env={"lacking": missing, "status": str(status), "PATH": "/usr/bin:/bin"}).stdout.strip()
-
-
-def test_a_set_up_in_the_background_is_waited_for_by_its_process():
-    assert begun("") == "none"
-    assert begun("python3-numpy") == "ended with 0"
-    assert begun("python3-numpy", 2) == "ended with 2"
+@pytest.mark.parametrize("missing, status, said", [
+    ("", 0, "none"), ("python3-numpy", 0, "ended with 0"), ("python3-numpy", 2, "ended with 2")])
+def test_a_set_up_in_the_background_is_waited_for_by_its_process(missing, status, said):
+    done = subprocess.run(["bash", "-c", MISSING, "bash", ROOT], capture_output=True, text=True, check=True,
+                          env={"lacking": missing, "status": str(status), "PATH": "/usr/bin:/bin"})
+    assert done.stdout.strip() == said
 
 
 def test_a_set_up_in_the_background_says_what_is_missing_where_nobody_may_install():

@@ -47,8 +47,7 @@ def in_small_checkout(tmp_path, monkeypatch, capsys):
         (tmp_path / "checked").unlink(missing_ok=True)
         status = module.main()
         checked = tmp_path / "checked"
-        names = {pathlib.Path(line).name for line in checked.read_text().split()} \
-            if checked.exists() else set()
+        names = {pathlib.Path(line).name for line in checked.read_text().split()} if checked.exists() else set()
         return status, names, capsys.readouterr().out
 
     run.root = root

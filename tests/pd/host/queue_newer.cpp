@@ -1,0 +1,53 @@
+// What Pd 0.54 to 0.57 add: multichannel signals and posting from threads.
+#include "tests/pd/host/internal.hpp"
+
+#include <list>
+#include <mutex>
+
+namespace {
+
+using Function = void (*)(t_pd*, void*);
+struct Entry {
+  t_pd* object;
+  void* argument;
+  Function function;
+};
+std::mutex lock;
+std::list<Entry> queue;
+
+} // namespace
+
+extern "C" {
+void signal_setmultiout(t_signal** signal, int channels);
+void pd_queue_mess(t_pdinstance* instance, t_pd* object, void* argument, Function function);
+void pd_queue_cancel(t_pd* object);
+}
+
+void signal_setmultiout(t_signal** signal, int channels) {
+  reinterpret_cast<tactus::test::HostSignal*>(*signal)->set_channels(channels);
+}
+
+void pd_queue_mess(t_pdinstance* instance, t_pd* object, void* argument, Function function) {
+  if (instance != &pd_maininstance)
+    tactus::test::die("pd_queue_mess for another instance");
+  const std::lock_guard held(lock);
+  queue.push_back({object, argument, function});
+}
+
+void pd_queue_cancel(t_pd* object) {
+  const std::lock_guard held(lock);
+  for (Entry& entry : queue)
+    if (entry.object == object)
+      entry.object = nullptr;
+}
+
+void tactus::test::deliver_queue() {
+  std::unique_lock held(lock);
+  while (!queue.empty()) {
+    const Entry entry = queue.front();
+    queue.pop_front();
+    held.unlock();
+    entry.function(entry.object, entry.argument); // with a null object when cancelled, as Pd does
+    held.lock();
+  }
+}
