@@ -51,31 +51,19 @@ EMPTY = r"""#N canvas 0 0 450 300 12;
 """
 
 
-def missing(what):
-    print(f"skipped: {what} is missing; apt-get install jackd2 puredata-core")
-    sys.exit(77)
-
-
 def free_port():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
         door.bind(("127.0.0.1", 0))
         return door.getsockname()[1]
 
 
-def start(command, file, environment):
-    """A process whose words all go to that file."""
-    return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=file, stderr=file,
-                            env=environment)
-
-
 def stop(process):
-    if process.poll() is None:
-        process.send_signal(signal.SIGTERM)
-        try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+    process.send_signal(signal.SIGTERM)
+    try:
+        process.wait(10)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def wait_for(file, words, seconds=20):
@@ -98,10 +86,7 @@ def cpu_seconds(process):
 
 
 def servo_numbers(text):
-    found = {}
-    for name, value in re.findall(r"^info: stats (\S+) (\S+)$", text, re.M):
-        found[name] = float(value)
-    return found
+    return {name: float(value) for name, value in re.findall(r"^info: stats (\S+) (\S+)$", text, re.M)}
 
 
 def run(seconds, folder):
@@ -111,51 +96,49 @@ def run(seconds, folder):
     environment = dict(os.environ, JACK_DEFAULT_SERVER=SERVER, JACK_NO_AUDIO_RESERVATION="1",
                        JACK_NO_START_SERVER="1")
     texts = {name: folder / f"{name}.txt" for name in ("jack", "reed", "empty")}
-    files = {name: texts[name].open("wb", buffering=0) for name in texts}
-    processes = []
+    processes = {}
+
+    def start(name, *command):
+        """A process whose words all go to its file."""
+        with texts[name].open("wb", buffering=0) as file:
+            processes[name] = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=file, stderr=file,
+                                               env=environment)
+
+    def ask(message):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
+            door.sendto(f"{message};\n".encode(), ("127.0.0.1", port))
+
     try:
-        processes.append(start(["jackd", "-v", "-n", SERVER, "-d", "dummy", "-r", str(RATE), "-p",
-                                str(PERIOD)], files["jack"], environment))
+        start("jack", "jackd", "-v", "-n", SERVER, "-d", "dummy", "-r", str(RATE), "-p", str(PERIOD))
         wait_for(texts["jack"], "JackThreadedDriver::Init")
-        pd = ["pd", "-nogui", "-noprefs", "-stderr", "-nomidi", "-jack", "-callback", "-r",
-              str(RATE), "-blocksize", str(PERIOD), "-channels", "2", "-path", str(STAGE)]
-        for name, opened in (("empty", ["empty.pd"]), ("reed", ["reed_haptic.pd", "reed.pd"])):
-            words = [w for file in opened
-                     for w in ("-open", str(STAGE / file if file == "reed_haptic.pd"
-                                            else folder / file))]
-            processes.append(start([*pd, "-jackname", f"tactus_{name}", *words], files[name],
-                                   environment))
+        pd = ["pd", "-nogui", "-noprefs", "-stderr", "-nomidi", "-jack", "-callback", "-r", str(RATE),
+              "-blocksize", str(PERIOD), "-channels", "2", "-path", str(STAGE)]
+        for name, files in (("empty", [folder / "empty.pd"]),
+                            ("reed", [STAGE / "reed_haptic.pd", folder / "reed.pd"])):
+            opened = [word for file in files for word in ("-open", str(file))]
+            start(name, *pd, "-jackname", f"tactus_{name}", *opened)
             wait_for(texts["jack"], f"tactus_{name}")
         time.sleep(3)  # loading and tuning
-        before = texts["jack"].read_text(errors="replace")
-
-        def ask(message):
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
-                door.sendto(f"{message};\n".encode(), ("127.0.0.1", port))
-
+        before = len(texts["jack"].read_text(errors="replace"))
         ask("stats reset")
-        used = [-cpu_seconds(process) for process in processes[1:]]
+        busy = {name: -cpu_seconds(processes[name]) for name in ("empty", "reed")}
         time.sleep(seconds)
-        used = [(u + cpu_seconds(process)) / seconds for u, process in zip(used, processes[1:])]
-        after = texts["jack"].read_text(errors="replace")[len(before):]
+        busy = {name: (used + cpu_seconds(processes[name])) / seconds for name, used in busy.items()}
+        after = texts["jack"].read_text(errors="replace")[before:]
         ask("stats")
         time.sleep(0.5)
     finally:
-        for process in reversed(processes):
+        for process in reversed(processes.values()):
             stop(process)
-        for file in files.values():
-            file.close()
     late = {name: late_periods(after, f"tactus_{name}") for name in ("reed", "empty")}
     late["clock"] = after.count("JackTimedDriver::Process XRun")
-    busy = dict(zip(("empty", "reed"), used))
     return late, busy, servo_numbers(texts["reed"].read_text(errors="replace")), texts
 
 
 def main():
-    if not shutil.which("jackd"):
-        missing("jackd")
-    if not shutil.which("pd"):
-        missing("pd")
+    if lacking := [name for name in ("jackd", "pd") if not shutil.which(name)]:
+        print(f"skipped: {lacking[0]} is missing; apt-get install jackd2 puredata-core")
+        sys.exit(77)
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60
     periods = seconds * RATE / PERIOD
     with tempfile.TemporaryDirectory(prefix="tactus-") as name:
