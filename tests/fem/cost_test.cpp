@@ -25,6 +25,11 @@ ShapePlan plan(const Body& body, MeshChoice choice = {}) {
   return plan_shape(body.name, dimensions, {}, choice);
 }
 
+void check_counts(const ShapePlan& planned, const Mesh& mesh) {
+  CHECK(planned.size.elements == static_cast<double>(mesh.elements.size()));
+  CHECK(planned.size.nodes == static_cast<double>(mesh.nodes.size()));
+}
+
 const std::vector<Body>& bodies() {
   static const std::vector<Body> all{
       {"disk", {{"diameter", 100}, {"thickness", 12}}, 0},
@@ -50,8 +55,7 @@ TEST_CASE("a shape's elements and nodes are counted exactly before it is made") 
     CAPTURE(body.name);
     const ShapePlan planned = plan(body);
     const Mesh mesh = planned.make().mesh;
-    CHECK(planned.size.elements == static_cast<double>(mesh.elements.size()));
-    CHECK(planned.size.nodes == static_cast<double>(mesh.nodes.size()));
+    check_counts(planned, mesh);
     // Pairs round the axis of revolution are left out: below a tenth of a slender round bar's.
     const double pairs = static_cast<double>(NodeGraph(mesh).row.size());
     CHECK(planned.size.node_pairs == doctest::Approx(pairs).epsilon(.06));
@@ -90,13 +94,11 @@ TEST_CASE("first meshes of few elements and those of a refinement's grid are cou
     CAPTURE(body.name);
     const ShapePlan sparse = plan(body, {.sparse = true});
     const SweptBody first = sparse.make();
-    CHECK(sparse.size.elements == static_cast<double>(first.mesh.elements.size()));
-    CHECK(sparse.size.nodes == static_cast<double>(first.mesh.nodes.size()));
+    check_counts(sparse, first.mesh);
     const SweepGrid grid = uneven(first.grid);
     const ShapePlan refined = plan(body, {.sparse = true, .grid = &grid});
     const SweptBody second = refined.make();
-    CHECK(refined.size.elements == static_cast<double>(second.mesh.elements.size()));
-    CHECK(refined.size.nodes == static_cast<double>(second.mesh.nodes.size()));
+    check_counts(refined, second.mesh);
     CHECK(refined.size.elements > sparse.size.elements);
     for (std::size_t d = 0; d < 3; ++d)
       CHECK(second.grid.line[d].size() == grid.line[d].size());
@@ -104,21 +106,35 @@ TEST_CASE("first meshes of few elements and those of a refinement's grid are cou
   }
 }
 
-TEST_CASE("the factor's entries are foretold within a factor of 1.6, be the body a bar or a ball") {
+namespace {
+
+void check_factor(const Body& body) {
+  CAPTURE(body.name);
   const Material aluminium = find_material("aluminium");
-  for (const Body& body : bodies()) {
-    CAPTURE(body.name);
-    const ShapePlan planned = plan(body);
-    const Matrices matrices = assemble(planned.make().mesh, std::span(&aluminium, 1), {});
-    const FactorCost exact = ShiftedFactor(matrices, 1e6).cost(),
-                     on_prediction = predict_factor(planned.size);
-    CHECK(on_prediction.entries / exact.entries > 1 / 1.6);
-    CHECK(on_prediction.entries / exact.entries < 1.6);
-    CHECK(on_prediction.operations / exact.operations > 1 / 2.);
-    CHECK(on_prediction.operations / exact.operations < 2.);
-    CHECK(on_prediction.memory_bytes / exact.memory_bytes > 1 / 1.4);
-    CHECK(on_prediction.memory_bytes / exact.memory_bytes < 1.4);
-  }
+  const ShapePlan planned = plan(body);
+  const Matrices matrices = assemble(planned.make().mesh, std::span(&aluminium, 1), {});
+  const FactorCost exact = ShiftedFactor(matrices, 1e6).cost(),
+                   foretold = predict_factor(planned.size);
+  const auto within = [](double ratio, double factor) {
+    CHECK(ratio > 1 / factor);
+    CHECK(ratio < factor);
+  };
+  within(foretold.entries / exact.entries, 1.6);
+  within(foretold.operations / exact.operations, 2);
+  within(foretold.memory_bytes / exact.memory_bytes, 1.4);
+}
+
+} // namespace
+
+TEST_CASE("the factor's entries are foretold within a factor of 1.6, be the body a bar or a ball") {
+  check_factor({"bar", {{"length", 400}, {"width", 30}, {"thickness", 10}}, 10});
+  check_factor({"sphere", {{"diameter", 100}}, 20});
+}
+
+TEST_CASE("the factor's entries are foretold within a factor of 1.6 for every shape" *
+          doctest::test_suite("slow")) {
+  for (const Body& body : bodies())
+    check_factor(body);
 }
 
 TEST_CASE("in the limit of fine meshes a cube's factor grows as n^(4/3), a plate's as n log n") {

@@ -34,4 +34,19 @@ inline double relative_difference(std::span<const double> a, std::span<const dou
   return std::sqrt(difference / size);
 }
 
+/// von Mises stress of every element of the model, solved.
+inline std::vector<double> solved_von_mises(const Mesh& mesh, const StaticModel& model) {
+  return equivalent_stress(
+      element_stress(mesh, model.materials, solve_static(mesh, model).solution.displacement),
+      StressMeasure::von_mises);
+}
+
+/// (above - below) / (2 h), each.
+inline std::vector<double> central_difference(std::vector<double> above,
+                                              std::span<const double> below, double h) {
+  for (std::size_t i = 0; i < above.size(); ++i)
+    above[i] = (above[i] - below[i]) / (2 * h);
+  return above;
+}
+
 } // namespace tactus::fem

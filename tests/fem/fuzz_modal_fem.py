@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 """Damaged files against modal_fem: bit flips, truncations, numbers blown up, lines or pieces deleted and doubled.
 
-    fuzz_modal_fem.py PROGRAM [--mutants N] [--formats msh2,step,...] [--seed S] [--keep FOLDER] [--old]
+    fuzz_modal_fem.py PROGRAM [--mutants N] [--formats msh2,step,...] [--seed S] [--keep FOLDER]
 
 Seeds are fixed: the same call tries the same files. Each mutant is read, meshed and exported (no modes), with
 --time-limit 10 (60 with --sanitized; 300 for the undamaged file) and 3 GB of address space. A table is printed: how
 many were read, refused in one sentence, or ended in the child process (crash, memory, silence: also one sentence); and
 the faults: the program died by a signal, went on for 50 s beyond the limit, took more than 2 GB, or did not say one
-sentence. The status is 1 when there is a fault. --old leaves out --time-limit, which earlier versions do not know.
+sentence. The status is 1 when there is a fault.
 Needs numpy; STEP and BREP bodies come from Debian's gmsh-doc and
 occt-misc, and are left out where those are not installed.
 """
@@ -223,7 +223,6 @@ def main():
     options.add_argument("--formats", default=",".join(FORMATS))
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--keep", help="a folder for the files of faults")
-    options.add_argument("--old", action="store_true")
     options.add_argument("--sanitized", action="store_true", help="no limit of address space: the sanitizer's shadow")
     options.add_argument("--jobs", type=int, default=2)
     options.add_argument("--verbose", action="store_true")
@@ -248,11 +247,9 @@ def main():
                 name = f"mutant.{ending}"
                 with open(f"{own}/{name}", "wb") as file:
                     file.write(mutants[number])
-                words = [program, name, "--multi", "--quiet", "--export-inp", "out.inp"]
                 # The limit is of wall time: an undamaged file must be read on a busy machine too, and sanitizers are slow.
                 limit = 300 if number == 0 else 60 if chosen.sanitized else 10
-                if not chosen.old:
-                    words += ["--time-limit", str(limit)]
+                words = [program, name, "--multi", "--quiet", "--export-inp", "out.inp", "--time-limit", str(limit)]
                 if form == "npz":
                     words = [program, "raw", name, "--hit", "0,0,6", "--seconds", "0.002", "-o", "out.modal.npz"]
                 began = time.monotonic()

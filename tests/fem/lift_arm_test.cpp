@@ -1,9 +1,9 @@
 // The lift arm: its solid against closed forms, its topology, its holes, and what it refuses.
 #include "fem/mesh/surface.hpp"
 #include "fem/shapes/lift_arm.hpp"
+#include "solve.hpp"
 
 #include <algorithm>
-#include <doctest/doctest.h>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -38,36 +38,28 @@ const Mesh& mesh_of_the_arm() {
   return mesh;
 }
 
-std::string refusal(const LiftArm& arm) {
-  try {
-    check(arm);
-  } catch (const InputError& refusal) {
-    return refusal.what();
-  }
-  return "none";
-}
-
 } // namespace
 
-TEST_CASE(
-    "the lift arm's mesh has the volume of the closed form, with lightening holes and without") {
+TEST_CASE("the lift arm's mesh has the volume of the closed form, and its holes") {
   // Curved tet10 with 12 sides a turn: a parabola follows an arc of 30 degrees within 1e-4 of its
   // radius, with both signs.
-  LiftArm arm;
+  const LiftArm arm;
   const Mesh& with = mesh_of_the_arm();
   CHECK(volume(with) == doctest::Approx(volume(arm)).epsilon(6e-5));
   CHECK(genus(with) == 5); // three pins, two lightening holes
   CHECK(connected_parts(with).count == 1);
+}
 
+TEST_CASE("the closed form holds without lightening holes" * doctest::test_suite("slow")) {
+  LiftArm arm;
   arm.slot_width = 0;
   const Mesh solid = mesh_lift_arm(arm, even(.016));
   CHECK(volume(solid) == doctest::Approx(volume(arm)).epsilon(6e-5));
   CHECK(genus(solid) == 3);
-  CHECK(volume(solid) - volume(with) ==
-        doctest::Approx(volume(arm) - volume(LiftArm{})).epsilon(1e-3));
 }
 
-TEST_CASE("fillets and rounded edges have the volume that Pappus and Guldin give them") {
+TEST_CASE("fillets and rounded edges have the volume that Pappus and Guldin give them" *
+          doctest::test_suite("slow")) {
   LiftArm sharp, rounded;
   rounded.edge_radius = .004;
   const double made = volume(mesh_lift_arm(rounded, even(.02)));
@@ -112,37 +104,31 @@ TEST_CASE("the STEP file is one solid that is read back whole") {
   std::string first;
   std::getline(file, first);
   CHECK(first.starts_with("ISO-10303-21;"));
-  const Mesh mesh = load_body(path.string(), even(.02)); // in mm, as STEP files say
-  CHECK(volume(mesh) == doctest::Approx(volume(arm)).epsilon(1e-3));
+  const Mesh mesh = load_body(path.string(), even(.03)); // in mm, as STEP files say
+  CHECK(volume(mesh) == doctest::Approx(volume(arm)).epsilon(2e-3));
   std::filesystem::remove(path);
   CHECK_THROWS_AS(write_step("/nowhere/arm.step", arm), InputError);
 }
 
 TEST_CASE("dimensions that cannot be built are refused by name and value") {
-  const auto changed = [](auto change) {
+  const auto refused = [](const auto& change, const char* words) {
     LiftArm arm;
     change(arm);
-    return refusal(arm);
+    check_refused([&] { check(arm); }, words);
   };
-  CHECK(refusal({}) == "none");
-  const auto mentions = [](const std::string& text, const char* words) {
-    CAPTURE(text);
-    CHECK(text.find(words) != std::string::npos);
-    CHECK(text.find("expected") != std::string::npos);
-    CHECK(text.find('\n') == std::string::npos);
-  };
-  mentions(changed([](LiftArm& a) { a.hub.bore = .2; }), "hub diameter is 96 mm");
-  mentions(changed([](LiftArm& a) { a.rod_eye.width = .020; }), "rod_eye width is 20 mm");
-  mentions(changed([](LiftArm& a) { a.depth = 0; }), "depth is 0 mm");
-  mentions(changed([](LiftArm& a) { a.depth = 2; }), "lift_arm: depth is 2000 mm");
-  mentions(changed([](LiftArm& a) { a.rise = .3; }), "rise is 300 mm");
-  mentions(changed([](LiftArm& a) { a.lift_position = 1.5; }), "lift_position is 1.5");
-  mentions(changed([](LiftArm& a) { a.lift_position = .05; }), "length is 380 mm");
-  mentions(changed([](LiftArm& a) { a.shoulder = .004; }), "shoulder is 4 mm");
-  mentions(changed([](LiftArm& a) { a.lift_eye.diameter = .095; }), "lift_eye diameter is 95 mm");
-  mentions(changed([](LiftArm& a) { a.slot_width = .08; }), "slot_width is 80 mm");
-  mentions(changed([](LiftArm& a) { a.web = .1; }), "slot_width is 28 mm");
-  mentions(changed([](LiftArm& a) { a.edge_radius = .012; }), "edge_radius is 12 mm");
-  mentions(changed([](LiftArm& a) { a.thickness = NAN; }), "thickness is nan mm");
-  mentions(changed([](LiftArm& a) { a.length = 1e9; }), "length is 1e+12 mm");
+  CHECK_NOTHROW(check(LiftArm{}));
+  refused([](LiftArm& a) { a.hub.bore = .2; }, "hub diameter is 96 mm");
+  refused([](LiftArm& a) { a.rod_eye.width = .020; }, "rod_eye width is 20 mm");
+  refused([](LiftArm& a) { a.depth = 0; }, "depth is 0 mm");
+  refused([](LiftArm& a) { a.depth = 2; }, "lift_arm: depth is 2000 mm");
+  refused([](LiftArm& a) { a.rise = .3; }, "rise is 300 mm");
+  refused([](LiftArm& a) { a.lift_position = 1.5; }, "lift_position is 1.5");
+  refused([](LiftArm& a) { a.lift_position = .05; }, "length is 380 mm");
+  refused([](LiftArm& a) { a.shoulder = .004; }, "shoulder is 4 mm");
+  refused([](LiftArm& a) { a.lift_eye.diameter = .095; }, "lift_eye diameter is 95 mm");
+  refused([](LiftArm& a) { a.slot_width = .08; }, "slot_width is 80 mm");
+  refused([](LiftArm& a) { a.web = .1; }, "slot_width is 28 mm");
+  refused([](LiftArm& a) { a.edge_radius = .012; }, "edge_radius is 12 mm");
+  refused([](LiftArm& a) { a.thickness = NAN; }, "thickness is nan mm");
+  refused([](LiftArm& a) { a.length = 1e9; }, "length is 1e+12 mm");
 }

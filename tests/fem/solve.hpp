@@ -1,4 +1,5 @@
 #pragma once
+#include "fem/mesh/surface.hpp"
 #include "fem/modes/body.hpp"
 #include "fem/shapes/shapes.hpp"
 
@@ -24,11 +25,35 @@ inline SolvedModes solve_modes(Mesh mesh, const Material& material, std::size_t 
   return {std::move(mesh), std::move(matrices), std::move(modes)};
 }
 
+/// A mode's displacement of the skin's vertices.
+inline std::vector<Vector3> skin_motion(const SolvedModes& a, std::size_t mode) {
+  std::vector<Vector3> motion;
+  for (const int node : surface_of(a.mesh).node) {
+    const double* u = &a.modes.shapes[mode * a.mesh.dofs() + 3 * static_cast<std::size_t>(node)];
+    motion.push_back({u[0], u[1], u[2]});
+  }
+  return motion;
+}
+
 /// Relative difference is below `tolerance`.
 inline void check_close(double value, double reference, double tolerance) {
   CAPTURE(value);
   CAPTURE(reference);
   CHECK(std::abs(value / reference - 1) < tolerance);
+}
+
+/// The work is refused in one sentence that has these words.
+template <class Work> void check_refused(Work&& work, const std::string& words) {
+  std::string said = "nothing was refused";
+  try {
+    (void)work();
+  } catch (const InputError& refused) {
+    said = refused.what();
+  }
+  CAPTURE(said);
+  CHECK((said == "nothing was refused") == (words == "nothing was refused"));
+  CHECK(said.find(words) != std::string::npos);
+  CHECK(said.find('\n') == std::string::npos);
 }
 
 /// Nodes on a plane.

@@ -5,7 +5,6 @@
 #include "tetrahedra.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <numbers>
 
 namespace tactus::fem {
@@ -17,6 +16,19 @@ inline Material steel(double poisson = 0.3) {
   m.young_pa = {2.1e11, 0, 0};
   m.poisson = {poisson, 0, 0};
   return m;
+}
+
+/// Spruce whose grain runs askew to the axes.
+inline Material oblique_spruce() {
+  Material wood;
+  wood.name = "spruce";
+  wood.density = 450;
+  wood.young_pa = {11e9, 0.8e9, 0.45e9};
+  wood.poisson = {0.44, 0.38, 0.36};
+  wood.shear_pa = {0.04e9, 0.6e9, 0.75e9};
+  wood.axis_1 = {1, 1, 0};
+  wood.axis_2 = {-1, 1, 0};
+  return wood;
 }
 
 inline std::vector<double> even(double from, double to, int intervals) {
@@ -50,6 +62,7 @@ struct Cantilever {
   static Mesh tetrahedra(int across = 4) {
     return tetrahedral_box({10 * across, across, across}, {kLength, kHeight, kHeight}, true);
   }
+  [[nodiscard]] StaticAnalysis solve() const { return solve_static(mesh, model); }
   /// Mean deflection of the loaded face by area, m: the work of the force over the force.
   [[nodiscard]] double tip(std::span<const double> u) const {
     const auto f = load_vector(mesh, model.materials, model.loads);
@@ -83,20 +96,35 @@ inline Mesh quarter_plate(double a, double b, double thickness, bool square, int
   return mesh;
 }
 
-inline std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const InputError& r) {
-    return r.what();
-  }
-  return "";
+/// Planes of symmetry: nodes in them slide in them.
+inline std::vector<FixedPatch> symmetry(const Mesh& mesh,
+                                        std::initializer_list<std::pair<int, double>> planes) {
+  std::vector<FixedPatch> fixed;
+  for (const auto& [axis, level] : planes)
+    fixed.push_back({"symmetry",
+                     select_nodes(mesh, plane(axis, level)),
+                     {axis == 0, axis == 1, axis == 2},
+                     {}});
+  return fixed;
 }
 
-inline bool mentions(const std::string& text, const std::string& part) {
-  const bool found = text.find(part) != std::string::npos;
-  if (!found)
-    MESSAGE(text);
-  return found;
+/// A node's three numbers of an array over degrees of freedom.
+inline Vector3 of_node(std::span<const double> u, std::size_t n) {
+  return {u[3 * n], u[3 * n + 1], u[3 * n + 2]};
+}
+
+/// The mesh and, apart from it, the same once more, moved by `shift`.
+inline Mesh two_of(const Mesh& mesh, const Vector3& shift) {
+  Mesh two = mesh;
+  for (const Vector3& p : mesh.nodes)
+    two.nodes.push_back(p + shift);
+  for (const Element& e : mesh.elements) {
+    std::vector<int> nodes(mesh.nodes_of(e).begin(), mesh.nodes_of(e).end());
+    for (int& n : nodes)
+      n += static_cast<int>(mesh.nodes.size());
+    two.add(e.shape, nodes);
+  }
+  return two;
 }
 
 } // namespace tactus::fem

@@ -3,51 +3,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <numeric>
 
 using namespace tactus::fem;
 
 namespace {
 
 /// u = H x everywhere on the skin: the linear field that every element must hold inside.
-constexpr std::array<std::array<double, 3>, 3> kStrain{
+constexpr std::array<Vector3, 3> kGradient{
     {{1e-3, 2e-4, -3e-4}, {4e-4, -5e-4, 6e-4}, {-2e-4, 1e-4, 8e-4}}};
 Vector3 linear_field(const Vector3& p) {
-  Vector3 u;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      u[i] += kStrain[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] * p[j];
-  return u;
+  return {dot(kGradient[0], p), dot(kGradient[1], p), dot(kGradient[2], p)};
 }
 
 /// Moves inner nodes; straight sides stay straight.
 void distort(Mesh& mesh, double by) {
-  std::vector<std::uint8_t> fixed(mesh.nodes.size(), 0);
-  for (const int n : outer_nodes(mesh))
-    fixed[static_cast<std::size_t>(n)] = 1;
-  std::vector<std::uint8_t> corner(mesh.nodes.size(), 0);
-  for (const Element& e : mesh.elements)
-    for (int c = 0; c < corner_count(e.shape); ++c)
-      corner[static_cast<std::size_t>(mesh.nodes_of(e)[static_cast<std::size_t>(c)])] = 1;
-  unsigned state = 1;
-  const auto random = [&] {
-    state = state * 1664525U + 1013904223U;
-    return state / 2147483648.0 - 1;
+  const std::vector<Vector3> old = mesh.nodes;
+  const std::vector<int> skin = outer_nodes(mesh);
+  const auto moved = [&](int n) {
+    const Vector3& p = old[static_cast<std::size_t>(n)];
+    const double phase = 7 * n;
+    return std::find(skin.begin(), skin.end(), n) != skin.end()
+               ? p
+               : p + by * Vector3{std::sin(phase), std::sin(2 * phase), std::sin(3 * phase)};
   };
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    if (corner[n] && !fixed[n])
-      mesh.nodes[n] += by * Vector3{random(), random(), random()};
-  for (const Element& e : mesh.elements) { // edge nodes back to the middle of their corners
+  for (const Element& e : mesh.elements) {
     const auto reference = reference_nodes(e.shape);
     const auto nodes = mesh.nodes_of(e);
     const auto corners = static_cast<std::size_t>(corner_count(e.shape));
-    for (std::size_t m = corners; m < nodes.size(); ++m)
+    for (std::size_t m = 0; m < nodes.size(); ++m)
       for (std::size_t a = 0; a < corners; ++a)
-        for (std::size_t b = 0; b < a; ++b)
+        for (std::size_t b = 0; b <= a; ++b) // a corner, or the middle of two
           if (length(.5 * (reference[a] + reference[b]) - reference[m]) < 1e-9)
             mesh.nodes[static_cast<std::size_t>(nodes[m])] =
-                .5 * (mesh.nodes[static_cast<std::size_t>(nodes[a])] +
-                      mesh.nodes[static_cast<std::size_t>(nodes[b])]);
+                .5 * (moved(nodes[a]) + moved(nodes[b]));
   }
 }
 
@@ -59,42 +48,26 @@ void check_constant_strain(const Mesh& mesh, const Material& material) {
     model.fixed.push_back(
         {"skin", {n}, {true, true, true}, linear_field(mesh.nodes[static_cast<std::size_t>(n)])});
   const StaticAnalysis analysis = solve_static(mesh, model);
+  const auto& u = analysis.solution.displacement;
   double worst = 0, size = 0;
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    for (int i = 0; i < 3; ++i) {
-      const double exact = linear_field(mesh.nodes[n])[i];
-      worst =
-          std::max(worst, std::abs(analysis.solution.displacement[3 * n + std::size_t(i)] - exact));
-      size = std::max(size, std::abs(exact));
-    }
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    const Vector3 exact = linear_field(mesh.nodes[n]);
+    worst = std::max(worst, length(of_node(u, n) - exact));
+    size = std::max(size, length(exact));
+  }
   CHECK(worst < 1e-10 * size);
-  const auto stress = element_stress(mesh, model.materials, analysis.solution.displacement);
-  const auto nodal = nodal_stress(mesh, model.materials, analysis.solution.displacement);
   const ElasticMatrix c = elastic_matrix(material);
-  const auto& h = kStrain;
-  const std::array<double, 6> strain{h[0][0],           h[1][1],           h[2][2],
-                                     h[1][2] + h[2][1], h[0][2] + h[2][0], h[0][1] + h[1][0]};
+  const auto& [x, y, z] = kGradient;
+  const std::array strain{x.x, y.y, z.z, y.z + z.y, x.z + z.x, x.y + y.x};
   Stress exact{};
   for (std::size_t v = 0; v < 6; ++v)
     for (std::size_t w = 0; w < 6; ++w)
       exact[v] += c[v][w] * strain[w];
-  const double scale = von_mises(exact);
-  for (const auto* list : {&stress, &nodal})
-    for (const Stress& s : *list)
+  for (const auto& list :
+       {element_stress(mesh, model.materials, u), nodal_stress(mesh, model.materials, u)})
+    for (const Stress& s : list)
       for (std::size_t v = 0; v < 6; ++v)
-        REQUIRE(std::abs(s[v] - exact[v]) < 1e-10 * scale);
-}
-
-Material spruce() {
-  Material m;
-  m.name = "spruce";
-  m.density = 450;
-  m.young_pa = {11e9, 0.8e9, 0.45e9};
-  m.poisson = {0.44, 0.38, 0.36};
-  m.shear_pa = {0.04e9, 0.6e9, 0.75e9};
-  m.axis_1 = {1, 1, 0};
-  m.axis_2 = {-1, 1, 0};
-  return m;
+        REQUIRE(std::abs(s[v] - exact[v]) < 1e-10 * von_mises(exact));
 }
 
 } // namespace
@@ -105,7 +78,7 @@ TEST_CASE("constant strain is exact on distorted elements of every shape") {
   distort(linear, .07);
   Mesh bricks = block(even(0, 1, 3), even(0, 1, 3), even(0, 1, 3));
   distort(bricks, .07);
-  for (const Material& m : {steel(), spruce()}) {
+  for (const Material& m : {steel(), oblique_spruce()}) {
     check_constant_strain(tets, m);
     check_constant_strain(linear, m);
     check_constant_strain(bricks, m);
@@ -121,17 +94,8 @@ TEST_CASE("a cantilever without Poisson's contraction bends as Timoshenko's beam
   // Where the wall and the even load keep the ends from warping, the solid is 9.6e-6 softer than
   // the beam: the limit of 8, 16 and 32 elements over the height (8.7e-6, 9.5e-6, 9.65e-6).
   const Cantilever beam(block(even(0, .2, 80), even(0, .02, 1), even(0, .02, 8)), 0);
-  const auto analysis = solve_static(beam.mesh, beam.model);
-  CHECK(beam.tip(analysis.solution.displacement) / theory - 1 ==
+  CHECK(beam.tip(beam.solve().solution.displacement) / theory - 1 ==
         doctest::Approx(9.65e-6).epsilon(.15));
-  const Cantilever tets(Cantilever::tetrahedra(), 0);
-  const auto u = solve_static(tets.mesh, tets.model).solution.displacement;
-  check_close(tets.tip(u), theory, 7e-6);
-  double mean = 0;
-  const auto nodes = nodes_on(tets.mesh, 0, .2);
-  for (const int n : nodes)
-    mean -= u[3 * static_cast<std::size_t>(n) + 2] / static_cast<double>(nodes.size());
-  check_close(mean, theory, 1e-6); // the figure of another program for the mean over nodes
 }
 
 TEST_CASE("a clamped steel cantilever is a little stiffer than Timoshenko's beam") {
@@ -139,34 +103,28 @@ TEST_CASE("a clamped steel cantilever is a little stiffer than Timoshenko's beam
   const double e = 2.1e11, inertia = std::pow(.02, 4) / 12, shear = e / 2.6, nu = .3;
   const double kappa = 10 * (1 + nu) / (12 + 11 * nu); // Cowper 1966
   const double theory = 100 * .008 / (3 * e * inertia) + 100 * .2 / (kappa * .0004 * shear);
-  const auto analysis = solve_static(beam.mesh, beam.model);
+  const auto analysis = beam.solve();
   const auto& u = analysis.solution.displacement;
   check_close(beam.tip(u), theory, .01);
   check_close(beam.tip(u), 9.5265e-5, 1e-3); // another program's tet10, 49 600 unknowns
   // Clapeyron: the strain energy is half the work of the loads.
-  double work = 0;
-  for (std::size_t i = 0; i < u.size(); ++i)
-    work += analysis.system.load[i] * u[i];
+  const double work = std::inner_product(u.begin(), u.end(), analysis.system.load.begin(), 0.);
   check_close(analysis.solution.strain_energy, work / 2, 1e-10);
   // Bending stress M z / I in the outer fibres, away from both ends.
   const auto stress = element_stress(beam.mesh, beam.model.materials, u);
-  double worst = 0;
   int compared = 0;
   for (std::size_t k = 0; k < stress.size(); ++k) {
     Vector3 middle;
-    for (std::size_t c = 0; c < 4; ++c)
-      middle +=
-          .25 *
-          beam.mesh.nodes[static_cast<std::size_t>(beam.mesh.nodes_of(beam.mesh.elements[k])[c])];
+    for (const int n : beam.mesh.nodes_of(beam.mesh.elements[k]).first(4))
+      middle += .25 * beam.mesh.nodes[std::size_t(n)];
     const double z = middle.z - .01;
     if (middle.x < .04 || middle.x > .16 || std::abs(z) < .006)
       continue;
-    const double bending = 100 * (.2 - middle.x) * std::abs(z) / inertia;
-    worst = std::max(worst, std::abs(von_mises(stress[k]) / bending - 1));
+    CHECK(von_mises(stress[k]) ==
+          doctest::Approx(100 * (.2 - middle.x) * std::abs(z) / inertia).epsilon(.031));
     ++compared;
   }
   CHECK(compared > 300);
-  CHECK(worst < .031);
 }
 
 TEST_CASE("a round hole in a wide plate raises the stress three times") {
@@ -176,37 +134,25 @@ TEST_CASE("a round hole in a wide plate raises the stress three times") {
   Mesh mesh = quarter_plate(a, b, thickness, true, 22, 12, 1.35);
   StaticModel model;
   model.materials = {steel()};
-  model.fixed = {{"x", select_nodes(mesh, plane(0, 0)), {true, false, false}, {}},
-                 {"y", select_nodes(mesh, plane(1, 0)), {false, true, false}, {}},
-                 {"z", select_nodes(mesh, plane(2, 0)), {false, false, true}, {}},
-                 {"far z", select_nodes(mesh, plane(2, thickness)), {false, false, true}, {}}};
+  model.fixed = symmetry(mesh, {{0, 0}, {1, 0}, {2, 0}, {2, thickness}});
   model.loads = {Traction{"pull", select_faces(mesh, plane(0, b)), {1e6, 0, 0}}};
   const auto analysis = solve_static(mesh, model);
   const auto stress = nodal_stress(mesh, model.materials, analysis.solution.displacement);
   int found = 0;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    if (length(mesh.nodes[n] - Vector3{0, a, mesh.nodes[n].z}) < 1e-9) {
+    const Vector3 x{mesh.nodes[n].x, mesh.nodes[n].y, 0};
+    if (length(x - Vector3{0, a, 0}) < 1e-9) {
       CHECK(stress[n][0] / 1e6 == doctest::Approx(3.00).epsilon(.01));
       ++found;
-    }
-    if (length(mesh.nodes[n] - Vector3{a, 0, mesh.nodes[n].z}) < 1e-9) {
+    } else if (length(x - Vector3{a, 0, 0}) < 1e-9) {
       CHECK(stress[n][1] / 1e6 == doctest::Approx(-1.00).epsilon(.02));
       ++found;
+    } else if (x.x == 0 && x.y < 3 * a) {
+      const double q = a * a / (x.y * x.y); // away from the edge
+      check_close(stress[n][0], 1e6 * (2 + q + 3 * q * q) / 2, .02);
     }
   }
   CHECK(found == 6);
-  // And at one radius from the edge: sigma (2 + (a/r)^2 + 3 (a/r)^4) / 2 over the hole.
-  double nearest = 1;
-  Stress there{};
-  double r = 0;
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-    if (mesh.nodes[n].x == 0 && std::abs(mesh.nodes[n].y - 2 * a) < nearest) {
-      nearest = std::abs(mesh.nodes[n].y - 2 * a);
-      there = stress[n];
-      r = mesh.nodes[n].y;
-    }
-  const double q = a / r * a / r;
-  check_close(there[0], 1e6 * (2 + q + 3 * q * q) / 2, .01);
 }
 
 TEST_CASE("a thick tube under pressure yields as Lame's") {
@@ -216,10 +162,7 @@ TEST_CASE("a thick tube under pressure yields as Lame's") {
     Mesh mesh = quarter_plate(a, b, .01, false, 4 * fine, 6 * fine, 1.01);
     StaticModel model;
     model.materials = {steel(nu)};
-    model.fixed = {{"x", select_nodes(mesh, plane(0, 0)), {true, false, false}, {}},
-                   {"y", select_nodes(mesh, plane(1, 0)), {false, true, false}, {}},
-                   {"low", select_nodes(mesh, plane(2, 0)), {false, false, true}, {}},
-                   {"high", select_nodes(mesh, plane(2, .01)), {false, false, true}, {}}};
+    model.fixed = symmetry(mesh, {{0, 0}, {1, 0}, {2, 0}, {2, .01}});
     model.loads = {Pressure{
         "bore", select_faces(mesh, {OnCylinder{{0, 0, -1}, {0, 0, 1}, a, false}, 1e-6}), p}};
     const auto analysis = solve_static(mesh, model);
@@ -229,8 +172,8 @@ TEST_CASE("a thick tube under pressure yields as Lame's") {
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       const Vector3& x = mesh.nodes[n];
       const double r = std::hypot(x.x, x.y);
-      const double* u = &analysis.solution.displacement[3 * n];
-      const double radial = (u[0] * x.x + u[1] * x.y) / r;
+      const Vector3 u = of_node(analysis.solution.displacement, n);
+      const double radial = (u.x * x.x + u.y * x.y) / r;
       const double exact = (1 + nu) / e * k * ((1 - 2 * nu) * r + b * b / r);
       worst_u = std::max(worst_u, std::abs(radial / exact - 1));
       const double hoop =
@@ -268,17 +211,17 @@ TEST_CASE("supports carry the loads, springs too") {
   CHECK(length(sum_of_forces(analysis.solution.reaction)) > 0);
 }
 
-TEST_CASE("pressure on a closed surface pushes nowhere and turns nothing") {
+TEST_CASE("pressure on a closed surface pushes nowhere and turns nothing; a sphere has its area") {
   for (const bool curved : {false, true}) {
     Mesh mesh =
-        curved ? make_shape("sphere", {{"diameter", .1}}, {}, {.03}) : tetrahedral_block(2, true);
+        curved ? make_shape("sphere", {{"diameter", .1}}, {}, {.02}) : tetrahedral_block(2, true);
     const std::vector<Material> materials{steel()};
     const std::vector<Load> loads{Pressure{"sea", outer_faces(mesh), 1e5}};
     const auto f = load_vector(mesh, materials, loads);
     Vector3 sum, moment;
     double size = 0;
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-      const Vector3 own{f[3 * n], f[3 * n + 1], f[3 * n + 2]};
+      const Vector3 own = of_node(f, n);
       sum += own;
       moment += cross(mesh.nodes[n], own);
       size += length(own);
@@ -286,12 +229,8 @@ TEST_CASE("pressure on a closed surface pushes nowhere and turns nothing") {
     CHECK(size > 1);
     CHECK(length(sum) < 1e-12 * size);
     CHECK(length(moment) < 1e-10 * size);
+    check_close(area(mesh, outer_faces(mesh)), curved ? std::numbers::pi * .01 : 6, 1e-4);
   }
-}
-
-TEST_CASE("a sphere's curved faces have its area") {
-  const Mesh mesh = make_shape("sphere", {{"diameter", .1}}, {}, {.02});
-  check_close(area(mesh, outer_faces(mesh)), std::numbers::pi * .01, 1e-4);
 }
 
 TEST_CASE("a bedding of springs does not depend on how its faces are meshed") {
@@ -337,16 +276,14 @@ TEST_CASE("a column stands under its own weight") {
 }
 
 TEST_CASE("an orthotropic bar stretches by the modulus along it") {
-  Material wood = spruce();
+  Material wood = oblique_spruce();
   wood.axis_1 = {1, 0, 0};
   wood.axis_2 = {0, 1, 0};
   for (int axis = 0; axis < 3; ++axis) {
     const Mesh mesh = block(even(0, .1, 2), even(0, .1, 2), even(0, .1, 2));
     StaticModel model;
     model.materials = {wood};
-    for (int k = 0; k < 3; ++k)
-      model.fixed.push_back(
-          {"plane", select_nodes(mesh, plane(k, 0)), {k == 0, k == 1, k == 2}, {}});
+    model.fixed = symmetry(mesh, {{0, 0}, {1, 0}, {2, 0}});
     Vector3 pull;
     pull[axis] = 1e5;
     model.loads = {Traction{"pull", select_faces(mesh, plane(axis, .1)), pull}};
@@ -362,7 +299,8 @@ TEST_CASE("a bolt presses its hole with a cosine and exactly its force") {
   const double r = .01, t = .005;
   Mesh ring = make_shape(
       "ring", {{"outer_diameter", .06}, {"inner_diameter", 2 * r}, {"thickness", t}}, {}, {.003});
-  const auto wall = select_faces(ring, {OnCylinder{{0, 0, -1}, {0, 0, 1}, r, false}, 1e-6});
+  const Selection bore{OnCylinder{{0, 0, -1}, {0, 0, 1}, r, false}, 1e-6};
+  const auto wall = select_faces(ring, bore);
   const std::vector<Material> materials{steel()};
   for (const Vector3 force : {Vector3{1000, 0, 0}, {-300, 400, 0}, {1, 17, 0}}) {
     const std::vector<Load> loads{BoltLoad{"pin", wall, {0, 0, 2}, force}};
@@ -372,7 +310,7 @@ TEST_CASE("a bolt presses its hole with a cosine and exactly its force") {
     double behind = 0;
     Vector3 moment;
     for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
-      const Vector3 own{f[3 * n], f[3 * n + 1], f[3 * n + 2]};
+      const Vector3 own = of_node(f, n);
       if (dot(ring.nodes[n], force) < -.3 * r * length(force))
         behind = std::max(behind, length(own));
       moment += cross({ring.nodes[n].x, ring.nodes[n].y, 0}, own);
@@ -380,18 +318,12 @@ TEST_CASE("a bolt presses its hole with a cosine and exactly its force") {
     CHECK(behind == 0);
     CHECK(std::abs(moment.z) < 1e-6 * r * length(force)); // normal pressure turns nothing
   }
-  // The pressure's second moment: integral of p (n . d)^2 over the wall, from the loads on a body.
-  const std::vector<Load> along{BoltLoad{"pin", wall, {0, 0, 1}, {0, 0, 1}}};
-  CHECK(mentions(refusal([&] { (void)load_vector(ring, materials, along); }), "bolt pin"));
-  CHECK(mentions(refusal([&] { (void)load_vector(ring, materials, along); }),
-                 "along the hole's axis"));
-  double low = 0;
-  for (const Vector3& p : ring.nodes)
-    low = std::min(low, p.z);
-  const auto flat = select_faces(ring, plane(2, low));
-  const std::vector<Load> nowhere{BoltLoad{"pin", flat, {0, 0, 1}, {1, 0, 0}}};
-  CHECK(mentions(refusal([&] { (void)load_vector(ring, materials, nowhere); }),
-                 "wall of a round hole"));
+  const auto refused = [&](const Selection& place, const Vector3& force, const char* words) {
+    const std::vector<Load> loads{BoltLoad{"pin", select_faces(ring, place), {0, 0, 1}, force}};
+    check_refused([&] { return load_vector(ring, materials, loads); }, words);
+  };
+  refused(bore, {0, 0, 1}, "along the hole's axis");
+  refused(plane(2, bounding_box(ring.nodes).low.z), {1, 0, 0}, "wall of a round hole");
 }
 
 TEST_CASE("stress measures have their textbook values and slopes") {
@@ -472,108 +404,83 @@ TEST_CASE("peak and smoothed stress are what their definitions say") {
 }
 
 TEST_CASE("bodies that can move are refused with the motion that is free") {
-  Mesh mesh = block(even(0, .1, 2), even(0, .02, 1), even(0, .02, 1));
-  StaticModel model;
-  model.materials = {steel()};
-  const auto error_text = [&] { return refusal([&] { (void)solve_static(mesh, model); }); };
-  CHECK(mentions(error_text(), "the body is not held: 6 of its 6 rigid motions are free"));
-  model.fixed = {{"edge", nodes_on(mesh, 0, 0), {true, false, true}, {}}};
-  CHECK(mentions(error_text(),
-                 "1 of its 6 rigid motions are free, among them a translation along y"));
-  // A hinge: one edge held.
-  std::vector<int> hinge;
-  for (const int n : nodes_on(mesh, 0, 0))
-    if (mesh.nodes[std::size_t(n)].z == 0)
-      hinge.push_back(n);
-  model.fixed = {{"hinge", hinge, {true, true, true}, {}}};
-  CHECK(mentions(error_text(),
-                 "1 of its 6 rigid motions are free, among them a rotation about y through (0, "
-                 "10, 0) mm"));
-  model.springs = {{"rest", select_faces(mesh, plane(0, .1)), {0, 0, 1}}};
-  CHECK(error_text().empty());
-  model.springs = {{"rest", select_faces(mesh, plane(0, .1)), {0, 1, 0}}};
-  CHECK(mentions(error_text(), "a rotation about y"));
-  model.springs.clear();
-  // A slanted slide: free along one direction that is no axis.
+  const Mesh mesh = block(even(0, .1, 2), even(0, .02, 1), even(0, .02, 1));
+  std::vector<int> hinge, slanted; // two edges of the body
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    const Vector3& p = mesh.nodes[n];
+    if (p.x == 0 && p.z == 0)
+      hinge.push_back(static_cast<int>(n));
+    if (p.y == 0 && p.z == 0)
+      slanted.push_back(static_cast<int>(n));
+  }
+  const std::vector<int> wall = nodes_on(mesh, 0, 0);
   Mesh turned = mesh;
   for (Vector3& p : turned.nodes)
     p = {.8 * p.x - .6 * p.y, .6 * p.x + .8 * p.y, p.z};
-  std::vector<int> edge;
-  for (std::size_t n = 0; n < turned.nodes.size(); ++n)
-    if (mesh.nodes[n].y == 0 && mesh.nodes[n].z == 0)
-      edge.push_back(static_cast<int>(n));
-  model.fixed = {{"edge", edge, {true, true, true}, {}}};
-  CHECK(mentions(refusal([&] { (void)solve_static(turned, model); }),
-                 "a rotation about (0.8, 0.6, 0) through"));
-  // Two pieces, one held.
-  Mesh two = mesh;
-  const int shift = static_cast<int>(mesh.nodes.size());
-  for (const Vector3& p : mesh.nodes)
-    two.nodes.push_back(p + Vector3{0, 0, .1});
-  for (const Element& e : mesh.elements) {
-    std::vector<int> nodes(mesh.nodes_of(e).begin(), mesh.nodes_of(e).end());
-    for (int& n : nodes)
-      n += shift;
-    two.add(e.shape, nodes);
-  }
-  model.fixed = {{"wall", nodes_on(mesh, 0, 0), {true, true, true}, {}}};
-  CHECK(mentions(refusal([&] { (void)solve_static(two, model); }), "piece 2 of 2 (body, around"));
+  const auto rest = [&](const Vector3& stiffness) {
+    return SpringPatch{"rest", select_faces(mesh, plane(0, .1)), stiffness};
+  };
+  const auto refused = [](const Mesh& body, std::vector<FixedPatch> fixed,
+                          std::vector<SpringPatch> springs, const char* words) {
+    StaticModel model;
+    model.materials = {steel()};
+    model.fixed = std::move(fixed);
+    model.springs = std::move(springs);
+    check_refused([&] { return solve_static(body, model); }, words);
+  };
+  refused(mesh, {}, {}, "the body is not held: 6 of its 6 rigid motions are free");
+  refused(mesh, {{"edge", wall, {true, false, true}, {}}}, {},
+          "1 of its 6 rigid motions are free, among them a translation along y");
+  refused(mesh, {{"hinge", hinge, {true, true, true}, {}}}, {},
+          "1 of its 6 rigid motions are free, among them a rotation about y through (0, 10, 0) mm");
+  refused(mesh, {{"hinge", hinge, {true, true, true}, {}}}, {rest({0, 1, 0})},
+          "a rotation about y");
+  refused(mesh, {{"hinge", hinge, {true, true, true}, {}}}, {rest({0, 0, 1})},
+          "nothing was refused");
+  refused(turned, {{"edge", slanted, {true, true, true}, {}}}, {},
+          "a rotation about (0.8, 0.6, 0) through");
+  refused(two_of(mesh, {0, 0, .1}), {{"wall", wall, {true, true, true}, {}}}, {},
+          "piece 2 of 2 (body, around");
 }
 
 TEST_CASE("a bad model is one sentence that names its part") {
   const Mesh mesh = block(even(0, .1, 2), even(0, .02, 1), even(0, .02, 1));
-  const auto error_text = [&](const std::function<void(StaticModel&)>& spoil) {
+  const auto top = select_faces(mesh, plane(2, .02));
+  const auto refused = [&](const auto& spoil, const char* words) {
     StaticModel model;
     model.materials = {steel()};
     model.fixed = {{"wall", nodes_on(mesh, 0, 0), {true, true, true}, {}}};
     spoil(model);
-    return refusal([&] { (void)solve_static(mesh, model); });
+    check_refused([&] { return solve_static(mesh, model); }, words);
   };
-  const auto top = select_faces(mesh, plane(2, .02));
-  CHECK(error_text([](auto&) {}).empty());
-  CHECK(mentions(error_text([](auto& m) { m.materials.clear(); }), "expected one for each"));
-  CHECK(mentions(error_text([](auto& m) { m.fixed[0].nodes = {99999}; }),
-                 "support wall holds node 100000"));
-  CHECK(mentions(error_text([](auto& m) { m.fixed[0].nodes.clear(); }),
-                 "support wall holds no node"));
-  CHECK(mentions(error_text([](auto& m) { m.fixed[0].directions = {}; }), "holds no direction"));
-  CHECK(mentions(error_text([](auto& m) { m.fixed[0].displacement_m.x = NAN; }), "no number"));
-  CHECK(mentions(error_text([](auto& m) {
-                   m.fixed.push_back(m.fixed[0]);
-                   m.fixed[1].displacement_m.z = 1e-3;
-                 }),
-                 "another place"));
-  CHECK(mentions(error_text([](auto& m) {
-                   m.loads = {Pressure{"lid", {}, 1}};
-                 }),
-                 "pressure lid has no face"));
-  CHECK(mentions(error_text([](auto& m) {
-                   m.loads = {Pressure{"lid", {{7, 0}}, 1}};
-                 }),
-                 "element 8"));
-  CHECK(mentions(error_text([](auto& m) { m.loads = {Pressure{"lid", {{0, 6}}, 1}}; }), "face 6"));
-  CHECK(mentions(error_text([&](auto& m) {
-                   m.loads = {Pressure{"lid", top, NAN}};
-                 }),
-                 "pressure lid"));
-  CHECK(mentions(error_text([&](auto& m) {
-                   m.loads = {Traction{"t", top, {0, INFINITY, 0}}};
-                 }),
-                 "traction t"));
-  CHECK(mentions(error_text([&](auto& m) {
-                   m.loads = {TotalForce{"t", top, {NAN, 0, 0}}};
-                 }),
-                 "force t"));
-  CHECK(mentions(error_text([](auto& m) { m.loads = {PointForce{-1, {}}}; }), "node 0"));
-  CHECK(mentions(error_text([](auto& m) { m.loads = {Gravity{{NAN, 0, 0}}}; }), "gravity"));
-  CHECK(mentions(error_text([&](auto& m) {
-                   m.springs = {{"bed", top, {0, -1, 0}}};
-                 }),
-                 "spring bed"));
-  CHECK(mentions(error_text([&](auto& m) {
-                   m.springs = {{"bed", {}, {0, 1, 0}}};
-                 }),
-                 "spring bed has no face"));
+  refused([](auto&) {}, "nothing was refused");
+  refused([](auto& m) { m.materials.clear(); }, "expected one for each");
+  refused([](auto& m) { m.fixed[0].nodes = {99999}; }, "support wall holds node 100000");
+  refused([](auto& m) { m.fixed[0].nodes.clear(); }, "support wall holds no node");
+  refused([](auto& m) { m.fixed[0].directions = {}; }, "holds no direction");
+  refused([](auto& m) { m.fixed[0].displacement_m.x = NAN; }, "no number");
+  refused(
+      [](auto& m) {
+        m.fixed.push_back(m.fixed[0]);
+        m.fixed[1].displacement_m.z = 1e-3;
+      },
+      "another place");
+  const auto load = [&](const Load& bad, const char* words) {
+    refused([&](auto& m) { m.loads = {bad}; }, words);
+  };
+  load(Pressure{"lid", {}, 1}, "pressure lid has no face");
+  load(Pressure{"lid", {{7, 0}}, 1}, "element 8");
+  load(Pressure{"lid", {{0, 6}}, 1}, "face 6");
+  load(Pressure{"lid", top, NAN}, "pressure lid");
+  load(Traction{"t", top, {0, INFINITY, 0}}, "traction t");
+  load(TotalForce{"t", top, {NAN, 0, 0}}, "force t");
+  load(PointForce{-1, {}}, "node 0");
+  load(Gravity{{NAN, 0, 0}}, "gravity");
+  const auto spring = [&](const SpringPatch& bad, const char* words) {
+    refused([&](auto& m) { m.springs = {bad}; }, words);
+  };
+  spring({"bed", top, {0, -1, 0}}, "spring bed");
+  spring({"bed", {}, {0, 1, 0}}, "spring bed has no face");
 }
 
 TEST_CASE("places are chosen by box, plane, sphere, cylinder and name") {
@@ -583,10 +490,6 @@ TEST_CASE("places are chosen by box, plane, sphere, cylinder and name") {
   const auto faces = [&](const auto& region) { return select_faces(mesh, {region, 0}).size(); };
   CHECK(nodes(OnPlane{{0, 0, 1}, {0, 0, 3}}) == 65); // 81 of a lattice without 16 face middles
   CHECK(faces(OnPlane{{0, 0, 1}, {0, 0, 3}}) == 16);
-  CHECK(mentions(refusal([&] {
-                   (void)faces(OnPlane{{0, 0, .5}, {0, 0, 1}});
-                 }),
-                 "no face of the skin"));
   CHECK(faces(InNodeSet{"lid"}) == 16);
   CHECK(nodes_of_faces(mesh, select_faces(mesh, {InNodeSet{"lid"}, 0})) == nodes_on(mesh, 2, 1));
   CHECK(faces(InBox{{{0, 0, 0}, {1, 1, .5}}}) == 48); // the floor and half of four walls
@@ -595,10 +498,11 @@ TEST_CASE("places are chosen by box, plane, sphere, cylinder and name") {
   CHECK(nodes(OnSphere{{0, 0, 0}, .25, true}) == 7);
   CHECK(nodes(OnCylinder{{0, 0, 0}, {0, 0, .5}, .25, false}) == 10);
   CHECK(nodes(OnCylinder{{0, 0, 0}, {0, 0, .5}, .25, true}) == 21);
-  CHECK(mentions(refusal([&] { (void)nodes(InNodeSet{"floor"}); }), "expected one of: lid"));
-  CHECK(mentions(refusal([&] { (void)nodes(OnPlane{}); }), "no normal"));
-  CHECK(mentions(refusal([&] { (void)nodes(OnSphere{}); }), "radius"));
-  CHECK(mentions(refusal([&] { (void)nodes(OnCylinder{{}, {}, 1}); }), "no length"));
-  CHECK(mentions(refusal([&] { (void)nodes(InBox{{{1, 0, 0}, {0, 1, 1}}}); }), "along x"));
-  CHECK(mentions(refusal([&] { (void)nodes(OnSphere{{9, 9, 9}, 1}); }), "no node"));
+  check_refused([&] { return faces(OnPlane{{0, 0, .5}, {0, 0, 1}}); }, "no face of the skin");
+  check_refused([&] { return nodes(InNodeSet{"floor"}); }, "expected one of: lid");
+  check_refused([&] { return nodes(OnPlane{}); }, "no normal");
+  check_refused([&] { return nodes(OnSphere{}); }, "radius");
+  check_refused([&] { return nodes(OnCylinder{{}, {}, 1}); }, "no length");
+  check_refused([&] { return nodes(InBox{{{1, 0, 0}, {0, 1, 1}}}); }, "along x");
+  check_refused([&] { return nodes(OnSphere{{9, 9, 9}, 1}); }, "no node");
 }
