@@ -22,6 +22,9 @@ function(combine_library target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # Of a type in a .cpp that is included: as if it were a header.
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+  else()
+    # A local name that a neighbour's unnamed namespace has too; g++, which checks each file by itself, warns of the rest.
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow>)
   endif()
 endfunction()
 
