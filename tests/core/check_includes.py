@@ -9,83 +9,70 @@ import pathlib
 import re
 import sys
 
-NAMES = {
-    "algorithm": "adjacent_find all_of any_of binary_search clamp copy copy_if copy_n count count_if equal "
-                 "fill fill_n find find_if generate is_sorted lower_bound max max_element merge min min_element "
-                 "minmax minmax_element mismatch none_of nth_element partial_sort remove remove_if replace "
-                 "replace_if reverse rotate search set_intersection shuffle sort stable_partition "
-                 "stable_sort transform unique upper_bound",
-    "array": "array",
-    "atomic": "atomic atomic_thread_fence memory_order_acq_rel memory_order_acquire memory_order_relaxed "
-              "memory_order_release memory_order_seq_cst",
-    "bit": "bit_cast bit_ceil bit_floor countr_zero endian popcount rotl rotr",
-    "bitset": "bitset",
-    "charconv": "chars_format from_chars to_chars",
-    "chrono": "chrono",
-    "cmath": "abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh cyl_bessel_j erf erfc exp "
-             "exp2 expm1 fabs floor fma fmax fmin fmod fpclassify hypot isfinite isinf isnan ldexp legendre "
-             "llround log log10 log1p log2 lround nan nextafter pow remainder rint round sin sinh sph_bessel "
-             "sph_legendre sph_neumann sqrt tan tanh tgamma trunc",
-    "complex": "complex abs arg conj exp norm polar pow sqrt",
-    "concepts": "floating_point integral same_as",
-    "condition_variable": "condition_variable condition_variable_any",
-    "csignal": "raise signal",
-    "cstdarg": "va_list",
-    "cstddef": "byte max_align_t nullptr_t ptrdiff_t size_t to_integer",
-    "cstdint": "int16_t int32_t int64_t int8_t intptr_t uint16_t uint32_t uint64_t uint8_t uintptr_t",
-    "cstdio": "FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf fwrite getchar perror printf "
-              "putchar puts remove rename size_t snprintf sscanf vsnprintf",
-    "cstdlib": "abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc realloc size_t strtod "
-               "strtol strtoul strtoull system",
-    "cstring": "memcmp memcpy memmove memset size_t strcmp strerror strlen strncmp",
-    "cctype": "isalnum isalpha isdigit isspace tolower toupper",
-    "ctime": "clock clock_t gmtime size_t strftime time time_t",
-    "cwchar": "size_t swprintf",
-    "deque": "deque",
-    "exception": "exception exception_ptr current_exception",
-    "filesystem": "filesystem",
-    "fstream": "ifstream ofstream",
-    "functional": "function greater hash less negate plus reference_wrapper ref cref",
-    "future": "async future future_status launch promise",
-    "initializer_list": "initializer_list",
-    "iomanip": "setprecision",
-    "ios": "ios streamoff streamsize",
-    "iostream": "cerr cin cout",
-    "istream": "istream",
-    "iterator": "istream_iterator back_inserter distance istreambuf_iterator next prev",
-    "limits": "numeric_limits",
-    "list": "list",
-    "map": "map multimap",
-    "memory": "make_shared make_unique shared_ptr static_pointer_cast unique_ptr weak_ptr",
-    "mutex": "call_once lock_guard mutex recursive_mutex once_flag scoped_lock try_to_lock unique_lock",
-    "new": "bad_alloc set_new_handler",
-    "numbers": "numbers",
-    "numeric": "accumulate inner_product iota midpoint reduce",
-    "optional": "nullopt optional",
-    "ostream": "ostream",
-    "queue": "priority_queue queue",
-    "random": "mt19937 mt19937_64 normal_distribution random_device uniform_int_distribution "
-              "uniform_real_distribution",
-    "ratio": "micro milli nano",
-    "regex": "regex regex_search smatch sregex_iterator",
-    "set": "multiset set",
-    "span": "as_bytes span",
-    "sstream": "istringstream ostringstream stringstream",
-    "stdexcept": "invalid_argument length_error logic_error out_of_range runtime_error",
-    "stop_token": "stop_token stop_source",
-    "string": "getline stod stoi stol stoul stoull string to_string u8string wstring",
-    "string_view": "string_view wstring_view",
-    "system_error": "errc error_code system_error generic_category system_category",
-    "thread": "jthread this_thread thread",
-    "tuple": "tie tuple tuple_size_v",
-    "type_traits": "conditional_t decay_t enable_if_t false_type is_same_v is_trivially_copyable_v "
-                   "remove_cvref_t remove_reference_t true_type",
-    "unordered_map": "unordered_map unordered_multimap",
-    "utility": "as_const exchange forward in_place index_sequence make_index_sequence make_pair move pair swap "
-               "tuple_size_v",
-    "variant": "get_if holds_alternative variant visit",
-    "vector": "vector",
-}
+NAMES = """
+algorithm: adjacent_find all_of any_of binary_search clamp copy copy_if copy_n count count_if equal fill fill_n find
+  find_if generate is_sorted lower_bound max max_element merge min min_element minmax minmax_element mismatch none_of
+  nth_element partial_sort remove remove_if replace replace_if reverse rotate search set_intersection shuffle sort
+  stable_partition stable_sort transform unique upper_bound
+atomic: atomic atomic_thread_fence memory_order_acq_rel memory_order_acquire memory_order_relaxed memory_order_release
+  memory_order_seq_cst
+bit: bit_cast bit_ceil bit_floor countr_zero endian popcount rotl rotr
+cctype: isalnum isalpha isdigit isspace tolower toupper
+charconv: chars_format from_chars to_chars
+cmath: abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh cyl_bessel_j erf erfc exp exp2 expm1
+  fabs floor fma fmax fmin fmod fpclassify hypot isfinite isinf isnan ldexp legendre llround log log10 log1p log2
+  lround nan nextafter pow remainder rint round sin sinh sph_bessel sph_legendre sph_neumann sqrt tan tanh tgamma
+  trunc
+complex: complex abs arg conj exp norm polar pow sqrt
+concepts: floating_point integral same_as
+condition_variable: condition_variable condition_variable_any
+csignal: raise signal
+cstdarg: va_list
+cstddef: byte max_align_t nullptr_t ptrdiff_t size_t to_integer
+cstdint: int16_t int32_t int64_t int8_t intptr_t uint16_t uint32_t uint64_t uint8_t uintptr_t
+cstdio: FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf fwrite getchar perror printf putchar
+  puts remove rename size_t snprintf sscanf vsnprintf
+cstdlib: abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc realloc size_t strtod strtol
+  strtoul strtoull system
+cstring: memcmp memcpy memmove memset size_t strcmp strerror strlen strncmp
+ctime: clock clock_t gmtime size_t strftime time time_t
+cwchar: size_t swprintf
+exception: exception exception_ptr current_exception
+fstream: ifstream ofstream
+functional: function greater hash less negate plus reference_wrapper ref cref
+future: async future future_status launch promise
+iomanip: setprecision
+ios: ios streamoff streamsize
+iostream: cerr cin cout
+iterator: istream_iterator back_inserter distance istreambuf_iterator next prev
+limits: numeric_limits
+map: map multimap
+memory: make_shared make_unique shared_ptr static_pointer_cast unique_ptr weak_ptr
+mutex: call_once lock_guard mutex recursive_mutex once_flag scoped_lock try_to_lock unique_lock
+new: bad_alloc set_new_handler
+numeric: accumulate inner_product iota midpoint reduce
+optional: nullopt optional
+queue: priority_queue queue
+random: mt19937 mt19937_64 normal_distribution random_device uniform_int_distribution uniform_real_distribution
+ratio: micro milli nano
+regex: regex regex_search smatch sregex_iterator
+set: multiset set
+span: as_bytes span
+sstream: istringstream ostringstream stringstream
+stdexcept: invalid_argument length_error logic_error out_of_range runtime_error
+stop_token: stop_token stop_source
+string: getline stod stoi stol stoul stoull string to_string u8string wstring
+string_view: string_view wstring_view
+system_error: errc error_code system_error generic_category system_category
+thread: jthread this_thread thread
+tuple: tie tuple tuple_size_v
+type_traits: conditional_t decay_t enable_if_t false_type is_floating_point_v is_same_v is_signed_v is_trivially_copyable_v remove_cvref_t
+  remove_reference_t true_type
+unordered_map: unordered_map unordered_multimap
+utility: as_const exchange forward in_place index_sequence make_index_sequence make_pair move pair swap tuple_size_v
+variant: get_if holds_alternative variant visit
+of their name alone: array bitset chrono deque filesystem initializer_list istream list numbers ostream vector
+"""
 CONTAINERS = ("array", "deque", "map", "set", "span", "string", "string_view", "unordered_map", "vector")
 # What the standard lets a header bring: [utility.syn], [container], [string.syn], [thread.syn] ...
 ALSO = {"begin": (*CONTAINERS, "iterator"), "end": (*CONTAINERS, "iterator"), "size": (*CONTAINERS, "iterator"),
@@ -107,9 +94,10 @@ ALSO = {"begin": (*CONTAINERS, "iterator"), "end": (*CONTAINERS, "iterator"), "s
 
 def declaring():
     table = {name: set(headers) for name, headers in ALSO.items()}
-    for header, names in NAMES.items():
+    for row in NAMES.strip().replace("\n ", "").splitlines():
+        header, names = row.split(":")
         for name in names.split():
-            table.setdefault(name, set()).add(header)
+            table.setdefault(name, set()).add(name if header == "of their name alone" else header)
     return table
 
 
