@@ -13,6 +13,10 @@
 namespace {
 const char* const chosen = std::getenv("MISTAKE");
 bool provokes(std::string_view violation) { return chosen && violation == chosen; }
+template <class Mistake> void when(const char* violation, Mistake mistake) {
+  if (provokes(violation))
+    mistake();
+}
 constexpr const char* kName = "small~";
 
 struct Small {
@@ -50,12 +54,10 @@ void hold_lock() {
 
 /// What no external may do in the audio thread.
 void misbehave(Small* x) {
-  if (provokes("outlet_float: called from the audio thread"))
-    outlet_float(x->message_outlet, 1);
+  when("outlet_float: called from the audio thread", [&] { outlet_float(x->message_outlet, 1); });
   if (provokes("object_post: called from the audio thread"))
     object_post(&x->header.z_ob, "performing");
-  if (provokes("gensym: called from the audio thread"))
-    gensym("performing");
+  when("gensym: called from the audio thread", [&] { gensym("performing"); });
   if (provokes("critical_enter: called from the audio thread")) {
     critical_enter(nullptr);
     critical_exit(nullptr);
@@ -64,12 +66,9 @@ void misbehave(Small* x) {
     void* volatile memory = std::malloc(100);
     std::free(memory);
   }
-  if (provokes("pthread_mutex_lock in perform"))
-    hold_lock();
-  if (provokes("proxy_getinlet: called from the audio thread"))
-    proxy_getinlet(&x->header.z_ob);
-  if (provokes("an exception left the external's function [in perform"))
-    throw 1;
+  when("pthread_mutex_lock in perform", [&] { hold_lock(); });
+  when("proxy_getinlet: called from the audio thread", [&] { proxy_getinlet(&x->header.z_ob); });
+  when("an exception left the external's function [in perform", [&] { throw 1; });
 }
 
 void perform(Small* x, t_object*, double** in, long inlets, double** out, long outlets, long n,
@@ -83,37 +82,27 @@ void perform(Small* x, t_object*, double** in, long inlets, double** out, long o
   const bool silent = muted || !x->connected[0].load(std::memory_order_relaxed);
   const double scalar = x->scalar.load(std::memory_order_relaxed);
   double gain = x->gain.load(std::memory_order_relaxed);
-  if (provokes("race"))
-    gain = x->planted;
+  when("race", [&] { gain = x->planted; });
   const long length = provokes("memory beyond the end of outlet 0")       ? n + 1
                       : provokes("perform did not write all of outlet 0") ? n - 1
                                                                           : n;
   for (long i = 0; i < length; ++i)
     out[0][i] = silent ? 0 : in[0][i] * (connected ? in[1][i] : scalar) * gain;
-  if (provokes("perform wrote before the vector of outlet 0"))
-    out[0][-1] = 0;
-  if (provokes("perform wrote before the vector of inlet 0"))
-    in[0][-1] = 0;
-  if (provokes("perform changed the table of vectors"))
-    in[0] = nullptr;
-  if (provokes("perform wrote to the vector of inlet 0"))
-    in[0][0] = 2;
-  if (provokes("memory beyond the end of inlet 0"))
-    x->scalar = in[0][n];
-  if (provokes("an inlet's vector that there is not"))
-    x->scalar = in[inlets][0];
-  if (provokes("an outlet's vector that there is not"))
-    out[outlets][0] = 0;
+  when("perform wrote before the vector of outlet 0", [&] { out[0][-1] = 0; });
+  when("perform wrote before the vector of inlet 0", [&] { in[0][-1] = 0; });
+  when("perform changed the table of vectors", [&] { in[0] = nullptr; });
+  when("perform wrote to the vector of inlet 0", [&] { in[0][0] = 2; });
+  when("memory beyond the end of inlet 0", [&] { x->scalar = in[0][n]; });
+  when("an inlet's vector that there is not", [&] { x->scalar = in[inlets][0]; });
+  when("an outlet's vector that there is not", [&] { out[outlets][0] = 0; });
   qelem_set(x->qelem);
 }
 
 void dsp64(Small* x, t_object* chain, short* count, double, long, long) {
   for (std::size_t i = 0; i < 2; ++i)
     x->connected[i] = count[i] != 0;
-  if (provokes("dsp_add64: to another chain than dsp64 was given"))
-    chain = &x->header.z_ob;
-  if (provokes("dsp64 wrote beyond its counts"))
-    count[3] = 1;
+  when("dsp_add64: to another chain than dsp64 was given", [&] { chain = &x->header.z_ob; });
+  when("dsp64 wrote beyond its counts", [&] { count[3] = 1; });
   dsp_add64(chain, &x->header.z_ob,
             reinterpret_cast<t_perfroutine64>(reinterpret_cast<void (*)()>(perform)), 0, nullptr);
 }
@@ -121,24 +110,18 @@ void dsp64(Small* x, t_object* chain, short* count, double, long, long) {
 // --- messages ---
 
 void float_message(Small* x, double value) {
-  if (provokes("proxy_getinlet: after an outlet was used"))
-    outlet_float(x->message_outlet, value);
+  when("proxy_getinlet: after an outlet was used", [&] { outlet_float(x->message_outlet, value); });
   const long inlet = proxy_getinlet(&x->header.z_ob);
   if (inlet == 1)
     x->scalar = value;
-  if (provokes("race"))
-    x->planted = value;
+  when("race", [&] { x->planted = value; });
   qelem_set(x->qelem);
-  if (provokes("outlet_float: within a critical region"))
-    critical_enter(nullptr);
+  when("outlet_float: within a critical region", [&] { critical_enter(nullptr); });
   outlet_float(provokes("outlet_float: to a signal outlet") ? x->signal_outlet : x->message_outlet,
                value);
-  if (provokes("outlet_float: within a critical region"))
-    critical_exit(nullptr);
-  if (provokes("critical_enter without critical_exit"))
-    critical_enter(nullptr);
-  if (provokes("critical_exit without critical_enter"))
-    critical_exit(nullptr);
+  when("outlet_float: within a critical region", [&] { critical_exit(nullptr); });
+  when("critical_enter without critical_exit", [&] { critical_enter(nullptr); });
+  when("critical_exit without critical_enter", [&] { critical_exit(nullptr); });
 }
 void int_message(Small* x, t_atom_long value) { float_message(x, static_cast<double>(value)); }
 
@@ -147,32 +130,22 @@ void loadbang(Small* x) { outlet_bang(x->message_outlet); }
 /// Calls that no object may make in a message.
 void misuse(Small* x) {
   t_object own{};
-  if (provokes("z_dsp_free: outside a free method"))
-    z_dsp_free(&x->header);
+  when("z_dsp_free: outside a free method", [&] { z_dsp_free(&x->header); });
   if (provokes("class_new: late~: outside ext_main"))
     class_new("late~", erased(loadbang), nullptr, 100, nullptr, A_GIMME, 0);
-  if (provokes("object_alloc: outside a constructor"))
-    object_alloc(small_class);
-  if (provokes("attr_args_process: outside the constructor"))
-    attr_args_process(x, 0, nullptr);
+  when("object_alloc: outside a constructor", [&] { object_alloc(small_class); });
+  when("attr_args_process: outside the constructor", [&] { attr_args_process(x, 0, nullptr); });
   if (provokes("object_free: a proxy of z_dsp_setup, which z_dsp_free frees"))
     object_free(x->header.z_proxy);
-  if (provokes("object_free does not free this kind: outlet"))
-    object_free(x->message_outlet);
-  if (provokes("object_post: not an object of Max"))
-    object_post(&own, "hello");
-  if (provokes("jpatcher_get_filepath: not a patcher"))
-    jpatcher_get_filepath(&x->header.z_ob);
+  when("object_free does not free this kind: outlet", [&] { object_free(x->message_outlet); });
+  when("object_post: not an object of Max", [&] { object_post(&own, "hello"); });
+  when("jpatcher_get_filepath: not a patcher", [&] { jpatcher_get_filepath(&x->header.z_ob); });
   if (provokes("jpatcher_get_parentpatcher: not a patcher"))
     jpatcher_get_parentpatcher(&x->header.z_ob);
-  if (provokes("clock_fdelay: an outlet instead of clock"))
-    clock_fdelay(x->message_outlet, 1);
-  if (provokes("outlet_bang: not an outlet that Max gave"))
-    outlet_bang(x->scratch);
-  if (provokes("outlet_bang: null instead of outlet"))
-    outlet_bang(nullptr);
-  if (provokes("clock_fdelay: a delay of -1"))
-    clock_fdelay(x->clock, -1);
+  when("clock_fdelay: an outlet instead of clock", [&] { clock_fdelay(x->message_outlet, 1); });
+  when("outlet_bang: not an outlet that Max gave", [&] { outlet_bang(x->scratch); });
+  when("outlet_bang: null instead of outlet", [&] { outlet_bang(nullptr); });
+  when("clock_fdelay: a delay of -1", [&] { clock_fdelay(x->clock, -1); });
   if (provokes("critical_enter: a region that is not from critical_new"))
     critical_enter(reinterpret_cast<t_critical>(x));
   if (provokes("outlet_list: a wrong count of atoms: -1"))
@@ -182,27 +155,19 @@ void misuse(Small* x) {
   if (provokes("buffer_unlocksamples without buffer_locksamples"))
     if (t_buffer_obj* samples = buffer_ref_getobject(x->buffer))
       buffer_unlocksamples(samples);
-  if (provokes("gensym: null instead of a text"))
-    gensym(nullptr);
-  if (provokes("clock_getftime: null"))
-    clock_getftime(nullptr);
-  if (provokes("atom_alloc: null instead of an address"))
-    atom_alloc(nullptr, nullptr, nullptr);
-  if (provokes("qelem_new: no function"))
-    qelem_new(x, nullptr);
+  when("gensym: null instead of a text", [&] { gensym(nullptr); });
+  when("clock_getftime: null", [&] { clock_getftime(nullptr); });
+  when("atom_alloc: null instead of an address", [&] { atom_alloc(nullptr, nullptr, nullptr); });
+  when("qelem_new: no function", [&] { qelem_new(x, nullptr); });
 }
 
 void bang(Small* x) {
   misuse(x);
   clock_fdelay(x->clock, 5);
-  if (provokes("object_free: double free of clock"))
-    object_free(stray_clock);
-  if (provokes("object_free: not an object that Max gave"))
-    object_free(x->scratch);
-  if (provokes("object_free: a box is freed by its patcher only"))
-    object_free(x);
-  if (provokes("outlet_new: outside the constructor"))
-    outlet_new(x, nullptr);
+  when("object_free: double free of clock", [&] { object_free(stray_clock); });
+  when("object_free: not an object that Max gave", [&] { object_free(x->scratch); });
+  when("object_free: a box is freed by its patcher only", [&] { object_free(x); });
+  when("outlet_new: outside the constructor", [&] { outlet_new(x, nullptr); });
   if (provokes("dsp_add64: outside dsp64"))
     dsp_add64(&x->header.z_ob, &x->header.z_ob,
               reinterpret_cast<t_perfroutine64>(reinterpret_cast<void (*)()>(perform)), 0, nullptr);
@@ -278,15 +243,13 @@ void anything(Small* x, t_symbol* s, long count, t_atom* atoms) {
   if (other_message(x, s->s_name, count, atoms))
     return;
   t_symbol own{s->s_name, nullptr};
-  if (provokes("an exception left the external's function [in message"))
-    throw 1;
+  when("an exception left the external's function [in message", [&] { throw 1; });
   outlet_anything(x->message_outlet,
                   provokes("outlet_anything: a symbol that is not from gensym") ? &own : s,
                   static_cast<short>(count), atoms);
 }
 void on_clock(Small* x) {
-  if (provokes("proxy_getinlet: outside a message"))
-    proxy_getinlet(&x->header.z_ob);
+  when("proxy_getinlet: outside a message", [&] { proxy_getinlet(&x->header.z_ob); });
   outlet_bang(x->message_outlet);
 }
 void on_qelem(Small* x) {
@@ -325,8 +288,7 @@ t_max_err get_gain(Small* x, void*, long* count, t_atom** atoms) {
     *atoms = &own;
   } else
     atom_alloc(count, atoms, &allocated);
-  if (provokes("the getter of gain writes beyond the atoms"))
-    (*atoms)[1].a_w.w_long = 1;
+  when("the getter of gain writes beyond the atoms", [&] { (*atoms)[1].a_w.w_long = 1; });
   atom_setfloat(*atoms, x->gain);
   return 0;
 }
@@ -352,8 +314,7 @@ t_max_err get_value(Small* x, long* count, t_atom** atoms) {
   }
   atom_alloc_array(provokes("atom_alloc_array: null instead of an address, or no atoms") ? 0 : 2,
                    count, atoms, &allocated);
-  if (provokes("getvalueof returns more atoms than atom_alloc_array gave"))
-    *count = 3;
+  when("getvalueof returns more atoms than atom_alloc_array gave", [&] { *count = 3; });
   if (!*atoms)
     return -1;
   atom_setfloat(*atoms, x->gain);
@@ -375,8 +336,7 @@ t_max_err set_value(Small* x, long count, t_atom* atoms) {
 void free_small(Small* x) {
   if (provokes("z_dsp_free must come first in a free method: memory was freed before"))
     std::free(x->scratch);
-  if (provokes("z_dsp_free must come first in a free method: object_free"))
-    object_free(x->clock);
+  when("z_dsp_free must come first in a free method: object_free", [&] { object_free(x->clock); });
   if (!provokes("z_dsp_free was not called by the free method"))
     z_dsp_free(&x->header);
   if (!provokes("leak: clock of small~") &&
@@ -387,22 +347,18 @@ void free_small(Small* x) {
   }
   if (!provokes("leak: qelem of small~"))
     qelem_free(x->qelem);
-  if (provokes("qelem_free: double free of qelem"))
-    qelem_free(x->qelem);
+  when("qelem_free: double free of qelem", [&] { qelem_free(x->qelem); });
   if (!provokes("leak: proxy of small~"))
     object_free(x->proxy);
   if (!provokes("leak: buffer_ref of small~"))
     object_free(x->buffer);
-  if (provokes("clock_fdelay: use of a clock after it was freed"))
-    clock_fdelay(x->clock, 1);
-  if (provokes("z_dsp_free: twice"))
-    z_dsp_free(&x->header);
+  when("clock_fdelay: use of a clock after it was freed", [&] { clock_fdelay(x->clock, 1); });
+  when("z_dsp_free: twice", [&] { z_dsp_free(&x->header); });
   static Small* first = nullptr;
   if (provokes("write to small~ a after it was freed") && first)
     first->inlet_of_proxy = 1;
   first = x;
-  if (provokes("outlet_bang: nothing can be sent from here"))
-    outlet_bang(x->message_outlet);
+  when("outlet_bang: nothing can be sent from here", [&] { outlet_bang(x->message_outlet); });
   if (!provokes("z_dsp_free must come first in a free method: memory was freed before"))
     std::free(x->scratch);
 }
@@ -431,14 +387,12 @@ void make_inlets(Small* x) {
   const long signals =
       provokes("the proxies to the right begin with inlet 2, but there are 1 signal inlets") ? 1
                                                                                              : 2;
-  if (provokes("proxy_new: small~: after z_dsp_setup"))
-    z_dsp_setup(&x->header, signals);
+  when("proxy_new: small~: after z_dsp_setup", [&] { z_dsp_setup(&x->header, signals); });
   x->proxy = proxy_new(
       x, 2, provokes("no inlet, or nowhere to write its number") ? nullptr : &x->inlet_of_proxy);
   if (!provokes("proxy_new: small~: after z_dsp_setup"))
     z_dsp_setup(&x->header, signals);
-  if (provokes("z_dsp_setup: small~: twice"))
-    z_dsp_setup(&x->header, signals);
+  when("z_dsp_setup: small~: twice", [&] { z_dsp_setup(&x->header, signals); });
 }
 
 void* new_small(t_symbol*, long count, t_atom* atoms) {
@@ -461,16 +415,14 @@ void* new_small(t_symbol*, long count, t_atom* atoms) {
   }
   if (!provokes("attributes among the arguments, but no attr_args_process"))
     attr_args_process(x, static_cast<short>(count), atoms);
-  if (provokes("attr_args_process: twice"))
-    attr_args_process(x, static_cast<short>(count), atoms);
+  when("attr_args_process: twice", [&] { attr_args_process(x, static_cast<short>(count), atoms); });
   if (provokes("leak: atoms of small~")) {
     long one = 0;
     t_atom* leaked = nullptr;
     char allocated = 0;
     atom_alloc(&one, &leaked, &allocated);
   }
-  if (provokes("the header of small~ was overwritten"))
-    x->header.z_ob.o_magic = 0;
+  when("the header of small~ was overwritten", [&] { x->header.z_ob.o_magic = 0; });
   if (provokes("did not free what it made and does not return"))
     return nullptr;
   return x;
@@ -493,8 +445,7 @@ void misdeclare(t_class* c) {
     class_addattr(c, attribute_new("other", gensym("float64"), 0, erased(get_gain), nullptr));
   if (provokes("Max knows no property colour"))
     class_attr_addattr_parse(c, "gain", "colour", gensym("symbol"), 0, "red");
-  if (provokes("class_dspinit: twice for small~"))
-    class_dspinit(c);
+  when("class_dspinit: twice for small~", [&] { class_dspinit(c); });
 }
 
 void add_attribute(t_class* c) {
@@ -504,8 +455,7 @@ void add_attribute(t_class* c) {
   if (provokes("leak: attribute other was added to no class"))
     attribute_new("other", gensym("float64"), 0, erased(get_gain), erased(set_gain));
   class_addattr(c, gain);
-  if (provokes("class_addattr: small~: gain: it was added before"))
-    class_addattr(c, gain);
+  when("class_addattr: small~: gain: it was added before", [&] { class_addattr(c, gain); });
   class_attr_addattr_parse(c, provokes("small~: gian is no attribute") ? "gian" : "gain", "save",
                            gensym("long"), 0, "1");
   class_attr_addattr_parse(c, "gain", "label", gensym("symbol"), 0, "Gain");
@@ -556,8 +506,7 @@ extern "C" MAX_EXPORT void ext_main(void*) {
   if (provokes("class_register: small~: there is a class of this name"))
     class_register(gensym("box"), class_new(kName, erased(new_small), nullptr,
                                             static_cast<long>(size), nullptr, A_GIMME, 0));
-  if (provokes("class_dspinit: after class_register of small~"))
-    class_dspinit(c);
+  when("class_dspinit: after class_register of small~", [&] { class_dspinit(c); });
   if (provokes("class_addmethod: after class_register of small~"))
     class_addmethod(c, erased(bang), "late", 0);
   small_class = c;

@@ -13,7 +13,7 @@ from max_host import EMULATOR, RATE, run
 
 SMALL = pathlib.Path(os.environ["TACTUS_MAX_SMALL"])
 SOURCE = pathlib.Path(__file__).with_name("small~.cpp").read_text()
-MISTAKES = sorted(set(re.findall(r'provokes\("((?:[^"\\]|\\.)+)"', SOURCE)) - {"race"})  # of test_threads.py
+MISTAKES = sorted(set(re.findall(r'(?:provokes|when)\("((?:[^"\\]|\\.)+)"', SOURCE)) - {"race"})  # of test_threads.py
 BREACH, CRASH = 3, 4
 LOCKS = "pthread_mutex_lock in perform"  # watched by a native host without sanitizers alone
 # All that the mistakes need to show.
