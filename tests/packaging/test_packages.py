@@ -108,8 +108,8 @@ def test_pd_makes_every_object_of_the_package(library):
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.environ["TACTUS_FLOAT_SIZES"] == "64", reason="Debian's Pd reads 32-bit modules")
-def test_who_unpacks_it_makes_every_object_and_hears_every_help_patch(package):
-    run(sys.executable, "-B", ROOT / "packaging" / "try_package.py", package)
+def test_who_unpacks_it_makes_every_object_and_hears_every_help_patch(package, tmp_path):
+    run(sys.executable, "-B", ROOT / "packaging" / "try_package.py", package, "--renders", tmp_path / "renders.tsv")
 
 
 def test_a_broken_package_and_one_without_an_object_are_found(library, package, tmp_path):
