@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Damaged files against modal_fem: bit flips, truncations, numbers blown up, lines or pieces deleted and doubled.
 
-    fuzz_modal_fem.py PROGRAM [--mutants N] [--formats msh2,step,...] [--seed S] [--keep FOLDER]
+    fuzz_modal_fem.py PROGRAM [--mutants N] [--formats msh2,step,...] [--seed S] [--h MM] [--keep FOLDER]
 
 Seeds are fixed: the same call tries the same files. Each mutant is read, meshed and exported (no modes), with
 --time-limit 10 (60 with --sanitized; 300 for the undamaged file) and 3 GB of address space. A table is printed: how
@@ -222,6 +222,7 @@ def main():
     options.add_argument("--mutants", type=int, default=100)
     options.add_argument("--formats", default=",".join(FORMATS))
     options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--h", help="element size, mm: large ones are fast")
     options.add_argument("--keep", help="a folder for the files of faults")
     options.add_argument("--sanitized", action="store_true", help="no limit of address space: the sanitizer's shadow")
     options.add_argument("--jobs", type=int, default=2)
@@ -250,6 +251,7 @@ def main():
                 # The limit is of wall time: an undamaged file must be read on a busy machine too, and sanitizers are slow.
                 limit = 300 if number == 0 else 60 if chosen.sanitized else 10
                 words = [program, name, "--multi", "--quiet", "--export-inp", "out.inp", "--time-limit", str(limit)]
+                words += ["--h", chosen.h] if chosen.h else []
                 if form == "npz":
                     words = [program, "raw", name, "--hit", "0,0,6", "--seconds", "0.002", "-o", "out.modal.npz"]
                 began = time.monotonic()
