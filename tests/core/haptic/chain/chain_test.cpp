@@ -224,23 +224,6 @@ TEST_CASE("damping opposes the velocity and the soft walls push back into the wo
   CHECK(norm(chain.tick() - Vec3{-0.2 - 1.0, 0, 0.4 + 2.0}) < 1e-12);
 }
 
-TEST_CASE("the observer keeps the exact energy of a force that is held over the tick") {
-  Chain chain;
-  chain.settings.tank_j = 1e6;
-  tactus::Random random(5);
-  double work = 0;
-  Vec3 force;
-  for (int tick = 0; tick < 1000; ++tick) {
-    const Vec3 moved = Vec3{random.normal(), random.normal(), random.normal()} * 1e-4;
-    chain.input.position += moved;
-    work -= dot(force, moved);
-    command(chain.state, chain.settings, {random.normal(), random.normal(), random.normal()},
-            chain.time_s());
-    force = chain.tick();
-    CHECK(chain.state.energy_j == doctest::Approx(work).epsilon(1e-12));
-  }
-}
-
 TEST_CASE("the tank bounds the energy that the observer stores") {
   Chain chain;
   chain.settings.tank_j = 2e-3;

@@ -221,7 +221,7 @@ TEST_CASE("over walls, rates, encoders, velocities and hands the controller make
 TEST_CASE("latency makes a wall no noisier with the controller, whether it is declared or not") {
   for (const bool declared : {false, true})
     for (const int latency : {1, 3})
-      for (const double k : {50.0, 300.0, 1000.0})
+      for (const double k : {50.0, 1000.0})
         for (const Scene scene : {Scene::kSpring, Scene::kPerson}) {
           WallCase c;
           c.stiffness_n_per_m = k;

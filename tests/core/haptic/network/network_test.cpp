@@ -17,6 +17,18 @@ using test::NetworkRig;
 
 using std::numbers::pi;
 
+namespace {
+
+/// Of a mode of the continuous time's frequency omega, which rests half a step before the first:
+/// its displacement after so many steps over that at first. The scheme turns the frequency into w
+/// with sin(w h/2) = omega h/2.
+double mode_after(int steps, double omega, double h) {
+  const double turn = 2 * std::asin(0.5 * omega * h); // w h
+  return std::cos(turn * (steps + 0.5)) / std::cos(turn * 0.5);
+}
+
+} // namespace
+
 TEST_CASE("a mass on a spring and a damper moves as the solution of its difference equation") {
   // x+ - (2 - w^2 h^2 - c h) x + (1 - c h) x- = 0, c = b/m: x_n = Re(A z^n) with complex z.
   NetworkRig rig;
@@ -70,7 +82,7 @@ TEST_CASE("at rest, after a reset and without a network there is no energy and n
 }
 
 TEST_CASE("every mode of a string oscillates at the discrete chain's frequency") {
-  // omega_j = 2 sqrt(T/(m d)) sin(j pi/(2(n+1))); the scheme turns it into sin(w h/2) = omega h/2.
+  // omega_j = 2 sqrt(T/(m d)) sin(j pi/(2(n+1)))
   const NetworkString string{20, {-0.05, 0, 0}, {0.05, 0, 0}, 1e-3, 10, 0, 0};
   const double m = string.mass_kg / string.count, d = 0.1 / 21;
   for (int j = 1; j <= string.count; ++j) {
@@ -83,10 +95,7 @@ TEST_CASE("every mode of a string oscillates at the discrete chain's frequency")
     rig.publish();
     const double omega = 2 * std::sqrt(string.tension_n / (m * d)) * std::sin(j * pi / 42);
     rig.tick_for(0.1);
-    const double h = rig.model.step_s();
-    const double w = 2 / h * std::asin(0.5 * omega * h);
-    // x_n = A cos(w h (n + 1/2)), since it rests half a step before the first.
-    const double now = std::cos(w * h * (100 * 48 + 0.5)) / std::cos(w * h * 0.5);
+    const double now = mode_after(100 * 48, omega, rig.model.step_s());
     for (int i = 0; i <= 21; ++i)
       CHECK(rig.model.position(static_cast<std::size_t>(i)).z ==
             approx(1e-3 * shape(i) * now).epsilon(1e-7).scale(1e-3));
@@ -139,9 +148,7 @@ TEST_CASE("every mode of a membrane oscillates at its frequency, in any axis pla
     rig.tick_for(0.05);
     const double si = std::sin(j * pi / 12), sk = std::sin(k * pi / 10);
     const double omega = std::sqrt(4 * 40 / m * (dz / dx * si * si + dx / dz * sk * sk));
-    const double h = rig.model.step_s();
-    const double turn = 2 * std::asin(0.5 * omega * h); // in a step
-    const double now = std::cos(turn * (50 * 48 + 0.5)) / std::cos(turn * 0.5);
+    const double now = mode_after(50 * 48, omega, rig.model.step_s());
     for (int i = 1; i <= 5; ++i)
       for (int n = 1; n <= 4; ++n)
         CHECK(rig.model.position(membrane_index(5, 4, i, n)).y - 0.01 ==

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -44,4 +45,30 @@ TEST_CASE("a motion through an edge meets exactly one triangle, from any directi
       }
     CHECK(normal);
   }
+}
+
+TEST_CASE("of two triangles met at the same fraction the last one in the mesh's order counts") {
+  const std::vector<Vec3> roof{{0, -0.01, 0},    {0, 0.01, 0},     {-0.01, 0, -0.01},
+                               {0.01, 0, -0.01}, {-0.01, 0, 0.01}, {0.01, 0, 0.01}};
+  const Triangle left{0, 1, 2}, right{0, 1, 3}, left_up{0, 1, 4}, right_up{0, 1, 5};
+  for (const bool right_last : {false, true}) {
+    const auto normal_of = [&](const Triangle& one, const Triangle& other, double radius) {
+      const TriangleMesh mesh(roof, std::array{right_last ? one : other, right_last ? other : one});
+      WorkLimit work;
+      const Vec3 above{0, 0, 0.02}, below{0, 0, -0.02};
+      const auto hit = radius > 0 ? mesh.crossing(radius, above, below, work)
+                                  : mesh.crossing(above, below, work);
+      REQUIRE(hit.has_value());
+      return hit->normal.x;
+    };
+    CHECK((normal_of(left, right, 0) > 0) == right_last);          // a point on the ridge
+    CHECK((normal_of(left_up, right_up, 2e-3) < 0) == right_last); // a sphere in the valley
+  }
+}
+
+TEST_CASE("a mesh leaves out triangles without area and with missing corners") {
+  const std::vector<Vec3> corners{{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0.02, 0, 0}};
+  const std::vector<Triangle> triangles{{0, 1, 2}, {4, 1, 2}, {0, 4, 2}, {0, 1, 4},
+                                        {9, 9, 9}, {0, 1, 3}, {1, 1, 2}};
+  CHECK(TriangleMesh(corners, triangles).size() == 1);
 }

@@ -301,22 +301,3 @@ TEST_CASE("a tool too wide for the slit beside an edge stays on its side of it")
     CHECK(rig.model.proxy().z > 0);
   }
 }
-
-TEST_CASE("of two triangles met at the same fraction the last one in the mesh's order counts") {
-  const std::vector<Vec3> roof{{0, -0.01, 0},    {0, 0.01, 0},     {-0.01, 0, -0.01},
-                               {0.01, 0, -0.01}, {-0.01, 0, 0.01}, {0.01, 0, 0.01}};
-  const Triangle left{0, 1, 2}, right{0, 1, 3}, left_up{0, 1, 4}, right_up{0, 1, 5};
-  for (const bool right_last : {false, true}) {
-    const auto normal_of = [&](const Triangle& one, const Triangle& other, double radius) {
-      const TriangleMesh mesh(roof, std::array{right_last ? one : other, right_last ? other : one});
-      WorkLimit work;
-      const Vec3 above{0, 0, 0.02}, below{0, 0, -0.02};
-      const auto hit = radius > 0 ? mesh.crossing(radius, above, below, work)
-                                  : mesh.crossing(above, below, work);
-      REQUIRE(hit.has_value());
-      return hit->normal.x;
-    };
-    CHECK((normal_of(left, right, 0) > 0) == right_last);          // a point on the ridge
-    CHECK((normal_of(left_up, right_up, 2e-3) < 0) == right_last); // a sphere in the valley
-  }
-}

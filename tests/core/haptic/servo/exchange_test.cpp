@@ -7,7 +7,6 @@
 #include <doctest/doctest.h>
 
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <thread>
 
@@ -66,31 +65,6 @@ TEST_CASE("a full ring drops and counts, and gives back what it took in order") 
     CHECK(value == i);
   }
   CHECK_FALSE(ring.pop(value));
-}
-
-TEST_CASE("between two threads the ring drops nothing that it does not count") {
-  Ring<unsigned, 256> ring;
-  constexpr unsigned kCount = 300000;
-  std::atomic<bool> done{false};
-  std::thread writer([&] {
-    for (unsigned i = 1; i <= kCount; ++i)
-      ring.push(i);
-    done = true;
-  });
-  unsigned got = 0, previous = 0, disorder = 0, value = 0;
-  while (true) {
-    const bool finished = done;
-    if (ring.pop(value)) {
-      ++got;
-      disorder += value <= previous;
-      previous = value;
-    } else if (finished) {
-      break;
-    }
-  }
-  writer.join();
-  CHECK(disorder == 0);
-  CHECK(got + ring.dropped() == kCount);
 }
 
 TEST_CASE("quantiles of the histogram are right to its bin") {
