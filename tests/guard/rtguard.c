@@ -103,35 +103,20 @@ extern void __libc_free(void*);
 extern void* __libc_realloc(void*, size_t);
 extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_memalign(size_t, size_t);
-void* malloc(size_t n) {
-  WATCH("malloc");
-  return __libc_malloc(n);
-}
-void free(void* p) {
-  WATCH("free");
-  __libc_free(p);
-}
-void* realloc(void* p, size_t n) {
-  WATCH("realloc");
-  return __libc_realloc(p, n);
-}
-void* calloc(size_t count, size_t size) {
-  WATCH("calloc");
-  return __libc_calloc(count, size);
-}
-void* aligned_alloc(size_t alignment, size_t n) {
-  WATCH("aligned_alloc");
-  return __libc_memalign(alignment, n);
-}
-void* memalign(size_t alignment, size_t n) {
-  WATCH("memalign");
-  return __libc_memalign(alignment, n);
-}
-int posix_memalign(void** p, size_t alignment, size_t n) {
-  WATCH("posix_memalign");
-  *p = __libc_memalign(alignment, n);
-  return *p ? 0 : ENOMEM;
-}
+#define COUNTED(result, name, parameters, ...)                                                     \
+  result name parameters {                                                                         \
+    WATCH(#name);                                                                                  \
+    __VA_ARGS__;                                                                                   \
+  }
+COUNTED(void*, malloc, (size_t n), return __libc_malloc(n))
+COUNTED(void, free, (void* p), __libc_free(p))
+COUNTED(void*, realloc, (void* p, size_t n), return __libc_realloc(p, n))
+COUNTED(void*, calloc, (size_t count, size_t size), return __libc_calloc(count, size))
+COUNTED(void*, aligned_alloc, (size_t alignment, size_t n), return __libc_memalign(alignment, n))
+COUNTED(void*, memalign, (size_t alignment, size_t n), return __libc_memalign(alignment, n))
+COUNTED(int, posix_memalign, (void** p, size_t alignment, size_t n),
+        *p = __libc_memalign(alignment, n);
+        return *p ? 0 : ENOMEM)
 
 /* Calls that only sometimes enter the kernel. */
 #define REPLACE(result, name, parameters, arguments)                                               \
