@@ -17,41 +17,14 @@ MISTAKES = sorted(set(re.findall(r'(?:provokes|when)\("((?:[^"\\]|\\.)+)"', SOUR
 BREACH, CRASH = 3, 4
 LOCKS = "pthread_mutex_lock in perform"  # watched by a native host without sanitizers alone
 # All that the mistakes need to show.
-PLAY = """class small~
-buffer samples 2 16 constant 0.5
-new a small~ clarinet @gain 0.5
-expect a inlets signal signal message
-expect a outlets signal message message
-describe a
-loadbang a
-send a 0 float 0.5
-send a 1 int 2
-send a 2 hello 1 2. world
-send a 0 list 1 2. x
-send a 0 gain 0.25
-send a 0 getgain
-send a 0 find known.txt
-value a
-value a 0.75 2.
-drop a locked known.txt
-drop a unlocked known.txt
-send a 0 bang
-advance 10
-signal a 0 sine 440 0.5
-vector 32
-dsp on
-run 4
-mute a 1
-run 2
-mute a 0
-signal a 1 constant 3
-thread scheduler
-send a 1 float 4
-thread main
-send a 0 bang
-dsp off
-free a
-new b small~""".splitlines()
+PLAY = (
+    "class small~; buffer samples 2 16 constant 0.5; new a small~ clarinet @gain 0.5; "
+    "expect a inlets signal signal message; expect a outlets signal message message; describe a; loadbang a; "
+    "send a 0 float 0.5; send a 1 int 2; send a 2 hello 1 2. world; send a 0 list 1 2. x; "
+    "send a 0 gain 0.25; send a 0 getgain; send a 0 find known.txt; value a; value a 0.75 2.; "
+    "drop a locked known.txt; drop a unlocked known.txt; send a 0 bang; advance 10; signal a 0 sine 440 0.5; "
+    "vector 32; dsp on; run 4; mute a 1; run 2; mute a 0; signal a 1 constant 3; thread scheduler; "
+    "send a 1 float 4; thread main; send a 0 bang; dsp off; free a; new b small~").split("; ")
 
 
 @pytest.fixture(name="play")
