@@ -237,10 +237,6 @@ void check_free_disk(std::size_t triangles, double tolerance_db) {
 
 } // namespace
 
-TEST_CASE("the free disk's modes radiate about as a body-of-revolution program finds") {
-  check_free_disk(600, 1.5);
-}
-
 TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds" *
           doctest::test_suite("slow")) {
   check_free_disk(4000, .3);
