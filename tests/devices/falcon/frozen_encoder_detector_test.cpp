@@ -271,3 +271,20 @@ TEST_CASE("a change of the force that nothing answers is asked about without wai
   const double found_s = until({0, -1, 0}, [&] { return detector.frozen(); });
   CHECK(found_s < 1.2);
 }
+
+TEST_CASE("a force that friction may have held before is asked about twice") {
+  FrozenEncoderDetector detector;
+  for (int i = 0; i < 1000; ++i)
+    detector.update(true, {0, 0.3, 0}, kPeriod_s, true);
+  // From 0.3 N, where it last moved, neither to 1 N nor to none is more than friction holds; from
+  // none to 1 N is.
+  bool asked = false, returned = false;
+  for (double time_s = 0; !detector.frozen() && time_s < 20; time_s += kPeriod_s) {
+    detector.update(false, {0, 1, 0}, kPeriod_s, true);
+    asked = asked || detector.gain() == 0;
+    returned = returned || (asked && detector.gain() == 1);
+  }
+  CHECK(asked);
+  CHECK(returned);
+  CHECK(detector.frozen());
+}
