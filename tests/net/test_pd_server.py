@@ -39,7 +39,8 @@ def test_a_client_gets_positions_and_gives_forces_which_end_with_it(pd):
 
 def test_another_address_wants_a_token_which_is_a_file_beside_the_patch(pd, token):
     lines = list(SERVER)
-    lines[1] = lines[1].replace("msg 10 40 ", "msg 10 40 listen 0.0.0.0 \\, open \\, listen loopback \\, token token \\, ")
+    lines[1] = lines[1].replace("msg 10 40 ", "msg 10 40 listen 0.0.0.0 \\, open \\, listen loopback "
+                                "\\, token token \\, ")
     running = pd(*lines)
     running.wait_for(r"haptic_server.*needs a token file")
     port = int(running.wait_for(r"^info: status open (\d+)$"))

@@ -1,11 +1,12 @@
 """A stand-in for Haply's inverse service, by another WebSocket and JSON library than the driver's.
 
 Keeps the service's rules: an inventory first, then one state for each message, force that lives for
-one message. Says "port N", then obeys lines on its standard input: `begin KIND` (all anew), `place X Y Z` (m, service's axes),
-`workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
-(answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
-`drop`, `pad N` (so many letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
-too, and no grip; `late` shows its configuration one message late; `scaled` has a mount that shows everything twice as large.
+one message. Says "port N", then obeys lines on its standard input: `begin KIND` (all anew), `place X Y Z` (m,
+service's axes), `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`,
+`garbage N` (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers), `drop`, `pad N` (so many
+letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a
+Minverse, 04BA, too, and no grip; `late` shows its configuration one message late; `scaled` has a mount
+that shows everything twice as large; `empty` has no device, `prose` no JSON.
 """
 import asyncio
 import json
