@@ -9,7 +9,8 @@ NAMED = re.compile(rf"`((?:{ROOMS})/[\w~./-]+)`")
 
 
 def tracked(*patterns):
-    return subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    return subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, stdout=subprocess.PIPE, text=True,
+                          check=True).stdout.split()
 
 
 def exists(path):
@@ -35,6 +36,7 @@ def test_every_folder_of_tests_is_in_their_readme():
 def test_scripts_that_need_debians_packages_ask_for_debians_python():
     """Another Python may come first in PATH, and has no numpy."""
     needs = re.compile(r"^(?:import|from) (?:numpy|scipy|matplotlib|PIL)\b", re.M)
-    texts = {name: (ROOT / name).read_text(errors="replace") for name in tracked("*.py", "scripts") if (ROOT / name).is_file()}
+    texts = {name: (ROOT / name).read_text(errors="replace") for name in tracked("*.py", "scripts")
+             if (ROOT / name).is_file()}
     assert not [name for name, text in texts.items()
                 if text.startswith("#!") and needs.search(text) and not text.startswith("#!/usr/bin/python3\n")]

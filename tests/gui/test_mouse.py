@@ -1,5 +1,5 @@
-"""Patches are dragged with a mouse: the disk on the screen of patches/audiohaptics is struck, a finger presses on a reed, a
-beam changes its shape, the hand on the map of reed_haptic is pulled."""
+"""Patches are dragged with a mouse: the disk on the screen of patches/audiohaptics is struck, a finger presses on a
+reed, a beam changes its shape, the hand on the map of reed_haptic is pulled."""
 import contextlib
 import importlib.machinery
 import importlib.util

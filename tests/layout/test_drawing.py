@@ -1,4 +1,4 @@
-"""The computed frames, texts and cords are those that Pd draws: compared with its own drawing commands, without a screen."""
+"""The computed frames, texts and cords are those that Pd draws, by its own drawing commands, without a screen."""
 import collections
 import os
 import pathlib

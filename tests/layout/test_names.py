@@ -69,7 +69,7 @@ def test_a_planted_name_is_found(tmp_path, text, fault):
 
 
 def test_a_name_between_two_patches_is_found(tmp_path):
-    one, two = (drawn(tmp_path, name, text) for name, text in (("one", "#X obj 10 10 s reed-y;\n"), ("two", "#X obj 10 10 r reed-y;\n")))
+    one, two = (drawn(tmp_path, f"one-{kind}", f"#X obj 10 10 {kind} reed-y;\n") for kind in "sr")
     assert crosstalk({"one": one, "two": two}) == {"reed-y": {"one": {"sent"}, "two": {"heard"}}}
     assert crosstalk({"one": one}) == crosstalk({"two": two}) == {}
 

@@ -24,8 +24,8 @@ def panel(x, y, width, height, label="empty"):
 
 def array(name, x, y, width=100, height=60, hidden=1):
     """The graph of an array with its name above."""
-    return (f"#N canvas 0 0 100 100 (subpatch) 0;\n#X array {name} 100 float 2;\n#X coords 0 1 99 -1 {width} {height} {hidden} 0 0;\n"
-            f"#X restore {x} {y} graph;\n")
+    return (f"#N canvas 0 0 100 100 (subpatch) 0;\n#X array {name} 100 float 2;\n"
+            f"#X coords 0 1 99 -1 {width} {height} {hidden} 0 0;\n#X restore {x} {y} graph;\n")
 
 
 def button(label, x, y, at, size=15):

@@ -199,8 +199,8 @@ def test_a_gain_glides_while_it_sounds_and_a_reset_does_not_click():
     plain = metal()
     loud = .06 + abs(part(plain["sound"], .06, .07)).argmax() / RATE  # where a break would be plain
     glided, faded = metal((1000 * loud, "gain 3")), metal((1000 * loud, "reset"))
-    assert high(part(glided["sound"], loud - .002, loud + .008)) < 6 * high(part(plain["sound"], loud - .002, loud + .008))
-    assert high(part(faded["sound"], loud - .002, loud + .008)) < 1.5 * high(part(plain["sound"], loud - .002, loud + .008))
+    breaks = [high(part(result["sound"], loud - .002, loud + .008)) for result in (plain, glided, faded)]
+    assert breaks[1] < 6 * breaks[0] and breaks[2] < 1.5 * breaks[0]
     assert not part(faded["sound"], loud + .008).any() and not part(faded["heel"], loud + .008).any()
     ratio = abs(part(glided["sound"], loud + .1)).max() / abs(part(plain["sound"], loud + .1)).max()
     assert abs(ratio / 3 - 1) < .01
@@ -258,7 +258,7 @@ def test_a_scuff_strikes_in_the_swing_a_drag_slides_under_part_of_the_weight_and
     dragged = foot("gravel", "-variation", 0, "-weight", 800, messages=[(100, "drag left 0.6 0.4")], seconds=3)["force"]
     assert numpy.median(dragged[dragged > 0]) == pytest.approx(240, rel=.01)
     assert (dragged > 0).mean() * 3 == pytest.approx(.6 / .4 + 3 * .12, abs=.02)  # three ramps
-    turned, stepped = (foot("sand", "-variation", 0, messages=[(100, message)], seconds=2) for message in ("turn 120", "step"))
+    turned, stepped = (foot("sand", "-variation", 0, messages=[(100, word)], seconds=2) for word in ("turn 120", "step"))
     assert len(events(turned, "heel")) == len(events(turned, "ball")) == 1
     assert events(turned, "heel_up")[0][0] < events(stepped, "heel_up")[0][0] - .1
 

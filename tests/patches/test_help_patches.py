@@ -1,5 +1,5 @@
-"""Help patches: what a graph draws stays within its frame, is large enough to be seen and is drawn anew at any sample rate;
-and, of patches/live, no message box that is clicked makes an error."""
+"""Help patches: what a graph draws stays within its frame, is large enough to be seen and is drawn anew at any
+sample rate; and, of patches/live, no message box that is clicked makes an error."""
 import re
 import sys
 from collections import defaultdict
@@ -99,6 +99,7 @@ def test_no_message_box_of_a_help_patch_makes_an_error(path, tmp_path):
 
 
 def test_every_abstraction_of_the_live_patches_has_a_help_patch():
-    made = {p.stem for p in LIVE.glob("*.pd") if any((box.kind, box.name) == ("obj", "inlet") for box in pd_file.read(p).boxes)}
+    made = {p.stem for p in LIVE.glob("*.pd")
+            if ("obj", "inlet") in ((box.kind, box.name) for box in pd_file.read(p).boxes)}
     assert {"tactus_preset", "tactus_osc", "tactus_keys", "tactus_pads", "keys_reed_voice", "keys_body_voice"} <= made
     assert all((LIVE / f"{name}-help.pd").is_file() for name in made)

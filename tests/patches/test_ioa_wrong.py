@@ -10,11 +10,13 @@ pytestmark = pytest.mark.skipif(NEEDS_DISK, reason="the disk's table is made whe
 
 APART_MS = 600  # ioa_error tells the first wrong message of each half second and counts the others
 WRONG = {  # role: [(message, what the one line says)]; what a topic's fields are is tested in test_ioa_bus.py
-    "bus": [("raw foo", "lab module raw foo expected t x y z"), ("model add a sphere 0 0 0 0", r"lab module model .*expected add"),
+    "bus": [("raw foo", "lab module raw foo expected t x y z"),
+            ("model add a sphere 0 0 0 0", "lab module model .*expected add id"),
             ("model add a box 0 0 0 1 -1 1", "expected add id"), ("model add a disk 0 0 0 0 0 1 5 0", "expected add id"),
             ("model set disk mat 1 2 3 4", "expected add id"), ("model set disk colour red", "expected add id"),
             ("model set ghost mat 1 2 3", "ghost: no such body"), ("model del ghost", "ghost: no such body"),
-            ("table disk nosuch.npz", "nosuch.npz: there is no such file"), ("excite 0 disk 0 0 6 1e20", "expected 1e-06..50")],
+            ("table disk nosuch.npz", "nosuch.npz: there is no such file"),
+            ("excite 0 disk 0 0 6 1e20", "expected 1e-06..50")],
     "sdd": [("rate foo", "ioa_sdd_script rate foo expected a number from 1 to 4000"), ("rate 1e38", "rate 1e"),
             ("rate", "rate expected"), ("rate 0", "rate 0 expected"),
             ("start nosuch.txt", "start nosuch.txt expected a file"), ("start 3", "start 3 expected a file")],

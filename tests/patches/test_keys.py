@@ -1,5 +1,6 @@
-"""keys_reed.pd, keys_body.pd, reed_multichannel.pd and [tactus_keys]: a recorded keyboard stream in a headless Pd. Every note sounds at
-its pitch and ends, the pedal holds, bend and wheel move the pitch, no voice is left over, the level is bounded."""
+"""keys_reed.pd, keys_body.pd, reed_multichannel.pd and [tactus_keys]: a recorded keyboard stream in a headless Pd.
+Every note sounds at its pitch and ends, the pedal holds, bend and wheel move the pitch, no voice is left over, the
+level is bounded."""
 import math
 import random
 import re
@@ -138,9 +139,9 @@ def test_bend_moves_the_pitch_in_cents_and_the_wheel_makes_a_vibrato_on_a_reed(p
         assert abs(cents_off(name, sound, start, start + 0.3, frequency(69 + more / 100))) < 10, start
     if name == "keys_reed":
         on = next(s for s, w in stream() if w == ["control", "1", "127"])
-        spread = [numpy.ptp([cents(pitch(sound, t, t + 0.04, frequency(69)), 440)
-                             for t in numpy.arange(on + start, on + end, 0.02)]) for start, end in ((-0.25, -0.05), (0.15, 0.55))]
-        assert spread[0] < 15 and 60 < spread[1] < 130  # 100 cents from bottom to top
+        before, after = (numpy.ptp([cents(pitch(sound, t, t + 0.04, 440), 440) for t in numpy.arange(on + a, on + b, 0.02)])
+                         for a, b in ((-0.25, -0.05), (0.15, 0.55)))
+        assert before < 15 and 60 < after < 130  # 100 cents from bottom to top
 
 
 def voices(events, count):
@@ -185,7 +186,8 @@ def test_impossible_keys_do_nothing():
     assert not voices([(10, "note -1 90"), (20, "note 128 90"), (30, "note 500 90"), (40, "note 60 0")], 4)
 
 
-@pytest.mark.parametrize("name, words", [("keys_body_voice", ["1", "own", "plate.modal.npz"]), ("keys_reed_voice", ["1", "own"])])
+@pytest.mark.parametrize("name, words", [("keys_body_voice", ["1", "own", "plate.modal.npz"]),
+                                         ("keys_reed_voice", ["1", "own"])])
 def test_a_voice_is_in_tune_from_its_first_note_on(name, words):
     patch = Patch()
     voice = patch.obj(name, *words)

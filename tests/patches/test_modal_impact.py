@@ -298,8 +298,10 @@ def test_cp_and_shape_are_the_same_scaled_by_size_and_info_tells_them(tmp_path):
 
 
 def test_a_table_without_parameters_or_of_wrong_derivatives_says_so_and_a_new_one_has_its_own_shape(tmp_path):
-    play(tmp_path, [(50, "shape 1")], 0.1, errors=["shape: this table has no shape parameters: expected one with domega2_dp"])
-    shaped(tmp_path, [], 0.1, domega2_dp=numpy.zeros((2, 2)), errors=[r"'domega2_dp' has shape \(2, 2\): expected \(2, 3\)"])
+    play(tmp_path, [(50, "shape 1")], 0.1, errors=[
+        "shape: this table has no shape parameters: expected one with domega2_dp"])
+    shaped(tmp_path, [], 0.1, domega2_dp=numpy.zeros((2, 2)), errors=[
+        r"'domega2_dp' has shape \(2, 2\): expected \(2, 3\)"])
     sound = shaped(tmp_path, [(50, "shape 0.6 0"), (100, "load square.modal.npz"), (200, "hit 30 40 0 1")], 1.2)["left"]
     assert abs(peak(sound[RATE // 4:], 388, 412) - 400) < 0.1
 

@@ -90,7 +90,8 @@ def test_signal_inlets_are_played_by_names():
 
 GOOD = bundle(message("/greed/seed", 3), message("/greed/mass", 1e-5))
 DAMAGED = {
-    "too short": b"/a\0\0", "not whole words": message("/greed/seed", 3)[:-1], "a byte too many": message("/greed/seed", 3) + b"\0",
+    "too short": b"/a\0\0", "not whole words": message("/greed/seed", 3)[:-1],
+    "a byte too many": message("/greed/seed", 3) + b"\0",
     "no slash": b"greed\0\0\0,i\0\0\0\0\0\3",
     "a bundle cut": GOOD[:-4], "a size beyond the packet": GOOD[:16] + struct.pack(">i", 1 << 20) + GOOD[20:],
     "a negative size": GOOD[:16] + struct.pack(">i", -8) + GOOD[20:], "a size of 0": GOOD[:16] + bytes(4) + GOOD[20:],

@@ -144,8 +144,8 @@ def test_seeds_choose_the_person(tmp_path):
 
 
 def test_an_encoder_step_shows_and_velocity_is_estimated(tmp_path):
-    answer = play(tmp_path, [(0, "report mm 1, report vel 1")], "-hand rigid -resolution 0.05 -path line -20 0 0 20 0 0 1000",
-                  251)
+    answer = play(tmp_path, [(0, "report mm 1, report vel 1")],
+                  "-hand rigid -resolution 0.05 -path line -20 0 0 20 0 0 1000", 251)
     steps = numpy.array(answer.told("mm"))[:, 0] / 0.05
     assert abs(steps - steps.round()).max() < 1e-2
     # Half way after 250 ms at pi * 40 mm / 1 s.

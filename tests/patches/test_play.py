@@ -143,7 +143,8 @@ def test_the_page_shows_what_is_made_in_its_sections_and_names_what_is_to_come()
     first = page[page.index("<section id=first>"):page.index("<h2>Blown")]
     assert re.findall(r'src="([^"]+)"', first) == ["fanfare/fanfare.wav", "fanfare/dawn.wav"]
     assert first.count("still to come") == 2  # of the bodies and the reed
-    assert page.count('src="fanfare/dove.wav"') == 1 and page.index("fanfare/dove.wav") > page.index("More: 1 sound, 1 table")
+    assert page.count('src="fanfare/dove.wav"') == 1
+    assert page.index("fanfare/dove.wav") > page.index("More: 1 sound, 1 table")
     assert page.index('src="fanfare/look.png"') < page.index("More: 1 sound")  # a picture without a click
     assert "<code>-sync</code>" in page and "Second &amp; last." in page and "&lt;1&gt;" in page
     assert "could not be made" in page[page.index('<section id="greed"'):page.index("<h2>Struck")]

@@ -1,5 +1,5 @@
-"""[modal_impact~] rubbed, and resting on a board: a string in closed form against Helmholtz, bodies that sing, a bar that is
-heard with the board's modes."""
+"""[modal_impact~] rubbed, and resting on a board: a string in closed form against Helmholtz, a bar that is heard with
+the board's modes."""
 import numpy
 import pytest
 from harness import Patch

@@ -10,8 +10,10 @@ from harness.sound import RATE
 PROGRAM = stage_folder() / "modal_fem"
 if not PROGRAM.exists():
     pytest.skip("the program modal_fem is not built", allow_module_level=True)
-BODY = "bar --length 200 --width 20 --thickness 20 --material steel --h 10 --tolerance 0 --fix x=-100 --modes 12 --loss 0.002".split()
-LATTICE = "--lattice 5 2 2 --directions y --range 6 --controls 6,7,8,9,16,17,18,19".split()  # of the top, not at the clamp
+BODY = ("bar --length 200 --width 20 --thickness 20 --material steel --h 10 --tolerance 0 --fix x=-100 --modes 12 "
+        "--loss 0.002").split()
+# Of the top, not at the clamp.
+LATTICE = "--lattice 5 2 2 --directions y --range 6 --controls 6,7,8,9,16,17,18,19".split()
 MOVE_MM = -4  # a fifth of the height
 
 

@@ -131,7 +131,8 @@ def test_a_solver_that_is_not_there_or_of_another_table_is_one_sentence(beam, tm
     for changes, resolve, sentence in [  # mesh and words of one part, stresses of another
             ({"s0": arrays["s0"] * 1.01}, "auto", "another stress at the table's own shape"),
             ({"meta": numpy.frombuffer(json.dumps(meta).encode(), numpy.uint8)}, "auto", "does not say how it was made"),
-            ({"mesh": None}, "full", "resolve full: no solver for a table without its mesh"), ({"mesh": None}, "auto", None)]:
+            ({"mesh": None}, "full", "resolve full: no solver for a table without its mesh"),
+            ({"mesh": None}, "auto", None)]:
         numpy.savez(other, **{k: v for k, v in {**arrays, **changes}.items() if v is not None})
         result = render(other, resolve, fails=[sentence] if sentence else [])
         assert len(result.errors) == bool(sentence)
