@@ -7,7 +7,8 @@ FIXED = {  # name: inlets, outlets; with arguments that do not matter
     "clip": (3, 1), "clip~": (3, 1), "clone": (1, 0), "cos~": (1, 1), "declare": (0, 0), "delay": (2, 1), "del": (2, 1),
     "drawcurve": (1, 0), "drawpolygon": (1, 0), "env~": (1, 1), "f": (2, 1), "file define": (1, 1),
     "filledcurve": (1, 0), "filledpolygon": (1, 0), "float": (2, 1), "hip~": (2, 1), "i": (2, 1), "int": (2, 1),
-    "key": (0, 1), "keyup": (0, 1), "fudiformat": (1, 1), "fudiparse": (1, 1), "line": (3, 1), "line~": (2, 1), "list": (2, 1), "list append": (2, 1), "list fromsymbol": (1, 1),
+    "key": (0, 1), "keyup": (0, 1), "fudiformat": (1, 1), "fudiparse": (1, 1),
+    "line": (3, 1), "line~": (2, 1), "list": (2, 1), "list append": (2, 1), "list fromsymbol": (1, 1),
     "list length": (1, 1), "list prepend": (2, 1), "list split": (2, 3), "list store": (2, 2), "list trim": (1, 1),
     "list tosymbol": (1, 1), "loadbang": (0, 1), "lop~": (2, 1), "makefilename": (1, 1), "metro": (2, 1),
     "midiin": (0, 2), "midiparse": (1, 7), "mod": (2, 1), "moses": (2, 2), "mtof": (1, 1), "ftom": (1, 1),
@@ -30,6 +31,7 @@ FIXED = {  # name: inlets, outlets; with arguments that do not matter
 }
 ONE_OUTLET = {"+", "-", "*", "/", "==", "!=", "<", ">", "<=", ">=", "&&", "||", "%", "min", "max", "pow", "div", "mod",
               "&", "|", "<<", ">>", "+~", "-~", "*~", "/~", "min~", "max~", "pow~"}
+WIDGETS = {"cnv": (0, 0), "vu": (2, 2), **dict.fromkeys(("bng", "tgl", "hsl", "vsl", "nbx", "hradio", "vradio"), (1, 1))}
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$")
 
 
@@ -40,46 +42,23 @@ class Unknown(ValueError):
 def of_words(words):
     """Of Pd's own objects; None where the name is none of them."""
     name, arguments = words[0], words[1:]
-    count = len(arguments)
-    if name in ("t", "trigger"):
-        return 1, count or 2
-    if name in ("pack", "unpack"):
-        return (count or 2, 1) if name == "pack" else (1, count or 2)
-    if name == "route":
-        return (2 if count <= 1 else 1), (count or 1) + 1
-    if name in ("sel", "select"):
-        return (2 if count <= 1 else 1), (count or 1) + 1
-    if name in ("s", "send"):
-        return (1 if count else 2), 0
+    n = len(arguments)
+    by_count = {
+        ("t", "trigger", "unpack", "adc~"): (1, n or 2), ("pack",): (n or 2, 1), ("s", "send"): (1 if n else 2, 0),
+        ("route", "sel", "select"): (2 if n <= 1 else 1, (n or 1) + 1), ("dac~",): (n or 2, 0),
+        ("pipe",): (max(n, 2), max(n - 1, 1)), ("set",): (max(n, 2), 0), ("get",): (1, max(n - 1, 1)),
+        ("append",): (max(n, 2), 1), ("element",): (2, 1), ("getsize",): (1, 1), ("notein",): (0, 2 if n else 3),
+        ("ctlin",): (0, 1 if n > 1 else 2 if n else 3), ("bendin", "pgmin", "touchin"): (0, 1 if n else 2)}
+    for names, ports in by_count.items():
+        if name in names:
+            return ports
     if name in ("expr", "expr~", "fexpr~"):
         text = " ".join(arguments)
-        return max([int(n) for n in re.findall(r"\$[fisvx](\d+)", text)] + [1]), len(
+        return max([int(i) for i in re.findall(r"\$[fisvx](\d+)", text)] + [1]), len(
             [part for part in text.split(";") if part.strip()])
-    if name in ("dac~", "adc~"):
-        return (max(count, 2 - count // 1) if count else 2, 0) if name == "dac~" else (1, count or 2)
-    if name == "pipe":
-        return max(count, 2), max(count - 1, 1)
-    if name == "set":  # set TEMPLATE FIELD...
-        return max(count, 2), 0
-    if name == "get":
-        return 1, max(count - 1, 1)
-    if name == "append":
-        return max(count, 2), 1
-    if name == "element":
-        return 2, 1
-    if name == "getsize":
-        return 1, 1
-    if name == "ctlin":
-        return 0, 1 if count > 1 else 2 if count else 3
-    if name in ("notein", "bendin", "pgmin", "touchin"):
-        most = 3 if name == "notein" else 2
-        return 0, most - 1 if count else most
     if name in ONE_OUTLET:
         return 2, 1
-    for known in (" ".join(words[:2]), name):
-        if known in FIXED:
-            return FIXED[known]
-    return None
+    return FIXED.get(" ".join(words[:2]), FIXED.get(name))
 
 
 class Ports:
@@ -107,12 +86,8 @@ class Ports:
         words = box.plain_words()
         if not words:
             return 0, 0
-        if words[0] in ("cnv",):
-            return 0, 0
-        if words[0] == "vu":
-            return 2, 2
-        if words[0] in ("bng", "tgl", "hsl", "vsl", "nbx", "hradio", "vradio"):
-            return 1, 1
+        if words[0] in WIDGETS:
+            return WIDGETS[words[0]]
         if words[0].startswith("tactus/"):
             words[0] = words[0].removeprefix("tactus/")
         if words[0] == "clone":
