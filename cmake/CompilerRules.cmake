@@ -34,8 +34,8 @@ if(TACTUS_SANITIZE)
     add_compile_options(-fno-sanitize=function)
   endif()
   add_link_options(-fsanitize=address,undefined)
-  # [[gnu::flatten]] multiplies the code that sanitizers instrument: half a minute a file.
-  add_compile_options(-Dflatten=unused)
+  # [[gnu::flatten]] and [[gnu::always_inline]] multiply the code that sanitizers instrument: half a minute a file.
+  add_compile_options(-Dflatten=unused -Dalways_inline=unused)
 endif()
 find_program(CCACHE ccache)
 if(CCACHE)
