@@ -11,12 +11,34 @@ namespace {
 
 constexpr double kAir = 1.184, kSpeed = 346.1, kRadius = .05;
 
-/// About so many triangles on the sphere.
-AcousticSkin ball(std::size_t triangles) {
-  AcousticSkin s = with_triangles(
-      outer_skin(make_shape("sphere", {{"diameter", 2 * kRadius}}, {}, {.h = .03})), triangles);
-  for (Vector3& v : s.vertex)
-    v = (kRadius / length(v)) * v;
+/// An icosahedron, every triangle split in four `times` times, on the sphere.
+AcousticSkin ball(int times) {
+  const double t = (1 + std::sqrt(5.0)) / 2;
+  AcousticSkin s{{{-1, t, 0},
+                  {1, t, 0},
+                  {-1, -t, 0},
+                  {1, -t, 0},
+                  {0, -1, t},
+                  {0, 1, t},
+                  {0, -1, -t},
+                  {0, 1, -t},
+                  {t, 0, -1},
+                  {t, 0, 1},
+                  {-t, 0, -1},
+                  {-t, 0, 1}},
+                 {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                  {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                  {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                  {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
+  const auto round = [&] {
+    for (Vector3& v : s.vertex)
+      v = (kRadius / length(v)) * v;
+  };
+  round();
+  for (int k = 0; k < times; ++k) {
+    s = with_triangles(s, 4 * s.triangle.size());
+    round();
+  }
   return s;
 }
 
@@ -85,9 +107,9 @@ double decibels(Complex a, Complex b) { return 20 * std::log10(std::abs(a) / std
 
 namespace {
 
-void check_spheres(std::size_t triangles, std::initializer_list<std::pair<double, int>> of,
-                   double tolerance_db, double tolerance_of_power) {
-  const AcousticSkin skin = ball(triangles);
+void check_spheres(int times, std::initializer_list<std::pair<double, int>> of, double tolerance_db,
+                   double tolerance_of_power) {
+  const AcousticSkin skin = ball(times);
   const ExteriorField field(skin);
   for (const auto& [f, l] : of) {
     CAPTURE(f);
@@ -117,7 +139,7 @@ constexpr double kInnerResonance = kSpeed / (2 * kRadius); // k a = pi: sin(ka) 
 } // namespace
 
 TEST_CASE("spheres that pulsate and flex radiate as their closed form, at resonances inside too") {
-  check_spheres(400, {{1000, 0}, {kInnerResonance, 0}, {6000, 2}}, .9, .1);
+  check_spheres(2, {{1000, 0}, {kInnerResonance, 0}, {6000, 2}}, .9, .1);
 }
 
 TEST_CASE("spheres radiate as their closed form, the closer the finer their skin" *
@@ -243,7 +265,7 @@ TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds" 
 }
 
 TEST_CASE("coarser skins stay closed and keep area and volume") {
-  const AcousticSkin fine = ball(1300);
+  const AcousticSkin fine = ball(3);
   const auto volume = [](const AcousticSkin& s) {
     double sum = 0;
     for (const auto& [a, b, c] : s.triangle)
@@ -367,7 +389,7 @@ TEST_CASE("integrals over pairs of panels are the sums over their points") {
 }
 
 TEST_CASE("multipoles carry the field of any layers to where its direct sum does") {
-  const ExteriorField field(ball(320));
+  const ExteriorField field(ball(2));
   const std::size_t n = field.unknowns();
   std::vector<Complex> mu(2 * n);
   for (std::size_t i = 0; i < mu.size(); ++i)

@@ -36,22 +36,6 @@ inline TriangleSoup box(const Vector3& low, const Vector3& size) {
   return out;
 }
 
-/// Each triangle in four, `times` times, in the order of the triangles.
-inline TriangleSoup in_four(TriangleSoup soup, int times) {
-  for (; times > 0; --times) {
-    TriangleSoup finer;
-    for (const auto& [a, b, c] : soup) {
-      const Vector3 ab = .5 * (a + b), bc = .5 * (b + c), ca = .5 * (c + a);
-      finer.push_back({a, ab, ca});
-      finer.push_back({ab, b, bc});
-      finer.push_back({ca, bc, c});
-      finer.push_back({ab, bc, ca});
-    }
-    soup = std::move(finer);
-  }
-  return soup;
-}
-
 /// A ball of rings and twice as many meridians: slivers at its poles.
 inline TriangleSoup sphere(const Vector3& centre, double radius, int rings) {
   const auto at = [&](int i, int j) {
