@@ -99,7 +99,8 @@ def test_few_modes_of_a_thick_body_take_little(tmp_path):
 
 def test_absurd_numbers_are_refused_or_harmless_and_sizes_are_read_as_people_write_them(tmp_path):
     run(*DISK, "--h", "1e9", "--modes", 3, folder=tmp_path)
-    for words, expected in [(["--h", "1e-9"], "expected at most"), (["--layers", "1e9"], "1 to 200"), (["--modes", "1e9"], "1 to 20000"),
+    for words, expected in [(["--h", "1e-9"], "expected at most"), (["--layers", "1e9"], "1 to 200"),
+                            (["--modes", "1e9"], "1 to 20000"),
                             *((["--memory", size], "from 1M") for size in ("12", "4Q", "nan")),
                             *((["--memory", size], "expected at most 2 MB (--memory)")
                               for size in ("2m", "2000k", "0.002GB", "1.5Mi"))]:

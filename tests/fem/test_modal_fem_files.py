@@ -59,7 +59,8 @@ def test_a_missing_bottom_is_closed_and_a_sheet_is_refused(tmp_path):
     def bottomless(size, times):
         triangles = [t for t in box(size=size) if not all(p[2] == 0 for p in t)]
         for _ in range(times):  # each in four
-            triangles = [[s[i], (s[i] + s[(i + 1) % 3]) / 2, (s[i] + s[(i + 2) % 3]) / 2] for s in triangles for i in range(3)] + \
+            corners = [[s[i], (s[i] + s[(i + 1) % 3]) / 2, (s[i] + s[(i + 2) % 3]) / 2] for s in triangles for i in range(3)]
+            triangles = corners + \
                         [[(s[0] + s[1]) / 2, (s[1] + s[2]) / 2, (s[2] + s[0]) / 2] for s in triangles]
         return triangles
     write_stl(tmp_path / "box.stl", bottomless((40, 40, 12), 0))  # drawn by hand: it may be a box

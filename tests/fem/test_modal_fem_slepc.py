@@ -26,7 +26,8 @@ BODIES = {
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_slepc_gives_the_same_modes(body, ranks, tmp_path):
     own, _ = table(*body, folder=tmp_path)
-    other, said = table(*body, "--engine", "slepc", "--ranks", ranks, folder=tmp_path, env={**os.environ, "TMPDIR": str(tmp_path)})
+    other, said = table(*body, "--engine", "slepc", "--ranks", ranks, folder=tmp_path,
+                        env={**os.environ, "TMPDIR": str(tmp_path)})
     assert len(own["freq"]) == len(other["freq"]) == body[body.index("--modes") + 1]
     assert np.allclose(own["freq"], other["freq"], rtol=1e-8)
     assert np.array_equal(own["mult"], other["mult"]) and np.allclose(own["eta"], other["eta"])

@@ -154,7 +154,8 @@ def moved(folder, *moves):
     return read_vtu(folder / "moved.vtu")["von Mises Pa", "elements"]
 
 
-@pytest.mark.parametrize("control, axis", [(22, 2), pytest.param(12, 0, marks=pytest.mark.slow)])  # of the top's middle, of the held end
+# Of the top's middle, of the held end.
+@pytest.mark.parametrize("control, axis", [(22, 2), pytest.param(12, 0, marks=pytest.mark.slow)])
 def test_taylors_error_falls_with_the_square_of_the_move(control, axis, bar):
     folder, table = bar
     row = int(np.flatnonzero((table["parameters"][:, 0] == control) & (table["parameters"][:, 1] == axis))[0])
@@ -359,7 +360,8 @@ def test_a_server_whose_stream_is_broken_says_so_and_ends(served, damage, words)
         if damage == "header":
             server.process.stdin.write(b"TSR1abc")
         else:
-            server.send(SOLVE, b"12345678", **{"magic": {"magic": 5}, "size": {"size": 1 << 40}, "payload": {"size": 100}}[damage])
+            wrong = {"magic": {"magic": 5}, "size": {"size": 1 << 40}, "payload": {"size": 100}}[damage]
+            server.send(SOLVE, b"12345678", **wrong)
         server.process.stdin.close()
         kind, sentence = server.read()
         assert kind == REFUSED and words in sentence.decode()
