@@ -146,7 +146,6 @@ TEST_CASE(
                                         {"wake", {1, 2}},
                                         {"gain", {}},
                                         {"gain", {1, 2}}}) {
-    CAPTURE(selector);
     box.send(selector, atoms);
     CHECK(errors().size() == 1);
   }

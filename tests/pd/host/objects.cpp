@@ -116,6 +116,7 @@ t_class* class_new(t_symbol* name, t_newmethod make, t_method drop, std::size_t 
   return classes.emplace_back(new _class{name, reinterpret_cast<t_method>(make), drop, size}).get();
 }
 
+#pragma GCC diagnostic ignored "-Wvarargs" // Pd declares it so: an enumeration is passed as int
 void class_addmethod(t_class* c, t_method function, t_symbol* selector, t_atomtype first, ...) {
   std::vector<t_atomtype> types{first};
   std::va_list rest;
