@@ -25,6 +25,7 @@ def rows(text):
     return list(csv.DictReader(io.StringIO(text)))
 
 
+@pytest.mark.slow
 def test_the_same_seeds_give_the_same_trials_however_they_are_shared_out():
     order = ("trumpet", "--feel", "off", "reeds", "--ceiling", 2, "--seeds", 3, 4, "--seconds", 1)
     whole = study(*order)
