@@ -197,12 +197,12 @@ void check_read(const Body& body, std::initializer_list<int> choices) {
           for (const auto& [name, expected] : body.volume)
             CHECK(volumes[name] == doctest::Approx(expected).epsilon(1e-9));
           REQUIRE(mesh.node_sets.size() == body.set.size());
-          for (const auto& [name, holds] : body.set) {
-            CAPTURE(name);
-            const auto& nodes = mesh.node_sets.at(name);
+          for (const auto& set : body.set) {
+            CAPTURE(set.first);
+            const auto& nodes = mesh.node_sets.at(set.first);
             const std::set<int> in(nodes.begin(), nodes.end());
             for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
-              CHECK(in.contains(static_cast<int>(n)) == holds(mesh.nodes[n]));
+              CHECK(in.contains(static_cast<int>(n)) == set.second(mesh.nodes[n]));
           }
         }
 }

@@ -111,7 +111,9 @@ void check_spheres(int times, std::initializer_list<std::pair<double, int>> of, 
                    double tolerance_of_power) {
   const AcousticSkin skin = ball(times);
   const ExteriorField field(skin);
-  for (const auto& [f, l] : of) {
+  for (const auto& [frequency, degree] : of) {
+    const double f = frequency;
+    const int l = degree;
     CAPTURE(f);
     CAPTURE(l);
     const double k = 2 * std::numbers::pi * f / kSpeed;
