@@ -1,9 +1,8 @@
 """patches/design/beam.pd is dragged with a mouse: the control point follows, and its force is felt."""
 import pytest
-from test_ioa_mouse import ROOT, STAGE, drag, last, listener, no_error, opened, pytestmark, slow  # noqa: F401
+from test_ioa_mouse import ROOT, STAGE, drag, last, listener, no_error, opened, pytestmark  # noqa: F401
 
 
-@slow
 def test_dragging_a_control_point_reshapes_the_beam_against_a_spring(tmp_path):
     if not (STAGE / "cantilever.stress.npz").is_file():
         pytest.skip("the tables of the parts are not made in this build")

@@ -35,7 +35,6 @@ PATCH = """#N canvas 60 40 580 420 12;
 
 pytestmark = pytest.mark.skipif(any(not shutil.which(p) for p in PROGRAMS),
                                 reason="needs xvfb openbox xdotool imagemagick")
-slow = pytest.mark.slow
 
 
 def photograph():
@@ -110,7 +109,6 @@ def no_error(desk):
     assert not re.search(r"error|couldn't create", desk.words()), desk.words()
 
 
-@slow
 def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
     patch = tmp_path / "drag.pd"
     patch.write_text(PATCH)
@@ -135,7 +133,6 @@ def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
     assert float(changed.split()[0]) > 300
 
 
-@slow
 def test_dragging_the_finger_onto_the_reed_is_felt_and_ends_the_note(tmp_path):
     with opened(ROOT / "patches" / "audiohaptics" / "finger_on_reed.pd", 734, "-send", "pd dsp 1", "-send",
                 "finger-breath 2200", *listener(tmp_path, force=["finger-force-now"], level=["finger-level-now"])) as desk:
