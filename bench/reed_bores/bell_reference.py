@@ -17,7 +17,7 @@ import numpy as np
 
 from bells import BELLS, Bell
 from bores import DENSITY, GAMMA, PRANDTL, SOUND_SPEED, VISCOSITY
-from reference import radiating
+from reference import HEADER, radiating, reference_row
 
 TABLE = Path(__file__).resolve().parents[2] / "tests/core/reed/bore/bell_reference.hpp"
 LENGTHS = {"trumpet": (0.66, 0.9, 1.2), "trombone": (1.7, 2.1, 2.8)}  # of the cylinder, m
@@ -64,22 +64,16 @@ def peaks(bell: Bell, length: float, step: float):
 
 
 def main() -> int:
-    text = ("// Written by bench/reed_bores/bell_reference.py, by Runge-Kutta over the horn equation.\n"
-            "#pragma once\n\n#include \"core/reed/bore/termination.hpp\"\n\n#include <array>\n\n"
-            "namespace tactus::reed::test {\n\n"
-            "/// Peaks of the input impedance of a cylinder with its bell, below the bell's cut-off.\n"
-            "struct BellReference {\n  BoreEnd end;\n  double length; // of the cylinder, m\n"
-            "  struct Peak {\n    double hz, level; // dB over the input's Z_0\n  };\n"
-            "  std::array<Peak, 20> peaks; // 0 Hz: no more\n};\n\n"
-            "inline constexpr BellReference kBellReference[]{\n")
+    text = ("// Written by bench/reed_bores/bell_reference.py, by Runge-Kutta over the horn equation. Rows as in\n"
+            "// bore_reference.hpp, of a cylinder with its bell.\n" + HEADER +
+            'inline constexpr std::string_view kBellReference = R"(\n')
     for name, bell in BELLS.items():
         for length in LENGTHS[name]:
             found, finer = peaks(bell, length, STEP), peaks(bell, length, STEP / 2)
             print(name, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in found),
                   f"half the step: {np.abs(finer - found).max():.1e} Hz or dB")
-            rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in finer)
-            text += f"    {{BoreEnd::k{name.capitalize()}, {length:.9g}, {{{{{rows}}}}}}},\n"
-    TABLE.write_text(text + "};\n\n} // namespace tactus::reed::test\n")
+            text += reference_row(name, "bell", length, finer)
+    TABLE.write_text(text + ')";\n\n} // namespace tactus::reed::test\n')
     return 0
 
 

@@ -13,6 +13,7 @@ unit flow at the input is p there. Prints peaks; writes them as a C++ table."""
 
 import argparse
 import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -175,52 +176,40 @@ def peaks_of(name, key, beyond=None, vented=False):
     return length, found
 
 
+HEADER = "#pragma once\n\n#include <string_view>\n\nnamespace tactus::reed::test {\n\n"
+
+
+def reference_row(name, fingering, length, peaks) -> str:
+    """As tests/core/reed/bore/bore_echo.hpp reads it."""
+    text = f"{name} {fingering} {length:.6f} " + " ".join(f"{f:.6g} {d:.2f}" for f, d in peaks)
+    return textwrap.fill(text, 100, subsequent_indent="  ") + "\n"
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", help="this instrument's alone, printed")
     arguments = parser.parse_args()
-    text = ("// Written by bench/reed_bores/reference.py, by finite elements.\n#pragma once\n\n"
-            "#include \"core/reed/bore/termination.hpp\"\n\n#include <array>\n#include <string_view>\n\n"
-            "namespace tactus::reed::test {\n\n"
-            "/// Peaks of the input impedance of a bore with its holes, below the lattice's cut-off.\n"
-            "struct BoreReference {\n  BoreEnd end;\n  int key;\n  double length; // of the line, m\n"
-            "  struct Peak {\n    double hz, level; // dB over the input's Z_0\n  };\n"
-            "  std::array<Peak, 5> peaks; // 0 Hz: no more\n};\n\n"
-            "inline constexpr BoreReference kBoreReference[]{\n")
-    for name, keys in KEYS.items():
-        if arguments.only not in (None, name):
-            continue
-        for key in keys:
-            length, peaks = peaks_of(name, key)
-            print(name, key, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks), flush=True)
-            rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
-            text += f"    {{BoreEnd::k{name.capitalize()}, {key}, {length:.9g}, {{{{{rows}}}}}}},\n"
-    text += ("};\n\n/// The same with any state of the holes.\n"
-             "struct FingeredReference {\n  BoreEnd end;\n  std::string_view holes; "
-             "// from the reed down: c closed, o open, h half, q three quarters covered\n"
-             "  double length; // of the line, m\n  std::array<BoreReference::Peak, 5> peaks;\n};\n\n"
-             "inline constexpr FingeredReference kFingeredReference[]{\n")
-    for name, states in STATES.items():
-        if arguments.only not in (None, name):
-            continue
-        for state in states:
-            key, beyond = WOODWINDS[name].fingered([CLOSED[letter] for letter in state])
-            length, peaks = peaks_of(name, key, beyond)
-            print(name, state, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks), flush=True)
-            rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
-            text += f'    {{BoreEnd::k{name.capitalize()}, "{state}", {length:.9g}, {{{{{rows}}}}}}},\n'
-    text += ("};\n\n/// Standard fingerings with the register vent open.\n"
-             "inline constexpr BoreReference kVentedReference[]{\n")
-    for name, keys in VENTED.items():
-        if arguments.only not in (None, name):
-            continue
-        for key in keys:
-            length, peaks = peaks_of(name, key, None, True)
-            print(name, "vented", key, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks),
-                  flush=True)
-            rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
-            text += f"    {{BoreEnd::k{name.capitalize()}, {key}, {length:.9g}, {{{{{rows}}}}}}},\n"
-    text += "};\n\n} // namespace tactus::reed::test\n"
+    text = ("// Written by bench/reed_bores/reference.py, by finite elements. A row: bore, fingering, length of\n"
+            "// the line in m, then Hz and dB over the input's Z_0 of each peak of the input impedance.\n" + HEADER)
+    tables = ("/// Standard fingerings, by MIDI number.\n", "kBoreReference", KEYS), (
+        "/// Any state of the holes, from the reed down: c closed, o open, h half, q three quarters covered.\n",
+        "kFingeredReference", STATES), (
+        "/// Standard fingerings with the register vent open.\n", "kVentedReference", VENTED)
+    for comment, table, fingerings in tables:
+        text += f'{comment}inline constexpr std::string_view {table} = R"(\n'
+        for name in fingerings:
+            if arguments.only not in (None, name):
+                continue
+            for fingering in fingerings[name]:
+                key, beyond = fingering, None
+                if table == "kFingeredReference":
+                    key, beyond = WOODWINDS[name].fingered([CLOSED[letter] for letter in fingering])
+                length, peaks = peaks_of(name, key, beyond, table == "kVentedReference")
+                row = reference_row(name, fingering, length, peaks)
+                print(row, end="", flush=True)
+                text += row
+        text += ')";\n\n'
+    text += "} // namespace tactus::reed::test\n"
     if arguments.only is None:
         TABLE.write_text(text)
     return 0

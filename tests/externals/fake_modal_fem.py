@@ -6,11 +6,9 @@ import os
 import signal
 import struct
 import sys
-import time
 import zipfile
 
-MODE = os.path.basename(sys.argv[0]).split(".")[1]
-READY, REFUSED, MODES = 16, 18, 19
+from fake_solver import MODE, MODES, READY, REFUSED, begin, forever, numbers, request, send
 
 
 def npy(values, shape):
@@ -19,50 +17,18 @@ def npy(values, shape):
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + struct.pack(f"<{len(values)}d", *values)
 
 
-def doubles(stored):
-    raw = stored[10 + struct.unpack_from("<H", stored, 8)[0]:]
-    return struct.unpack(f"<{len(raw) // 8}d", raw)
-
-
-def send(kind, payload, size=None):
-    out.write(struct.pack("<IIQ", 0x31525354, kind, len(payload) if size is None else size) + payload)
-    out.flush()
-
-
-def forever():
-    while True:
-        time.sleep(3600)
-
-
-out = sys.stdout.buffer
-assert sys.argv[1] == "serve" and len(sys.argv) == 3, sys.argv
-if MODE == "dies":
-    sys.exit("modal_fem: a\x07 reason")
-if MODE == "hangs":
-    forever()
-if MODE == "garbage":
-    out.write(os.urandom(5000))
-    out.flush()
-    forever()
-if MODE == "huge":
-    send(MODES, b"", 1 << 60)
-    forever()
-with zipfile.ZipFile(sys.argv[2]) as file:
-    members = {name: file.read(name) for name in file.namelist() if name != "mesh.npy"}
-frequencies = doubles(members["freq.npy"])
-K, P = len(frequencies), len(doubles(members["parameters.npy"])) // 4
-V = (len(members["xyz.npy"]) - 10 - struct.unpack_from("<H", members["xyz.npy"], 8)[0]) // 12
+members = begin("modal_fem", MODES)
+assert len(sys.argv) == 3, sys.argv
+frequencies = numbers(members["freq.npy"], "d")
+K, P, V = len(frequencies), len(numbers(members["parameters.npy"], "d")) // 4, len(numbers(members["xyz.npy"], "f")) // 3
 send(READY, struct.pack("<QQQ", K, V + (MODE == "sizes"), P))
 while True:
-    header = sys.stdin.buffer.read(16)
-    if len(header) < 16:
-        sys.exit(0)  # the object has gone
-    request = sys.stdin.buffer.read(struct.unpack("<IIQ", header)[2])
-    both = struct.unpack(f"<{2 * P}d", request)
+    both = struct.unpack(f"<{2 * P}d", request())
     p, matched = both[:P], both[P:]
     if MODE == "killed":
         os.kill(os.getpid(), signal.SIGKILL)
     if MODE == "mute":
+        open(sys.argv[2] + ".asked", "w").close()
         forever()
     if MODE == "refuses":
         send(REFUSED, b"the body is\nsingular")

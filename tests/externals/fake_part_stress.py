@@ -5,55 +5,20 @@ import os
 import signal
 import struct
 import sys
-import time
-import zipfile
 
-MODE = os.path.basename(sys.argv[0]).split(".")[1]
-READY, STRESS, REFUSED = 16, 17, 18
+from fake_solver import MODE, READY, REFUSED, STRESS, begin, forever, numbers, out, request, send
 
-
-def array(name):
-    with zipfile.ZipFile(sys.argv[2]) as file:
-        stored = file.read(name + ".npy")
-    return stored[10 + struct.unpack_from("<H", stored, 8)[0]:]
-
-
-def send(kind, payload, size=None):
-    out.write(struct.pack("<IIQ", 0x31525354, kind, len(payload) if size is None else size) + payload)
-    out.flush()
-
-
-def forever():
-    while True:
-        time.sleep(3600)
-
-
-out = sys.stdout.buffer
-assert sys.argv[1] == "serve" and sys.argv[3:] == ["--tolerance", "1e-08"], sys.argv
-if MODE == "dies":
-    sys.exit("part_stress: a\x07 reason")
-if MODE == "hangs":
-    forever()
-if MODE == "garbage":
-    out.write(os.urandom(5000))
-    out.flush()
-    forever()
-raw = array("s0")
-s0 = struct.unpack(f"<{len(raw) // 4}f", raw)
-N, P = len(s0), len(array("parameters")) // 32
-if MODE == "huge":
-    send(STRESS, b"", 1 << 60)
-    forever()
+members = begin("part_stress", STRESS)
+assert sys.argv[3:] == ["--tolerance", "1e-08"], sys.argv
+s0 = numbers(members["s0.npy"], "f")
+N, P = len(s0), len(numbers(members["parameters.npy"], "d")) // 4
 send(READY, struct.pack("<QQddd", N + (MODE == "sizes"), P, 1e-4, 1e-4, 0.01 if MODE != "costs" else float("nan")))
 solved = 0
 while True:
-    header = sys.stdin.buffer.read(16)
-    if len(header) < 16:
-        sys.exit(0)  # the object has gone
-    request = sys.stdin.buffer.read(struct.unpack("<IIQ", header)[2])
-    method, flags = struct.unpack_from("<II", request)
+    wanted = request()
+    method, flags = struct.unpack_from("<II", wanted)
     assert flags & 2  # the object decides when a new factor is made
-    p = list(struct.unpack_from(f"<{P}d", request, 8))
+    p = list(struct.unpack_from(f"<{P}d", wanted, 8))
     solved += 1
     values = [s * (1 + 10 * p[0] + (0.1 if MODE == "another" else 0)) for s in s0]
     if solved > 1:  # the first is the object's comparison with the table
@@ -63,8 +28,6 @@ while True:
             forever()
         if MODE == "nonsense":
             method = 9
-        if MODE == "nan":
-            values[N // 2] = float("nan")
         if MODE == "half":
             send(STRESS, bytes(100), 32 + 8 * P + 8 * N)
             sys.exit(0)

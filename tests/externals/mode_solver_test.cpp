@@ -3,6 +3,7 @@
 // itself.
 #include "externals/modal_impact~/mode_solver.hpp"
 #include "files/modal_table.hpp"
+#include "tests/externals/table_folder.hpp"
 #include "tests/files/modal_members.hpp"
 
 #include <doctest/doctest.h>
@@ -33,37 +34,27 @@ std::vector<test::Member> reshaped_table() {
 
 /// A table and a fake program beside it. At its end no child may be left.
 struct Rig {
-  fs::path folder;
+  test::TemporaryFolder folder;
   std::shared_ptr<const LoadedTable> table;
   std::unique_ptr<ModeSolver> solver;
   ModeSolver::Request request;
 
   explicit Rig(const std::string& mode, const ModeSolver::Limits& limits = {}) {
-    static std::atomic<int> count{0};
-    folder = fs::temp_directory_path() /
-             ("mode_solver_test." +
-              std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "." +
-              std::to_string(count++));
-    fs::create_directories(folder);
+    const fs::path body = folder.path / "body.modal.npz", program = folder.path / ("fake." + mode);
     const std::string bytes = test::archive(reshaped_table());
-    std::ofstream(folder / "body.modal.npz", std::ios::binary) << bytes;
+    std::ofstream(body, std::ios::binary) << bytes;
     ModalTable read;
     REQUIRE(files::read_modal_table(std::as_bytes(std::span(bytes)), read) == "");
     REQUIRE(read.has_mesh);
     table = std::make_shared<const LoadedTable>(std::move(read));
-    fs::create_symlink(fs::path(TACTUS_FAKE_MODAL_FEM), folder / ("fake." + mode));
+    fs::create_symlink(TACTUS_FAKE_MODAL_FEM, program);
     solver = std::make_unique<ModeSolver>(limits);
     solver->restart(1);
-    request = {1,
-               (folder / "body.modal.npz").string(),
-               (folder / ("fake." + mode)).string(),
-               table,
-               {.003}};
+    request = {1, body.string(), program.string(), table, {.003}};
   }
   ~Rig() {
     solver.reset();
     CHECK(waitpid(-1, nullptr, WNOHANG) == -1); // no child, ended or not
-    fs::remove_all(folder);
   }
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -168,8 +159,8 @@ TEST_CASE("a solver is ended in the middle of whatever it does, and solves anoth
   for (const char* mode : {"good", "hangs", "mute"}) {
     Rig rig(mode);
     REQUIRE(rig.solver->request(rig.request, [] {}).empty());
-    if (std::string(mode) == "mute")
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    while (std::string(mode) == "mute" && !fs::exists(rig.folder.path / "body.modal.npz.asked"))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     rig.solver->restart(2);
     CHECK(!rig.solver->take());
     if (std::string(mode) == "good") {

@@ -119,96 +119,88 @@ TEST_CASE("a child solves the part: stress alone, then its sensitivities") {
 
 TEST_CASE("a program that is not there or cannot run is one sentence") {
   Rig rig("good");
-  for (const auto& [program, words] :
-       {std::pair("/nowhere/part_stress", "was not found"),
-        std::pair("no_such_program_of_this_name", "was not found"),
-        std::pair("/etc/passwd", "was not found")}) { // may not be run
-    rig.solver = std::make_unique<PartSolver>(SolverOptions{rig.table, "x", program, false});
-    CHECK(!rig.prepare());
-    rig.is_lost(words);
-  }
-  const fs::path text = rig.folder.path / "text";
+  const std::string text = (rig.folder.path / "text").string();
   std::ofstream(text) << "#!/nowhere/interpreter\n";
   fs::permissions(text, fs::perms::owner_all);
-  rig.solver = std::make_unique<PartSolver>(SolverOptions{rig.table, "x", text.string(), false});
-  CHECK(!rig.prepare());
-  rig.is_lost("does not start: No such file");
+  for (const std::string& program :
+       {std::string("/nowhere/part_stress"), std::string("no_such_program_of_this_name"),
+        std::string("/etc/passwd"), text}) {
+    rig.solver = std::make_unique<PartSolver>(SolverOptions{rig.table, "x", program, false});
+    CHECK(!rig.prepare());
+    rig.is_lost(program == text ? "does not start: No such file" : "was not found");
+  }
 }
 
-TEST_CASE("a child that fails while it loads the part is lost, with its reason") {
+TEST_CASE("a child that fails is lost, with its reason, and its parent gets no signal") {
+  struct Failure {
+    std::string mode, words;
+    bool loads; // it fails when it solves
+  };
+  const Failure failures[] = {
+      {"dies", "the solver ended: part_stress: a  reason", false},
+      {"hangs", "did not answer within 0.3 s", false},
+      {"garbage", "sent an invalid answer", false},
+      {"huge", "sent an invalid answer", false},
+      {"sizes", "parameters: expected the table's", false},
+      {"costs", "expected 0..100000 s", false},
+      {"another", "another stress at the table's own shape", false},
+      {"killed", "the solver ended: signal 9", true},
+      {"mute", "did not answer within 0.448 s", true}, // 20 (0.01 + 62 * 0.0002)
+      {"nonsense", "numbers that cannot be", true},
+      {"half", "the solver ended: status 0", true},
+      {"short", "sent an invalid answer", true},
+  };
   for (const bool wait : {false, true})
-    for (const auto& [name, words] :
-         {std::pair("dies", "the solver ended: part_stress: a  reason"),
-          std::pair("hangs", "did not answer within 0.3 s"),
-          std::pair("garbage", "sent an invalid answer"),
-          std::pair("huge", "sent an invalid answer"),
-          std::pair("sizes", "parameters: expected the table's"),
-          std::pair("costs", "expected 0..100000 s"),
-          std::pair("another", "another stress at the table's own shape")}) {
-      const std::string mode = name; // a binding cannot be captured
-      CAPTURE(mode);
-      // Only "hangs" must meet its limit: the others have time on a busy machine.
-      Rig rig(mode, wait, {mode == "hangs" ? 0.3 : 60, 60});
-      if (wait)
+    for (const Failure& failure : failures) {
+      CAPTURE(failure.mode);
+      // Only what waits for ever must meet its limit: the others have time on a busy machine.
+      Rig rig(failure.mode, wait,
+              {failure.mode == "hangs" ? 0.3 : 60, failure.mode == "mute" ? 0.1 : 60});
+      if (failure.loads)
+        REQUIRE(rig.prepare());
+      if (failure.loads || wait)
         static_cast<void>(rig.solve({0.001, 0}));
       else
         CHECK(!rig.prepare());
-      rig.is_lost(words);
-    }
-}
-
-TEST_CASE("a child that fails while it solves is lost, and its parent gets no signal") {
-  for (const bool wait : {false, true})
-    for (const auto& [name, words] :
-         {std::pair("killed", "the solver ended: signal 9"),
-          std::pair("mute", "did not answer within 0.448 s"), // 20 (0.01 + 62 * 0.0002)
-          std::pair("nonsense", "numbers that cannot be"),
-          std::pair("half", "the solver ended: status 0"),
-          std::pair("short", "sent an invalid answer")}) {
-      const std::string mode = name; // a binding cannot be captured
-      CAPTURE(mode);
-      Rig rig(mode, wait, {60, mode == "mute" ? 0.1 : 60});
-      REQUIRE(rig.prepare());
-      static_cast<void>(rig.solve({0.001, 0}));
-      rig.is_lost(words);
+      rig.is_lost(failure.words);
     }
 }
 
 TEST_CASE("a child that has gone is noticed at the next look, and by a request") {
+  const auto until_refused = [](const Rig& rig) {
+    for (int i = 0; i < 60000 && !rig.refused(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
   for (const bool asks : {false, true}) {
     Rig rig("leaves"); // after the comparison with the table
     REQUIRE(rig.prepare());
-    if (asks) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    siginfo_t ended;
+    REQUIRE(waitid(P_ALL, 0, &ended, WEXITED | WNOWAIT) == 0);
+    if (asks)
       static_cast<void>(rig.solve({0.001, 0}));
-    } else {
-      for (int i = 0; i < 60000 && !rig.refused(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    else
+      until_refused(rig);
     rig.is_lost("the solver ended: status 3");
   }
   Rig rig("floods");
   REQUIRE(rig.prepare());
   CHECK(rig.solve({0.001, 0}).base);
-  for (int i = 0; i < 60000 && !rig.refused(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  until_refused(rig);
   rig.is_lost("sent an invalid answer");
 }
 
-TEST_CASE("a solve that is refused is one sentence, and the next one is solved") {
-  Rig rig("refuses");
-  REQUIRE(rig.prepare());
-  const auto refused = rig.solve({0.001, 0});
-  CHECK(!refused.lost);
-  CHECK(!refused.base);
-  CHECK(refused.refusal == "the part is singular");
-  CHECK(rig.solve({0.001, 0}).base);
-}
-
-TEST_CASE("a child that says much on stderr goes on") {
-  Rig rig("talks");
-  REQUIRE(rig.prepare());
-  CHECK(rig.solve({0.001, 0}).base);
+TEST_CASE("a child that refuses a solve, or says much on stderr, solves the next") {
+  for (const char* mode : {"refuses", "talks"}) {
+    Rig rig(mode);
+    REQUIRE(rig.prepare());
+    if (std::string(mode) == "refuses") {
+      const auto refused = rig.solve({0.001, 0});
+      CHECK(!refused.lost);
+      CHECK(!refused.base);
+      CHECK(refused.refusal == "the part is singular");
+    }
+    CHECK(rig.solve({0.001, 0}).base);
+  }
 }
 
 TEST_CASE("a solver is ended in the middle of whatever it does") {

@@ -15,21 +15,24 @@ namespace tactus::test {
 
 using stress::StressTable;
 
-/// A folder of its own with the cantilever's table in it.
-struct TableFolder {
+struct TemporaryFolder {
   std::filesystem::path path;
-  TableFolder() {
+  TemporaryFolder() {
     static std::atomic<int> count{0};
     path = std::filesystem::temp_directory_path() /
-           ("stress_haptic_test." +
+           ("externals_test." +
             std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "." +
             std::to_string(count++));
     std::filesystem::create_directories(path);
-    write("cantilever.stress.npz", Cantilever::table());
   }
-  ~TableFolder() { std::filesystem::remove_all(path); }
-  TableFolder(const TableFolder&) = delete;
-  TableFolder& operator=(const TableFolder&) = delete;
+  ~TemporaryFolder() { std::filesystem::remove_all(path); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+};
+
+/// With the cantilever's table in it.
+struct TableFolder : TemporaryFolder {
+  TableFolder() { write("cantilever.stress.npz", Cantilever::table()); }
 
   void write(const std::string& name, const StressTable& table) const {
     const std::string meta = R"({"format":"stress-table","version":"1.0","name":")" + name + "\"}";

@@ -27,7 +27,7 @@ ROWS = (
     Row("a bore closed by its reed rings", "ring-down of the shut bore, L = 0.3 to 1 m",
         "poles of Y_in: frequency, decay", (("f / frequency - 1", "%"), ("/ decay - 1", "%"))),
     Row("oscillation", "thresholds of 10 instruments", "linear theory: pressure, frequency",
-        (("threshold - 1", "%"), ("f / start.frequency", "%"))),
+        (("threshold - 1", "%"), ("f / start.frequency_hz", "%"))),
     Row("small", "growth rates near threshold", "linear theory",
         (("slope - rate_per_s", "1/s"),), "6 % or 0.3/s"),
     Row("Raman", "Raman's plateaus, R₀ = 0.9, 0.95", "closed form: above, below",
@@ -36,7 +36,7 @@ ROWS = (
         (("cents(f0, state.pitch_hz)", "cents"), ("rms(p) / state.rms_pa", "%"),
          ("harmonic_db(p, rate, f0, number) - level", "dB"))),
     Row("playing states", "pitch at 44.1, 48, 96 kHz", "each other",
-        (("cents(f0, pitches[1])", "cents"),)),
+        (("cents(f0, pitches[0])", "cents"),)),
     Row("playing without", "clarinet without inertance, 4 pressures",
         "OpenWInD 0.12, finite elements: pitch, p_b rms",
         (("cents(f0, pitch_hz)", "cents"), ("rms(bore) / rms_pa", "%"))),
@@ -83,7 +83,7 @@ def main():
     arguments = parser.parse_args()
     words = list(filter(None, arguments.rows.split(",")))
     rows = [row for row in ROWS if not words or any(word in row.what for word in words)]
-    cases = ",".join(dict.fromkeys(row.case + "*" for row in rows))
+    cases = ",".join(dict.fromkeys([*(row.case + "*" for row in rows), "*at every sample rate"]))
     done = subprocess.run([arguments.program, "-s", f"-tc={cases}"], capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{arguments.program} -tc=\"{cases}\" fails")

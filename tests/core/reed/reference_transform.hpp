@@ -47,7 +47,9 @@ private:
             std::polar(1.0, sign * 2 * std::numbers::pi * static_cast<double>(k) /
                                 static_cast<double>(length));
         for (std::size_t start = k; start < size; start += length) {
-          const Complex a = points_[start], b = points_[start + length / 2] * twiddle;
+          const Complex a = points_[start], x = points_[start + length / 2];
+          const Complex b(x.real() * twiddle.real() - x.imag() * twiddle.imag(),
+                          x.real() * twiddle.imag() + x.imag() * twiddle.real());
           points_[start] = a + b;
           points_[start + length / 2] = a - b;
         }

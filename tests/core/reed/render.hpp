@@ -1,12 +1,15 @@
 #pragma once
 
 #include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/player/player.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <span>
+#include <utility>
 #include <vector>
 
 /// Plays an instrument and measures what comes out, for the tests.
@@ -17,6 +20,27 @@ struct Recording {
   std::vector<double> sound, theta, bore_pressure, flow;
 };
 
+/// The three inlets, sample by sample.
+struct Controls {
+  std::vector<double> pressure, reed, bore;
+};
+
+inline double hertz(double key) { return 440 * std::exp2((key - 69) / 12); }
+
+/// A preset in a player's hands.
+inline Parameters with_player(const char* preset) {
+  Parameters p = find_preset(preset).value();
+  p.tune = true;
+  return p;
+}
+
+inline Instrument make_instrument(const Parameters& p, double rate = 48000) {
+  Instrument instrument;
+  instrument.set(p);
+  instrument.prepare(rate, 64);
+  return instrument;
+}
+
 /// Mouth pressure rises straight to its value within ramp_s and stays.
 inline std::vector<double> ramp(double pressure, double seconds, double rate,
                                 double ramp_s = 0.02) {
@@ -26,26 +50,52 @@ inline std::vector<double> ramp(double pressure, double seconds, double rate,
   return signal;
 }
 
-inline Recording play(Instrument& instrument, std::span<const double> pressure, double rate,
-                      double reed_frequency = 0, double bore_frequency = 0) {
+inline Player make_player(const Parameters& p, double rate = 48000) {
+  BoreDesign bore;
+  bore.set(p, rate);
+  Player player;
+  player.prepare(rate);
+  player.set(p, bore);
+  return player;
+}
+
+/// In blocks of `block` samples; 0: in one.
+inline Recording play(Instrument& instrument, const Controls& in, double rate = 48000,
+                      std::size_t block = 0) {
+  const std::size_t size = in.pressure.size();
   Recording r;
   r.rate = rate;
-  const std::size_t size = pressure.size();
-  r.sound.resize(size);
-  r.theta.resize(size);
-  r.bore_pressure.resize(size);
-  r.flow.resize(size);
-  const std::vector<double> reed(size, reed_frequency), bore(size, bore_frequency);
-  instrument.process<double>({pressure, reed, bore}, {r.sound, r.theta, r.bore_pressure, r.flow});
+  for (auto* signal : {&r.sound, &r.theta, &r.bore_pressure, &r.flow})
+    signal->resize(size);
+  for (std::size_t at = 0, count = 0; at < size; at += count) {
+    count = block > 0 ? std::min(block, size - at) : size;
+    const auto piece = [at, count](auto& x) { return std::span(x).subspan(at, count); };
+    instrument.process<double>(
+        {piece(in.pressure), piece(in.reed), piece(in.bore)},
+        {piece(r.sound), piece(r.theta), piece(r.bore_pressure), piece(r.flow)});
+  }
   return r;
 }
 
+inline Recording play(Instrument& instrument, std::vector<double> pressure, double rate,
+                      double reed_frequency = 0, double bore_frequency = 0) {
+  const std::size_t size = pressure.size();
+  return play(instrument,
+              {std::move(pressure), std::vector<double>(size, reed_frequency),
+               std::vector<double>(size, bore_frequency)},
+              rate);
+}
+
 inline Recording play(const Parameters& parameters, double pressure, double seconds,
-                      double rate = 48000, double ramp_s = 0.02) {
-  Instrument instrument;
-  instrument.set(parameters);
-  instrument.prepare(rate, 64);
-  return play(instrument, ramp(pressure, seconds, rate, ramp_s), rate);
+                      double rate = 48000, double ramp_s = 0.02, double bore_frequency = 0) {
+  Instrument instrument = make_instrument(parameters, rate);
+  return play(instrument, ramp(pressure, seconds, rate, ramp_s), rate, 0, bore_frequency);
+}
+
+/// A note in Hz blown at a steady pressure.
+inline Recording play_note(const Parameters& p, double pressure, double seconds, double note,
+                           double rate = 48000) {
+  return play(p, pressure, seconds, rate, 0.02, note);
 }
 
 inline std::span<const double> part(const Recording& r, const std::vector<double>& signal,
@@ -69,6 +119,14 @@ inline double rms(std::span<const double> x) {
   return std::sqrt(sum / static_cast<double>(x.size()));
 }
 
+/// Between two samples.
+inline double largest_step(std::span<const double> x) {
+  double step = 0;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    step = std::max(step, std::abs(x[i] - x[i - 1]));
+  return step;
+}
+
 /// Windowed Fourier sum at one frequency, scaled to a sine's amplitude (4-term Blackman-Harris).
 inline std::complex<double> component(std::span<const double> x, double rate, double frequency) {
   const double size = static_cast<double>(x.size()), m = mean(x);
@@ -85,44 +143,34 @@ inline std::complex<double> component(std::span<const double> x, double rate, do
   return 2.0 * sum / (0.35875 * size);
 }
 
-/// Frequency of the strongest partial near a guess: maximum of the windowed Fourier sum, by
-/// golden-section search within +-width.
-inline double peak_near(std::span<const double> x, double rate, double guess, double width) {
-  double low = guess - width, high = guess + width;
+/// Where a function with one maximum between two bounds has it, by golden-section search.
+template <class F> double maximum_of(const F& f, double low, double high, int steps) {
   const double ratio = 0.6180339887498949;
-  double a = high - ratio * (high - low), b = low + ratio * (high - low);
-  double fa = std::abs(component(x, rate, a)), fb = std::abs(component(x, rate, b));
-  for (int i = 0; i < 24; ++i) {
-    if (fa > fb) {
-      high = b;
-      b = a;
-      fb = fa;
-      a = high - ratio * (high - low);
-      fa = std::abs(component(x, rate, a));
-    } else {
-      low = a;
-      a = b;
-      fa = fb;
-      b = low + ratio * (high - low);
-      fb = std::abs(component(x, rate, b));
-    }
+  double a = high - ratio * (high - low), b = low + ratio * (high - low), fa = f(a), fb = f(b);
+  for (int i = 0; i < steps; ++i) {
+    const bool left = fa > fb;
+    (left ? high : low) = left ? b : a;
+    (left ? b : a) = left ? a : b;
+    (left ? fb : fa) = left ? fa : fb;
+    double& next = left ? a : b;
+    next = left ? high - ratio * (high - low) : low + ratio * (high - low);
+    (left ? fa : fb) = f(next);
   }
   return 0.5 * (low + high);
 }
 
 /// Pitch: the strongest bin between the bounds, refined.
 inline double pitch(std::span<const double> x, double rate, double lowest, double highest) {
-  const double spacing = 0.5 * rate / static_cast<double>(x.size());
-  // Resolution first on a decimated copy of the bins: the main lobe is eight bins wide.
+  const auto level = [&](double f) { return std::abs(component(x, rate, f)); };
+  // The main lobe is eight bins wide: every second one will do.
+  const double step = 2 * rate / static_cast<double>(x.size());
   double best = lowest, size = -1;
-  for (double f = lowest; f < highest; f += 4 * spacing) {
-    const double here = std::abs(component(x, rate, f));
-    if (here > size) {
+  for (double f = lowest; f < highest; f += step)
+    if (const double here = level(f); here > size) {
       size = here;
       best = f;
     }
-  }
-  return peak_near(x, rate, best, 4 * spacing);
+  return maximum_of(level, best - step, best + step, 24);
 }
 
 inline double cents(double a, double b) { return 1200 * std::log2(a / b); }

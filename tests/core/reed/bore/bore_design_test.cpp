@@ -27,53 +27,60 @@ Complex incident(const RoundTrip& trip, double frequency, double rate) {
 }
 /// And back.
 Complex reflected(const RoundTrip& trip, double frequency, double rate) {
-  const Complex back = std::polar(1.0, -kTwoPi * frequency / rate);
-  return incident(trip, frequency, rate) * trip.end.at(back);
+  return incident(trip, frequency, rate) * trip.end.at(std::polar(1.0, -kTwoPi * frequency / rate));
 }
 
-TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
-  // What eight sections reach between 50 Hz and 1 kHz.
-  for (const auto& [length, tolerance_db] : {std::pair{0.48, 0.02}, std::pair{2.0, 0.11}})
-    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+/// Both ways and the open end by their equations, without the delay.
+Complex exact_reflection(const Parameters& p, double length, double sound_speed, Complex s) {
+  return std::exp(-wall_loss(p, length, sound_speed) * std::sqrt(s)) *
+         OpenEnd::reflection(s * p.end_radius / sound_speed);
+}
+
+} // namespace
+
+TEST_CASE("the wall-loss filter follows exp(-G sqrt(s)) at every sample rate") {
+  struct Range {
+    double length, highest_hz, tolerance_db; // what eight sections reach
+  };
+  for (const Range& range :
+       {Range{0.48, 1000, 0.02}, Range{2.0, 1000, 0.11}, Range{1.0, 10e3, 0.15}})
+    for (const double rate : {44100.0, 48000.0, 64000.0, 96000.0, 192000.0, 768000.0}) {
       Parameters p;
       BoreDesign design;
       design.set(p, rate);
-      const RoundTrip trip = design.round_trip(length);
-      const double g = wall_loss(p, length, design.air().sound_speed);
-      for (double f = 50; f <= 1000; f *= 1.05) {
+      const RoundTrip trip = design.round_trip(range.length);
+      const double g = wall_loss(p, range.length, design.air().sound_speed);
+      for (double f = 50; f <= range.highest_hz; f *= 1.1) {
         const double expected = std::exp(-g * std::sqrt(kTwoPi * f / 2));
         CHECK(std::abs(20 * std::log10(std::abs(incident(trip, f, rate)) / expected)) <
-              tolerance_db);
+              range.tolerance_db);
       }
     }
 }
 
-TEST_CASE("the loss is that of exp(-G sqrt(s)) to 10 kHz at every sample rate") {
-  for (const double rate : {44100.0, 48000.0, 64000.0, 88200.0, 192000.0, 768000.0}) {
-    Parameters p;
-    BoreDesign design;
-    design.set(p, rate);
-    const RoundTrip trip = design.round_trip(1);
-    const double g = wall_loss(p, 1, design.air().sound_speed);
-    for (double f = 50; f <= 10e3; f *= 1.1) {
-      const double expected = std::exp(-g * std::sqrt(kTwoPi * f / 2));
-      CHECK(std::abs(20 * std::log10(std::abs(incident(trip, f, rate)) / expected)) < 0.15);
-    }
+TEST_CASE("an open end reflects long waves whole, a little behind itself, and short waves less") {
+  for (const double ka : {0.01, 0.03, 0.1}) {
+    const Complex r = OpenEnd::reflection({0, ka});
+    CHECK(std::abs(std::abs(r) - (1 - ka * ka / 2)) < 0.5 * ka * ka * ka);
+    // R = -exp(-2 i k 0.613 r): the length correction of an unflanged pipe.
+    CHECK(std::abs(std::arg(-r) / (-2 * ka) - OpenEnd::kLengthCorrection) < 0.003);
   }
-}
-
-TEST_CASE("the open end reflects as its equation says below 5 kHz, and never more than all") {
+  for (double ka = 0; ka < 20; ka += 0.1)
+    CHECK(std::abs(OpenEnd::reflection({0, ka})) <= 1);
+  // The factors of the denominator are the denominator.
+  CHECK(1 / (OpenEnd::kFirstPole * OpenEnd::kSecondPole) == doctest::Approx(OpenEnd::kSecond));
+  CHECK(1 / OpenEnd::kFirstPole + 1 / OpenEnd::kSecondPole == doctest::Approx(OpenEnd::kFirst));
+  // Its filter does so below 5 kHz, and never reflects more than all.
   const double c = air_at(20).sound_speed;
-  for (const double rate : {8000.0, 44100.0, 48000.0, 192000.0, 768000.0})
+  for (const double rate : {8000.0, 44100.0, 192000.0, 768000.0})
     for (const double radius : {1e-3, 3e-3, 7.5e-3, 25e-3, 60e-3, 0.3}) {
       const auto end = DigitalOpenEnd::of(radius / c * rate, 1 / rate);
       CHECK(std::abs(end.at(1.0) + 1.0) < 1e-9);
-      for (int i = 1; i <= 1000; ++i)
-        CHECK(std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / 1000))) <= 1 + 1e-12);
-      if (rate > 40e3)
-        for (double f = 100; f < 5000; f *= 1.3)
-          CHECK(std::abs(end.at(std::polar(1.0, -kTwoPi * f / rate)) -
-                         OpenEnd::reflection({0, kTwoPi * f * radius / c})) < 0.02);
+      for (int i = 1; i <= 300; ++i)
+        CHECK(std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / 300))) <= 1 + 1e-12);
+      for (double f = 100; f < 5000 && rate > 40e3; f *= 1.3)
+        CHECK(std::abs(end.at(std::polar(1.0, -kTwoPi * f / rate)) -
+                       OpenEnd::reflection({0, kTwoPi * f * radius / c})) < 0.02);
     }
 }
 
@@ -87,7 +94,7 @@ TEST_CASE("no filter of the bore amplifies at any frequency") {
         design.set(p, rate);
         const RoundTrip trip = design.round_trip(length);
         double previous = 1 + 1e-10;
-        for (double f = 0; f < 0.5 * rate; f += rate / 512) {
+        for (double f = 0; f < 0.5 * rate; f += rate / 256) {
           const double at_end = std::abs(incident(trip, f, rate));
           CHECK(at_end <= 1 + 1e-10);
           CHECK(at_end <= previous); // and losses rise with frequency
@@ -95,27 +102,6 @@ TEST_CASE("no filter of the bore amplifies at any frequency") {
           previous = at_end + 1e-9;
         }
       }
-}
-
-TEST_CASE("the round trip's phase is exact at the lowest resonance") {
-  for (const Preset& preset : presets()) {
-    const Parameters& p = preset.parameters;
-    for (const double rate : {44100.0, 48000.0, 96000.0}) {
-      BoreDesign design;
-      design.set(p, rate);
-      const RoundTrip trip = design.round_trip(p.length);
-      const double f = design.ideal_frequency(p.length);
-      const Complex s(0, kTwoPi * f);
-      const double c = design.air().sound_speed;
-      const Complex expected =
-          std::exp(-s * (2 * p.length / c) - wall_loss(p, p.length, c) * std::sqrt(s)) *
-          OpenEnd::reflection(s * p.end_radius / c);
-      const Complex actual =
-          reflected(trip, f, rate) * std::polar(1.0, -kTwoPi * f * trip.delay / rate);
-      CHECK(std::abs(std::arg(actual / expected)) < 1e-9);
-      CHECK(std::abs(std::abs(actual / expected) - 1) < 0.01);
-    }
-  }
 }
 
 TEST_CASE("modes 1 to 6 of a plain tube lie within a cent of the poles of the exact admittance") {
@@ -140,40 +126,23 @@ TEST_CASE("modes 1 to 6 of a plain tube lie within a cent of the poles of the ex
         return std::arg(reflected(trip, f, rate) * line);
       };
       for (int mode = 1; mode <= 6; ++mode) {
-        const double guess = (2 * mode - 1) * design.ideal_frequency(length);
-        const Mode exact = theory.bore_resonance_near(guess);
+        const Mode exact =
+            theory.bore_resonance_near((2 * mode - 1) * design.ideal_frequency(length));
         REQUIRE(exact.found);
         // The real part of the pole moves the phase's argument off the axis: to first order the
         // exact round trip has a phase there, too, which is taken off.
-        const Complex s(0, kTwoPi * exact.frequency_hz);
-        const double c = design.air().sound_speed;
+        const double f = exact.frequency_hz, c = design.air().sound_speed;
+        const Complex s(0, kTwoPi * f);
         const double theirs =
-            std::arg(OpenEnd::reflection(s * p.end_radius / c) *
-                     std::exp(-s * (2 * length / c) - wall_loss(p, length, c) * std::sqrt(s)));
-        const double f = exact.frequency_hz, slope = (phase(f + 0.01) - phase(f - 0.01)) / 0.02;
-        CAPTURE(rate);
-        CAPTURE(length);
-        CAPTURE(mode);
+            std::arg(std::exp(-s * (2 * length / c)) * exact_reflection(p, length, c, s));
+        const double slope = (phase(f + 0.01) - phase(f - 0.01)) / 0.02;
+        INFO("mode ", mode, " of ", length, " m at ", rate, " Hz");
         CHECK(std::abs(1200 * std::log2(1 - (phase(f) - theirs) / slope / f)) < 1);
       }
     }
 }
 
-TEST_CASE("an open end reflects long waves whole, a little behind itself, and short waves less") {
-  for (const double ka : {0.01, 0.03, 0.1}) {
-    const Complex r = OpenEnd::reflection({0, ka});
-    CHECK(std::abs(std::abs(r) - (1 - ka * ka / 2)) < 0.5 * ka * ka * ka);
-    // R = -exp(-2 i k 0.613 r): the length correction of an unflanged pipe.
-    CHECK(std::abs(std::arg(-r) / (-2 * ka) - OpenEnd::kLengthCorrection) < 0.003);
-  }
-  for (double ka = 0; ka < 20; ka += 0.1)
-    CHECK(std::abs(OpenEnd::reflection({0, ka})) <= 1);
-  // The factors of the denominator are the denominator.
-  CHECK(1 / (OpenEnd::kFirstPole * OpenEnd::kSecondPole) == doctest::Approx(OpenEnd::kSecond));
-  CHECK(1 / OpenEnd::kFirstPole + 1 / OpenEnd::kSecondPole == doctest::Approx(OpenEnd::kFirst));
-}
-
-TEST_CASE("length and ideal frequency are each other's inverse") {
+TEST_CASE("length and ideal frequency are each other's inverse, within what the line can hold") {
   for (const Preset& preset : presets()) {
     BoreDesign design;
     design.set(preset.parameters, 48000);
@@ -186,16 +155,4 @@ TEST_CASE("length and ideal frequency are each other's inverse") {
   CHECK(max_delay(48000) > 2 * clarinet.max_length() / clarinet.air().sound_speed * 48000);
 }
 
-TEST_CASE("a scalar reflection leaves delay and factor alone") {
-  Parameters p;
-  p.scalar_reflection = 0.9;
-  BoreDesign design;
-  design.set(p, 48000);
-  const RoundTrip trip = design.round_trip(0.5);
-  CHECK(trip.delay == doctest::Approx(2 * 0.5 / design.air().sound_speed * 48000));
-  for (const double f : {0.0, 1000.0, 20000.0})
-    CHECK(std::abs(reflected(trip, f, 48000) + 0.9) < 1e-12);
-}
-
-} // namespace
 } // namespace tactus::reed

@@ -4,11 +4,15 @@
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
 #include "core/reed/bore/tone_hole_end.hpp"
+#include "tests/core/reed/render.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <sstream>
+#include <string>
+#include <string_view>
 #include <vector>
 
 /// Input impedance of the bore as it runs: what comes back of one sample that is sent into it.
@@ -77,18 +81,48 @@ inline double level(const Parameters& p, const std::vector<double>& echo, double
 }
 
 struct ImpedancePeak {
-  double hz, level;
+  double hz, level; // dB over the input's Z_0
 };
-/// The highest point within 3 % of a frequency.
+
+/// The highest point within 3 % of a frequency, to a hundredth of a cent.
 inline ImpedancePeak peak_near(const Parameters& p, const std::vector<double>& echo, double rate,
                                double hz) {
-  double low = hz * 0.97, high = hz * 1.03;
-  for (int i = 0; i < 24; ++i) { // golden section
-    const double a = high - 0.618034 * (high - low), b = low + 0.618034 * (high - low);
-    const bool left = level(p, echo, rate, a) > level(p, echo, rate, b);
-    (left ? high : low) = left ? b : a;
-  }
-  return {0.5 * (low + high), level(p, echo, rate, 0.5 * (low + high))};
+  const auto height = [&](double f) { return level(p, echo, rate, f); };
+  const double at = maximum_of(height, 0.97 * hz, 1.03 * hz, 18);
+  return {at, height(at)};
+}
+
+/// A row of bore_reference.hpp or bell_reference.hpp.
+struct ImpedanceReference {
+  BoreEnd end = BoreEnd::kOpen;
+  std::string fingering; // MIDI number, a letter for each hole, or "bell"
+  double length = 0;     // of the line, m
+  std::vector<ImpedancePeak> peaks;
+};
+
+/// From the reed down: c closed, o open, h half, q three quarters covered.
+inline std::vector<double> state_of(std::string_view letters) {
+  std::vector<double> closed;
+  for (const char letter : letters)
+    closed.push_back(letter == 'c' ? 1 : letter == 'h' ? 0.5 : letter == 'q' ? 0.75 : 0);
+  return closed;
+}
+
+inline std::vector<ImpedanceReference> read_references(std::string_view rows) {
+  constexpr std::string_view kNames[] = {"open", "clarinet", "saxophone",
+                                         "oboe", "trumpet",  "trombone"};
+  std::vector<ImpedanceReference> references;
+  std::istringstream words{std::string(rows)};
+  for (std::string word; words >> word;)
+    if (const auto* const name = std::find(std::begin(kNames), std::end(kNames), word);
+        name != std::end(kNames)) {
+      references.push_back({static_cast<BoreEnd>(name - kNames), {}, 0, {}});
+      words >> references.back().fingering >> references.back().length;
+    } else {
+      references.back().peaks.push_back({std::stod(word), 0});
+      words >> references.back().peaks.back().level;
+    }
+  return references;
 }
 
 } // namespace tactus::reed::test

@@ -13,10 +13,13 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
+const double kSpeed = 331.45 * std::sqrt(1 + 20 / 273.15);
 
-Complex response(const RadiationConstants& c, double turns_a_sample) {
+/// dB of the path's response over an expected one.
+double error_db(const RadiationConstants& c, double turns_a_sample, Complex expected) {
   const Complex back = std::polar(1.0, -2 * kPi * turns_a_sample);
-  return (c.b0 + back * (c.b1 + back * c.b2)) / (1.0 + back * (c.a1 + back * c.a2));
+  const Complex found = (c.b0 + back * (c.b1 + back * c.b2)) / (1.0 + back * (c.a1 + back * c.a2));
+  return std::abs(20 * std::log10(std::abs(found / expected)));
 }
 
 RadiationConstants constants_of(const Parameters& p, double rate) {
@@ -31,22 +34,16 @@ TEST_CASE("a plain open end is a point source of the flow that leaves it, at 1 m
   // p = rho/(4 pi) d/dt (w S/(rho c)) = S/(4 pi c) dw/dt
   Parameters p;
   p.input_radius = 0.006;
-  const double rate = 96000, hz = 200;
-  const RadiationConstants c = constants_of(p, rate);
-  CHECK(c.plain);
-  const double speed = 331.45 * std::sqrt(1 + 20 / 273.15);
-  const double expected = kPi * 36e-6 / (4 * kPi * speed) * 2 * kPi * hz;
-  CHECK(std::abs(response(c, hz / rate)) == doctest::Approx(expected).epsilon(1e-4).scale(0));
-  for (const double base : {44100.0, 48000.0, 192000.0}) {
-    const RadiationConstants at_base = constants_of(p, base);
-    for (double f = 100; f <= 10e3; f *= 1.2)
-      CHECK(std::abs(20 * std::log10(std::abs(response(at_base, f / base)) / (expected * f / hz))) <
-            0.06);
+  for (const double rate : {44100.0, 48000.0, 192000.0}) {
+    const RadiationConstants c = constants_of(p, rate);
+    CHECK(c.plain);
+    for (double hz = 100; hz <= 10e3; hz *= 1.2)
+      CHECK(error_db(c, hz / rate, kPi * 36e-6 / (4 * kPi * kSpeed) * 2 * kPi * hz) <
+            (hz < 300 ? 1e-3 : 0.06));
   }
 }
 
 TEST_CASE("a bell is as loud as its equation says, at any rate") {
-  const double speed = 331.45 * std::sqrt(1 + 20 / 273.15);
   for (const double rate : {44100.0, 48000.0, 192000.0})
     for (const double quality : {0.6, 1.0, 2.5})
       for (const bool cone : {false, true}) {
@@ -60,15 +57,13 @@ TEST_CASE("a bell is as loud as its equation says, at any rate") {
         const RadiationConstants c = constants_of(p, rate);
         CHECK_FALSE(c.plain);
         // Where the bore opens its radius is r (r_0 + L)/r_0.
-        const double opening = 0.006 * (cone ? 3.0 : 1.0);
-        const double cutoff = 2 * kPi * 1300;
+        const double opening = 0.006 * (cone ? 3.0 : 1.0), cutoff = 2 * kPi * 1300;
         for (const double hz : {50.0, 700.0, 1300.0, 2600.0, 5000.0, 8000.0, 10000.0}) {
           const Complex s(0, 2 * kPi * hz);
-          const Complex expected = 0.5 * 0.006 * s * (s + cutoff * cutoff * opening / speed) /
-                                   (s * s + s * cutoff / quality + cutoff * cutoff);
           CAPTURE(hz);
-          CHECK(std::abs(20 * std::log10(std::abs(response(c, hz / rate)) / std::abs(expected))) <
-                0.03);
+          CHECK(error_db(c, hz / rate,
+                         0.5 * 0.006 * s * (s + cutoff * cutoff * opening / kSpeed) /
+                             (s * s + s * cutoff / quality + cutoff * cutoff)) < 0.03);
         }
       }
 }
@@ -79,8 +74,8 @@ TEST_CASE("a loud wave runs ahead by (gamma + 1)/(2 gamma P_0 c) of its pressure
   Parameters p;
   p.bell = 1000;
   p.brassiness = 3;
-  const double speed = 331.45 * std::sqrt(1 + 20 / 273.15), gamma = 1.402;
-  const double early_s = (gamma + 1) / 2 / (gamma * 101325) / speed; // for each Pa and m
+  const double gamma = 1.402;
+  const double early_s = (gamma + 1) / 2 / (gamma * 101325) / kSpeed; // for each Pa and m
   CHECK(constants_of(p, 96000).lead == doctest::Approx(3 * early_s * 96000).epsilon(1e-9).scale(0));
   p.brassiness = 0;
   CHECK(constants_of(p, 96000).lead == 0);
@@ -93,15 +88,12 @@ TEST_CASE("a loud wave runs ahead by (gamma + 1)/(2 gamma P_0 c) of its pressure
   RadiationPath path;
   path.prepare(192000);
   path.set(constants_of(p, rate));
-  const auto wave = [](double t) { // smooth, so that nothing overtakes
-    return 600 * (std::exp(-0.5 * std::pow((t - 1000) / 150, 2)) -
-                  std::exp(-0.5 * std::pow((t - 2200) / 150, 2)));
-  };
   double crest = 0, trough = 0, crest_at = 0, trough_at = 0;
   for (int i = 0; i < 3200; i += 32) {
     double sound[32];
-    for (int k = 0; k < 32; ++k)
-      sound[k] = wave(i + k);
+    for (int k = 0; k < 32; ++k) // smooth, so that nothing overtakes
+      sound[k] = 600 * (std::exp(-0.5 * std::pow((i + k - 1000) / 150.0, 2)) -
+                        std::exp(-0.5 * std::pow((i + k - 2200) / 150.0, 2)));
     path.run(sound, 32, 1.5);
     for (int k = 0; k < 32; ++k) {
       if (sound[k] > crest)

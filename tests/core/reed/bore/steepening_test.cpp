@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <numbers>
+#include <random>
 #include <span>
 #include <utility>
 #include <vector>
@@ -99,23 +99,19 @@ std::vector<double> equal_areas(const std::function<double(double)>& wave, doubl
 } // namespace
 
 TEST_CASE("a sine steepens and breaks as Blackstock's series says, at any sample rate") {
-  for (const double rate : {44100.0, 48000.0, 96000.0, 192000.0})
+  for (const double rate : {44100.0, 48000.0, 192000.0})
     for (const double sigma : {0.3, 0.8, 1.5, 3.0}) {
       const double frequency = 997, amplitude = 1000;
       const double lead = sigma / (2 * kPi * frequency * amplitude);
       REQUIRE(lead * amplitude < Steepening::kMaxShift);
-      const std::vector<double> wave =
-          steepened(sampled([&](double t) { return amplitude * std::sin(2 * kPi * frequency * t); },
-                            0.3, rate),
-                    rate, lead);
-      const std::span<const double> late(wave.data() + wave.size() / 2, wave.size() / 2);
+      const auto sine = [&](double t) { return amplitude * std::sin(2 * kPi * frequency * t); };
+      const std::vector<double> wave = steepened(sampled(sine, 0.1, rate), rate, lead);
+      const auto late = std::span(wave).last(wave.size() / 2);
       for (int n = 1; n * frequency < 10e3; ++n) {
         const double expected = std::abs(blackstock(n, sigma));
         if (expected < 3e-3)
           continue;
-        CAPTURE(rate);
-        CAPTURE(sigma);
-        CAPTURE(n);
+        INFO("partial ", n, " at sigma ", sigma, ", ", rate, " Hz");
         // What interpolation and the window over a sample leave of 10 kHz at 44.1 kHz.
         const double found = std::abs(component(late, rate, n * frequency)) / amplitude;
         CHECK(std::abs(20 * std::log10(found / expected)) < (sigma < 1 ? 0.06 : 0.25));
@@ -133,29 +129,29 @@ TEST_CASE("where a wave overtakes itself it is cut at equal areas, without a spi
     return bump(4e-3, 2e-4, 900) - bump(4.6e-3, 1.5e-4, 1500) + bump(5.1e-3, 2e-4, 2200) -
            bump(6e-3, 4e-4, 1200);
   };
-  for (const double rate : {48000.0, 96000.0})
-    for (const double lead : {5e-8, 1.2e-7, 2.2e-7, 3.5e-7, 1e-6}) { // the last two to the reach
-      Steepening steepening;
-      steepening.prepare(rate);
-      steepening.set_rate(rate);
-      const std::vector<double> found = steepened(sampled(wave, 0.012, rate), rate, lead);
-      const std::vector<double> expected = equal_areas(wave, 0.012, rate, lead, steepening.delay());
-      REQUIRE(found.size() == expected.size());
-      double highest = 0, area = 0, worst = 0, wrong = 0;
-      for (auto n = static_cast<std::size_t>(2 * steepening.delay()); n < found.size(); ++n) {
-        highest = std::max(highest, std::abs(found[n]));
-        area += (found[n] - expected[n]) / rate;
-        worst = std::max(worst, std::abs(found[n] - expected[n]));
-        wrong += std::abs(found[n] - expected[n]);
-      }
-      CAPTURE(rate);
-      CAPTURE(lead);
-      CHECK(highest < 1.1 * 2200); // the sharpening beside a shock
-      CHECK(std::abs(area) < 1e-3 * 2200 * 2e-4 * std::sqrt(2 * kPi)); // of the largest crest
-      // A shock's one sample is sharpened: nowhere else does it differ.
-      CHECK(worst < 0.15 * 3700);
-      CHECK(wrong < 4 * 0.15 * 3700);
+  constexpr double kRate = 48000;
+  for (const double lead : {5e-8, 1.2e-7, 2.2e-7, 3.5e-7, 1e-6}) { // the last two to the reach
+    Steepening steepening;
+    steepening.prepare(kRate);
+    steepening.set_rate(kRate);
+    const std::vector<double> found = steepened(sampled(wave, 0.012, kRate), kRate, lead);
+    const std::vector<double> expected = equal_areas(wave, 0.012, kRate, lead, steepening.delay());
+    REQUIRE(found.size() == expected.size());
+    double highest = 0, area = 0, worst = 0, wrong = 0;
+    for (auto n = static_cast<std::size_t>(2 * steepening.delay()); n < found.size(); ++n) {
+      const double error = found[n] - expected[n];
+      highest = std::max(highest, std::abs(found[n]));
+      area += error / kRate;
+      worst = std::max(worst, std::abs(error));
+      wrong += std::abs(error);
     }
+    CAPTURE(lead);
+    CHECK(highest < 1.1 * 2200); // the sharpening beside a shock
+    CHECK(std::abs(area) < 1e-3 * 2200 * 2e-4 * std::sqrt(2 * kPi)); // of the largest crest
+    // A shock's one sample is sharpened: nowhere else does it differ.
+    CHECK(worst < 0.15 * 3700);
+    CHECK(wrong < 4 * 0.15 * 3700);
+  }
 }
 
 TEST_CASE("steepening does not depend on how the stream is cut, and a mean adds up to nothing") {
@@ -219,21 +215,18 @@ TEST_CASE("steepening stays bounded for waves of any size and says when they are
     Steepening steepening;
     steepening.prepare(192000);
     steepening.set_rate(192000);
-    std::uint32_t seed = 1;
-    for (int i = 0; i < 200; ++i) {
+    std::mt19937 random(1);
+    for (int run = 0; run < 200; ++run) {
       double wave[64];
       for (double& value : wave)
-        value = size * ((seed = seed * 1664525 + 1013904223) / 2147483648.0 - 1);
+        value = std::uniform_real_distribution<>(-size, size)(random);
       steepening.run(wave, 64, lead);
       for (const double value : wave)
         REQUIRE(std::abs(value) < 6 * size); // noise, to which the quadrature is a filter
     }
     CHECK(steepening.is_bounded());
-    double none[1] = {std::nan("")};
-    for (int i = 0; i < 8; ++i) {
-      steepening.run(none, 1, 0.1);
-      none[0] = 0;
-    }
+    double none[8] = {std::nan("")};
+    steepening.run(none, 8, 0.1);
     CHECK_FALSE(steepening.is_bounded());
     steepening.reset();
     CHECK(steepening.is_bounded());

@@ -21,8 +21,7 @@ TEST_CASE("the tuned bore has its linear playing frequency at f_b") {
     for (const double f : {110.0, 175.0, 262.0, 392.0}) {
       const Parameters p = find_preset(name).value();
       const double length = tuned_length(p, f, p.reed_frequency);
-      CAPTURE(name);
-      CAPTURE(f);
+      INFO(std::string(name), ", ", f, " Hz");
       // The threshold search of linear theory, which knows nothing of the tuning's way.
       const double linear = linear_playing_frequency(p, length, p.reed_frequency, f);
       CHECK(std::abs(cents(linear, f)) < 1);
@@ -56,9 +55,7 @@ TEST_CASE("above its threshold a tuned bore sends back in phase what the valve w
         const Complex valve = round_trip(
             theory.valve_admittance(s, theory.equilibrium(over * threshold, reed), reed));
         const Complex bore = round_trip(theory.input_admittance(s));
-        CAPTURE(name);
-        CAPTURE(f);
-        CAPTURE(over);
+        INFO(std::string(name), ", ", f, " Hz, ", over, " times the threshold");
         CHECK(std::abs(std::arg(valve / bore)) < 2e-3); // of a turn of 2 pi: half a cent
         if (over == 1.0)
           CHECK(std::abs(valve / bore) == doctest::Approx(1).epsilon(2e-3));
@@ -94,25 +91,6 @@ TEST_CASE("a player tunes reeds at one and a half times the threshold, lips at t
     CHECK(playing.valve.cup_volume == p.cup_volume * p.lip_cup);
     CHECK(playing.valve.width == doctest::Approx(p.width * p.lip_width).scale(0));
     CHECK(playing.valve.quality == doctest::Approx(p.quality * p.lip_quality).scale(0));
-  }
-}
-
-TEST_CASE("a tuned clarinet plays its note, an untuned one is flat") {
-  for (const double f : {110.0, 147.0, 196.0, 262.0, 349.0}) {
-    Parameters p = find_preset("clarinet").value();
-    p.lowest_note = 0; // below its compass, too
-    double output[2];
-    for (const bool tune : {false, true}) {
-      p.tune = tune;
-      Instrument instrument;
-      instrument.set(p);
-      instrument.prepare(48000, 64);
-      const Recording r = play(instrument, ramp(2000, 1.5, 48000), 48000, 0, f);
-      output[tune] = pitch(part(r, r.bore_pressure, 0.8, 1.5), 48000, 0.8 * f, 1.2 * f);
-    }
-    CAPTURE(f);
-    CHECK(cents(output[0], f) < -30);
-    CHECK(std::abs(cents(output[1], f)) < 15);
   }
 }
 

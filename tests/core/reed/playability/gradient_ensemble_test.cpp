@@ -1,9 +1,8 @@
 #include "core/reed/playability/gradient_ensemble.hpp"
+#include "core/reed/playability/playability_map.hpp"
 
-#include "core/reed/instrument/instrument.hpp"
-#include "core/reed/playability/gradient.hpp"
-#include "tests/core/reed/playability/guides.hpp"
-#include "tests/core/reed/reference_instruments.hpp"
+#include "tests/core/reed/playability/five_reeds.hpp"
+#include "tests/core/reed/render.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,139 +10,134 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
+#include <utility>
 #include <vector>
+
+// Reeds side by side: each plays what it plays alone, and their gradient and its force are felt the
+// same on every processor and in any stream.
 
 namespace tactus::reed {
 namespace {
 
-constexpr double kRate = 48000;
+using namespace test;
+using HandMode = ReedGradient::Mode;
 constexpr Instructions kAll[] = {Instructions::kBaseline, Instructions::kAvx2,
                                  Instructions::kAvx512};
+constexpr HandMode kModes[] = {HandMode::kReed, HandMode::kGrowth, HandMode::kGuide};
+constexpr double kForcePeriod_s = ReedGradient::kForcePeriod / kHandRate;
 
-struct Tone {
-  double frequency, rms;
-};
+double size(const PlaneForce& force) { return std::hypot(force.y, force.z); }
 
-/// Pitch by interpolated upward crossings and strength of the alternating part, 1.2 to 1.9 s.
-Tone measure(const std::vector<double>& x) {
-  const std::size_t from = static_cast<std::size_t>(1.2 * kRate), to = x.size();
-  double mean = 0, power = 0;
-  for (std::size_t n = from; n < to; ++n)
-    mean += x[n] / static_cast<double>(to - from);
-  double first = 0, last = 0;
-  int crossings = 0;
-  for (std::size_t n = from; n < to; ++n) {
-    power += (x[n] - mean) * (x[n] - mean) / static_cast<double>(to - from);
-    if (n == from || x[n - 1] >= mean || x[n] < mean)
-      continue;
-    last = static_cast<double>(n) - (x[n] - mean) / (x[n] - x[n - 1]);
-    if (crossings++ == 0)
-      first = last;
-  }
-  return {kRate * (crossings - 1) / (last - first), std::sqrt(power)};
+ReedGradient five_noisy_trumpets(double noise) {
+  ReedGradient gradient = five_trumpets();
+  Parameters p = find_preset("trumpet").value();
+  p.breath_noise = noise;
+  gradient.set(p);
+  gradient.set_range({0, 8000, 82.5, 907.5});
+  return gradient;
 }
 
-double cents(double f, double reference) { return 1200 * std::log2(f / reference); }
+double loudest(const std::vector<double>& sound) {
+  double most = 0;
+  for (const double x : sound)
+    most = std::max(most, std::abs(x));
+  return most;
+}
 
-constexpr std::size_t kLength = static_cast<std::size_t>(1.9 * kRate);
-constexpr std::size_t kRamp = 960;
-
-std::vector<double> alone(const Parameters& p, double pressure, double reed_frequency) {
-  Instrument instrument;
-  instrument.set(p);
-  instrument.prepare(kRate, kLength);
-  std::vector<double> mouth(kLength), reed(kLength, reed_frequency), bore(kLength, 0.0),
-      sound(kLength), angle(kLength), pb(kLength), flow(kLength);
-  for (std::size_t n = 0; n < kLength; ++n)
-    mouth[n] = pressure * std::min(1.0, static_cast<double>(n + 1) / kRamp);
-  instrument.process<double>({mouth, reed, bore}, {sound, angle, pb, flow});
-  return pb;
+/// Of a plane of lips, shares of nodes where theory grows as the played map sounds: with the lips
+/// that the player takes for the note, and with those given.
+std::pair<double, double> agreement(const char* preset, double note, std::size_t nodes) {
+  Parameters p = with_player(preset);
+  p.correct_pitch = false; // which trims what theory leaves
+  PlayabilityMapSettings settings;
+  settings.parameters = p;
+  settings.bore_frequency = note;
+  settings.range = {0, 8000, 0.25 * p.reed_frequency, 2.75 * p.reed_frequency};
+  PlayabilityMap played;
+  played.begin(settings, nodes, nodes);
+  for (std::size_t n = 0; n < played.size();)
+    n = played.advance(n);
+  const auto share = [&](const PlayingSetup& playing) {
+    GrowthMap theory;
+    theory.prepare(nodes, nodes);
+    theory.begin(playing, settings.range);
+    (void)theory.advance(nodes * nodes);
+    int same = 0, all = 0;
+    for (std::size_t k = 0; k < nodes; ++k)
+      for (std::size_t i = 0; i < nodes; ++i) {
+        if (std::abs(theory.growth().node(i, k)) < 5)
+          continue; // has not spoken, or died, within the half second it is given
+        ++all;
+        same += (theory.height().node(i, k) > 0) == (played.field().node(i, k) > 0.1);
+      }
+    return static_cast<double>(same) / all;
+  };
+  return {share(embouchure_for(p, note, played.length())), share({p, played.length()})};
 }
 
 TEST_CASE("eight reeds side by side play what each of them plays alone") {
-  struct Case {
-    std::string name;
-    Parameters instrument;
-    double pressure, spread;
-  };
-  // Lane i blows (1 + i spread) times as hard, all of them where the instrument speaks.
-  const Case cases[] = {{"clarinet", reference::clarinet(), 2000, 0.02},
-                        {"trumpet", reference::trumpet(), 4000, 0.02}};
-  for (const Case& c : cases)
+  constexpr double kSeconds = 0.7;
+  constexpr std::size_t kRamp = 960;
+  // Lane i blows (1 + i/50) times as hard, all of them where the instrument speaks.
+  for (const bool lips : {false, true})
     for (const Instructions instructions : kAll) {
       const auto ensemble = make_reed_ensemble(instructions);
       if (!ensemble)
         continue;
-      CAPTURE(c.name);
-      CAPTURE(static_cast<int>(instructions));
-      ensemble->set(c.instrument);
-      ensemble->prepare(kRate);
+      const Parameters p = lips ? reference::trumpet() : reference::clarinet();
+      ensemble->set(p);
+      ensemble->prepare(kHandRate);
       ReedEnsemble::Pressure mouth;
       ReedEnsemble::PerLane pressure{}, reed{};
       for (std::size_t lane = 0; lane < ReedEnsemble::kLanes; ++lane) {
-        pressure[lane] = c.pressure * (1 + c.spread * static_cast<double>(lane));
-        reed[lane] = c.instrument.reed_frequency * (1 + 0.002 * static_cast<double>(lane));
+        pressure[lane] = (lips ? 4000 : 2000) * (1 + 0.02 * static_cast<double>(lane));
+        reed[lane] = p.reed_frequency * (1 + 0.002 * static_cast<double>(lane));
         mouth.slope[lane] = pressure[lane] / kRamp;
       }
-      std::vector<std::vector<double>> bore(ReedEnsemble::kLanes, std::vector<double>(kLength));
-      for (std::size_t n = 0; n < kLength; ++n) {
+      std::vector<Recording> lanes(ReedEnsemble::kLanes);
+      for (std::size_t n = 0; n < static_cast<std::size_t>(kSeconds * kHandRate); ++n) {
         mouth.first = n;
         if (n == kRamp)
           mouth.start = pressure, mouth.slope.fill(0);
         ensemble->process(mouth, reed, 0, 1, {});
-        for (std::size_t lane = 0; lane < bore.size(); ++lane)
-          bore[lane][n] = ensemble->bore_pressure(lane);
+        for (std::size_t lane = 0; lane < lanes.size(); ++lane)
+          lanes[lane].bore_pressure.push_back(ensemble->bore_pressure(lane));
       }
       for (const std::size_t lane : {0u, 3u, 7u}) {
-        CAPTURE(lane);
-        const Tone one = measure(alone(c.instrument, pressure[lane], reed[lane]));
-        const Tone lanes = measure(bore[lane]);
-        CHECK(one.rms > 100);
-        CHECK(std::abs(cents(lanes.frequency, one.frequency)) < 0.5);
-        CHECK(std::abs(lanes.rms / one.rms - 1) < 2e-3);
+        Instrument alone = make_instrument(p);
+        const Recording r =
+            play(alone, ramp(pressure[lane], kSeconds, kHandRate), kHandRate, reed[lane]);
+        const auto one = part(r, r.bore_pressure, 0.3, kSeconds);
+        const auto other = part(lanes[lane], lanes[lane].bore_pressure, 0.3, kSeconds);
+        INFO("lips ", lips, ", lane ", lane, " of ", static_cast<int>(instructions));
+        CHECK(rms(one) > 100);
+        const double low = lips ? 360 : 160, f = pitch(one, kHandRate, low, 1.2 * low);
+        CHECK(std::abs(cents(pitch(other, kHandRate, low, 1.2 * low), f)) < 0.5);
+        CHECK(std::abs(rms(other) / rms(one) - 1) < 2e-3);
       }
     }
 }
 
-/// f_p and gradient after some time at one place; blocks of the given size.
-struct HandState {
-  double playability;
-  Gradient gradient;
-  std::vector<double> sound;
-};
-HandState play_at(Instructions instructions, double y, double z, std::size_t block,
-                  double seconds) {
-  ReedGradient gradient(instructions);
-  gradient.set(reference::trumpet());
-  gradient.set_range({0, 8000, 80, 900});
-  gradient.prepare(kRate);
-  HandState state{};
-  state.sound.resize(static_cast<std::size_t>(seconds * kRate));
-  for (std::size_t at = 0; at < state.sound.size();) {
-    const std::size_t end = std::min(at + block, state.sound.size());
-    while (at < end) {
-      if (gradient.samples_until_hand() == 0)
-        gradient.move(y, z, 0);
-      const std::size_t left =
-          gradient.samples_until_hand() ? gradient.samples_until_hand() : ReedGradient::kHandPeriod;
-      const std::size_t count = std::min(left, end - at);
-      gradient.process(std::span(state.sound).subspan(at, count));
-      at += count;
-    }
-  }
-  state.playability = gradient.playability();
-  state.gradient = gradient.gradient();
-  return state;
-}
-
-TEST_CASE("the gradient is the same bits however the stream is cut") {
-  const HandState whole = play_at(best_instructions(), 0.6, 0.42, 4096, 0.5);
-  for (const std::size_t block : {1u, 7u, 64u}) {
-    const HandState cut = play_at(best_instructions(), 0.6, 0.42, block, 0.5);
-    CHECK(cut.gradient.y == whole.gradient.y);
-    CHECK(cut.gradient.z == whole.gradient.z);
+TEST_CASE("sound, gradient and force have the same bits however the stream is cut into blocks") {
+  const auto felt = [](std::size_t block) {
+    ReedGradient gradient = five_trumpets(HandMode::kGuide);
+    gradient.set_guide(&trumpet_guide());
+    return feel(
+        gradient,
+        [](double t) {
+          return std::pair(0.4 + 0.4 * std::sin(9 * t), 0.5 + 0.3 * std::sin(7 * t));
+        },
+        0.1, block);
+  };
+  const Felt whole = felt(4096);
+  for (const std::size_t block : {1u, 64u, 100u}) {
+    const Felt cut = felt(block);
     CHECK(cut.sound == whole.sound);
+    REQUIRE(cut.force.size() == whole.force.size());
+    for (std::size_t n = 0; n < whole.force.size(); ++n) {
+      REQUIRE(cut.force[n].y == whole.force[n].y);
+      REQUIRE(cut.force[n].z == whole.force[n].z);
+    }
   }
 }
 
@@ -153,19 +147,11 @@ TEST_CASE("each neighbour of the hand is what a hand in its place would hear") {
   const double y = 0.6, z = 0.42, delta = 0.02;
   const GradientStencil stencil(y, z, delta);
   const auto at = [&](double there_y, double there_z) {
-    ReedGradient gradient;
-    gradient.set(reference::trumpet());
-    gradient.set_range({0, 8000, 80, 900});
+    ReedGradient gradient = five_trumpets();
     gradient.set_delta(delta);
-    gradient.prepare(kRate);
-    std::array<double, ReedGradient::kHandPeriod> sound;
+    stay(gradient, there_y, there_z, 600 * kHandPeriod_s);
+    gradient.move(there_y, there_z, 0); // the force is made anew, from what the lanes are now
     std::array<double, GradientStencil::kPoints + 2> found{};
-    for (int n = 0; n < 601; ++n) {
-      gradient.move(there_y, there_z, 0);
-      if (n == 600) // the force has just been made anew, from what the lanes are now
-        break;
-      gradient.process(sound);
-    }
     for (std::size_t lane = 0; lane < GradientStencil::kPoints; ++lane)
       found[lane] = gradient.ensemble().playability(lane);
     gradient.move(there_y, there_z, 0); // one of two moves makes it
@@ -189,100 +175,69 @@ TEST_CASE("each neighbour of the hand is what a hand in its place would hear") {
 }
 
 TEST_CASE("after reset a gradient is a new one, to the bit, wherever it was stopped") {
-  const auto feel_on = [](ReedGradient& gradient, double y, double z, int readings) {
-    std::vector<double> state;
-    std::array<double, ReedGradient::kHandPeriod> sound;
-    for (int n = 0; n < readings; ++n) {
-      gradient.move(y + 1e-3 * n, z, 0);
-      gradient.process(sound);
-      state.insert(state.end(), sound.begin(), sound.end());
-      state.push_back(gradient.force().y);
-      state.push_back(gradient.force().z);
-    }
-    return state;
+  const auto moved = [](ReedGradient& gradient, double y, double z, int readings) {
+    return feel(
+        gradient, [=](double t) { return std::pair(y + 1e-3 * t / kHandPeriod_s, z); },
+        readings * kHandPeriod_s);
   };
   for (const int readings : {40, 41}) { // of which every second one moves the force
-    const auto prepare = [](ReedGradient& gradient) {
-      gradient.set(reference::trumpet());
-      gradient.set_range({0, 8000, 80, 900});
-      gradient.prepare(kRate);
-    };
-    ReedGradient used, fresh;
-    prepare(used);
-    prepare(fresh);
-    static_cast<void>(feel_on(used, 0.3, 0.7, readings));
+    ReedGradient used = five_trumpets(), fresh = five_trumpets();
+    static_cast<void>(moved(used, 0.3, 0.7, readings));
     used.reset();
     CHECK(used.force().y == 0);
     CHECK(used.force().z == 0);
-    const auto again = feel_on(used, 0.5, 0.4, 300), first = feel_on(fresh, 0.5, 0.4, 300);
-    CHECK(again == first);
-    CHECK(std::any_of(first.begin(), first.end(), [](double x) { return x != 0; }));
+    const Felt again = moved(used, 0.5, 0.4, 300), first = moved(fresh, 0.5, 0.4, 300);
+    CHECK(again.sound == first.sound);
+    for (std::size_t n = 0; n < first.force.size(); ++n) {
+      REQUIRE(again.force[n].y == first.force[n].y);
+      REQUIRE(again.force[n].z == first.force[n].z);
+    }
+    CHECK(first.force.back().y != 0);
   }
 }
 
 TEST_CASE("every instruction set feels the same") {
   // Newer processors fuse products and sums, and so round single precision otherwise. What that
   // does to f_p, 1e-7, it does to the gradient fifty times over: the stencil is 0.02 wide.
-  const HandState baseline = play_at(Instructions::kBaseline, 0.6, 0.42, 64, 0.5);
+  ReedGradient baseline = five_trumpets(HandMode::kReed, Instructions::kBaseline);
+  stay(baseline, 0.6, 0.42, 0.5);
   for (const Instructions instructions : kAll) {
     if (!make_reed_ensemble(instructions))
       continue;
-    const HandState state = play_at(instructions, 0.6, 0.42, 64, 0.5);
-    CHECK(std::abs(state.playability - baseline.playability) < 1e-6);
-    CHECK(std::abs(state.gradient.y - baseline.gradient.y) < 1e-4);
-    CHECK(std::abs(state.gradient.z - baseline.gradient.z) < 1e-4);
+    ReedGradient other = five_trumpets(HandMode::kReed, instructions);
+    stay(other, 0.6, 0.42, 0.5);
+    CHECK(std::abs(other.playability() - baseline.playability()) < 1e-6);
+    CHECK(std::abs(other.gradient().y - baseline.gradient().y) < 1e-4);
+    CHECK(std::abs(other.gradient().z - baseline.gradient().z) < 1e-4);
   }
 }
 
-/// Mean of g_z over one second, after one second.
-double steady_slope(double z) {
-  ReedGradient gradient;
-  gradient.set(reference::trumpet());
-  gradient.set_range({0, 8000, 80, 900});
-  gradient.prepare(kRate);
-  std::vector<double> sound(ReedGradient::kHandPeriod);
-  double sum = 0;
-  int count = 0;
-  for (std::size_t n = 0; n < static_cast<std::size_t>(2 * kRate); n += sound.size()) {
-    gradient.move(0.6, z, 0);
-    gradient.process(sound);
-    if (n < static_cast<std::size_t>(kRate))
-      continue;
-    sum += gradient.gradient().z;
-    ++count;
-  }
-  return sum / count;
-}
-
-TEST_CASE("between two registers of a trumpet the force flips from one to the next") {
-  CHECK(steady_slope(0.42) > 0);
-  CHECK(steady_slope(0.57) < 0);
-  CHECK(steady_slope(0.50) > 0);
+TEST_CASE("between two registers of a trumpet the slope flips from one to the next") {
+  const auto slope = [](double z) { // mean of g_z over half a second, after one second
+    ReedGradient gradient = five_trumpets();
+    stay(gradient, 0.6, z, 1);
+    double sum = 0;
+    for (const Gradient& g : stay(gradient, 0.6, z, 0.5).gradient)
+      sum += g.z;
+    return sum;
+  };
+  CHECK(slope(0.42) > 0);
+  CHECK(slope(0.57) < 0);
+  CHECK(slope(0.50) > 0);
 }
 
 TEST_CASE("growth mode leads out of silence, where five silent reeds know nothing") {
-  ReedGradient gradient;
-  gradient.set(reference::trumpet());
-  gradient.set_range({0, 8000, 80, 900});
-  gradient.prepare(kRate);
-  std::vector<double> sound(ReedGradient::kHandPeriod);
-  const auto stay = [&](double y, double z, int readings = 1500) {
-    for (int n = 0; n < readings; ++n) {
-      gradient.move(y, z, 0);
-      gradient.process(sound);
-    }
-  };
-  stay(0.05, 0.45); // a firm lip, hardly blown
+  ReedGradient gradient = five_trumpets();
+  stay(gradient, 0.05, 0.45, 1); // a firm lip, hardly blown
   CHECK(gradient.playability() < 1e-3);
   CHECK(std::abs(gradient.gradient().y) < 1e-2);
-  gradient.set_mode(ReedGradient::Mode::kGrowth);
-  stay(0.05, 0.45, 2);
+  gradient.set_mode(HandMode::kGrowth);
+  stay(gradient, 0.05, 0.45, 2 * kHandPeriod_s);
   CHECK(gradient.gradient().y == 0); // without a map
-  const PlaneGuide guide = test::guide_of(gradient.plane());
-  gradient.set_guide(&guide);
-  stay(0.05, 0.45, 2);
+  gradient.set_guide(&trumpet_guide());
+  stay(gradient, 0.05, 0.45, 2 * kHandPeriod_s);
   CHECK(gradient.gradient().y > 0.5);
-  stay(0.9, 0.1); // a slack lip blown apart
+  stay(gradient, 0.9, 0.1, 0.5); // a slack lip blown apart
   CHECK(gradient.gradient().y < 0);
   // A change of anything that the map depends on asks for another.
   const PlaneSettings made_for = gradient.plane();
@@ -291,21 +246,120 @@ TEST_CASE("growth mode leads out of silence, where five silent reeds know nothin
   CHECK_FALSE(gradient.plane().matches(made_for));
 }
 
-TEST_CASE("a hand that is nowhere, or a bore without length, does no harm") {
-  ReedGradient gradient;
-  gradient.set(reference::trumpet());
-  gradient.prepare(kRate);
-  std::vector<double> sound(ReedGradient::kHandPeriod);
+TEST_CASE("a hand that is nowhere, or a bore without length, does no harm in any mode") {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const double strange[] = {kNan, kInf, -kInf, 1e300, -5, 0.5, 0, 3};
-  for (int n = 0; n < 3000; ++n) {
-    gradient.move(strange[n % 8], strange[(n / 8) % 8], strange[(n / 64) % 8]);
-    gradient.process(sound);
-    for (const double x : sound)
-      REQUIRE(std::isfinite(x));
-    REQUIRE(std::isfinite(gradient.gradient().y));
-    REQUIRE(std::isfinite(gradient.gradient().z));
+  for (const HandMode mode : kModes) {
+    ReedGradient gradient = five_trumpets(mode);
+    gradient.set_guide(&trumpet_guide());
+    std::vector<double> sound(ReedGradient::kHandPeriod);
+    for (int n = 0; n < 600; ++n) {
+      gradient.move(strange[n % 8], strange[(n / 8) % 8], strange[(n / 64) % 8]);
+      gradient.process(sound);
+      for (const double x : sound)
+        REQUIRE(std::isfinite(x));
+      REQUIRE(std::isfinite(gradient.gradient().y + gradient.gradient().z));
+      REQUIRE(std::hypot(gradient.force().y, gradient.force().z) <= 2 * std::sqrt(2.0));
+    }
+    // And afterwards it is as if nothing had been.
+    stay(gradient, 0.05, 0.45, 0.5);
+    if (mode == HandMode::kGuide)
+      CHECK(gradient.force().y > 1);
+  }
+}
+
+TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its way") {
+  // Above the threshold of fixed lips, at half the way, notes grow from the breath's noise.
+  const auto raised = [](ReedGradient gradient, double to, double ramp_s, double seconds) {
+    return feel(
+        gradient, [=](double t) { return std::pair(to * std::min(1.0, t / ramp_s), 0.5); },
+        seconds);
+  };
+  CHECK(loudest(raised(five_noisy_trumpets(5e-4), 0.6, 2, 2).sound) > 0.02);
+  CHECK(loudest(raised(five_noisy_trumpets(1e-7), 0.6, 2, 2.2).sound) < 0.02);
+  // Below it the noise is inaudible: -90 dB.
+  std::vector<double> faint = raised(five_noisy_trumpets(5e-4), 0.15, 0.3, 2).sound;
+  faint.erase(faint.begin(), faint.end() - 9600);
+  CHECK(loudest(faint) < 3.2e-5);
+}
+
+TEST_CASE("mode guide pulls out of silence with all its ceiling, and lets go where a note plays") {
+  const GuidanceField& field = trumpet_guide().distance_field;
+  double y = 0, z = 0; // the place deepest inside the wall of 0.05
+  for (double at_y = 0; at_y < 1; at_y += 0.02)
+    for (double at_z = 0; at_z < 1; at_z += 0.02)
+      if (field.distance(at_y, at_z) < field.distance(y, z)) {
+        y = at_y;
+        z = at_z;
+      }
+  REQUIRE(field.distance(y, z) < -0.06);
+  for (const double ceiling : {0.5, 2.0}) {
+    ReedGradient gradient = five_trumpets(HandMode::kGuide);
+    gradient.set_ceiling(ceiling);
+    stay(gradient, 0.05, 0.45, 0.5);
+    CHECK(size(gradient.force()) == 0); // no map yet
+    gradient.set_guide(&trumpet_guide());
+    stay(gradient, 0.05, 0.45, 0.5);
+    CHECK(gradient.playability() < 1e-3);
+    CHECK(gradient.force().y > 0.5 * ceiling); // towards more pressure
+    CHECK(size(gradient.force()) == doctest::Approx(ceiling).epsilon(0.02));
+    // The list is the direction of the force.
+    const Gradient slope = gradient.gradient();
+    CHECK(std::hypot(slope.y, slope.z) == doctest::Approx(1).epsilon(0.02));
+    CHECK(gradient.force().y == doctest::Approx(ceiling * slope.y).epsilon(1e-6));
+    CHECK(gradient.force().z == doctest::Approx(ceiling * slope.z).epsilon(1e-6));
+    stay(gradient, y, z, 0.8);
+    CHECK(gradient.playability() > 0.5);
+    CHECK(size(gradient.force()) == 0);
+  }
+}
+
+TEST_CASE("modes reed and growth push with the patch's law of their slope") {
+  for (const HandMode mode : {HandMode::kReed, HandMode::kGrowth}) {
+    ReedGradient gradient = five_trumpets(mode);
+    gradient.set_ceiling(1);
+    gradient.set_force_gain(0.3);
+    gradient.set_guide(&trumpet_guide());
+    const Felt felt = stay(gradient, 0.5, 0.42, 0.5);
+    ForceSmoother smoother; // 30 ms, 20 N/s
+    PlaneForce expected;
+    for (std::size_t n = 0; n < felt.force.size(); ++n) {
+      if (n % 2 == 1)
+        expected = smoother.advance(gradient_force(felt.gradient[n], 0.3, 1), kForcePeriod_s);
+      REQUIRE(felt.force[n].y == expected.y);
+      REQUIRE(felt.force[n].z == expected.z);
+    }
+    CHECK(std::abs(expected.y) > 0.01);
+  }
+}
+
+TEST_CASE("another mode goes on from the force that was, and letting go ends it") {
+  ReedGradient gradient = five_trumpets(HandMode::kGuide);
+  gradient.set_guide(&trumpet_guide());
+  stay(gradient, 0.05, 0.45, 0.5);
+  const PlaneForce before = gradient.force();
+  REQUIRE(size(before) > 1.9);
+  gradient.set_mode(HandMode::kReed);
+  stay(gradient, 0.05, 0.45, kForcePeriod_s);
+  CHECK(std::abs(gradient.force().y - before.y) <= 20 * kForcePeriod_s * 1.001); // 20 N/s
+  CHECK(std::abs(gradient.force().z - before.z) <= 20 * kForcePeriod_s * 1.001);
+  gradient.release_force();
+  CHECK(size(gradient.force()) == 0);
+}
+
+TEST_CASE("theory maps the lips that the player of a tuned note takes") {
+  const auto [held, given] = agreement("trumpet", 311, 9); // not its own length's note
+  CHECK(held > 0.9);
+  CHECK(held > given);
+}
+
+TEST_CASE("theory maps the lips that the player of a tuned note takes, over the whole plane" *
+          doctest::test_suite("slow")) {
+  for (const auto& [preset, note] : {std::pair{"trumpet", 311.0}, {"trombone", 92.0}}) {
+    const auto [held, given] = agreement(preset, note, 21);
+    CHECK(held > 0.95);
+    CHECK(held > given + 0.05);
   }
 }
 

@@ -16,6 +16,7 @@ using namespace tactus::reed;
 namespace {
 
 constexpr double kBlock_s = 64.0 / 48000;
+constexpr double kBorder = 0.50625; // between two nodes
 constexpr double kSpacing = 1.0 / (GuidanceField::kNodes - 1);
 
 /// The field of where a function of (y, z) is above 0.
@@ -31,7 +32,7 @@ template <class F> GuidanceField field_of(F quality) {
 }
 
 GuidanceField half_plane() {
-  return field_of([](double y, double) { return 0.50625 - y; }); // between two nodes
+  return field_of([](double y, double) { return kBorder - y; });
 }
 
 /// The force on a hand that has rested there for half a second.
@@ -139,50 +140,39 @@ TEST_CASE("a straight border is exact up to the plane's edge") {
   const auto field = half_plane();
   for (const double y : {0.0, 0.1, 0.503, 0.7, 1.0})
     for (const double z : {0.0, 0.3, 1.0}) {
-      CHECK(field.distance(y, z) == doctest::Approx(y - 0.50625).epsilon(1e-9));
+      CHECK(field.distance(y, z) == doctest::Approx(y - kBorder).epsilon(1e-9));
       CHECK(field.slope(y, z).y == doctest::Approx(1).epsilon(1e-9));
       CHECK(std::abs(field.slope(y, z).z) < 1e-9);
     }
 }
 
-TEST_CASE("where all of the plane plays, or none, there is no force") {
-  for (const double everywhere : {-1.0, 1.0}) {
-    const auto field = field_of([&](double, double) { return everywhere; });
-    for (const double playability : {0.0, 0.7}) {
-      const PlaneForce force = force_at_rest(field, 0.3, 0.6, playability);
-      CHECK(std::hypot(force.y, force.z) == 0);
-    }
-  }
-}
-
-TEST_CASE("in silence the pull is the ceiling, however far the note is") {
+TEST_CASE(
+    "silence pulls by the ceiling, a note by a wall inside its border, nothing where all is one") {
+  struct Place {
+    double from_border, playability, force; // sides, f_p, N
+  };
   const auto field = half_plane();
-  for (const double y : {0.51, 0.6, 0.8, 1.0}) {
-    const PlaneForce force = force_at_rest(field, y, 0.4, 0);
-    CHECK(force.y == doctest::Approx(-2).epsilon(1e-6));
+  for (const Place& place : {Place{0.01, 0, -2}, Place{0.3, 0, -2}, Place{0.49, 0, -2}, // silence
+                             Place{-0.06, 0.7, 0}, Place{-0.025, 0.7, -1}, Place{0, 0.7, -2},
+                             // a note that should sound and does not draws on to twice the margin
+                             Place{-0.04, 0.1, -2}, Place{-0.075, 0.1, -1}, Place{-0.12, 0.1, 0}}) {
+    const PlaneForce force =
+        force_at_rest(field, kBorder + place.from_border, 0.4, place.playability);
+    INFO(place.from_border, " from the border, ", place.playability);
+    CHECK(force.y == doctest::Approx(place.force).epsilon(1e-6));
     CHECK(std::abs(force.z) < 1e-9);
   }
-}
-
-TEST_CASE("where a note sounds the hand is free but for a wall inside the border") {
-  const auto field = half_plane();
-  const double border = 0.50625;
-  CHECK(force_at_rest(field, border - 0.06, 0.4, 0.7).y == 0);
-  CHECK(force_at_rest(field, border - 0.025, 0.4, 0.7).y == doctest::Approx(-1).epsilon(1e-6));
-  CHECK(force_at_rest(field, border, 0.4, 0.7).y == doctest::Approx(-2).epsilon(1e-6));
-}
-
-TEST_CASE("where a note should sound and does not, the hand is drawn on to twice the margin") {
-  const auto field = half_plane();
-  const double border = 0.50625;
-  CHECK(force_at_rest(field, border - 0.04, 0.4, 0.1).y == doctest::Approx(-2).epsilon(1e-6));
-  CHECK(force_at_rest(field, border - 0.075, 0.4, 0.1).y == doctest::Approx(-1).epsilon(1e-6));
-  CHECK(force_at_rest(field, border - 0.12, 0.4, 0.1).y == 0);
+  for (const double everywhere : {-1.0, 1.0})
+    for (const double playability : {0.0, 0.7}) {
+      const PlaneForce force = force_at_rest(field_of([&](double, double) { return everywhere; }),
+                                             0.3, 0.6, playability);
+      CHECK(std::hypot(force.y, force.z) == 0);
+    }
 }
 
 TEST_CASE("a hand on its way out meets the wall earlier, one on its way in later") {
   const auto field = half_plane();
-  const double y = 0.50625 - 0.025;
+  const double y = kBorder - 0.025;
   // w = 1 + (D + t_a v)/m with D = -m/2; v = 0.5 sides/s at t_a = 30 ms is 0.3 m
   CHECK(force_at_velocity(field, y, 0, 0.7).y == doctest::Approx(-1.0).epsilon(1e-6));
   CHECK(force_at_velocity(field, y, 0.5, 0.7).y == doctest::Approx(-1.6).epsilon(1e-6));
@@ -226,8 +216,8 @@ TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, wit
 }
 
 TEST_CASE("a handle that nobody holds comes to rest in a note however narrow") {
-  for (const double width : {0.02, 0.03, 0.04, 0.06, 0.08, 0.12, 0.2})
-    for (const double mass : {0.1, 0.2, 0.4}) {
+  for (const double width : {0.02, 0.04, 0.08, 0.2})
+    for (const double mass : {0.1, 0.4}) {
       const auto field =
           field_of([&](double y, double) { return 0.5 * width - std::abs(y - 0.5); });
       haptic::SimulatedDevice device;
@@ -236,7 +226,7 @@ TEST_CASE("a handle that nobody holds comes to rest in a note however narrow") {
       handle.hand.hold = haptic::HandSettings::Hold::kFree;
       device.set(handle);
       device.set_state({0, 0.02, 0}, {}); // 20 mm beside its middle
-      const auto [lowest, highest] = run_hand(device, field, 6);
+      const auto [lowest, highest] = run_hand(device, field, 4);
       CAPTURE(width);
       CAPTURE(mass);
       CHECK(std::abs(0.5 * (lowest + highest) - 0.5) < 0.5 * width);

@@ -20,34 +20,38 @@ constexpr double kRates[] = {44100, 48000, 96000};
 
 std::shared_ptr<RealTransform> transform() { return std::make_shared<reference::RadixTwo>(); }
 
-template <class Signal>
-void feed(PlayabilityFollower<double>& follower, double rate, double seconds, Signal signal) {
-  for (int n = 0; n < static_cast<int>(seconds * rate); ++n)
-    follower.tick(signal(n / rate));
-}
+/// A follower that has seen a signal.
+class Fed {
+public:
+  explicit Fed(const PlayabilityParameters& p = {}, double rate = 48000) : rate_(rate) {
+    follower.set(p);
+    follower.prepare(rate);
+  }
+  template <class Signal> void feed(double seconds, const Signal& signal) {
+    for (int n = 0; n < static_cast<int>(seconds * rate_); ++n)
+      follower.tick(signal(n / rate_));
+  }
+  PlayabilityFollower<double> follower;
+
+private:
+  double rate_;
+};
 
 double sine(double frequency, double t) { return std::sin(2 * kPi * frequency * t); }
 
-TEST_CASE("the envelope of a sine is 2/pi of its amplitude when it rises as slowly as it falls") {
-  for (const double rate : kRates)
-    for (const double frequency : {110.0, 440.0, 1600.0}) {
-      PlayabilityFollower<double> follower;
-      PlayabilityParameters p;
-      p.attack_s = p.release_s = 0.1;
-      follower.set(p);
-      follower.prepare(rate);
-      feed(follower, rate, 2, [&](double t) { return -0.04 + 0.02 * sine(frequency, t); });
-      CHECK(std::abs(follower.envelope() / (0.02 * 2 / kPi) - 1) < 0.01);
-    }
+auto tone(double amplitude, double frequency) {
+  return [=](double t) { return amplitude * sine(frequency, t); };
 }
 
-TEST_CASE("a crossing is counted once a period") {
+TEST_CASE("the envelope of a sine is 2/pi of its amplitude, and a crossing counts once a period") {
+  PlayabilityParameters p;
+  p.attack_s = p.release_s = 0.1; // it rises as slowly as it falls
   for (const double rate : kRates)
-    for (const double frequency : {87.0, 440.0, 1200.0}) {
-      PlayabilityFollower<double> follower;
-      follower.prepare(rate);
-      feed(follower, rate, 1, [&](double t) { return 0.01 + 0.02 * sine(frequency, t); });
-      CHECK(std::abs(follower.crossing_rate() - frequency) <= 1 / 0.05);
+    for (const double frequency : {87.0, 440.0, 1600.0}) {
+      Fed fed(p, rate);
+      fed.feed(1.2, [&](double t) { return -0.04 + 0.02 * sine(frequency, t); });
+      CHECK(std::abs(fed.follower.envelope() / (0.02 * 2 / kPi) - 1) < 0.01);
+      CHECK(std::abs(fed.follower.crossing_rate() - frequency) <= 1 / 0.05);
     }
 }
 
@@ -108,156 +112,91 @@ TEST_CASE("envelope, crossings and jump are their definitions, sample by sample"
     }
 }
 
-TEST_CASE("a valve that only rises has not crossed") {
-  PlayabilityFollower<double> follower;
-  follower.prepare(48000);
-  feed(follower, 48000, 0.02, [](double t) { return t < 0.01 ? 0.0 : 0.05; });
-  CHECK(follower.crossing_rate() == 0);
-  feed(follower, 48000, 0.2, [](double t) { return 0.05 * sine(300, t); });
-  CHECK(follower.crossing_rate() > 0);
-  follower.reset();
-  CHECK(follower.crossing_rate() == 0);
-  CHECK(follower.envelope() == 0);
-  CHECK(follower.jump() == 0);
-  CHECK(follower.playability() == 0);
+TEST_CASE("a valve that only rises has not crossed, and reset forgets") {
+  Fed fed;
+  fed.feed(0.02, [](double t) { return t < 0.01 ? 0.0 : 0.05; });
+  CHECK(fed.follower.crossing_rate() == 0);
+  fed.feed(0.2, tone(0.05, 300));
+  CHECK(fed.follower.crossing_rate() > 0);
+  fed.follower.reset();
+  CHECK(fed.follower.crossing_rate() == 0);
+  CHECK(fed.follower.envelope() == 0);
+  CHECK(fed.follower.jump() == 0);
+  CHECK(fed.follower.playability() == 0);
 }
 
-TEST_CASE("the jump is (z/z_mean - 1.5)/1.5 between 1.5 and 3 times the mean") {
+TEST_CASE("the jump is (z/z_mean - 1.5)/1.5 between 1.5 and 3 times the mean, and passes") {
   for (const double ratio : {1.4, 2.0, 2.6, 3.2}) {
-    PlayabilityFollower<double> follower;
-    follower.prepare(48000);
-    feed(follower, 48000, 2, [](double t) { return 0.05 * sine(200, t); });
-    feed(follower, 48000, 0.0505, [&](double t) { return 0.05 * sine(200 * ratio, t); });
+    Fed fed;
+    fed.feed(2, tone(0.05, 200));
+    const double before = fed.follower.playability();
+    CHECK(fed.follower.jump() == 0);
+    fed.feed(0.0505, tone(0.05, 200 * ratio));
     // A window of 50 ms after the change the mean of 0.5 s has followed by a twentieth.
     const double mean = 1 + (ratio - 1) * 0.05;
-    CHECK(follower.jump() ==
+    CHECK(fed.follower.jump() ==
           doctest::Approx(std::clamp((ratio / mean - 1.5) / 1.5, 0.0, 1.0)).epsilon(0.02).scale(1));
+    if (ratio > 3)
+      CHECK(fed.follower.playability() < 0.2 * before);
+    fed.feed(2, tone(0.05, 200 * ratio));
+    CHECK(fed.follower.jump() == 0); // the new rate has become the usual one
   }
 }
 
 TEST_CASE("in the robust mode aperiodicity takes by a smooth step from 0.04 to 0.25") {
-  PlayabilityFollower<double> follower;
+  Fed fed;
   PlayabilityParameters p;
   p.mode = PlayabilityParameters::Mode::kRobust;
-  follower.set(p);
-  follower.prepare(48000);
-  feed(follower, 48000, 1, [](double t) { return 0.05 * sine(200, t); });
-  const double y = follower.envelope(), whole = y / (y + p.reference_rad);
-  REQUIRE(follower.jump() == 0);
+  fed.follower.set(p);
+  fed.feed(1, tone(0.05, 200));
+  const double y = fed.follower.envelope(), whole = y / (y + p.reference_rad);
+  REQUIRE(fed.follower.jump() == 0);
   for (const double a : {0.0, 0.04, 0.08, 0.145, 0.2, 0.25, 1.0}) {
     const double t = std::clamp((a - 0.04) / 0.21, 0.0, 1.0);
-    CHECK(follower.playability(0, a) == doctest::Approx(whole * (1 - t * t * (3 - 2 * t))));
+    CHECK(fed.follower.playability(0, a) == doctest::Approx(whole * (1 - t * t * (3 - 2 * t))));
   }
   p.mode = PlayabilityParameters::Mode::kPaper;
-  follower.set(p);
-  CHECK(follower.playability(0, 1.0) == doctest::Approx(whole));
-}
-
-TEST_CASE("hysteresis keeps small ripples from being counted") {
-  PlayabilityFollower<double> follower;
-  follower.prepare(48000);
-  feed(follower, 48000, 1, [&](double t) { return 0.02 * sine(200, t) + 0.001 * sine(5000, t); });
-  CHECK(std::abs(follower.crossing_rate() - 200) <= 1 / 0.05);
+  fed.follower.set(p);
+  CHECK(fed.follower.playability(0, 1.0) == doctest::Approx(whole));
 }
 
 TEST_CASE("a bent valve that stands still does not play") {
-  PlayabilityFollower<double> follower;
-  follower.prepare(48000);
-  follower.tick(-0.04);
-  CHECK(follower.envelope() == 0);
-  feed(follower, 48000, 1, [](double) { return 0.03; });
-  CHECK(follower.envelope() < 1e-3 * 0.07);
-  CHECK(follower.playability() < 0.01);
-  feed(follower, 48000, 30, [](double) { return 0.03; });
-  CHECK(follower.envelope() == 0); // and costs no denormal arithmetic
-}
-
-TEST_CASE("playability is half at the reference amplitude, and never reaches one") {
-  PlayabilityFollower<double> follower;
-  PlayabilityParameters p;
-  p.attack_s = p.release_s = 0.1;
-  follower.set(p);
-  follower.prepare(48000);
-  feed(follower, 48000, 2, [](double t) { return 0.03 * kPi / 2 * sine(300, t); });
-  CHECK(std::abs(follower.playability() - 0.5) < 0.005);
-  feed(follower, 48000, 2, [](double t) { return 3 * sine(300, t); });
-  CHECK(follower.playability() > 0.97);
-  CHECK(follower.playability() < 1);
-}
-
-TEST_CASE("a leap of the crossing rate to three times its mean silences the paper's playability") {
-  PlayabilityFollower<double> follower;
-  follower.prepare(48000);
-  feed(follower, 48000, 1, [](double t) { return 0.05 * sine(200, t); });
-  const double before = follower.playability();
-  CHECK(follower.jump() == 0);
-  feed(follower, 48000, 0.06, [](double t) { return 0.05 * sine(700, t); });
-  CHECK(follower.jump() > 0.8);
-  CHECK(follower.playability() < 0.2 * before);
-  feed(follower, 48000, 2, [](double t) { return 0.05 * sine(700, t); });
-  CHECK(follower.jump() == 0); // the new rate has become the usual one
+  Fed fed;
+  fed.follower.tick(-0.04);
+  CHECK(fed.follower.envelope() == 0);
+  fed.feed(1, [](double) { return 0.03; });
+  CHECK(fed.follower.envelope() < 1e-3 * 0.07);
+  CHECK(fed.follower.playability() < 0.01);
+  fed.feed(10, [](double) { return 0.03; });
+  CHECK(fed.follower.envelope() == 0); // and costs no denormal arithmetic
 }
 
 TEST_CASE("the start of a note is no jump") {
-  PlayabilityFollower<double> follower;
-  follower.prepare(48000);
+  Fed fed;
   for (int note = 0; note < 3; ++note) {
-    feed(follower, 48000, 1, [](double) { return 0.0; });
-    double worst = 0;
-    feed(follower, 48000, 0.5, [&](double t) {
-      worst = std::max(worst, follower.jump());
+    fed.feed(1, [](double) { return 0.0; });
+    fed.feed(0.5, [&](double t) {
+      CHECK(fed.follower.jump() == 0);
       return 0.05 * sine(330, t);
     });
-    CHECK(worst == 0);
   }
 }
 
 TEST_CASE("the variation of the intervals is that of two alternating periods") {
-  PlayabilityFollower<double> follower;
   PlayabilityParameters p;
   p.highpass_hz = 0.1;
-  follower.set(p);
-  follower.prepare(48000);
+  Fed fed(p);
   // Periods of 240 and 160 samples in turn: deviation 40 about a mean of 200. The level that marks
   // a crossing rides on the envelope, which moves the marks by a few samples.
-  for (int pair = 0; pair < 100; ++pair) {
-    for (int n = 0; n < 240; ++n)
-      follower.tick(0.05 * std::sin(2 * kPi * n / 240));
-    for (int n = 0; n < 160; ++n)
-      follower.tick(0.05 * std::sin(2 * kPi * n / 160));
-  }
-  CHECK(std::abs(follower.interval_variation() - 0.2) < 0.02);
-  feed(follower, 48000, 1, [](double t) { return 0.05 * sine(240, t); });
-  CHECK(follower.interval_variation() < 1e-3);
-  feed(follower, 48000, 1, [](double) { return 0.0; });
-  CHECK(follower.interval_variation() == 0);
-}
-
-TEST_CASE("lanes follow their own valve, bit for bit") {
-  using V = simd::Lanes<double, 6>;
-  PlayabilityFollower<V> together;
-  PlayabilityFollower<double> alone[6];
-  together.prepare(44100);
-  for (auto& f : alone)
-    f.prepare(44100);
-  std::mt19937 random(9);
-  std::normal_distribution<double> noise(0, 0.002);
-  for (int n = 0; n < 60000; ++n) {
-    V angle(0.0);
-    for (int i = 0; i < 6; ++i) {
-      const double x =
-          (n < 40000 ? 0.01 * i : 0) * sine(100 + 150 * i, n / 44100.0) + noise(random);
-      simd::set_lane(angle, i, x);
-      alone[i].tick(x);
-    }
-    together.tick(angle);
-  }
-  for (int i = 0; i < 6; ++i) {
-    CHECK(together.envelope(i) == alone[i].envelope());
-    CHECK(together.crossing_rate(i) == alone[i].crossing_rate());
-    CHECK(together.interval_variation(i) == alone[i].interval_variation());
-    CHECK(together.playability(i) == alone[i].playability());
-  }
+  for (int pair = 0; pair < 100; ++pair)
+    for (const int period : {240, 160})
+      for (int n = 0; n < period; ++n)
+        fed.follower.tick(0.05 * std::sin(2 * kPi * n / period));
+  CHECK(std::abs(fed.follower.interval_variation() - 0.2) < 0.02);
+  fed.feed(1, tone(0.05, 240));
+  CHECK(fed.follower.interval_variation() < 1e-3);
+  fed.feed(1, [](double) { return 0.0; });
+  CHECK(fed.follower.interval_variation() == 0);
 }
 
 /// YIN's normalised difference straight from its definition.
@@ -303,7 +242,7 @@ TEST_CASE("the analysis by transforms equals the definition of the normalised di
   std::mt19937 random(4);
   std::normal_distribution<double> noise;
   std::uniform_real_distribution<double> uniform(0, 1);
-  for (int trial = 0; trial < 6; ++trial) {
+  for (int trial = 0; trial < 4; ++trial) {
     const double frequency = 90 * std::pow(10, uniform(random)), dirt = 0.3 * uniform(random);
     std::vector<double> x(4096);
     double a[5];
@@ -320,13 +259,19 @@ TEST_CASE("the analysis by transforms equals the definition of the normalised di
   }
 }
 
+/// A fifth of a second of a signal, analysed.
+template <class Signal> Periodicity analysed(double rate, const Signal& signal) {
+  std::vector<double> x(static_cast<std::size_t>(rate / 5));
+  for (std::size_t n = 0; n < x.size(); ++n)
+    x[n] = signal(static_cast<double>(n) / rate);
+  return analyse(x, rate);
+}
+
 TEST_CASE("a pure tone is wholly periodic at its own frequency") {
   for (const double rate : kRates)
-    for (const double frequency : {60.0, 172.5, 391.0, 1021.0}) {
-      std::vector<double> x(static_cast<std::size_t>(rate / 5));
-      for (std::size_t n = 0; n < x.size(); ++n)
-        x[n] = 0.3 + 0.02 * sine(frequency, static_cast<double>(n) / rate);
-      const Periodicity p = analyse(x, rate);
+    for (const double frequency : {60.0, 1021.0}) {
+      const Periodicity p =
+          analysed(rate, [&](double t) { return 0.3 + 0.02 * sine(frequency, t); });
       CHECK(std::abs(p.frequency_hz / frequency - 1) < 1e-3);
       CHECK(p.periodicity > 0.999);
       CHECK(p.harmonicity_db > 30);
@@ -334,18 +279,18 @@ TEST_CASE("a pure tone is wholly periodic at its own frequency") {
     }
 }
 
-TEST_CASE("what has no period has no frequency") {
-  for (const double rate : kRates)
+TEST_CASE("what has no period has no frequency, and a missing fundamental is the fundamental") {
+  for (const double rate : kRates) {
     for (const double time : {0.01, 0.1, 1.0}) { // s, in which a displacement dies away
-      CAPTURE(rate);
-      CAPTURE(time);
-      std::vector<double> x(static_cast<std::size_t>(rate / 5));
-      for (std::size_t n = 0; n < x.size(); ++n)
-        x[n] = 1e-6 * std::exp(-static_cast<double>(n) / (rate * time));
-      const Periodicity p = analyse(x, rate);
+      INFO(rate, " Hz, ", time, " s");
+      const Periodicity p = analysed(rate, [&](double t) { return 1e-6 * std::exp(-t / time); });
       CHECK(p.frequency_hz == 0);
       CHECK(p.periodicity == 0);
     }
+    const Periodicity third =
+        analysed(rate, [](double t) { return sine(400, t) + sine(600, t) + sine(800, t); });
+    CHECK(std::abs(third.frequency_hz - 200) < 0.2);
+  }
 }
 
 TEST_CASE("harmonicity is the ratio of tone to noise") {
@@ -353,7 +298,7 @@ TEST_CASE("harmonicity is the ratio of tone to noise") {
   std::normal_distribution<double> noise;
   for (const double db : {5.0, 10.0, 20.0}) {
     double mean = 0;
-    constexpr int kTrials = 20;
+    constexpr int kTrials = 12;
     for (int trial = 0; trial < kTrials; ++trial) {
       std::vector<double> x(4096);
       const double sigma = std::sqrt(0.5 * std::pow(10, -db / 10));
@@ -367,15 +312,6 @@ TEST_CASE("harmonicity is the ratio of tone to noise") {
   }
 }
 
-TEST_CASE("a missing fundamental is still the fundamental") {
-  std::vector<double> x(4096);
-  for (std::size_t n = 0; n < x.size(); ++n) {
-    const double t = static_cast<double>(n) / 48000;
-    x[n] = sine(400, t) + sine(600, t) + sine(800, t);
-  }
-  CHECK(std::abs(analyse(x, 48000).frequency_hz - 200) < 0.2);
-}
-
 TEST_CASE("the regime tells silence, periodic motion and noise apart, two frames late") {
   Playability estimator;
   estimator.prepare(48000, transform());
@@ -386,12 +322,12 @@ TEST_CASE("the regime tells silence, periodic motion and noise apart, two frames
       estimator.tick(signal(n / 48000.0));
     return estimator.regime();
   };
-  CHECK(run(1, [](double) { return -0.04; }) == Regime::kSilent);
+  CHECK(run(0.3, [](double) { return -0.04; }) == Regime::kSilent);
   CHECK(run(0.5, [](double t) { return 0.03 * sine(220, t); }) == Regime::kPeriodic);
   CHECK(run(0.5, [](double t) { return 0.03 * (sine(220, t) + 0.3 * sine(351, t)); }) ==
         Regime::kQuasiPeriodic);
   CHECK(run(0.5, [&](double) { return noise(random); }) == Regime::kChaotic);
-  CHECK(run(2, [](double) { return 0.0; }) == Regime::kSilent);
+  CHECK(run(1, [](double) { return 0.0; }) == Regime::kSilent);
 }
 
 static_assert(PlayabilityParameters{}.mode == PlayabilityParameters::Mode::kRobust);
@@ -422,22 +358,31 @@ PlayabilityResult playability_of(const std::vector<double>& x, double rate,
   return result;
 }
 
-TEST_CASE("every mode tells white noise from a tone of the same level, and leaves the tone alone") {
+/// Noise and a tone of the same rms, rad.
+void check_noise(double rate, double level, double seconds) {
   std::mt19937 random(1);
+  std::normal_distribution<double> normal(0, level);
+  std::vector<double> noise(static_cast<std::size_t>(seconds * rate)), note(noise.size());
+  for (std::size_t n = 0; n < noise.size(); ++n) {
+    noise[n] = normal(random);
+    note[n] = level * std::sqrt(2) * sine(220, static_cast<double>(n) / rate);
+  }
+  for (const auto mode : kModes) {
+    CHECK(playability_of(noise, rate, mode).largest < 0.1);
+    const PlayabilityResult played = playability_of(note, rate, mode);
+    CHECK(played.last == doctest::Approx(played.envelope / (played.envelope + 0.03)));
+  }
+}
+
+TEST_CASE("every mode tells white noise from a tone of the same level, and leaves the tone alone") {
+  check_noise(48000, 0.03, 0.5);
+}
+
+TEST_CASE("every mode tells white noise from a tone at any level and rate" *
+          doctest::test_suite("slow")) {
   for (const double rate : kRates)
-    for (const double level : {0.003, 0.03, 0.3}) { // rms, rad
-      std::vector<double> noise(static_cast<std::size_t>(rate)), tone(noise.size());
-      std::normal_distribution<double> normal(0, level);
-      for (std::size_t n = 0; n < noise.size(); ++n) {
-        noise[n] = normal(random);
-        tone[n] = level * std::sqrt(2) * sine(220, static_cast<double>(n) / rate);
-      }
-      for (const auto mode : kModes) {
-        CHECK(playability_of(noise, rate, mode).largest < 0.1);
-        const PlayabilityResult played = playability_of(tone, rate, mode);
-        CHECK(played.last == doctest::Approx(played.envelope / (played.envelope + 0.03)));
-      }
-    }
+    for (const double level : {0.003, 0.03, 0.3})
+      check_noise(rate, level, 1);
 }
 
 TEST_CASE("the robust mode tells a valve shaken at random from a note, the paper's cannot") {
@@ -447,20 +392,19 @@ TEST_CASE("the robust mode tells a valve shaken at random from a note, the paper
   const double alpha = std::sin(w) / (2 * q), a0 = 1 + alpha;
   std::mt19937 random(2);
   std::normal_distribution<double> normal(0, 1);
-  std::vector<double> x(static_cast<std::size_t>(2 * rate));
+  std::vector<double> x(static_cast<std::size_t>(rate));
   for (std::size_t n = 2; n < x.size(); ++n)
     x[n] = (2 * std::cos(w) * x[n - 1] - (1 - alpha) * x[n - 2] + 0.003 * normal(random)) / a0;
-  for (const bool analysis : {true, false}) {
-    // The robust mode is itself whether or not the analysis' outlets are asked for.
+  // The robust mode is itself whether or not the analysis' outlets are asked for.
+  for (const bool analysis : {true, false})
     CHECK(playability_of(x, rate, PlayabilityParameters::Mode::kRobust, analysis).largest < 0.1);
-    CHECK(playability_of(x, rate, PlayabilityParameters::Mode::kPaper, analysis).last > 0.3);
-  }
+  CHECK(playability_of(x, rate, PlayabilityParameters::Mode::kPaper, false).last > 0.3);
 }
 
-TEST_CASE("the analysis runs when it is asked for or the mode needs it") {
-  const auto frames = [](PlayabilityParameters::Mode mode, bool analysis) {
+TEST_CASE("the analysis runs when it is asked for or the mode needs it, by a transform") {
+  const auto frames = [](PlayabilityParameters::Mode mode, bool analysis, bool transforms = true) {
     Playability estimator;
-    estimator.prepare(48000, transform());
+    estimator.prepare(48000, transforms ? transform() : nullptr);
     PlayabilityParameters p;
     p.mode = mode;
     estimator.set_analysis(analysis);
@@ -468,26 +412,19 @@ TEST_CASE("the analysis runs when it is asked for or the mode needs it") {
     CHECK(estimator.analysis() == analysis);
     for (int n = 0; n < 48000; ++n)
       estimator.tick(0.03 * sine(220, n / 48000.0));
+    CHECK(estimator.playability() > 0.3); // envelope and crossings are followed in any case
     return estimator.frames();
   };
   CHECK(frames(PlayabilityParameters::Mode::kPaper, false) == 0);
   CHECK(frames(PlayabilityParameters::Mode::kPaper, true) == 43); // (48000 - 4096)/1024 + 1
   CHECK(frames(PlayabilityParameters::Mode::kRobust, false) == 43);
-}
-
-TEST_CASE("without a transform the envelope and the crossings are still followed") {
-  Playability estimator;
-  estimator.prepare(48000, nullptr);
-  for (int n = 0; n < 48000; ++n)
-    estimator.tick(0.03 * sine(220, n / 48000.0));
-  CHECK(estimator.playability() > 0.3);
-  CHECK(estimator.frames() == 0);
+  CHECK(frames(PlayabilityParameters::Mode::kRobust, true, false) == 0);
 }
 
 TEST_CASE("no number on the inlet does no harm") {
   Playability estimator;
   estimator.prepare(48000, transform());
-  for (int n = 0; n < 48000; ++n) {
+  for (int n = 0; n < 24000; ++n) {
     double x = 0.03 * sine(220, n / 48000.0);
     if (n % 7 == 0)
       x = std::numeric_limits<double>::quiet_NaN();
