@@ -23,7 +23,7 @@ class Row:
 
 ROWS = (
     Row("the valve rests", "rest of θ and U (clarinet, trumpet, voice)", "static solution",
-        (("r.theta.back() / theta", "%"), ("r.flow.back() / flow", "%"))),
+        (("r.theta.back() / state.theta", "%"), ("r.flow.back() / state.flow", "%"))),
     Row("a bore closed by its reed rings", "ring-down of the shut bore, L = 0.3 to 1 m",
         "poles of Y_in: frequency, decay", (("f / frequency - 1", "%"), ("/ decay - 1", "%"))),
     Row("oscillation", "thresholds of 10 instruments", "linear theory: pressure, frequency",
