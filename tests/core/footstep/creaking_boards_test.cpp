@@ -53,7 +53,7 @@ double slip_interval(const std::string& more, SoleState sole) {
   const auto ground = ground_of(kJoint + more);
   std::vector<double> level;
   sole.heel_landing = 1e-12;
-  for (int n = 0; n < 96000; ++n) {
+  for (int n = 0; n < 48000; ++n) {
     const double x = std::abs(both(ground->next(sole)));
     level.push_back(std::max(level.empty() ? 0 : 0.99 * level.back(), x));
     sole.heel_landing = 0;

@@ -1,6 +1,6 @@
 #include "core/footstep/drive.hpp"
-#include "core/footstep/gait.hpp"
-#include "tests/sanitized.hpp"
+#include "core/footstep/room.hpp"
+#include "core/footstep/sole_sensor.hpp"
 
 #include <doctest/doctest.h>
 
@@ -57,20 +57,15 @@ TEST_CASE("the drive's band is 50 to 500 Hz within 5 %, 40 dB down at 12 Hz and 
   }
 }
 
-TEST_CASE("of white noise less than -30 dB of the drive's power lies outside 40 to 600 Hz" *
-          doctest::skip(kSanitized)) {
-  const double rate = 48000;
-  const auto impulse = impulse_of_band(rate);
+TEST_CASE("of white noise less than -30 dB of the drive's power lies outside 40 to 600 Hz") {
+  const auto impulse = impulse_of_band(48000);
   double outside = 0, whole = 0;
-  for (double f = 2; f < 6000; f += 2) {
-    const double power = std::norm(response(impulse, f, rate));
+  for (double f = 2.5; f < 24000; f += f < 1000 ? 5 : 250) {
+    const double power = std::norm(response(impulse, f, 48000)) * (f < 1000 ? 5 : 250);
     whole += power;
     if (f < 40 || f > 600)
       outside += power;
   }
-  // Above 6 kHz the stop band holds on: count it as wide as the rest of the spectrum.
-  outside += std::norm(response(impulse, 6001, rate)) * (rate / 2 - 6000) / 2;
-  MESSAGE("outside: " << 10 * std::log10(outside / whole) << " dB");
   CHECK(10 * std::log10(outside / whole) < -30);
 }
 
@@ -88,51 +83,13 @@ TEST_CASE("an acceleration of 3 g is never exceeded, for any sensitivity and lev
     CHECK(worst * sensitivity <= 3 + 1e-12);
     CHECK(worst * sensitivity > 2.9);
   }
-}
-
-TEST_CASE("by default an actuator of 3 g at full drive is limited to 3 g") {
-  Drive drive;
-  drive.prepare(48000);
+  Drive usual; // an actuator of 3 g at full drive is limited to 3 g
+  usual.prepare(48000);
   double largest = 0;
   for (int n = 0; n < 9600; ++n)
-    largest = std::max(largest, drive.next(100 * std::sin(0.02 * n), 0, 1, 0).heel);
+    largest = std::max(largest, usual.next(100 * std::sin(0.02 * n), 0, 1, 0).heel);
   CHECK(largest <= 1);
   CHECK(largest > 0.99);
-}
-
-TEST_CASE(
-    "what both share gives way from heel to ball where the force does, at 46 % of the stance") {
-  Gait gait;
-  gait.prepare(48000);
-  gait.set({1.4, 700, 0}, 0);
-  gait.walk(true);
-  Drive drive;
-  drive.prepare(48000);
-  drive.set({1, 3, 30, 0, 1});
-  GroundReaction reaction;
-  reaction.set({1.4, 700, 0});
-  std::array<SoleState, Gait::kFeet> feet{};
-  double heel = 0, ball = 0, crossing = 0;
-  for (int n = 0; n < static_cast<int>(0.98 * reaction.stance_s() * 48000); ++n) {
-    gait.next(feet);
-    const auto pair = drive.next(std::sin(2 * std::numbers::pi * 200 * n / 48000), 0,
-                                 feet[0].heel_n, feet[0].ball_n);
-    heel += 0.002 * (std::abs(pair.heel) - heel);
-    ball += 0.002 * (std::abs(pair.ball) - ball);
-    if (crossing == 0 && n > 4800 && ball > heel)
-      crossing = n / 48000.0 / reaction.stance_s();
-  }
-  CHECK(std::abs(crossing - 0.46) < 0.02);
-}
-
-TEST_CASE("a constant motion of the ground makes no constant drive") {
-  Drive drive;
-  drive.prepare(48000);
-  drive.set({1, 3, 3, 0});
-  double last = 1;
-  for (int n = 0; n < 144000; ++n)
-    last = drive.next(1, 0, 1, 0).heel;
-  CHECK(db(std::abs(last) + 1e-12) < -80);
 }
 
 TEST_CASE("the equaliser passes through its table and refuses an invalid one") {
@@ -189,15 +146,18 @@ TEST_CASE("settings of a drive are clamped: delays to 0..0.2 s, sensitivity to a
       out.push_back(drive.next(n == 0, 0, 1, 0).heel);
     return out;
   };
-  CHECK(drive_output({1, 3, 3, -1}) == drive_output({1, 3, 3, 0}));
+  const auto straight = drive_output({1, 3, 3, 0}), late = drive_output({1, 3, 3, 0.01});
+  for (std::size_t n = 0; n + 80 < late.size(); ++n) // to match a slower path
+    REQUIRE(late[n + 80] == straight[n]);
+  CHECK(drive_output({1, 3, 3, -1}) == straight);
   CHECK(drive_output({1, 3, 3, 9}) == drive_output({1, 3, 3, 0.2}));
   CHECK(drive_output({1, 3, 3, 0.19}) != drive_output({1, 3, 3, 0.2}));
   CHECK(drive_output({1, 0, 1e-6, 0}) == drive_output({1, 1e-3, 1e-6, 0}));
   CHECK(drive_output({1, -4, 1e-6, 0}) == drive_output({1, 1e-3, 1e-6, 0}));
   CHECK(drive_output({1, 2e-3, 1e-6, 0}) != drive_output({1, 1e-3, 1e-6, 0}));
-  const auto one = drive_output({1, 3, 3, 0}), two = drive_output({0.5, 3, 3, 0});
-  for (std::size_t n = 0; n < one.size(); n += 7)
-    CHECK(two[n] == doctest::Approx(0.5 * one[n]));
+  const auto half = drive_output({0.5, 3, 3, 0});
+  for (std::size_t n = 0; n < half.size(); n += 7)
+    CHECK(half[n] == doctest::Approx(0.5 * straight[n]));
 }
 
 TEST_CASE("under the ball alone the drive is what it is under the heel alone, at any rate") {
@@ -271,21 +231,6 @@ TEST_CASE("a drive falls silent once band and delay have decayed, and wakes unch
     CHECK(a[n + 1] == doctest::Approx(3 * a[n]));
 }
 
-TEST_CASE("the drive can be delayed to match a slower path") {
-  Drive straight, late;
-  for (Drive* drive : {&straight, &late})
-    drive->prepare(48000);
-  straight.set({1, 3, 3, 0});
-  late.set({1, 3, 3, 0.01});
-  std::vector<double> a, b;
-  for (int n = 0; n < 4800; ++n) {
-    a.push_back(straight.next(n == 0, 0, 1, 0).heel);
-    b.push_back(late.next(n == 0, 0, 1, 0).heel);
-  }
-  for (std::size_t n = 0; n + 480 < a.size(); ++n)
-    REQUIRE(b[n + 480] == a[n]);
-}
-
 TEST_CASE("each actuator plays the vibration under it, and a common share of the whole foot's") {
   const auto drives = [](double common, double heel_vibration, double ball_vibration) {
     Drive drive;
@@ -313,4 +258,64 @@ TEST_CASE("each actuator plays the vibration under it, and a common share of the
     difference = std::max({difference, std::abs(of_heel[n] - expected(n, 0.2, 0.625)),
                            std::abs(of_ball[n] - expected(n, 0.1, 0.375))});
   CHECK(difference < 1e-12);
+}
+
+TEST_CASE("a limiter acts at once and releases within 50 ms") {
+  PeakLimit limit;
+  limit.prepare(48000);
+  CHECK(limit.next(.5, 1) == .5);
+  CHECK(limit.next(4, 1) == doctest::Approx(1));
+  // The gain fell to 1/4 and rises by 1 - e^(-t/50 ms) of what is missing.
+  for (const double passed : {.02, .05}) {
+    limit.reset();
+    limit.next(4, 1);
+    double y = 0;
+    for (int n = 0; n < passed * 48000; ++n)
+      y = limit.next(.1, 1);
+    CHECK(y == doctest::Approx(.1 * (1 - .75 * std::exp(-passed / .05))).epsilon(1e-3));
+  }
+  CHECK(limit.next(-9, 1) == doctest::Approx(-1));
+  limit.reset();
+  CHECK(limit.next(1, 1) == 1);
+}
+
+TEST_CASE("sensors, rooms and drives respond after a reset as when new") {
+  SoleSensor used, fresh;
+  Room used_room, fresh_room;
+  Drive used_drive, fresh_drive;
+  for (SoleSensor* sensor : {&used, &fresh})
+    sensor->prepare(48000);
+  for (Room* room : {&used_room, &fresh_room}) {
+    room->prepare(48000);
+    room->set({-3, .4, 3000});
+  }
+  for (Drive* drive : {&used_drive, &fresh_drive}) {
+    drive->prepare(48000);
+    drive->set({1, 3, .3, .01, .2});
+    const std::array<double, 4> table{100, 6, 300, -4};
+    CHECK(drive->equalise(table));
+  }
+  const auto force = [](int n) { return 300 + 300 * std::sin(.001 * n); };
+  for (int n = 0; n < 20011; ++n) {
+    used.next(force(n), 20);
+    used_room.next(std::sin(.3 * n));
+    used_drive.next(30 * std::sin(.02 * n), 9 * std::cos(.02 * n), 0, 5);
+  }
+  CHECK_FALSE(used_room.silent());
+  used.reset();
+  used_room.reset();
+  used_drive.reset();
+  CHECK(used_room.silent());
+  CHECK_FALSE(used.in_stance());
+  bool same = true;
+  for (int n = 0; n < 20011; ++n) {
+    const SoleState a = used.next(force(n), 200), b = fresh.next(force(n), 200);
+    same = same && std::abs(a.heel_n - b.heel_n) < 1e-9 && a.heel_landing == b.heel_landing &&
+           std::abs(a.heel_slope - b.heel_slope) < 1e-6 && a.toe_off == b.toe_off;
+    const double x = n < 4000 ? std::sin(.3 * n) : 0;
+    same = same && std::abs(used_room.next(x) - fresh_room.next(x)) < 1e-12;
+    const Drive::Pair c = used_drive.next(x, -x, 0, 0), d = fresh_drive.next(x, -x, 0, 0);
+    same = same && std::abs(c.heel - d.heel) < 1e-12 && std::abs(c.ball - d.ball) < 1e-12;
+  }
+  CHECK(same);
 }

@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <iterator>
-#include <utility>
 #include <vector>
 
 /// Plays a gait and keeps what it does.
@@ -25,7 +25,7 @@ struct Event {
 
 /// What a gait does, sample by sample.
 struct Recording {
-  double rate = 48000;
+  double rate = 8000;
   std::vector<std::array<SoleState, 2>> samples;
   std::vector<Event> events;
 
@@ -33,6 +33,7 @@ struct Recording {
   [[nodiscard]] double force(std::size_t n, std::size_t foot) const {
     return samples[n][foot].heel_n + samples[n][foot].ball_n;
   }
+  [[nodiscard]] double time(std::size_t n) const { return static_cast<double>(n) / rate; }
   [[nodiscard]] std::size_t at(double t) const {
     return std::min(static_cast<std::size_t>(t * rate), samples.size() - 1);
   }
@@ -43,17 +44,27 @@ struct Recording {
       sum += (total(n) - weight) / rate;
     return sum * kGravity / weight;
   }
-  [[nodiscard]] std::vector<Event> of(Phase phase, double from = 0) const {
+  /// Events of one kind, of both feet or of one.
+  [[nodiscard]] std::vector<Event> of(Phase phase, double from = 0, int foot = -1) const {
     std::vector<Event> found;
-    std::copy_if(events.begin(), events.end(), std::back_inserter(found),
-                 [&](const Event& e) { return e.phase == phase && e.t >= from; });
+    std::copy_if(events.begin(), events.end(), std::back_inserter(found), [&](const Event& e) {
+      return e.phase == phase && e.t >= from &&
+             (foot < 0 || e.foot == static_cast<std::size_t>(foot));
+    });
     return found;
   }
 };
 
-template <class Move>
-Recording play(const Walker& walker, double seconds, Move move, double rate = 48000,
-               double variation = 0, bool smooth = true) {
+/// What a gait is told when.
+struct Act {
+  double t;
+  std::function<void(Gait&)> act;
+};
+inline const Act kWalk{0, [](Gait&gait) { gait.walk(true); }},
+    kHalt{0, [](Gait&gait) { gait.walk(false); }};
+
+inline Recording play(const Walker& walker, double seconds, const std::vector<Act>& acts,
+                      double rate = 8000, double variation = 0, bool smooth = true) {
   Gait gait;
   gait.prepare(rate);
   gait.set(walker, variation);
@@ -63,7 +74,9 @@ Recording play(const Walker& walker, double seconds, Move move, double rate = 48
   std::array<std::array<double, 2>, 2> before{};
   double worst = 0, largest = 1, min_force = 0;
   for (int n = 0; n < seconds * rate; ++n) {
-    move(gait, n / rate);
+    for (const Act& one : acts)
+      if (n == std::ceil(one.t * rate - 1e-6))
+        one.act(gait);
     gait.next(feet);
     made.samples.push_back(feet);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -89,16 +102,5 @@ Recording play(const Walker& walker, double seconds, Move move, double rate = 48
     CHECK(worst < 1e-6 * largest); // slopes are the forces' differences, also where a foot lends
   return made;
 }
-
-/// True once, when the time comes.
-class OneShot {
-public:
-  explicit OneShot(double t) : t_(t) {}
-  bool operator()(double t) { return !std::exchange(done_, done_ || t >= t_) && t >= t_; }
-
-private:
-  double t_;
-  bool done_ = false;
-};
 
 } // namespace tactus::footstep

@@ -51,28 +51,35 @@ RoomResponse room_response(const Room::Settings& settings, double rate, double f
 
 } // namespace
 
-TEST_CASE("a room has the energy of its level and decays in its T60, at any rate") {
-  for (const double rate : {22050.0, 48000.0, 192000.0})
-    for (const double t60 : {0.15, 0.4, 1.5}) {
-      // A burst of 50 Hz width meets few resonances: the mean over 16 frequencies.
-      double level = 0, time = 0;
-      for (int i = 0; i < 16; ++i) {
-        const RoomResponse a = room_response({-6, t60, 10000}, rate, 200 + 37 * i);
-        level += std::pow(10, a.level_db / 10) / 16;
-        time += a.t60_s / 16;
-      }
-      CAPTURE(rate);
-      CAPTURE(t60);
-      CHECK(std::abs(10 * std::log10(level) + 6) < 1);
-      CHECK(time == doctest::Approx(t60).epsilon(0.1));
-    }
+namespace {
+
+/// A burst of 50 Hz width meets few resonances: the mean over 16 frequencies.
+void check_room(double rate, double t60, double bright_hz, double lowest_hz, double expected_s) {
+  double level = 0, time = 0;
+  for (int i = 0; i < 16; ++i) {
+    const RoomResponse a =
+        room_response({-6, t60, bright_hz}, rate, lowest_hz + (lowest_hz > 1000 ? 25 : 37) * i);
+    level += std::pow(10, a.level_db / 10) / 16;
+    time += a.t60_s / 16;
+  }
+  CAPTURE(rate);
+  CAPTURE(t60);
+  if (lowest_hz < 1000)
+    CHECK(std::abs(10 * std::log10(level) + 6) < 1);
+  CHECK(time == doctest::Approx(expected_s).epsilon(0.1));
 }
 
-TEST_CASE("a room's decay time is half at its bright frequency") {
-  double time = 0;
-  for (int i = 0; i < 16; ++i)
-    time += room_response({-6, 0.6, 3000}, 48000, 2800 + 25 * i).t60_s / 16;
-  CHECK(time == doctest::Approx(0.3).epsilon(0.1));
+} // namespace
+
+TEST_CASE("a room has the energy of its level and decays in its T60, half of it where bright") {
+  for (const double t60 : {0.15, 0.4})
+    check_room(22050, t60, 10000, 200, t60);
+  check_room(22050, 0.6, 3000, 2800, 0.3);
+}
+TEST_CASE("rooms have their energy and T60 at any rate" * doctest::test_suite("slow")) {
+  for (const double rate : {22050.0, 48000.0, 192000.0})
+    for (const double t60 : {0.15, 0.4, 1.5})
+      check_room(rate, t60, 10000, 200, t60);
 }
 
 TEST_CASE("a room without input falls silent, and one without level never sounds") {

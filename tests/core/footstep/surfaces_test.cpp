@@ -1,23 +1,21 @@
 #include "bench/walking_foot.hpp"
 #include "files/recipe.hpp"
-#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
 // What the fifteen grounds in data/surfaces must be, however their numbers are fitted: what sounds
@@ -25,7 +23,6 @@
 
 using namespace tactus::footstep;
 using tactus::bench::Walk;
-using tactus::files::read_recipe;
 
 namespace {
 
@@ -37,12 +34,23 @@ const std::map<std::string, Recipe>& grounds() {
     for (const auto& file : std::filesystem::directory_iterator(TACTUS_SURFACES)) {
       std::ifstream stream(file.path());
       const std::string text{std::istreambuf_iterator<char>(stream), {}};
-      REQUIRE(read_recipe(text, read[file.path().stem().string()]) == "");
+      REQUIRE(tactus::files::read_recipe(text, read[file.path().stem().string()]) == "");
     }
     REQUIRE(read.size() == 15);
     return read;
   }();
   return found;
+}
+
+std::vector<std::string> all_names() {
+  std::vector<std::string> names;
+  for (const auto& ground : grounds())
+    names.push_back(ground.first);
+  return names;
+}
+
+bool one_of(const std::string& name, std::initializer_list<const char*> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 double median(std::vector<double> values) {
@@ -53,11 +61,11 @@ double median(std::vector<double> values) {
 /// What a sole does in so many steps of a walk: the same on all grounds.
 struct Soles {
   Walk how;
-  std::uint64_t seed = 5;
+  std::uint64_t seed;
   std::vector<SoleState> states;
 };
 
-Soles soles_of(const Walk& how, int steps = kSanitized ? 3 : 10, std::uint64_t seed = 5) {
+Soles soles_of(const Walk& how, int steps, std::uint64_t seed = 5) {
   Gait gait;
   gait.prepare(kRate);
   gait.seed(seed);
@@ -98,77 +106,69 @@ double energy(const Sound& sound) {
   return sum;
 }
 
-double energy(const std::vector<Sound>& steps) {
-  double sum = 0;
-  for (const Sound& step : steps)
-    sum += energy(step);
-  return sum;
-}
+/// Medians of the steps, and the highest pressure.
+struct Heard {
+  double level_db, frequency_hz, duration_s, peak_pa = 0;
+};
 
-double decibels(double ratio) { return 10 * std::log10(std::max(ratio, 1e-20)); }
-
-/// In place, size a power of two (Cooley & Tukey).
-void transform(std::vector<std::complex<double>>& x) {
-  const std::size_t size = x.size();
-  for (std::size_t i = 1, j = 0; i < size; ++i) { // bits of the index in reverse
-    std::size_t bit = size / 2;
-    for (; j & bit; bit /= 2)
-      j ^= bit;
-    j ^= bit;
-    if (i < j)
-      std::swap(x[i], x[j]);
-  }
-  for (std::size_t half = 1; half < size; half *= 2) {
-    const auto turn = std::polar(1.0, -std::numbers::pi / static_cast<double>(half));
-    std::complex<double> factor = 1;
-    for (std::size_t k = 0; k < half; ++k, factor *= turn)
-      for (std::size_t i = k; i < size; i += 2 * half) {
-        const auto turned = factor * x[i + half];
-        x[i + half] = x[i] - turned;
-        x[i] += turned;
-      }
-  }
-}
-
-/// Mean frequency of the power above 60 Hz, Hz; median of the steps.
-double centroid(const std::vector<Sound>& steps) {
-  std::vector<double> found;
-  for (const Sound& step : steps) {
-    std::vector<std::complex<double>> spectrum(65536);
-    for (std::size_t n = 0; n < std::min(step.size(), spectrum.size()); ++n)
-      spectrum[n] = step[n];
-    transform(spectrum);
-    double sum = 0, moment = 0;
-    for (std::size_t k = 90; k < spectrum.size() / 2; ++k) {
-      sum += std::norm(spectrum[k]);
-      moment += std::norm(spectrum[k]) * static_cast<double>(k) * kRate / 65536;
-    }
-    found.push_back(moment / sum);
-  }
-  return median(found);
-}
-
-double median_level(const std::vector<Sound>& steps) {
-  std::vector<double> levels;
-  for (const Sound& step : steps)
-    levels.push_back(decibels(energy(step)));
-  return median(levels);
-}
-
-/// Time in which the middle 90 % of a step's energy come, s; median.
-double duration(const std::vector<Sound>& steps) {
-  std::vector<double> found;
-  for (const Sound& step : steps) {
+Heard heard(const Recipe& recipe, const Soles& soles) {
+  std::vector<double> levels, frequencies, durations;
+  Heard found{};
+  for (const Sound& step : walk(recipe, soles)) {
     const double whole = energy(step);
-    double sum = 0;
-    int inside = 0;
+    double sum = 0, differences = 0, last = 0;
+    int inside = 0; // the time in which the middle 90 % of the energy come
     for (const double x : step) {
       sum += x * x;
       inside += sum > 0.05 * whole && sum < 0.95 * whole;
+      differences += (x - last) * (x - last);
+      last = x;
+      found.peak_pa = std::max(found.peak_pa, std::abs(x));
     }
-    found.push_back(inside / kRate);
+    levels.push_back(10 * std::log10(std::max(whole, 1e-20)));
+    // Of the mean square of f: 2 sin(pi f/rate) is what a difference leaves of a frequency.
+    frequencies.push_back(std::asin(std::sqrt(differences / whole) / 2) / std::numbers::pi * kRate);
+    durations.push_back(inside / kRate);
   }
-  return median(found);
+  found.level_db = median(levels);
+  for (const double level : levels) // no step is lost
+    CHECK(level > found.level_db - 12);
+  found.frequency_hz = median(frequencies);
+  found.duration_s = median(durations);
+  return found;
+}
+
+/// What shoe, weight and speed do.
+void check_laws(const std::vector<std::string>& names, int steps) {
+  const Soles in_soft = soles_of({1.4, 700, 0}, steps), in_hard = soles_of({1.4, 700, 1}, steps),
+              of_light = soles_of({1.4, 300}, steps), of_heavy = soles_of({1.4, 1200}, steps),
+              at_0_7 = soles_of({0.7}, steps), at_2 = soles_of({2.0}, steps);
+  for (const std::string& name : names) {
+    const Recipe& recipe = grounds().at(name);
+    CAPTURE(name);
+    const Heard soft = heard(recipe, in_soft), hard = heard(recipe, in_hard),
+                light = heard(recipe, of_light), heavy = heard(recipe, of_heavy),
+                slow = heard(recipe, at_0_7), fast = heard(recipe, at_2);
+    const double ratio = hard.frequency_hz / soft.frequency_hz,
+                 louder = hard.level_db - soft.level_db;
+    if (one_of(name, {"wood", "concrete", "metal"})) {
+      CHECK(ratio >= 2);
+      CHECK(louder > 0);
+    } else if (one_of(name, {"carpet", "snow", "sand", "dryleaves", "underbrush", "water"})) {
+      CHECK(ratio < 1.5);
+      CHECK(ratio > 0.7);
+      CHECK(std::abs(louder) < 3);
+    }
+    CHECK(heavy.level_db > light.level_db + 2);
+    if (one_of(name, {"snow", "gravel", "dryleaves"}))
+      CHECK(heavy.duration_s > 1.15 * light.duration_s);
+    // 3 to 9 dB for twice the speed; boards creak as loudly under a slow foot.
+    const double growth = (fast.level_db - slow.level_db) / std::log2(2.0 / 0.7);
+    CHECK(growth > (name == "creak" ? 2 : 3));
+    CHECK(growth < 9);
+    CHECK(soft.peak_pa > 0.005 * kFullScale);
+    CHECK(heavy.peak_pa < kKnee * kFullScale);
+  }
 }
 
 /// A section by its level: every random draw stays.
@@ -191,10 +191,6 @@ std::vector<Section> sections(Recipe& recipe) {
   return found;
 }
 
-bool one_of(const std::string& name, std::initializer_list<const char*> names) {
-  return std::any_of(names.begin(), names.end(), [&](const char* n) { return name == n; });
-}
-
 /// The parts of the sections in the sum of their energies, each section alone.
 std::map<std::string, double> shares(const Recipe& recipe, const Soles& soles) {
   std::map<std::string, double> share;
@@ -205,171 +201,62 @@ std::map<std::string, double> shares(const Recipe& recipe, const Soles& soles) {
     for (const Section& other : sections(played))
       *other.level = 0;
     *alone.level = level;
-    const double found = energy(walk(played, soles));
+    double found = 0;
+    for (const Sound& step : walk(played, soles))
+      found += energy(step);
     share[alone.kind] += found;
     whole += found;
     played = recipe;
   }
-  for (auto& [kind, part] : share)
-    part /= whole;
+  for (auto& kind : share)
+    kind.second /= whole;
   return share;
 }
 
-} // namespace
-
-TEST_CASE("what sounds is what happens: contacts on floors, friction in boards, grains, bubbles" *
-          doctest::skip(kSanitized)) {
-  // Shares of a few steps scatter: those of each walk are to be there, their mean as large as said.
-  constexpr std::uint64_t kSeeds = 4;
-  constexpr int kSteps = 4;
-  for (const double speed : {0.8, 1.4, 1.8}) {
-    std::map<std::string, std::map<std::string, double>> mean, min_share;
-    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-      const Soles soles = soles_of({speed}, kSteps, seed);
-      for (const auto& [name, recipe] : grounds())
-        for (const auto& [kind, part] : shares(recipe, soles)) {
-          mean[name][kind] += part / kSeeds;
-          min_share[name].try_emplace(kind, 1).first->second =
-              std::min(part, min_share[name].try_emplace(kind, 1).first->second);
-        }
-    }
-    for (auto& ground : mean) { // clang 14 captures no structured bindings
-      const std::string& name = ground.first;
-      auto& share = ground.second;
-      CAPTURE(name);
-      CAPTURE(speed);
-      const auto carries = [&](const char* kind, double part) {
-        CAPTURE(kind);
-        CHECK(share[kind] >= part);
-        CHECK(min_share[name][kind] >= part / 4);
-      };
-      if (one_of(name, {"wood", "concrete", "metal"})) {
-        carries("impact", 0.5);
-        CHECK(share["rustle"] <= 0.05);
-      } else if (one_of(name, {"dirt", "carpet", "creak"})) {
-        carries("impact", 0.25);
-      } else if (one_of(name, {"snow", "frozensnow"})) {
-        carries("impact", 0.1);
-      } else if (one_of(name, {"gravel", "sand", "dryleaves", "underbrush"})) {
-        carries("grains", 0.5);
-      } else if (one_of(name, {"water", "puddle"})) {
-        carries("bubbles", 0.3);
+/// Shares of a few steps scatter: those of each walk are to be there, their mean as large as said.
+void check_shares(const std::vector<std::string>& names, double speed, int steps, int seeds,
+                  double most_rustle = 0.1) {
+  for (const std::string& name : names) {
+    std::map<std::string, double> mean, least;
+    for (int seed = 1; seed <= seeds; ++seed)
+      for (const auto& [kind, part] :
+           shares(grounds().at(name), soles_of({speed}, steps, static_cast<std::uint64_t>(seed)))) {
+        mean[kind] += part / seeds;
+        double& lowest = least.try_emplace(kind, 1).first->second;
+        lowest = std::min(lowest, part);
       }
-      if (name == "creak")
-        carries("friction", 0.15);
-      CHECK(share["rustle"] <= 0.1);
-    }
-  }
-}
-
-TEST_CASE("no step of any ground is lost, however slowly one walks") {
-  for (const double speed : {0.3, 0.5, 1.4, 2.5}) {
-    if (kSanitized && speed != 1.4)
-      continue; // the slower, the more samples of the same
-    const Soles soles = soles_of({speed});
-    for (const auto& ground : grounds()) {
-      const auto& name = ground.first;
-      const Recipe& recipe = ground.second;
-      CAPTURE(name);
-      CAPTURE(speed);
-      const std::vector<Sound> steps = walk(recipe, soles);
-      const double usual = median_level(steps);
-      for (const Sound& step : steps)
-        CHECK(decibels(energy(step)) > usual - 12);
-    }
-  }
-}
-
-TEST_CASE("nothing within walking reaches the knee of the output, running hardly ever" *
-          doctest::skip(kSanitized)) {
-  const std::vector<std::uint64_t> seeds{5, 6, 7};
-  const auto of_seeds = [&seeds](const Walk& how, int steps) {
-    std::vector<Soles> found;
-    for (const std::uint64_t seed : seeds)
-      found.push_back(soles_of(how, steps, seed));
-    return found;
-  };
-  const auto hard = of_seeds({2.5, 1200, 1}, 10), heavy = of_seeds({2.5, 1200, 0.4}, 10),
-             run = of_seeds({3.5, 700, 0.4, Style::kRun}, 15);
-  const std::vector<Soles> usual{soles_of({})};
-  for (const auto& ground : grounds()) {
-    const auto& name = ground.first;
-    const Recipe& recipe = ground.second;
     CAPTURE(name);
-    const auto peak_amplitude = [&recipe](const std::vector<Soles>& walks) {
-      double peak = 0;
-      for (const Soles& soles : walks)
-        for (const Sound& step : walk(recipe, soles))
-          for (const double x : step)
-            peak = std::max(peak, std::abs(x) / kFullScale);
-      return peak;
+    CAPTURE(speed);
+    const auto carries = [&](const char* kind, double part) {
+      CAPTURE(kind);
+      CHECK(mean[kind] >= part);
+      CHECK(least[kind] >= part / 4);
     };
-    CHECK(peak_amplitude(hard) < kKnee);
-    CHECK(peak_amplitude(heavy) < kKnee);
-    CHECK(peak_amplitude(run) < kKnee);
-    CHECK(peak_amplitude(usual) > 0.005);
-  }
-}
-
-TEST_CASE("a shoe decides the sound of a hard floor and hardly that of a soft one" *
-          doctest::skip(kSanitized)) {
-  const Soles in_soft = soles_of({1.4, 700, 0}), in_hard = soles_of({1.4, 700, 1});
-  for (const auto& ground : grounds()) {
-    const auto& name = ground.first;
-    const Recipe& recipe = ground.second;
-    CAPTURE(name);
-    const std::vector<Sound> soft = walk(recipe, in_soft), hard = walk(recipe, in_hard);
-    const double ratio = centroid(hard) / centroid(soft);
-    const double louder = median_level(hard) - median_level(soft);
+    CHECK(mean["rustle"] <= most_rustle);
     if (one_of(name, {"wood", "concrete", "metal"})) {
-      CHECK(ratio >= 2);
-      CHECK(louder > 0);
-    } else if (one_of(name, {"carpet", "snow", "sand", "dryleaves", "underbrush", "water"})) {
-      CHECK(ratio < 1.5);
-      CHECK(ratio > 0.7);
-      CHECK(std::abs(louder) < 3);
+      carries("impact", 0.5);
+      CHECK(mean["rustle"] <= most_rustle / 2);
+    } else if (one_of(name, {"dirt", "carpet", "creak"})) {
+      carries("impact", 0.25);
+    } else if (one_of(name, {"snow", "frozensnow"})) {
+      carries("impact", 0.1);
+    } else if (one_of(name, {"gravel", "sand", "dryleaves", "underbrush"})) {
+      carries("grains", 0.5);
+    } else if (one_of(name, {"water", "puddle"})) {
+      carries("bubbles", 0.3);
     }
+    if (name == "creak")
+      carries("friction", 0.15);
   }
 }
 
-TEST_CASE("a heavier walker is louder, and longer in snow, gravel and leaves" *
-          doctest::skip(kSanitized)) {
-  const Soles of_light = soles_of({1.4, 300}), of_heavy = soles_of({1.4, 1200});
-  for (const auto& ground : grounds()) {
-    const auto& name = ground.first;
-    const Recipe& recipe = ground.second;
+/// Both actuators are moved by what lands on them, alike on solid ground.
+void check_drives(const std::vector<std::string>& names, std::size_t steps) {
+  for (const std::string& name : names) {
     CAPTURE(name);
-    const std::vector<Sound> light = walk(recipe, of_light), heavy = walk(recipe, of_heavy);
-    CHECK(median_level(heavy) > median_level(light) + 2);
-    if (one_of(name, {"snow", "gravel", "dryleaves"}))
-      CHECK(duration(heavy) > 1.15 * duration(light));
-  }
-}
-
-TEST_CASE("steps grow louder with the walking speed by 3 to 9 dB for twice the speed" *
-          doctest::skip(kSanitized)) {
-  const Soles fast = soles_of({2.0}), slow = soles_of({0.7});
-  const double octaves = std::log2(2.0 / 0.7);
-  for (const auto& ground : grounds()) {
-    const auto& name = ground.first;
-    const Recipe& recipe = ground.second;
-    CAPTURE(name);
-    const double growth =
-        (median_level(walk(recipe, fast)) - median_level(walk(recipe, slow))) / octaves;
-    CHECK(growth > (name == "creak" ? 2 : 3)); // boards creak as loudly under a slow foot
-    CHECK(growth < 9);
-  }
-}
-
-TEST_CASE("both actuators are moved by what lands on them, alike on solid ground" *
-          doctest::skip(kSanitized)) {
-  for (const auto& ground : grounds()) {
-    const auto& name = ground.first;
-    const Recipe& recipe = ground.second;
-    CAPTURE(name);
-    tactus::bench::WalkingFoot foot(recipe, {}, kRate, 5);
+    tactus::bench::WalkingFoot foot(grounds().at(name), {}, kRate, 5);
     std::vector<double> heel, ball; // highest of each step
-    while (heel.size() <= 10) {
+    while (heel.size() <= steps) {
       const Foot::Out out = foot.next();
       if (foot.heel_lands()) {
         heel.push_back(0);
@@ -382,5 +269,94 @@ TEST_CASE("both actuators are moved by what lands on them, alike on solid ground
     CHECK(under_heel > 0.05);
     CHECK(under_ball > 0.05);
     CHECK(std::abs(20 * std::log10(under_ball / under_heel)) < 6);
+  }
+}
+
+} // namespace
+
+TEST_CASE("what sounds is what happens: contacts on floors, friction in boards, grains, bubbles") {
+  check_shares({"creak", "sand", "water"}, 1.4, 2, 1, 0.15);
+}
+TEST_CASE("what sounds on all grounds is what happens, at any speed" *
+          doctest::test_suite("slow")) {
+  for (const double speed : {0.8, 1.4, 1.8})
+    check_shares(all_names(), speed, 4, 4);
+}
+
+TEST_CASE("steps grow louder with speed, weight and a hard shoe, and none is lost") {
+  check_laws({"wood", "snow"}, 2);
+}
+TEST_CASE("on all grounds shoe, weight and speed do what they do, and no step is lost" *
+          doctest::test_suite("slow")) {
+  check_laws(all_names(), 10);
+  for (const double speed : {0.3, 0.5, 1.4, 2.5}) {
+    const Soles soles = soles_of({speed}, 10);
+    for (const auto& ground : grounds())
+      heard(ground.second, soles);
+  }
+}
+
+TEST_CASE("nothing within walking reaches the knee of the output, running hardly ever" *
+          doctest::test_suite("slow")) {
+  for (const std::uint64_t seed : {5U, 6U, 7U})
+    for (const Walk& how : {Walk{2.5, 1200, 1}, {2.5, 1200, 0.4}, {3.5, 700, 0.4, Style::kRun}}) {
+      const Soles soles = soles_of(how, how.style == Style::kRun ? 15 : 10, seed);
+      for (const auto& ground : grounds()) {
+        CAPTURE(ground.first);
+        CHECK(heard(ground.second, soles).peak_pa < kKnee * kFullScale);
+      }
+    }
+}
+
+TEST_CASE("heel and ball drive their actuators alike") { check_drives({"concrete", "sand"}, 2); }
+TEST_CASE("heel and ball drive their actuators alike on all grounds" *
+          doctest::test_suite("slow")) {
+  check_drives(all_names(), 10);
+}
+
+TEST_CASE("all fifteen grounds sound when walked on, stay finite under any input and end in "
+          "silence") {
+  const double odd[] = {std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e-310, 3};
+  constexpr double kSlow = 16000;
+  for (const auto& ground : grounds()) {
+    CAPTURE(ground.first);
+    const auto foot = std::make_unique<Foot>();
+    foot->prepare(kSlow);
+    foot->set_grounds(1, ground.second, 1, ground.second, 0);
+    Gait gait;
+    gait.prepare(kSlow);
+    gait.step(0);
+    std::array<SoleState, Gait::kFeet> feet{};
+    double peak_amplitude = 0;
+    bool finite = true;
+    const auto play = [&](const SoleState& sole) {
+      const Foot::Out out = foot->next(sole);
+      finite = finite && std::isfinite(out.pressure_pa + out.heel_drive + out.ball_drive);
+      return std::abs(out.pressure_pa);
+    };
+    const auto fall_silent = [&] {
+      for (int n = 0, quiet = 0; n < 12 * kSlow && quiet < 0.1 * kSlow; ++n)
+        quiet = play({}) < 1e-9 ? quiet + 1 : 0;
+      return play({});
+    };
+    for (int n = 0; n < kSlow / 2; ++n) {
+      gait.next(feet);
+      peak_amplitude = std::max(peak_amplitude, play(feet[0]));
+    }
+    CHECK(peak_amplitude > 0.01);
+    CHECK(peak_amplitude < 30);
+    CHECK(fall_silent() < 1e-9);
+    for (int n = 0; n < 700; ++n) {
+      SoleState sole;
+      sole.heel_n = n % 5 == 0 ? std::nan("") : odd[n % 5];
+      sole.ball_n = odd[(n / 3) % 5];
+      sole.heel_slope = odd[(n / 5) % 5];
+      sole.ball_slope = n % 7 == 0 ? std::nan("") : odd[(n / 11) % 5];
+      sole.heel_landing = n % 100 == 0 ? odd[(n / 100) % 5] : 0;
+      sole.ball_landing = n % 130 == 0 ? odd[(n / 130) % 5] : 0;
+      play(sole);
+    }
+    CHECK(fall_silent() < 1e-3);
+    CHECK(finite);
   }
 }
