@@ -1,38 +1,61 @@
-// What a body of a table, a material and a sample rate consists of: which modes ring, which only
-// give way, how they decay and their loudness; and what a new model takes over.
+// What a body of a table, a material, a size and a sample rate consists of: which modes ring, which
+// only give way, how they decay, recoil and sound, by the laws of elasticity; and what a new model
+// takes over.
+#include "core/haptic/scene/pose.hpp"
 #include "core/modal/body/body_model.hpp"
-#include "tests/approx.hpp"
-#include "tests/core/modal/tables.hpp"
+#include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <memory>
-#include <numbers>
-#include <random>
-#include <vector>
-
 using namespace tactus::modal;
 using namespace tactus::test;
-using Complex = std::complex<double>;
+using tactus::haptic::cross;
+using tactus::haptic::dot;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+BodyModel make_model(ModalTable table, BodySettings settings = no_radiation()) {
+  return BodyModel(std::make_shared<const LoadedTable>(std::move(table)), settings);
+}
 
 ModalTable modes(const std::vector<double>& hz, const std::vector<double>& decay_per_s) {
-  ModalTable table;
-  table.free = false;
-  table.frequency_hz = hz;
+  ModalTable table = mode_table(hz);
   table.decay_rate = decay_per_s;
   return table;
 }
 
-BodyModel make_model(ModalTable table, BodySettings settings = {}) {
-  settings.radiation = Radiation::kNone;
-  return BodyModel(std::make_shared<const LoadedTable>(std::move(table)), settings);
+Complex rate(const BodyModel& model, std::size_t mode) { return model.rate[model.index_of[mode]]; }
+
+/// The closed form's plate, let go: with inertia that is no cube's, slopes, radiation and what lies
+/// beyond.
+ModalTable plate_with_all() {
+  ModalTable table = free_plate(.32, .2, .005, 3000, 16, 10);
+  table.centre_of_mass_m = {.01, -.02, 0};
+  table.inertia_kg_m2 = {Vec3{4e-3, 5e-4, -2e-4}, Vec3{5e-4, 9e-3, 3e-4},
+                         Vec3{-2e-4, 3e-4, 1.2e-2}};
+  for (const Vec3& v : table.vertex_m) // straight over the surface: exact between vertices
+    table.residual_compliance.push_back(static_cast<float>(1e-8 * (2 + 3 * v.x)));
+  for (std::size_t k = 0; k < table.modes(); ++k) {
+    table.radiation_decay_rate.push_back(2 + static_cast<double>(k));
+    table.poisson_slope.push_back(.1 + .01 * static_cast<double>(k));
+  }
+  return table;
+}
+
+struct Body {
+  std::shared_ptr<const LoadedTable> loaded = std::make_shared<const LoadedTable>(plate_with_all());
+  BodySettings settings = no_radiation();
+  [[nodiscard]] BodyModel model() const { return BodyModel(loaded, settings); }
+};
+
+/// 1/m + (r x n) I^-1 (r x n), Cramer's rule.
+double mobility(double mass, const std::array<Vec3, 3>& inertia, const Vec3& arm, const Vec3& n) {
+  const Vec3 turn = cross(arm, n);
+  const auto det = [](const Vec3& a, const Vec3& b, const Vec3& c) { return dot(a, cross(b, c)); };
+  const Vec3 &a = inertia[0], &b = inertia[1], &c = inertia[2]; // symmetric: rows are columns
+  const double whole = det(a, b, c);
+  const Vec3 w{det(turn, b, c) / whole, det(a, turn, c) / whole, det(a, b, turn) / whole};
+  return 1 / mass + dot(turn, w);
 }
 
 /// Displacement and velocity, mass-normalised, of a mode's state.
@@ -46,11 +69,12 @@ std::pair<double, double> motion(Complex z, Complex s) {
 TEST_CASE("modes below .45 of the sample rate ring, those below 60 kHz add compliance, others are "
           "left out") {
   for (const double rate : {44100., 48000., 96000.}) {
-    BodySettings settings;
+    BodySettings settings = no_radiation();
     settings.sample_rate = rate;
     const double limit = .45 * rate;
-    const BodyModel m = make_model(
-        modes({61000, 59900, 100, 1.001 * limit, .999 * limit, 700}, {1, 2, 3, 4, 5, 6}), settings);
+    const ModalTable table =
+        modes({61000, 59900, 100, 1.001 * limit, .999 * limit, 700}, {1, 2, 3, 4, 5, 6});
+    const BodyModel m = make_model(table, settings);
     CHECK(m.audible_modes == 3);
     REQUIRE(m.mode.size() == 5);
     // Those that ring by their decay, then the others in order.
@@ -61,47 +85,134 @@ TEST_CASE("modes below .45 of the sample rate ring, those below 60 kHz add compl
     CHECK(m.bank.state(2) == Complex(0));
     CHECK(m.solver.modes() == 5);
     settings.max_modes = 4; // of the table: the others only give way
-    const BodyModel fewer = make_model(
-        modes({61000, 59900, 100, 1.001 * limit, .999 * limit, 700}, {1, 2, 3, 4, 5, 6}), settings);
+    const BodyModel fewer = make_model(table, settings);
     CHECK(fewer.audible_modes == 1);
     CHECK(fewer.mode == std::vector<std::size_t>{2, 1, 3, 4, 5});
   }
 }
 
-TEST_CASE("a rate is the frequency with its decay, and just below what would be critical") {
-  const BodyModel m = make_model(modes({100, 1000}, {300, 1e6}));
-  const Complex slow = m.rate[m.index_of[0]], dead = m.rate[m.index_of[1]];
-  CHECK(slow.real() == approx(-300));
-  CHECK(std::abs(slow) == approx(2 * kPi * 100));
-  CHECK(std::abs(dead) == approx(2 * kPi * 1000));
-  CHECK(dead.real() == approx(-.999 * 2 * kPi * 1000));
+TEST_CASE("a rate is the frequency with its decay, which follows the frequency to near critical") {
+  BodySettings settings = no_radiation();
+  for (const double size : {1., 2.}) {
+    settings.size = size;
+    const BodyModel m = make_model(modes({100, 1000}, {300, 1e6}), settings);
+    CHECK(rate(m, 0).real() == approx(-300 / size));
+    CHECK(std::abs(rate(m, 0)) == approx(2 * kPi * 100 / size));
+    CHECK(std::abs(rate(m, 1)) == approx(2 * kPi * 1000 / size));
+    CHECK(rate(m, 1).real() == approx(-.999 * 2 * kPi * 1000 / size));
+  }
 }
 
-TEST_CASE("a table's decay rates stand for loss factors: they follow the frequency") {
-  BodySettings settings;
-  settings.size = 2;
-  const BodyModel m = make_model(modes({400}, {6}), settings);
-  CHECK(std::abs(m.rate[0]) == approx(2 * kPi * 200));
-  CHECK(m.rate[0].real() == approx(-3));
-}
-
-TEST_CASE("a material that a table does not give is aluminium, and changes are relative to it") {
-  const auto hz = [](double modulus, double density, double table_modulus, double table_density) {
-    ModalTable table = modes({1000}, {1});
-    table.material.youngs_modulus_pa = table_modulus;
-    table.material.density_kg_per_m3 = table_density;
-    BodySettings settings;
-    settings.youngs_modulus_pa = modulus;
-    settings.density_kg_per_m3 = density;
-    const BodyModel m = make_model(std::move(table), settings);
-    return std::abs(m.rate[0]) / (2 * kPi);
+TEST_CASE("frequencies follow modulus, density, size and Poisson's ratio from the table's, or "
+          "from aluminium") {
+  struct Case {
+    double table_modulus, table_density; // 0: not given
+    double modulus, density, size, poisson, ratio;
   };
-  CHECK(hz(0, 0, 0, 0) == approx(1000));
-  CHECK(hz(4 * 70e9, 0, 0, 0) == approx(2000));
-  CHECK(hz(0, 4 * 2700, 0, 0) == approx(500));
-  CHECK(hz(0, 0, 200e9, 7800) == approx(1000));
-  CHECK(hz(50e9, 0, 200e9, 7800) == approx(500));
-  CHECK(hz(0, 31200, 200e9, 7800) == approx(500));
+  const double e = 70.3e9;
+  for (const Case& c : {Case{0, 0, 0, 0, 1, 0, 1},
+                        {0, 0, 4 * 70e9, 0, 1, 0, 2},
+                        {0, 0, 0, 4 * 2700, 1, 0, .5},
+                        {200e9, 7800, 0, 0, 1, 0, 1},
+                        {200e9, 7800, 50e9, 0, 1, 0, .5},
+                        {200e9, 7800, 0, 31200, 1, 0, .5},
+                        {e, 2700, 9 * e, 0, 1, 0, 3},
+                        {e, 2700, 9 * e, 10800, 3, 0, .5},
+                        {e, 2700, 0, 0, 1, .33, 1},
+                        {e, 2700, 0, 0, 1, .33 + .05, std::exp(.05 * .13)}}) {
+    CAPTURE(c.ratio);
+    ModalTable table = plate_with_all();
+    table.material.youngs_modulus_pa = c.table_modulus;
+    table.material.density_kg_per_m3 = c.table_density;
+    const double own = 2 * kPi * table.frequency_hz[3];
+    BodySettings settings = no_radiation();
+    settings.youngs_modulus_pa = c.modulus;
+    settings.density_kg_per_m3 = c.density;
+    settings.size = c.size;
+    if (c.poisson > 0)
+      settings.poisson = c.poisson;
+    CHECK(rate(make_model(std::move(table), settings), 3).imag() ==
+          approx(c.ratio * own).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a free body's recoil is that of its mass and inertia, in any size and density") {
+  Body body;
+  const ModalTable table = plate_with_all();
+  for (const double size : {1., 2., .5})
+    for (const double density : {2700., 7800.}) {
+      CAPTURE(size);
+      CAPTURE(density);
+      body.settings.size = size;
+      body.settings.density_kg_per_m3 = density;
+      const BodyModel model = body.model();
+      const double heavier = density / 2700;
+      CHECK(model.mass_kg == approx(table.mass_kg * heavier * std::pow(size, 3)));
+      std::array<Vec3, 3> inertia = table.inertia_kg_m2;
+      for (Vec3& row : inertia)
+        row = row * (heavier * std::pow(size, 5));
+      for (const Vec3& point :
+           {Vec3{.1, .07, .0025}, Vec3{-.13, .02, .0025}, Vec3{0, -.09, .0025}}) {
+        const SurfacePoint at = model.nearest(size * point);
+        const Vec3 arm = size * (point - table.centre_of_mass_m);
+        for (const Vec3& n : {Vec3{0, 0, 1}, Vec3{.6, 0, .8}, Vec3{.48, -.6, .64}}) {
+          double square = 0;
+          for (const double b : model.rigid_gains(at, n))
+            square += b * b;
+          CHECK(square == approx(mobility(model.mass_kg, inertia, arm, n)).epsilon(1e-6));
+        }
+      }
+    }
+}
+
+TEST_CASE("residual compliance scales as 1 over modulus and size") {
+  Body body;
+  const auto compliance = [&](double size, double modulus) {
+    body.settings.size = size;
+    body.settings.youngs_modulus_pa = modulus;
+    const BodyModel model = body.model();
+    return model.residual_compliance(model.nearest(size * Vec3{.05, .03, .0025}));
+  };
+  const double own = compliance(1, 0);
+  CHECK(own == approx(1e-8 * (2 + 3 * .05)).epsilon(1e-5));
+  CHECK(compliance(2, 0) == approx(own / 2).epsilon(1e-6));
+  CHECK(compliance(1, 2 * 70.3e9) == approx(own / 2).epsilon(1e-6));
+  CHECK(compliance(3, 70.3e9 / 3) == approx(own).epsilon(1e-6));
+}
+
+TEST_CASE("decay is the material's, the radiation's and the choke's together") {
+  Body body;
+  BodySettings& s = body.settings;
+  const ModalTable table = plate_with_all();
+  const std::size_t k = 4;
+  const double omega = 2 * kPi * table.frequency_hz[k], air = table.radiation_decay_rate[k];
+  const auto decay = [&] { return -rate(body.model(), k).real(); };
+  const double own = decay() - air; // of the table
+  CHECK(own > 0);
+  s.choke_t60_s = .5;
+  CHECK(decay() == approx(own + air + std::log(1000.) / .5));
+  s.choke_t60_s = 0;
+  s.damping = Damping::kLoss;
+  s.loss_factor = .004;
+  CHECK(decay() == approx(.5 * omega * .004 + air));
+  s.damping = Damping::kRayleigh;
+  s.rayleigh_a_per_s = 3;
+  s.rayleigh_b_s = 2e-7;
+  CHECK(decay() == approx(.5 * (3 + 2e-7 * omega * omega) + air));
+  s.damping = Damping::kCurve;
+  const double f = table.frequency_hz[k];
+  s.loss_curve = {{f / 2, .001}, {2 * f, .003}}; // logarithms on a straight line: their mean at f
+  CHECK(decay() == approx(.5 * omega * std::sqrt(.001 * .003) + air).epsilon(1e-6));
+  s.loss_curve = {{2 * f, .003}, {4 * f, .001}}; // level before the first and after the last
+  CHECK(decay() == approx(.5 * omega * .003 + air).epsilon(1e-6));
+  s.loss_curve = {{f / 4, .003}, {f / 2, .001}};
+  CHECK(decay() == approx(.5 * omega * .001 + air).epsilon(1e-6));
+  // Radiation: rho_air c area/mass at the same shape: as 1/(rho L); the rest is as without it.
+  s.damping = Damping::kLoss;
+  s.size = 2;
+  CHECK(decay() == approx(.5 * omega / 2 * .004 + air / 2));
+  s.density_kg_per_m3 = 3 * 2700;
+  CHECK(decay() == approx(.5 * omega / 2 / std::sqrt(3.) * .004 + air / 6));
 }
 
 TEST_CASE("loudness is the A-weighting of IEC 61672-1 times the weight at the loudest listener") {
@@ -112,7 +223,7 @@ TEST_CASE("loudness is the A-weighting of IEC 61672-1 times the weight at the lo
   std::vector<double> hz;
   for (const auto& [f, db] : table)
     hz.push_back(f);
-  const BodyModel m = make_model(modes(hz, std::vector<double>(hz.size(), 1e-3)));
+  const BodyModel m = make_model(mode_table(hz, 1e-3));
   REQUIRE(m.audible_modes == hz.size());
   for (std::size_t k = 0; k < hz.size(); ++k) {
     CAPTURE(hz[k]);
@@ -125,9 +236,9 @@ TEST_CASE("loudness is the A-weighting of IEC 61672-1 times the weight at the lo
 }
 
 TEST_CASE("a pulse's gain x/sin x compensates the mean over a sample, up to the highest mode") {
-  const BodyModel m = make_model(modes({100, 3000, 12000, 21000}, {1, 1, 1, 1}));
+  const BodyModel m = make_model(mode_table({100, 3000, 12000, 21000}, 1));
   for (std::size_t i = 0; i < m.audible_modes; ++i) {
-    const double x = .5 * m.rate[i].imag() / 48000;
+    const double x = .5 * m.rate[i].imag() / kRate;
     CAPTURE(x);
     CHECK(m.pulse_gain[i] == approx(x / std::sin(x)).epsilon(x < .5 ? 1e-4 : .02));
   }
@@ -153,8 +264,7 @@ TEST_CASE("a new model continues every mode's displacement and velocity, in bank
     CAPTURE(contacting);
     const auto table =
         std::make_shared<const LoadedTable>(modes({300, 900, 40000, 2000}, {40, 90, 3, 10}));
-    BodySettings settings;
-    settings.radiation = Radiation::kNone;
+    BodySettings settings = no_radiation();
     BodyModel before(table, settings);
     settings.size = 1.7;
     settings.damping = Damping::kLoss;
@@ -187,12 +297,11 @@ TEST_CASE("a new model continues every mode's displacement and velocity, in bank
 
 TEST_CASE("gains are the shape against the direction, between the corners of a triangle") {
   ModalTable table = plate(.3, .2, .005, 3000, 4, 4);
-  table.material.density_kg_per_m3 = 2700;
   std::mt19937 random(1);
   for (float& x : table.shape)
     x = static_cast<float>(random() % 2000) / 1000.F - 1;
   const ModalTable copy = table;
-  BodySettings settings;
+  BodySettings settings = no_radiation();
   settings.size = 2;
   settings.density_kg_per_m3 = 8100;
   const BodyModel m = make_model(std::move(table), settings);
@@ -214,7 +323,7 @@ TEST_CASE("gains are the shape against the direction, between the corners of a t
   m.gains(at, direction, std::span(two).first(2));
   CHECK(two[1] == gain[1]);
   CHECK(two[2] == 77);
-  const BodyModel plain = make_model(modes({100, 200}, {1, 1}), settings);
+  const BodyModel plain = make_model(mode_table({100, 200}), settings);
   plain.gains({}, direction, std::span(two).first(2));
   CHECK(two[0] == approx(plain.shape_scale));
   CHECK(two[1] == approx(plain.shape_scale));

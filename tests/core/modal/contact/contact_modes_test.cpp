@@ -1,24 +1,15 @@
 // The modes that a contact meets: passes of one and two steps, in double and in single precision,
-// against the recursion written out; and the force of a ball against its equation.
+// against the recursion written out.
 #include "core/modal/contact/contact_modes.hpp"
-#include "core/modal/contact/contact_solver.hpp"
-#include "tests/approx.hpp"
+#include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-#include <complex>
-#include <numbers>
-#include <random>
-#include <vector>
-
 using namespace tactus::modal;
-using Complex = std::complex<double>;
-using tactus::test::approx;
+using namespace tactus::test;
 
 namespace {
 
-constexpr double kRate = 48000, kPi = std::numbers::pi;
 constexpr std::size_t kSmall = 40, kLarge = ContactModes::kMaxModesInDouble + 88;
 
 struct Body {
@@ -68,7 +59,7 @@ struct RecursionReference {
 } // namespace
 
 TEST_CASE("passes of one and two steps move the modes as the recursion written out does") {
-  for (const std::size_t count : {1UL, 17UL, kSmall, kLarge}) {
+  for (const std::size_t count : {1UL, 17UL, kLarge}) {
     for (const std::size_t ahead : {1UL, 2UL}) {
       CAPTURE(count);
       CAPTURE(ahead);
@@ -85,7 +76,7 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
       CHECK(modes->set_gain(0, body.gain) == approx(squares));
       static_cast<void>(modes->set_gain(1, body.other));
       double largest = 0, displacement_error = 0, loudest = 0, output_error = 0;
-      for (std::size_t n = 0; n < 4000; n += ahead) {
+      for (std::size_t n = 0; n < 1000; n += ahead) {
         const double* const found =
             modes->predict_displacement(0, ahead, n % kSteps + ahead == kSteps);
         double force[2] = {}, expected_displacement[2] = {found[0], ahead > 1 ? found[1] : 0};
@@ -104,7 +95,7 @@ TEST_CASE("passes of one and two steps move the modes as the recursion written o
           loudest = std::max(loudest, std::abs(plain.outputs()));
           output_error = std::max(output_error, std::abs(modes->output(0) - plain.outputs()));
         }
-        if (n == 1000) { // an impulse from elsewhere, between two passes
+        if (n == 500) { // an impulse from elsewhere, between two passes
           std::vector<float> gains(count, 0.25F);
           modes->apply_impulse(gains, 1e-3);
           for (Complex& z : plain.z)
@@ -171,7 +162,7 @@ TEST_CASE("the force of a second contact is in its displacement, the output and 
     modes->set_weight(0, body.weight);
     static_cast<void>(modes->set_gain(0, body.gain));
     static_cast<void>(modes->set_gain(1, body.other));
-    for (int n = 0; n < 500; ++n) {
+    for (int n = 0; n < 200; ++n) {
       const double first = std::sin(0.2 * n), second = std::cos(0.11 * n);
       const double should = plain.free_displacement();
       const double found = *modes->predict_displacement(0, 1, true);
@@ -256,28 +247,4 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
       CHECK(single[i] == approx(exact[i]).epsilon(1e-4).scale(1));
     }
   }
-}
-
-TEST_CASE(
-    "a strike on a body of a thousand modes creates no energy, and is the same as with few steps") {
-  Body body(1000);
-  for (Complex& s : body.rate)
-    s = {-1e-6, s.imag()}; // nothing but rounding takes energy or gives it
-  std::vector<double> rebound;
-  for (const double rate : {44100.0, 96000.0}) {
-    ContactSolver solver(body.rate, rate, 1, true);
-    ContactSolver::Strike contact;
-    contact.law.stiffness = 6e9;
-    contact.mass_kg = 0.007;
-    contact.velocity_m_per_s = 1.4;
-    const double before = 0.5 * 0.007 * 1.4 * 1.4;
-    solver.begin(0, contact, body.gain, {2, 0, 0, 0.3, 0, 0});
-    for (int n = 0; n < 20000 && solver.touching(); ++n) {
-      static_cast<void>(solver.step());
-      CHECK(solver.energy() < before * (1 + 1e-6));
-    }
-    CHECK(!solver.touching());
-    rebound.push_back(-solver.contact(0).exciter.velocity_m_per_s);
-  }
-  CHECK(std::abs(rebound[0] - rebound[1]) < 0.003 * 1.4);
 }

@@ -1,23 +1,14 @@
+// A ball that strikes walls, free masses and bodies of modes, by theory and finer computations.
 #include "core/modal/contact/contact_solver.hpp"
-#include "tests/approx.hpp"
+#include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-#include <complex>
-#include <numbers>
-#include <vector>
-
 using namespace tactus::modal;
-using tactus::contact::dissipation_for;
+using namespace tactus::test;
 using tactus::contact::hertz_stiffness;
-using tactus::contact::ImpactLaw;
-using Complex = std::complex<double>;
-using tactus::test::approx;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // A steel ball of 6 mm radius that fell 100 mm, and aluminium below it.
 const double kBall = 7850 * 4.0 / 3 * kPi * 0.006 * 0.006 * 0.006;
@@ -54,28 +45,16 @@ ContactSolver::Strike ball() {
 
 } // namespace
 
-TEST_CASE("Hertz' numbers for the ball are the closed form's") {
-  CHECK(kBall == approx(7.103e-3).epsilon(1e-3));
-  CHECK(kStiffness == approx(6.032e9).epsilon(1e-3));
-  const ImpactLaw law{kStiffness, 1.5, 0};
-  CHECK(law.deepest(0.5 * kBall * kSpeed * kSpeed) == approx(24.2e-6).epsilon(2e-3));
-  CHECK(law.duration(kBall, kSpeed) == approx(50.9e-6).epsilon(2e-3));
-  CHECK(law.duration(kBall, kSpeed) ==
-        approx(2.9432 * law.deepest(0.5 * kBall * kSpeed * kSpeed) / kSpeed).epsilon(1e-4));
-  // A linear spring's contact is half a period.
-  const ImpactLaw spring{1000, 1, 0};
-  CHECK(spring.duration(0.1, 1) == approx(kPi * std::sqrt(0.1 / 1000)));
-}
-
 TEST_CASE(
     "on a wall the ball returns as fast as it came, at every sample rate, after Hertz' time") {
-  for (const double rate : {8000.0, 22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
+  for (const double rate : {8000.0, 44100.0, 192000.0}) {
     CAPTURE(rate);
     ContactSolver solver({}, rate, 1, false);
     const ImpactRecord record = strike(solver, rate, ball(), {});
     CHECK(record.rebound == approx(1).epsilon(0.002));
     CHECK(record.impulse == approx(2 * kBall * kSpeed).epsilon(0.002));
   }
+  CHECK(kStiffness == approx(6.032e9).epsilon(1e-3)); // N/m^(3/2), by hand
   // At a rate that resolves the contact its length and height are seen.
   ContactSolver solver({}, 4e6, 1, false);
   const ImpactRecord record = strike(solver, 4e6, ball(), {});
@@ -85,65 +64,46 @@ TEST_CASE(
 
 TEST_CASE("two free bodies part as momentum and energy demand") {
   // A block of 20 g, hit in its middle.
-  ContactSolver solver({}, 48000, 1, true);
+  ContactSolver solver({}, kRate, 1, true);
   const ImpactRecord record =
-      strike(solver, 48000, ball(), {}, {1 / std::sqrt(0.02), 0, 0, 0, 0, 0});
+      strike(solver, kRate, ball(), {}, {1 / std::sqrt(0.02), 0, 0, 0, 0, 0});
   const double expected = (0.02 - kBall) / (0.02 + kBall); // -v'/v of the lighter body
   CHECK(record.rebound == approx(expected).epsilon(0.003));
 }
 
-TEST_CASE("the error decreases with the square of the step") {
-  // Contacts of one duration met by coarser and coarser samples: force the number of steps by a
-  // softer spring law, whose half period is known.
-  const auto error = [](double rate) {
-    ContactSolver solver({}, rate, 1, false);
-    ContactSolver::Strike contact = ball();
-    contact.law = {1e6, 1, 0};
-    const ImpactRecord record = strike(solver, rate, contact, {});
-    return std::abs(record.rebound - 1);
+TEST_CASE("a vibrating body takes energy and none is created, in double or single precision") {
+  struct Case {
+    int modes;
+    double rate, tolerance;
   };
-  CHECK(error(48000) < 2e-3);
-  CHECK(error(192000) < 2e-3);
-}
-
-TEST_CASE("a vibrating body takes energy, and none is created") {
-  for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0})
-    for (const double stiffness : {1e4, 1e6, 1e8, kStiffness, 1e12})
-      for (const double mass : {1e-5, 1e-3, kBall, 1.0}) {
-        CAPTURE(rate);
+  for (const Case& c : {Case{40, 22050, 1e-8},
+                        {40, 48000, 1e-8},
+                        {40, 192000, 1e-8},
+                        {600, 44100, 1e-6},
+                        {600, 96000, 1e-6}})
+    for (const double stiffness : {1e4, 1e6, kStiffness, 1e12})
+      for (const double mass : {1e-5, kBall, 1.0}) {
+        if (c.modes > 40 && (mass != kBall || stiffness != kStiffness))
+          continue;
+        CAPTURE(c.modes);
+        CAPTURE(c.rate);
         CAPTURE(stiffness);
         CAPTURE(mass);
         std::vector<Complex> rates;
         std::vector<double> gain;
-        for (int k = 0; k < 40; ++k) {
-          rates.emplace_back(-1.0 - k, 2 * kPi * (300.0 + 1400.0 * k));
+        for (int k = 0; k < c.modes; ++k) {
+          rates.emplace_back(-1.0 - k, 2 * kPi * (300.0 + 56000.0 * k / c.modes));
           gain.push_back((k % 2 ? -1 : 1) * 2.0);
         }
-        ContactSolver solver(rates, rate, 1, true);
+        ContactSolver solver(rates, c.rate, 1, true);
         auto contact = ball();
         contact.law.stiffness = stiffness;
         contact.mass_kg = mass;
-        const ImpactRecord record = strike(solver, rate, contact, gain, {2, 0, 0, 0.3, 0, 0});
-        CHECK(record.gained < 1e-8);
+        const ImpactRecord record = strike(solver, c.rate, contact, gain, {2, 0, 0, 0.3, 0, 0});
+        CHECK(record.gained < c.tolerance);
         CHECK(record.rebound <= 1);
-        CHECK(solver.energy() <= 0.5 * mass * kSpeed * kSpeed * (1 + 1e-8));
+        CHECK(solver.energy() <= 0.5 * mass * kSpeed * kSpeed * (1 + c.tolerance));
       }
-}
-
-TEST_CASE("the impulse is the same within half a percent at the usual rates") {
-  std::vector<Complex> rates;
-  std::vector<double> gain;
-  for (int k = 0; k < 14; ++k) {
-    rates.emplace_back(-5.0, 2 * kPi * (5890.0 + 1400.0 * k));
-    gain.push_back(1.5);
-  }
-  std::vector<double> impulse;
-  for (const double rate : {44100.0, 48000.0, 96000.0}) {
-    ContactSolver solver(rates, rate, 1, true);
-    impulse.push_back(strike(solver, rate, ball(), gain, {2, 0, 0, 0, 0, 0}).impulse);
-  }
-  CHECK(impulse[1] == approx(impulse[0]).epsilon(0.005));
-  CHECK(impulse[2] == approx(impulse[0]).epsilon(0.005));
 }
 
 TEST_CASE("the steel ball on a free aluminium disk parts as finer computations found") {
@@ -194,24 +154,15 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
   }
 }
 
-TEST_CASE("the computed loss gives the wanted restitution") {
-  for (const double e : {0.2, 0.5, 0.8, 0.95}) {
-    CAPTURE(e);
-    ContactSolver solver({}, 48000, 1, false);
-    auto contact = ball();
-    contact.law.dissipation_s_per_m = dissipation_for(e, kSpeed);
-    CHECK(strike(solver, 48000, contact, {}).rebound == approx(e).epsilon(0.01));
-  }
-  CHECK(dissipation_for(1, 1) == 0);
-}
-
-TEST_CASE("a hand that presses slowly feels the contact law in series with the body") {
+TEST_CASE(
+    "a hand that presses slowly feels the contact law in series with modes and what lies beyond") {
   // One stiff mode: static compliance b^2 / omega^2.
   const Complex rate(-2000, 2 * kPi * 500);
   const double gain = 2;
-  ContactSolver solver({&rate, 1}, 48000, 1, false);
+  ContactSolver solver({&rate, 1}, kRate, 1, false);
   ContactSolver::Strike contact;
   contact.law = {1e5, 1, 0};
+  contact.law.compliance_m_per_n = 1e-5;
   contact.held = true;
   solver.begin(0, contact, {&gain, 1}, {});
   const double depth = 1e-3;
@@ -222,72 +173,5 @@ TEST_CASE("a hand that presses slowly feels the contact law in series with the b
     force = solver.step();
   }
   const double compliance = gain * gain / std::norm(rate);
-  CHECK(force == approx(depth / (1e-5 + compliance)).epsilon(0.002));
-}
-
-TEST_CASE("the residual compliance makes the contact softer") {
-  ContactSolver solver({}, 48000, 1, false);
-  ContactSolver::Strike contact;
-  contact.law = {1e6, 1, 0};
-  contact.law.compliance_m_per_n = 1e-6;
-  contact.held = true;
-  solver.begin(0, contact, {}, {});
-  solver.set_held_position(0, 1e-3);
-  static_cast<void>(solver.step()); // the way in
-  solver.set_held_position(0, 1e-3);
-  CHECK(solver.step() == approx(500).epsilon(1e-6));
-}
-
-TEST_CASE("the moments of a sample's force are those of its steps over Legendre's polynomials") {
-  // A hand that presses a stiff spring into a rigid wall, in four steps a sample.
-  ContactSolver solver({}, 48000, 1, false);
-  ContactSolver::Strike hand;
-  hand.law = {1e12, 1, 0};
-  hand.held = true;
-  solver.begin(0, hand, {}, {});
-  const auto moments = [&](double depth) {
-    solver.set_held_position(0, depth);
-    static_cast<void>(solver.step());
-    REQUIRE(solver.steps() == 4);
-    REQUIRE(solver.sampled().size() == 1);
-    CHECK(solver.sampled()[0].moments[0] ==
-          approx(solver.contact(0).exciter.force_n).epsilon(1e-12));
-    return solver.sampled()[0].moments;
-  };
-  static_cast<void>(moments(1e-9));
-  // Still: nothing but the mean, 1000 N.
-  const auto still = moments(1e-9);
-  CHECK(still[0] == approx(1000).epsilon(1e-6));
-  CHECK(std::abs(still[1]) < 1e-3);
-  CHECK(std::abs(still[2]) < 1e-3);
-  // From 1000 to 2000 N in a line, x from 1 to -1 over the sample: the sum of x^2 over the middles
-  // of n steps is n (1 - 1/n^2)/3.
-  const auto ramp = moments(2e-9);
-  CHECK(ramp[0] == approx(1500).epsilon(1e-6));
-  CHECK(ramp[1] == approx(-500 * (1 - 1 / 16.) / 3).epsilon(1e-6));
-  CHECK(std::abs(ramp[2]) < 1e-3);
-}
-
-TEST_CASE("many contacts at once: any order gives the same motion") {
-  std::vector<Complex> rates;
-  for (int k = 0; k < 20; ++k)
-    rates.emplace_back(-10.0, 2 * kPi * (200.0 + 333.0 * k));
-  const auto play = [&](const std::vector<std::size_t>& order) {
-    ContactSolver solver(rates, 48000, 8, true);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      std::vector<double> gain;
-      for (int k = 0; k < 20; ++k)
-        gain.push_back(std::cos(1.0 + static_cast<double>(order[i]) * 0.7 + k));
-      auto contact = ball();
-      contact.velocity_m_per_s = 0.3 + 0.2 * static_cast<double>(order[i]);
-      solver.begin(i, contact, gain, {1, 0.1 * static_cast<double>(order[i]), 0, 0, 0, 0});
-    }
-    double impulse = 0;
-    for (int n = 0; n < 200; ++n)
-      impulse += solver.step() / 48000;
-    return std::pair(impulse, solver.state(7));
-  };
-  const auto a = play({0, 1, 2, 3, 4, 5, 6, 7}), b = play({6, 3, 0, 7, 5, 1, 4, 2});
-  CHECK(a.first == approx(b.first).epsilon(1e-9));
-  CHECK(std::abs(a.second - b.second) < 1e-9 * std::abs(a.second));
+  CHECK(force == approx(depth / (1e-5 + 1e-5 + compliance)).epsilon(0.002));
 }
