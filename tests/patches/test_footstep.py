@@ -128,7 +128,7 @@ def curve(seconds):
     return force * share, force * (1 - share), contacts
 
 
-@pytest.mark.parametrize("seconds", [8, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seconds", [8, pytest.param(20, marks=pytest.mark.slow)])
 def test_a_published_force_curve_through_worn_sensors_gives_every_step_in_time(seconds):
     heel, ball, contacts = curve(seconds)
     random = numpy.random.RandomState(1)
