@@ -86,6 +86,10 @@ private:
 /// Lets logical time pass and runs the clocks that are due; also delivers queued messages.
 void advance(double ms);
 [[nodiscard]] double now_ms();
+/// Clocks that objects have made and not freed.
+[[nodiscard]] std::size_t clock_count();
+/// Whether this host is as new as Pd 0.56, with several channels in a signal.
+[[nodiscard]] bool is_newer();
 /// A named array that objects can read, and the folder that file names are relative to.
 void set_array(const char* name, const std::vector<double>& values);
 void set_folder(const char* folder);

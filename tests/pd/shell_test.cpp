@@ -120,12 +120,15 @@ TEST_CASE("control outlets speak after the block, once for each") {
 }
 
 TEST_CASE("an object dropped with clocks pending leaves none behind") {
+  static_cast<void>(objects());
+  const std::size_t before = clock_count();
   {
     Box box("probe~");
     box.dsp(48000, 16);
     static_cast<void>(box.run({}, 16));
     box.send("wake", {5});
   }
+  CHECK(clock_count() == before);
   heard();
   advance(10);
   CHECK(answers().empty());
@@ -196,8 +199,9 @@ TEST_CASE("get answers with the lines of dump that begin with the name, and with
 TEST_CASE("every channel of a newer Pd's signal is heard") {
   Box box("probe~");
   box.dsp(48000, 8, 3);
-  if (box.run({}, 8)[0].size() != 24)
-    return; // an older host
+  REQUIRE(box.run({}, 8)[0].size() == (is_newer() ? 24 : 8));
+  if (!is_newer())
+    return;
   std::vector<double> a(24);
   for (std::size_t i = 0; i < 24; ++i)
     a[i] = static_cast<double>(i);

@@ -59,6 +59,7 @@ void expect_living(const void* object) {
 Heard heard() { return std::exchange(record, {}); }
 void record_error(const std::string& sentence) { record.errors.push_back(sentence); }
 double now_ms() { return logical_ms; }
+std::size_t clock_count() { return clocks.size(); }
 void set_folder(const char* path) { folder = path; }
 
 void set_array(const char* name, const std::vector<double>& values) {
