@@ -1,6 +1,4 @@
 // STL and OBJ: one reader of their polygons for what is felt and for what is solved.
-#include "core/dsp/random.hpp"
-#include "core/haptic/scene/triangle_mesh.hpp"
 #include "files/mesh_file.hpp"
 
 #include <doctest/doctest.h>
@@ -20,6 +18,7 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
+const std::string kNoTriangles = "holds no triangles; expected an STL or OBJ file";
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0 # corner\nv 0 1 0\n";
 const std::string kFacet = "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n"
                            " vertex 0 1e0 0\n endloop\nendfacet\n";
@@ -105,8 +104,7 @@ TEST_CASE("a binary STL file may have bytes after its triangles, or count none")
   const std::string one = parse_binary_stl(1, 1, "solid facet");
   CHECK(read_mesh(one + "extra", MeshFormat::kStl).polygons() == 1);
   CHECK(read_mesh(parse_binary_stl(3, 0), MeshFormat::kStl).polygons() == 3);
-  CHECK(error_of(parse_binary_stl(3, 0) + "x", MeshFormat::kStl) ==
-        "holds no triangles; expected an STL or OBJ file");
+  CHECK(error_of(parse_binary_stl(3, 0) + "x", MeshFormat::kStl) == kNoTriangles);
   CHECK(error_of(parse_binary_stl(3, 4), MeshFormat::kStl) ==
         "promises 4 triangles and ends after 3");
   CHECK(error_of("cube", MeshFormat::kStl) ==
@@ -137,78 +135,65 @@ TEST_CASE("OBJ indices, groups, joined lines and free form") {
   CHECK(error_of(kSquare + "f 1 \\\n2 \\\n3\nf 1 2 9\n") == "line 8: vertex 9 does not exist");
 }
 
-TEST_CASE("a file named OBJ is text, and its numbers may have a plus") {
-  CHECK(error_of(parse_binary_stl(2, 2), MeshFormat::kObj) ==
-        "holds no triangles; expected an STL or OBJ file");
-  const PolygonMesh mesh = read_mesh("v +1 -2 +3e0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+TEST_CASE("a file named OBJ is text; numbers may have a plus, lines end with a carriage return") {
+  CHECK(error_of(parse_binary_stl(2, 2), MeshFormat::kObj) == kNoTriangles);
+  const PolygonMesh mesh = read_mesh("v +1 -2 +3e0\rv 1 0 0\rv 1 1 0\rf 1 2 3\r");
   REQUIRE(mesh.points.size() == 3);
   CHECK(mesh.points[0] == Vec3{1, -2, 3});
-}
-
-TEST_CASE("lines may end with a carriage return alone") {
-  CHECK(read_mesh("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").polygons() == 1);
-  CHECK(error_of("v 0 0 0\r\nv 1 0 0\r\rv 0 1\r\n") == "line 4: expected three coordinates");
+  CHECK(mesh.polygons() == 1);
 }
 
 TEST_CASE("what is wrong is one sentence with its line") {
-  CHECK(error_of("v 1 2\n") == "line 1: expected three coordinates");
-  CHECK(error_of("v 0 0 nan\n") == "line 1: expected three coordinates");
-  CHECK(error_of("v 0 0 1e999\n") == "line 1: expected three coordinates");
-  CHECK(error_of("v 0 0 1mm\n") == "line 1: expected three coordinates");
-  CHECK(error_of("v 0 0 0\nf 1 2 3\n") == "line 2: vertex 2 does not exist");
+  struct Wrong {
+    std::string text, error;
+  };
+  const std::string begin = "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\n";
+  for (const Wrong& one :
+       {Wrong{"v 1 2\n", "line 1: expected three coordinates"},
+        {"v 0 0 nan\n", "line 1: expected three coordinates"},
+        {"v 0 0 1e999\n", "line 1: expected three coordinates"},
+        {"v 0 0 1mm\n", "line 1: expected three coordinates"},
+        {"v 0 0 0\r\nv 1 0 0\r\rv 0 1\r\n", "line 4: expected three coordinates"},
+        {"v 0 0 0\nf 1 2 3\n", "line 2: vertex 2 does not exist"},
+        {kSquare + "f 1 2\n", "line 5: a face with 2 corners, expected 3 or more"},
+        {kSquare + "l 1 2\np 1\np 2\n", "holds 1 lines and 2 points and no face: expected the "
+                                        "polygons (f) of a closed surface"},
+        {"", kNoTriangles},
+        {"no mesh at all", kNoTriangles},
+        {begin + "endfacet\n", "line 5: a facet with 2 corners, expected 3"},
+        {begin + "vertex 1 1 0\nvertex 0 1 0\nendfacet",
+         "line 7: a facet with 4 corners, expected 3"},
+        {begin, "ends within a facet"}}) {
+    CAPTURE(one.text);
+    CHECK(error_of(one.text) == one.error);
+  }
   for (const char* word : {"0", "-5", "5", "x", "1x", "1x/2", "99999999999999999999", "/1"}) {
     CAPTURE(word);
     CHECK(error_of(kSquare + "f 1 2 " + word + "\n") ==
           "line 5: vertex " + std::string(word) + " does not exist");
   }
-  CHECK(error_of(kSquare + "f 1 2\n") == "line 5: a face with 2 corners, expected 3 or more");
-  CHECK(error_of(kSquare + "f 1 2 3 4 1\n", MeshFormat::kObj, {.max_face_corners = 4}) ==
-        "line 5: a face with 5 corners, expected 3 to 4");
-  CHECK(error_of(kSquare + "f 1 2 3 4\n", MeshFormat::kObj, {.max_face_corners = 4}) == "");
-  CHECK(error_of(kSquare + "l 1 2\np 1\np 2\n") ==
-        "holds 1 lines and 2 points and no face: expected the polygons (f) of a closed surface");
-  CHECK(error_of("") == "holds no triangles; expected an STL or OBJ file");
-  CHECK(error_of("no mesh at all") == "holds no triangles; expected an STL or OBJ file");
   CHECK(error_of(std::string(84, '\xff')) != "");
-  CHECK(error_of("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\n") ==
-        "line 5: a facet with 2 corners, expected 3");
-  CHECK(
-      error_of("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendfacet") ==
-      "line 7: a facet with 4 corners, expected 3");
-  CHECK(error_of("solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\n") == "ends within a facet");
 }
 
-TEST_CASE("more triangles than are accepted are refused in every format") {
-  const MeshLimits two{.max_triangles = 2};
-  const std::string many = "has more than 2 triangles";
-  CHECK(error_of(parse_binary_stl(2, 2), MeshFormat::kByContent, two) == "");
-  CHECK(error_of(parse_binary_stl(3, 3), MeshFormat::kByContent, two) == many);
-  CHECK(error_of("solid\n" + kFacet + kFacet, MeshFormat::kByContent, two) == "");
-  CHECK(error_of("solid\n" + kFacet + kFacet + kFacet, MeshFormat::kByContent, two) == many);
-  CHECK(error_of(kSquare + "f 1 2 3 4\n", MeshFormat::kByContent, two) == "");
-  CHECK(error_of(kSquare + "f 1 2 3 4\nf 1 2 3\n", MeshFormat::kByContent, two) == many);
-  CHECK(error_of(kSquare + "f 1 2 3 4 1\n", MeshFormat::kByContent, two) == many);
-}
-
-TEST_CASE("random bytes are no mesh, and no harm") {
-  tactus::Random random(9);
-  constexpr char kLetters[] = "vf 0123456789-+.e/\\\n\r solidvertexfacetend\0\xff";
-  for (int round = 0; round < 6000; ++round) {
+TEST_CASE("more triangles or corners than are accepted are refused in every format") {
+  const MeshLimits two{.max_triangles = 2}, quads{.max_face_corners = 4};
+  struct Limited {
     std::string bytes;
-    for (std::size_t n = static_cast<std::size_t>(random.uniform() * 200); n-- > 0;)
-      bytes += kLetters[static_cast<std::size_t>(random.uniform() * (sizeof kLetters - 1))];
-    if (round % 3 == 0)
-      bytes = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" + bytes;
-    for (const MeshFormat format : {MeshFormat::kByContent, MeshFormat::kStl, MeshFormat::kObj}) {
-      const PolygonMesh mesh = read_mesh(bytes, format);
-      if (!mesh.error.empty())
-        continue;
-      REQUIRE((mesh.group.empty() || mesh.group.size() == mesh.polygons()));
-      for (const std::uint32_t corner : mesh.corner)
-        REQUIRE(corner < mesh.points.size());
-      const tactus::haptic::TriangleMesh made(mesh.points, fan_triangles(mesh));
-      tactus::haptic::WorkLimit work;
-      static_cast<void>(made.crossing({0, 0, 1}, {0, 0, -1}, work));
-    }
+    MeshLimits limits;
+    const char* error;
+  };
+  const char* const many = "has more than 2 triangles";
+  for (const Limited& one :
+       {Limited{parse_binary_stl(2, 2), two, ""},
+        {parse_binary_stl(3, 3), two, many},
+        {"solid\n" + kFacet + kFacet, two, ""},
+        {"solid\n" + kFacet + kFacet + kFacet, two, many},
+        {kSquare + "f 1 2 3 4\n", two, ""},
+        {kSquare + "f 1 2 3 4\nf 1 2 3\n", two, many},
+        {kSquare + "f 1 2 3 4 1\n", two, many},
+        {kSquare + "f 1 2 3 4\n", quads, ""},
+        {kSquare + "f 1 2 3 4 1\n", quads, "line 5: a face with 5 corners, expected 3 to 4"}}) {
+    CAPTURE(one.bytes);
+    CHECK(error_of(one.bytes, MeshFormat::kByContent, one.limits) == one.error);
   }
 }

@@ -4,10 +4,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <set>
 #include <sstream>
 #include <string>
@@ -26,13 +25,9 @@ std::string read(const std::string& text) {
 }
 
 std::string number(double value) {
-  std::string text = std::to_string(value);
-  if (std::abs(value) < 1e-3 && value != 0) {
-    char small[32];
-    std::snprintf(small, sizeof small, "%.9g", value);
-    text = small;
-  }
-  return text;
+  std::ostringstream text;
+  text << std::setprecision(12) << value;
+  return text.str();
 }
 
 /// A recipe of that key alone, in its section and with something that sounds.
@@ -151,7 +146,15 @@ TEST_CASE("errors are found in their line, and the recipe is unchanged") {
   CHECK(read("level inf\n[solid]\n") == "line 1: level: expected one number");
   CHECK(read("colour 3\n[solid]\n") == "line 1: there is no 'colour' before the first section");
   CHECK(read("[room]\ngains 3\n[solid]\n") == "line 2: there is no 'gains' in [room]");
+  CHECK(read("") == "it has no section that sounds");
   CHECK(read("[room]\n") == "it has no section that sounds");
+  CHECK(read("[solid]\nfrequency 300000\n") == "line 2: frequency 300000 Hz: expected 20..12000");
+  CHECK(read("# a\n[soild]\n") ==
+        "line 2: [soild]: expected [solid], [friction], [grains], [bubbles], [rustle] or [room]");
+  CHECK(read("[grains]\ncolour 3") == "line 2: there is no 'colour' in [grains]");
+  CHECK(read("[solid]\ngains 1 2 x") == "line 2: gains x dB: expected -120..120");
+  CHECK(read("[grains]\n[grains]\n[grains]\n[bubbles]\n[grains]") ==
+        "line 5: more than 4 sections of grains, bubbles and rustle");
   std::string gains = "[solid]\ngains";
   CHECK(read(gains) == "line 2: gains: expected 1..32 numbers");
   for (int i = 0; i < 32; ++i)

@@ -30,12 +30,21 @@ template <class T> void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+using Doubles = std::vector<double>;
+
 std::vector<Member> solved_table() {
   std::vector<Member> members = small_table();
-  members.push_back({"control_points", "<f8", {1, 3}, raw(std::vector<double>{.1, 0, 0})});
-  members.push_back({"parameters", "<f8", {1, 4}, raw(std::vector<double>{0, 1, -.01, .01})});
-  members.push_back({"trust", "<f8", {}, raw(std::vector<double>{.002})});
-  members.push_back({"domega2_dp", "<f8", {1, 2}, raw(std::vector<double>{1e6, 2e6})});
+  for (const Change& add :
+       {array("control_points", Doubles{.1, 0, 0}, {1, 3}),
+        array("parameters", Doubles{0, 1, -.01, .01}, {1, 4}), array("trust", Doubles{.002}, {}),
+        array("domega2_dp", Doubles{1e6, 2e6}, {1, 2})})
+    add(members);
+  return members;
+}
+/// As solved anew 3 mm further.
+std::vector<Member> moved_table() {
+  std::vector<Member> members = solved_table();
+  array("displacement", Doubles{.003}, {1})(members);
   return members;
 }
 
@@ -48,6 +57,12 @@ std::string answer(const std::vector<ModeShare>& shares, std::vector<Member> mem
   return bytes + archive(members);
 }
 
+ModalTable table_before() {
+  ModalTable table;
+  REQUIRE(read_modal_table(bytes_of(archive(solved_table())), table).empty());
+  return table;
+}
+
 std::string refusal_of(const std::string& bytes, const ModalTable& before, ResolvedModes& read) {
   return files::read_resolved_modes(bytes_of(bytes), before, read);
 }
@@ -55,9 +70,7 @@ std::string refusal_of(const std::string& bytes, const ModalTable& before, Resol
 } // namespace
 
 TEST_CASE("an answer is read, and keeps what was not solved anew") {
-  ModalTable before;
-  const std::string file = archive(solved_table());
-  REQUIRE(read_modal_table(bytes_of(file), before).empty());
+  ModalTable before = table_before();
   before.radiation_decay_rate = {3, 5};
   before.residual_compliance.assign(before.vertices(), 1e-9F);
   before.multipoles.highest_degree = {0, 1};
@@ -65,8 +78,7 @@ TEST_CASE("an answer is read, and keeps what was not solved anew") {
   before.multipoles.scales = {1};
   before.multipoles.coefficients = {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {5, 0}};
   before.multipoles.reference_radius_m = .1;
-  auto members = solved_table();
-  members.push_back({"displacement", "<f8", {1}, raw(std::vector<double>{.003})});
+  auto members = moved_table();
   ResolvedModes read;
   const std::string bytes = answer({{0, 1, -1}, {1, 0, .6}}, members, .5);
   CHECK(bytes.size() <= max_answer_bytes(before));
@@ -74,14 +86,14 @@ TEST_CASE("an answer is read, and keeps what was not solved anew") {
   CHECK(read.fraction == .5);
   CHECK(read.seconds == .5);
   CHECK(read.table.sensitivity.solved_at(0) == .003);
-  CHECK(read.table.radiation_decay_rate == std::vector<double>{.36 * 5, 3});
+  CHECK(read.table.radiation_decay_rate == Doubles{.36 * 5, 3});
   CHECK(read.table.residual_compliance == before.residual_compliance);
   CHECK(read.table.multipoles.highest_degree == std::vector<std::int32_t>{1, 0});
   CHECK(read.table.multipoles.offset == std::vector<std::int64_t>{0, 4, 5});
   CHECK(read.table.multipoles.coefficients[0] == std::complex<float>(.6F * 2, 0));
   CHECK(read.table.multipoles.coefficients[4] == std::complex<float>(-1, 0));
   // From there on the frequencies are those of the table at 3 mm.
-  const std::vector<double> there{.003}, back{0};
+  const Doubles there{.003}, back{0};
   for (const double f : frequency_factors(read.table.sensitivity, read.table.frequency_hz, there))
     CHECK(f == 1);
   const double omega = 2 * std::numbers::pi * 440;
@@ -90,11 +102,8 @@ TEST_CASE("an answer is read, and keeps what was not solved anew") {
 }
 
 TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
-  ModalTable before;
-  const std::string file = archive(solved_table());
-  REQUIRE(read_modal_table(bytes_of(file), before).empty());
-  auto members = solved_table();
-  members.push_back({"displacement", "<f8", {1}, raw(std::vector<double>{.003})});
+  ModalTable before = table_before();
+  auto members = moved_table();
   const auto changed = [&](const Change& change) {
     auto other = members;
     change(other);
@@ -118,7 +127,7 @@ TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
            {answer({}, members, nan), "of the move"},
            {answer({}, changed(without("displacement"))), "shape parameters"},
            {answer({}, changed(without("domega2_dp"))), "shape parameters"},
-           {answer({}, changed(array("displacement", std::vector<double>{.02}))), "displacement"},
+           {answer({}, changed(array("displacement", Doubles{.02}))), "displacement"},
            {answer({}, changed(without("phi"))), "vertices"},
            {many, "shares"}}) {
     mentions(refusal_of(one.first, before, read), {one.second});
@@ -129,9 +138,7 @@ TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
 namespace {
 
 void check_damaged_answers(int rounds) {
-  ModalTable before;
-  const std::string file = archive(solved_table());
-  REQUIRE(read_modal_table(bytes_of(file), before).empty());
+  ModalTable before = table_before();
   const std::vector<ModeShare> share{{0, 1, -1}, {1, 0, .6}};
   std::mt19937 random(7);
   const auto below = [&](std::size_t n) {
@@ -139,8 +146,7 @@ void check_damaged_answers(int rounds) {
   };
   std::size_t refused = 0, taken = 0;
   for (int i = 0; i < rounds; ++i) {
-    auto members = solved_table();
-    members.push_back({"displacement", "<f8", {1}, raw(std::vector<double>{.003})});
+    auto members = moved_table();
     // Every second time an array changes under a checksum that is right; else any byte of all.
     const bool inside = below(2) == 0;
     if (inside) {

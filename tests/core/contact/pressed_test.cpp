@@ -129,37 +129,6 @@ TEST_CASE("37 pebbles go on in fours as each does alone" * doctest::test_suite("
   check_fours(37);
 }
 
-TEST_CASE("energy of pebbles in contact only falls, to rounding") {
-  SingleModeImpacts pebbles(40, false);
-  double before = pebbles.body.energy();
-  const double all = before;
-  for (int n = 0; n < 4000; ++n) {
-    pebbles.step();
-    const double now = pebbles.body.energy();
-    REQUIRE(now <= before + 1e-14 * all);
-    before = now;
-  }
-  CHECK(before < 0.99 * all);
-}
-
-TEST_CASE("a pebble among many presses as one that is alone does") {
-  // Static: force of a weight, depth (F/k)^(1/a).
-  SingleModeImpacts pebbles(9, false);
-  for (std::size_t i = 0; i < 9; ++i) {
-    pebbles.body.set_impact(i, {1e5, 1.5, 20}, 0.01);
-    pebbles.body.launch_mass(i, 0, 0);
-    pebbles.body.set_mass_force(i, 0.5 + 0.1 * static_cast<double>(i));
-  }
-  for (int n = 0; n < 96000; ++n)
-    pebbles.step();
-  for (std::size_t i = 0; i < 9; ++i) {
-    const double weight = 0.5 + 0.1 * static_cast<double>(i);
-    CHECK(std::abs(pebbles.body.force(i) / weight - 1) < 1e-6);
-    const double depth = std::pow(weight / 1e5, 1 / 1.5);
-    CHECK(std::abs(pebbles.body.exciter(i).depth_m / depth - 1) < 1e-4);
-  }
-}
-
 TEST_CASE("a pebble that is pressed harder than its steps allow leaves the fours in time") {
   // A light mass on a stiff contact: steps of a sample at rest, finer ones once it is pushed.
   const auto run = [](unsigned min_steps) {
