@@ -131,7 +131,8 @@ TEST_CASE("a program that is not there or cannot run is one sentence") {
   }
 }
 
-TEST_CASE("a child that fails is lost, with its reason, and its parent gets no signal") {
+/// `wait`: its caller does, as in a render that is not in real time.
+void check_failures(bool wait) {
   struct Failure {
     std::string mode, words;
     bool loads; // it fails when it solves
@@ -150,20 +151,28 @@ TEST_CASE("a child that fails is lost, with its reason, and its parent gets no s
       {"half", "the solver ended: status 0", true},
       {"short", "sent an invalid answer", true},
   };
-  for (const bool wait : {false, true})
-    for (const Failure& failure : failures) {
-      CAPTURE(failure.mode);
-      // Only what waits for ever must meet its limit: the others have time on a busy machine.
-      Rig rig(failure.mode, wait,
-              {failure.mode == "hangs" ? 0.3 : 60, failure.mode == "mute" ? 0.1 : 60});
-      if (failure.loads)
-        REQUIRE(rig.prepare());
-      if (failure.loads || wait)
-        static_cast<void>(rig.solve({0.001, 0}));
-      else
-        CHECK(!rig.prepare());
-      rig.is_lost(failure.words);
-    }
+  for (const Failure& failure : failures) {
+    CAPTURE(failure.mode);
+    // Only what waits for ever must meet its limit: the others have time on a busy machine.
+    Rig rig(failure.mode, wait,
+            {failure.mode == "hangs" ? 0.3 : 60, failure.mode == "mute" ? 0.1 : 60});
+    if (failure.loads)
+      REQUIRE(rig.prepare());
+    if (failure.loads || wait)
+      static_cast<void>(rig.solve({0.001, 0}));
+    else
+      CHECK(!rig.prepare());
+    rig.is_lost(failure.words);
+  }
+}
+
+TEST_CASE("a child that fails is lost, with its reason, and its parent gets no signal") {
+  check_failures(false);
+}
+
+TEST_CASE("a child that fails while its caller waits is lost, with its reason" *
+          doctest::test_suite("slow")) {
+  check_failures(true);
 }
 
 TEST_CASE("a child that has gone is noticed at the next look, and by a request") {

@@ -243,7 +243,7 @@ TEST_CASE("a mouth pressure that is no number is the one before it, others are w
 }
 
 TEST_CASE("random instruments with jumping controls stay finite and bounded") {
-  check_random_instruments(150);
+  check_random_instruments(100);
 }
 
 TEST_CASE("a thousand random instruments with jumping controls stay finite and bounded" *
