@@ -74,9 +74,9 @@ TEST_CASE("a listener that moves is heard without a trace of the updates' rate, 
 TEST_CASE("a listener that moves smoothly or by metres, through the plate too, does not click" *
           doctest::test_suite("slow")) {
   check_smooth_move(false, 8, 4096, 300);
-  for (const std::size_t every : {48UL, 64UL, 480UL, 777UL})
+  for (const std::size_t every : {48UL, 480UL, 777UL})
     check_smooth_move(every % 2 == 0, every, 16384, 150);
-  for (const std::size_t every : {48UL, 64UL, 1000UL, 1500UL})
+  for (const std::size_t every : {64UL, 1000UL, 1500UL})
     check_jumps(every > 50, every, 16384);
 }
 
@@ -87,14 +87,14 @@ TEST_CASE("a listener that moves while something touches the body does not click
   rig.body.set_options(rig.options);
   rig.body.set_striker({0.01, 0.01, 1e6, 0.3, 100, 1, 0, 1});
   static_cast<void>(rig.run(2048, 64, {}, std::vector<float>(2048, -1e-3F)));
-  const auto sound = rig.listen(64, 4096, smooth_path, -1e-3F);
+  const auto sound = rig.listen(256, 4096, smooth_path, -1e-3F);
   CHECK(rig.body.contacts() == 1);
   CHECK(off_tone_level_db(sound, rig.tone(), 300) < -60);
 }
 
 TEST_CASE("a listener that has arrived gives the output of one that was always there") {
   Sounding moved, there;
-  static_cast<void>(moved.listen(64, 6400, [](double t) { return Vec3{0.1, 0.1, 0.2 + 2 * t}; }));
+  static_cast<void>(moved.listen(640, 6400, [](double t) { return Vec3{0.1, 0.1, 0.2 + 2 * t}; }));
   static_cast<void>(there.run(6400));
   for (Sounding* rig : {&moved, &there}) {
     rig->settings.listener[0] = {0.2, 0.1, 0.25};
