@@ -79,15 +79,13 @@ void compare_peaks(const std::string& what, std::string_view rows, bool vented, 
         const double near_apex = kTwoPi * peak.hz / air_at(20).sound_speed * p.apex_distance;
         const bool lacks_friction = p.shape == BoreShape::kCone && near_apex < 0.55;
         const bool stopped = vented && &peak == &reference.peaks[0];
-        const auto [hz, level] = peak_near(p, echo, rate, peak.hz);
-        INFO(what, " ", reference.fingering, " at ", rate, ": ", peak.hz, " Hz, found ", hz);
-        CHECK(std::abs(cents(hz, peak.hz)) < (stopped ? 12 : 5));
-        CHECK(std::abs(level - peak.level) < (stopped          ? 5
-                                              : vented         ? 1.5
-                                              : lacks_friction ? 2.5
-                                                               : 1));
-        worst_cents = std::max(worst_cents, std::abs(cents(hz, peak.hz)));
-        worst_db = std::max(worst_db, lacks_friction ? 0 : std::abs(level - peak.level));
+        const ImpedancePeak found = peak_near(p, echo, rate, peak.hz);
+        const double error_cents = cents(found.hz, peak.hz), error_db = found.level - peak.level;
+        INFO(what, " ", reference.fingering, " at ", rate, ": ", peak.hz, " Hz, found ", found.hz);
+        CHECK(std::abs(error_cents) < (stopped ? 12 : 5));
+        CHECK(std::abs(error_db) < (stopped ? 5 : vented ? 1.5 : lacks_friction ? 2.5 : 1));
+        worst_cents = std::max(worst_cents, std::abs(error_cents));
+        worst_db = std::max(worst_db, lacks_friction ? 0 : std::abs(error_db));
       }
     }
   }
