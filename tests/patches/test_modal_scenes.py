@@ -84,7 +84,8 @@ def test_force_and_pickup_points_are_reciprocal(disk, tmp_path):
         patch.record("velocity", body)
         heard.append(patch.render(0.5, path=[tmp_path])["velocity"].astype(float))
     assert abs(heard[0]).max() > 1e-4
-    assert abs(heard[0] - heard[1]).max() < 1e-6 * abs(heard[0]).max()
+    # Pd's messages hold 24 bits of a coordinate, so that a point is some nanometres off.
+    assert abs(heard[0] - heard[1]).max() < 1e-5 * abs(heard[0]).max()
 
 
 @pytest.mark.slow
