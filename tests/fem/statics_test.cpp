@@ -318,8 +318,8 @@ TEST_CASE("a bolt presses its hole with a cosine and exactly its force") {
     CHECK(behind == 0);
     CHECK(std::abs(moment.z) < 1e-6 * r * length(force)); // normal pressure turns nothing
   }
-  const auto refused = [&](const Selection& place, const Vector3& force, const char* words) {
-    const std::vector<Load> loads{BoltLoad{"pin", select_faces(ring, place), {0, 0, 1}, force}};
+  const auto refused = [&](const Selection& faces, const Vector3& force, const char* words) {
+    const std::vector<Load> loads{BoltLoad{"pin", select_faces(ring, faces), {0, 0, 1}, force}};
     check_refused([&] { return load_vector(ring, materials, loads); }, words);
   };
   refused(bore, {0, 0, 1}, "along the hole's axis");

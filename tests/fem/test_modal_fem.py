@@ -39,7 +39,7 @@ def test_the_table_holds_every_array_in_its_type_and_shape(disk):
     assert about["format"] == "modal-table" and about["version"] == "1.0" and about["units"] == "SI"
     assert about["rigid_modes"] == 6 and len(about["mesh_sha256"]) == 64
     assert modes == 6 and np.all(np.diff(disk["freq"]) >= 0)
-    assert said.index("ahead") < said.index("factorising") < said.index("finding modes")  # foretold, then done
+    assert said.index("ahead") < said.index("factorising") < said.index("finding modes")  # forecast, then done
 
 
 def test_the_skin_is_closed_outward_and_the_mass_and_inertia_are_the_cylinders(disk):

@@ -67,8 +67,8 @@ def test_an_impact_rings_at_the_tables_frequencies_and_has_the_balls_impulse(tmp
 
 def test_two_more_listeners_come_out_right_of_the_info_outlet(tmp_path):
     # Listeners 2 and 4 at one place, where the even mode along x is still.
-    places = ["30 40 100", "0 40 100", "-30 40 100", "0 40 100"]
-    messages = [*((10, f"listener {i + 1} {place}") for i, place in enumerate(places)), (100, "hit 30 40 0 1")]
+    points = ["30 40 100", "0 40 100", "-30 40 100", "0 40 100"]
+    messages = [*((10, f"listener {i + 1} {point}") for i, point in enumerate(points)), (100, "hit 30 40 0 1")]
     four, two = (play(tmp_path, messages, 0.5, "-radiation", "none", "-out", n) for n in (4, 2))
     assert (four["fourth"] == four["right"]).all() and not (four["third"] == four["left"]).all()
     assert (four["left"] == two["left"]).all() and not two["third"].any() and not two["fourth"].any()
@@ -119,9 +119,9 @@ def test_a_moving_listener_never_clicks(tmp_path, every, doppler, jumps):
     messages = [(10, "hit 30 40 0 1")]
     for i in range(int(400 / every)):
         t = every * i / 1000
-        place = (random.uniform([-2000, -2000, -900], [2000, 2000, 1100]) if jumps
+        point = (random.uniform([-2000, -2000, -900], [2000, 2000, 1100]) if jumps
                  else [400 * numpy.cos(2 * t), 100, 300 + 500 * t])
-        messages.append((100 + every * i, "listener 1 " + " ".join(f"{x:.3f}" for x in place)))
+        messages.append((100 + every * i, "listener 1 " + " ".join(f"{x:.3f}" for x in point)))
     sound = play(tmp_path, messages, 0.5, "-doppler", doppler, **ONE_TONE)["left"][RATE // 10:]
     assert far_from_tones(sound, [401], 1000 if jumps else 200) < -60
 

@@ -88,10 +88,10 @@ def last_second(folder, passivity, flags, messages):
     """RMS of the force about its mean, N, and the largest motion of an axis, mm."""
     answer = play(folder, messages, f"-passivity {passivity} {flags}", 3000, traced=True)
     rows = answer.trace
-    forces, places = (numpy.stack([rows[name.format(axis)] for axis in "xyz"], axis=1) for name in ("f{}_n", "{}_mm"))
+    forces, positions = (numpy.stack([rows[name.format(axis)] for axis in "xyz"], axis=1) for name in ("f{}_n", "{}_mm"))
     assert numpy.linalg.norm(numpy.diff(forces, axis=0), axis=1).max() <= 2 + 1e-6  # 2 N a millisecond
-    forces, places = forces[-1000:], places[-1000:]
-    return numpy.sqrt(((forces - forces.mean(axis=0)) ** 2).sum(axis=1).mean()), numpy.ptp(places, axis=0).max()
+    forces, positions = forces[-1000:], positions[-1000:]
+    return numpy.sqrt(((forces - forces.mean(axis=0)) ** 2).sum(axis=1).mean()), numpy.ptp(positions, axis=0).max()
 
 
 def wall(stiffness, *more):

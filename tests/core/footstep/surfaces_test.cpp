@@ -215,7 +215,7 @@ std::map<std::string, double> shares(const Recipe& recipe, const Soles& soles) {
 
 /// Shares of a few steps scatter: those of each walk are to be there, their mean as large as said.
 void check_shares(const std::vector<std::string>& names, double speed, int steps, int seeds,
-                  double most_rustle = 0.1) {
+                  double max_rustle = 0.1) {
   for (const std::string& name : names) {
     std::map<std::string, double> mean, least;
     for (int seed = 1; seed <= seeds; ++seed)
@@ -232,10 +232,10 @@ void check_shares(const std::vector<std::string>& names, double speed, int steps
       CHECK(mean[kind] >= part);
       CHECK(least[kind] >= part / 4);
     };
-    CHECK(mean["rustle"] <= most_rustle);
+    CHECK(mean["rustle"] <= max_rustle);
     if (one_of(name, {"wood", "concrete", "metal"})) {
       carries("impact", 0.5);
-      CHECK(mean["rustle"] <= most_rustle / 2);
+      CHECK(mean["rustle"] <= max_rustle / 2);
     } else if (one_of(name, {"dirt", "carpet", "creak"})) {
       carries("impact", 0.25);
     } else if (one_of(name, {"snow", "frozensnow"})) {

@@ -131,9 +131,9 @@ inline bool alive(bool answered, const tactus::haptic::State&) { return answered
 
 inline bool silent(bool answered, const tactus::haptic::State&) { return !answered; }
 
-/// The handle has come to this place.
-inline auto at(const tactus::haptic::Vec3& place) {
-  return [place](bool answered, const tactus::haptic::State& state) {
-    return answered && norm(state.position - place) < 1e-9;
+/// The handle has come to this point.
+inline auto at(const tactus::haptic::Vec3& point) {
+  return [point](bool answered, const tactus::haptic::State& state) {
+    return answered && norm(state.position - point) < 1e-9;
   };
 }

@@ -1,8 +1,8 @@
 /* A stand-in for the vendor's libHD: one device with a mass of 0.1 kg and a scheduler thread of
  * 1 kHz. Force moves the mass, so a caller can see that force and position belong together.
- * The environment's FAKE_HD chooses what goes wrong, that a hand holds the mass ("held") or that the
- * scheduler has 25 Hz ("slow") or does not wait ("quick"). As the real driver, it opens no device when
- * it is loaded a second time; the environment's FAKE_HD_LOADS counts. */
+ * The environment's FAKE_HD chooses what goes wrong, that a hand holds the mass ("held") or that
+ * the scheduler has 25 Hz ("slow") or does not wait ("quick"). As the real driver, it opens no
+ * device when it is loaded a second time; the environment's FAKE_HD_LOADS counts. */
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

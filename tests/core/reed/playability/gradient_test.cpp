@@ -150,8 +150,8 @@ TEST_CASE("a growth map's slopes are those of its own values, for the growth and
   }
 }
 
-/// Share of silent places from where climbing the height leads to a note.
-double arrivals(const GrowthMap& map, const Parameters& p, const ControlRange& range, int places) {
+/// Share of silent points from where climbing the height leads to a note.
+double arrivals(const GrowthMap& map, const Parameters& p, const ControlRange& range, int points) {
   const LinearStability theory(p, p.length);
   const auto sounds = [&](double y, double z) {
     const double pressure = range.pressure(y), frequency = range.frequency(z);
@@ -161,7 +161,7 @@ double arrivals(const GrowthMap& map, const Parameters& p, const ControlRange& r
   std::mt19937 random(8);
   std::uniform_real_distribution<double> uniform(0, 1);
   int silent = 0, arrived = 0;
-  while (silent < places) {
+  while (silent < points) {
     double y = uniform(random), z = uniform(random);
     if (sounds(y, z))
       continue;

@@ -152,14 +152,13 @@ TEST_CASE(
     double from_border, playability, force; // sides, f_p, N
   };
   const auto field = half_plane();
-  for (const Place& place : {Place{0.01, 0, -2}, Place{0.3, 0, -2}, Place{0.49, 0, -2}, // silence
-                             Place{-0.06, 0.7, 0}, Place{-0.025, 0.7, -1}, Place{0, 0.7, -2},
-                             // a note that should sound and does not draws on to twice the margin
-                             Place{-0.04, 0.1, -2}, Place{-0.075, 0.1, -1}, Place{-0.12, 0.1, 0}}) {
-    const PlaneForce force =
-        force_at_rest(field, kBorder + place.from_border, 0.4, place.playability);
-    INFO(place.from_border, " from the border, ", place.playability);
-    CHECK(force.y == doctest::Approx(place.force).epsilon(1e-6));
+  for (const Place& at : {Place{0.01, 0, -2}, Place{0.3, 0, -2}, Place{0.49, 0, -2}, // silence
+                          Place{-0.06, 0.7, 0}, Place{-0.025, 0.7, -1}, Place{0, 0.7, -2},
+                          // a note that should sound and does not draws on to twice the margin
+                          Place{-0.04, 0.1, -2}, Place{-0.075, 0.1, -1}, Place{-0.12, 0.1, 0}}) {
+    const PlaneForce force = force_at_rest(field, kBorder + at.from_border, 0.4, at.playability);
+    INFO(at.from_border, " from the border, ", at.playability);
+    CHECK(force.y == doctest::Approx(at.force).epsilon(1e-6));
     CHECK(std::abs(force.z) < 1e-9);
   }
   for (const double everywhere : {-1.0, 1.0})

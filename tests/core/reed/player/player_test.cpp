@@ -45,37 +45,37 @@ constexpr int kSecond = 1500; // control periods
 TEST_CASE("the ear hears a detuned sine and asks for its opposite") {
   // Open loop: the trim runs away at the rate of the integral controller, -error/0.1 s.
   for (const double detuned : {-0.02, -0.001, 0.001, 0.02}) {
-    HeardSine ear;
+    HeardSine tuner;
     double at_start = 0;
     for (int n = 0; n < 450; ++n) {
-      ear.hear(220, 220 * (1 + detuned), 400);
+      tuner.hear(220, 220 * (1 + detuned), 400);
       if (n == 300) // after the haste of a note's beginning
-        at_start = ear.controller.trim();
+        at_start = tuner.controller.trim();
     }
     // 0.1 s later; a tenth for the ripple of the partials at that moment.
-    CHECK(ear.controller.trim() - at_start == doctest::Approx(-detuned * 0.1 / 0.1).epsilon(0.1));
+    CHECK(tuner.controller.trim() - at_start == doctest::Approx(-detuned * 0.1 / 0.1).epsilon(0.1));
   }
 }
 
 TEST_CASE("the ear keeps still in silence, in noise of no pitch and for another register") {
-  HeardSine ear;
+  HeardSine tuner;
   for (const double pitch : {0.0, 330.0, 660.0, 3000.0}) {
     for (int n = 0; n < kSecond; ++n)
-      ear.hear(220, pitch);
-    CHECK(std::abs(ear.controller.trim()) < 0.01); // a sixth of a semitone, from the beginnings
+      tuner.hear(220, pitch);
+    CHECK(std::abs(tuner.controller.trim()) < 0.01); // a sixth of a semitone, from the beginnings
   }
 }
 
 TEST_CASE("the ear hears no error in a vibrato that follows the pitch meant, and hears a detuned") {
   for (const double detuned : {0.0, 0.01}) {
-    HeardSine ear;
+    HeardSine tuner;
     double mean_trim = 0;
     for (int n = 0; n < kSecond; ++n) {
       const double f = 220 * std::exp2(50 / 1200.0 * std::sin(2 * kPi * 6 * n / kSecond));
-      ear.hear(f, f * (1 + detuned));
+      tuner.hear(f, f * (1 + detuned));
       if (detuned == 0)
-        REQUIRE(std::abs(ear.controller.trim()) < 1e-3); // 1.7 cents
-      mean_trim += ear.controller.trim() / kSecond;
+        REQUIRE(std::abs(tuner.controller.trim()) < 1e-3); // 1.7 cents
+      mean_trim += tuner.controller.trim() / kSecond;
     }
     // Open loop: nothing heard says that the trim has helped, so it goes on to its limit.
     if (detuned > 0)
@@ -84,36 +84,36 @@ TEST_CASE("the ear hears no error in a vibrato that follows the pitch meant, and
 }
 
 TEST_CASE("the ear settles without overshoot, for it knows what it has asked for already") {
-  HeardSine ear;
+  HeardSine tuner;
   const double sharp = 0.05; // the instrument, by nearly a semitone
   double lowest = 0;
   for (int n = 0; n < kSecond; ++n) {
-    ear.hear(110, 110 * (1 + sharp + ear.controller.trim()));
-    lowest = std::min(lowest, ear.controller.trim());
+    tuner.hear(110, 110 * (1 + sharp + tuner.controller.trim()));
+    lowest = std::min(lowest, tuner.controller.trim());
   }
-  CHECK(ear.controller.trim() == doctest::Approx(-sharp).epsilon(0.01));
+  CHECK(tuner.controller.trim() == doctest::Approx(-sharp).epsilon(0.01));
   CHECK(lowest > -1.08 * sharp); // an integral controller without that goes 13 % beyond
 }
 
 TEST_CASE("what notes needed is remembered, and runs straight between them") {
-  HeardSine ear;
+  HeardSine tuner;
   // An instrument that sounds sharp by so much at a pitch, until it is trimmed.
   const auto sharp = [](double f) { return 0.02 + 0.03 * std::log2(f / 220); };
   const auto play_note = [&](double f, int periods) {
     for (int n = 0; n < periods; ++n)
-      ear.hear(f, f * (1 + sharp(f) + ear.controller.trim()));
+      tuner.hear(f, f * (1 + sharp(f) + tuner.controller.trim()));
   };
   for (const double f : {220.0, 330.0, 440.0}) {
     play_note(f, kSecond);
-    CHECK(ear.controller.trim() == doctest::Approx(-sharp(f)).epsilon(0.01));
+    CHECK(tuner.controller.trim() == doctest::Approx(-sharp(f)).epsilon(0.01));
   }
   for (int n = 0; n <= 2 * kSecond; ++n) // a glide down from 440 to 220
     play_note(220 * std::exp2(1 - 0.5 * n / kSecond), 1);
   double before = 0;
   for (int n = 0; n <= 2 * kSecond; ++n) {
     const double f = 220 * std::exp2(0.5 * n / kSecond);
-    ear.controller.set_target(f);
-    const double trim = ear.controller.trim();
+    tuner.controller.set_target(f);
+    const double trim = tuner.controller.trim();
     if (n > 0)
       REQUIRE(std::abs(trim - before) < 5e-4); // never a jump
     before = trim;

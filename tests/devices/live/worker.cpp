@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
-// DeviceWorker, the thread that opens and closes devices, with drivers that the tests control.
+// DeviceWorker, the thread that opens and closes devices, with drivers that the tests control. They
+// are the list that tactus::devices::drivers() gives, so this file cannot be combined with others
+// into a namespace of its own.
 
 using namespace tactus;
 using phantom::DeviceWorker;
