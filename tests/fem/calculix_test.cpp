@@ -102,7 +102,7 @@ bool has_ccx() {
 
 } // namespace
 
-TEST_CASE("the lift arm bends in CalculiX as here") {
+TEST_CASE("the lift arm bends in CalculiX as here" * doctest::test_suite("slow")) {
   if (!has_ccx())
     return;
   LoadChoice choice;
@@ -123,7 +123,8 @@ TEST_CASE("the lift arm bends in CalculiX as here") {
   compare(mesh, model);
 }
 
-TEST_CASE("a wooden plate with a hole, pulled apart, yields in CalculiX as here") {
+TEST_CASE("a wooden plate with a hole, pulled apart, yields in CalculiX as here" *
+          doctest::test_suite("slow")) {
   if (!has_ccx())
     return;
   const Mesh mesh = quarter_plate(.01, .05, .01, true, 6, 8, 1.3);
