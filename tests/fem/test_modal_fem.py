@@ -241,7 +241,7 @@ def read_petsc_matrices(path):
 
 def test_modes_of_another_solver_come_back_as_the_same_table(tmp_path):
     from scipy.sparse.linalg import eigsh
-    body = [*DISK, "--h", 25]
+    body = ["bar", "--length", 80, "--width", 20, "--thickness", 12, "--h", 14]
     own, _ = table(*body, "--modes", 10, "--export-petsc", "km.bin", folder=tmp_path)
     stiffness, mass = read_petsc_matrices(tmp_path / "km.bin")
     assert abs(stiffness - stiffness.T).max() < 1e-9 * abs(stiffness).max()
