@@ -113,6 +113,8 @@ TEST_CASE("a program that is not there or cannot run is one sentence") {
   }
 }
 
+namespace {
+
 void check_failures(bool threaded) {
   for (const auto& [name, words] :
        {std::pair("dies", "the solver ended: modal_fem: a  reason"),
@@ -135,6 +137,8 @@ void check_failures(bool threaded) {
     CHECK(result.refusal.find_first_of("\n\r\a") == std::string::npos);
   }
 }
+
+} // namespace
 
 TEST_CASE("a child that fails is lost, with its reason") { check_failures(true); }
 

@@ -131,6 +131,8 @@ TEST_CASE("a program that is not there or cannot run is one sentence") {
   }
 }
 
+namespace {
+
 /// `wait`: its caller does, as in a render that is not in real time.
 void check_failures(bool wait) {
   struct Failure {
@@ -165,6 +167,8 @@ void check_failures(bool wait) {
     rig.is_lost(failure.words);
   }
 }
+
+} // namespace
 
 TEST_CASE("a child that fails is lost, with its reason, and its parent gets no signal") {
   check_failures(false);

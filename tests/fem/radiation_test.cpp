@@ -244,7 +244,8 @@ void check_free_disk(std::size_t triangles, double tolerance_db) {
     }
     const double antinode = std::sqrt(*std::max_element(top.begin(), top.end()));
     const auto mu = field.solve(k, flow, c.modes.size(), kAir, kSpeed);
-    for (const auto& [x, expected] : c.pressure) {
+    for (const auto& [point, expected] : c.pressure) {
+      const Vector3 x = point;
       double sum = 0;
       for (std::size_t i = 0; i < c.modes.size(); ++i)
         sum += std::norm(
