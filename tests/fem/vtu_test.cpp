@@ -17,12 +17,14 @@ namespace {
 std::map<std::string, std::vector<double>> read_vtu(const std::string& path) {
   std::ifstream file(path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::regex array("<DataArray ([^>]*)>([^<]*)</DataArray>"), name("Name=\"([^\"]*)\"");
+  const std::regex name("Name=\"([^\"]*)\"");
   std::map<std::string, std::vector<double>> out;
-  for (std::sregex_iterator a(text.begin(), text.end(), array), none; a != none; ++a) {
-    const std::string tag = (*a)[1];
+  // Not by one expression: std::regex takes a frame of the stack for each character.
+  for (auto at = text.find("<DataArray "); at != text.npos; at = text.find("<DataArray ", at + 1)) {
+    const auto end = text.find('>', at);
+    const std::string tag = text.substr(at, end - at);
     std::smatch found;
-    std::istringstream numbers((*a)[2]);
+    std::istringstream numbers(text.substr(end + 1, text.find("</DataArray>", end) - end - 1));
     auto& values = out[std::regex_search(tag, found, name) ? found[1].str() : ""];
     values.assign(std::istream_iterator<double>(numbers), {});
   }
