@@ -2,10 +2,20 @@
 
 No screen is needed. The commands are those of Pd 0.53; `drawings` returns None for other versions.
 """
+import importlib.machinery
+import importlib.util
+import os
+import pathlib
 import re
 import socket
 import subprocess
+import tempfile
 import time
+
+_loader = importlib.machinery.SourceFileLoader(
+    "photograph", str(pathlib.Path(__file__).resolve().parents[2] / "scripts" / "photograph"))
+photograph = importlib.util.module_from_spec(importlib.util.spec_from_loader("photograph", _loader))
+_loader.exec_module(photograph)
 
 FONTS = "8 5 10 10 6 13 12 7 15 16 10 19 24 14 29 37 22 44 16 10 20 20 12 25 24 14 29 32 20 36 48 28 56 72 44 86"
 NUMBERS = r"((?:-?\d+ )+)"
@@ -13,12 +23,14 @@ NUMBERS = r"((?:-?\d+ )+)"
 
 def commands(stage, path, sub_patches, seconds=20):
     """What Pd says to its window while it opens the patch and the named sub-patches."""
-    with socket.socket() as server:
+    with socket.socket() as server, tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         server.bind(("127.0.0.1", 0))
         server.listen(1)
+        server.settimeout(seconds)
         process = subprocess.Popen(
             ["pd", "-noprefs", "-nosound", "-nomidi", "-guiport", str(server.getsockname()[1]), "-path", str(stage),
-             "-open", str(path)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+             "-open", str(path)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env=photograph.with_localhost(dict(os.environ), folder))
         try:
             window, _ = server.accept()
             with window:
