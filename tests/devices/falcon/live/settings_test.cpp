@@ -126,29 +126,22 @@ TEST_CASE("a Falcon is chosen by its number, serial number or port") {
 }
 
 TEST_CASE("a velocity adds up to the way that the grip goes under a force") {
-  bool agrees = false; // stalls of the machine ask for another attempt
-  for (int attempt = 0; attempt < 8 && !agrees; ++attempt) {
-    Rig rig;
-    rig.ready(true);
-    REQUIRE(rig.settle());
-    const Vec3 begin = rig.state.position;
-    Vec3 last = rig.state.velocity, sum{}, at = begin;
-    double before_s = rig.tick.time_s;
-    int held = 0;
-    REQUIRE(rig.until(
-        [&] {
-          const double passed_s = rig.tick.time_s - before_s;
-          before_s = rig.tick.time_s;
-          sum += (rig.state.velocity + last) * (0.5 * passed_s);
-          last = rig.state.velocity;
-          held = norm(rig.state.position - at) < 1e-4 ? held + 1 : 0;
-          at = held ? at : rig.state.position;
-          return held > 200 && norm(rig.state.position - begin) > 2e-3;
-        },
-        30000, {0, 0, 2}));
+  Rig rig;
+  rig.ready(true);
+  Vec3 begin{}, last{}, sum{};
+  double before_s = 0;
+  bool agrees = false;
+  for (int i = 0; i < 30000 && !agrees; ++i) {
+    rig.step({0, 0, i / 300 % 2 ? -2.0 : 2.0});
+    const double passed_s = rig.tick.time_s - before_s;
+    if (i % 300 == 0 || passed_s > 10e-3) // the machine stalled: the way in between is not known
+      begin = rig.state.position, sum = {};
+    else
+      sum += (rig.state.velocity + last) * (0.5 * passed_s);
+    before_s = rig.tick.time_s;
+    last = rig.state.velocity;
     const Vec3 displacement = rig.state.position - begin;
-    CHECK(displacement.z > 2e-3);
-    agrees = norm(sum - displacement) < 0.2 * norm(displacement);
+    agrees = norm(displacement) > 2e-3 && norm(sum - displacement) < 0.2 * norm(displacement);
   }
   CHECK(agrees);
 }
