@@ -50,7 +50,7 @@ class Workshop:
             if path.is_file() and not (ROOT / path.relative_to(self.source)).exists():
                 path.unlink()
         self.run("cmake", "-S", str(self.source), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                 "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DTACTUS_TESTS=ON")
+                 "-DTACTUS_OPTIMISE=1", "-DTACTUS_TESTS=ON")
 
     def run(self, *command):
         done = subprocess.run(command, capture_output=True, text=True)
