@@ -83,10 +83,11 @@ class Live(Pd):
                          stdin=subprocess.PIPE)
 
     def __exit__(self, kind, *_):
-        """Where all went well Pd quits, with no force left in the double's motors."""
+        """Where all went well Pd quits, with no force left in the double's motors; a double that the machine
+        kept from answering for a second may not have heard of it, as Pd then says."""
         try:
             if kind is None and self.process.poll() is None:
-                assert motors(self.end()) == [0, 0, 0]
+                assert motors(self.end()) == [0, 0, 0] or "the program ends without it" in self.read()
         finally:
             self.close()
 
