@@ -21,8 +21,7 @@ endif()
 # No contraction: compilers round alike, but where core/CMakeLists.txt allows it to files of newer
 # instructions. C libraries differ all the same (docs/cross_build.md).
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)
-set(TACTUS_OPTIMISE 3 CACHE STRING "how far C++ is optimised in the release build; 1 compiles sooner")
-set(CMAKE_CXX_FLAGS_RELEASE "-O${TACTUS_OPTIMISE} -DNDEBUG")
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG")
 
 if(TACTUS_SANITIZE)
