@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tactus::modal {
 namespace {
 
-constexpr int kMaxDepth = 9;
 constexpr double kCoarser = 0.7; // factor of the wavenumber where there are too many sources
 constexpr int kMaxAttempts = 40;
 constexpr double kSmooth = 0.8660254037844386; // cosine of 30 degrees
+constexpr double kArcsAWavelength = 18;
 
 struct Point {
   std::array<double, 3> weight;
@@ -28,71 +29,163 @@ constexpr std::array kSeven{
     Point{{1 - 2 * kB, kB, kB}, kShareB},      Point{{kB, 1 - 2 * kB, kB}, kShareB},
     Point{{kB, kB, 1 - 2 * kB}, kShareB}};
 
-using Weights = std::array<double, 3>;
-
-struct Accuracy {
-  Vec3 listener;
-  double wavenumber, nearest;
+/// Integrals over angles, seen from the listener's foot on a triangle's plane: of 1, and of the
+/// unit vector of that angle.
+struct Angles {
+  double angle = 0;
+  Vec3 direction{};
 };
 
-/// Divides a triangle until a rule is accurate enough. Parts are given by the barycentric weights
-/// of their corners.
-class Divider {
+/// The part of a circle about the listener's foot that lies in the triangle between the foot and an
+/// edge, negative where the edge is seen from outside.
+class Edge {
 public:
-  Divider(const std::array<Vec3, 3>& corners, std::uint32_t triangle, const Accuracy& accuracy,
-          std::vector<SurfaceSource>& out)
-      : corner_(corners), triangle_(triangle), listener_(accuracy.listener),
-        wavenumber_(accuracy.wavenumber), nearest_(accuracy.nearest), out_(out) {}
-
-  void divide(const std::array<Weights, 3>& part, int depth) {
-    if (out_.size() > kMaxSurfaceSources) // too many: what is found is not used
+  Edge() = default;
+  Edge(const Vec3& from, const Vec3& to, const Vec3& normal) {
+    along_ = (to - from) * (1 / norm(to - from));
+    const Vec3 outwards = cross(along_, normal);
+    const double height = dot(from, outwards);
+    sign_ = height < 0 ? -1 : 1;
+    height_ = std::abs(height);
+    outwards_ = outwards * sign_;
+    begin_ = at(dot(from, along_), norm(from));
+    end_ = at(dot(to, along_), norm(to));
+  }
+  [[nodiscard]] bool is_outside() const noexcept { return sign_ < 0 || height_ <= 0; }
+  /// Whether a circle touches the edge between its ends, and the radius of that circle.
+  [[nodiscard]] bool is_touched() const noexcept { return begin_.along < 0 && end_.along > 0; }
+  [[nodiscard]] double height() const noexcept { return height_; }
+  void add_arc(double radius, Angles& sum) const noexcept {
+    if (!(height_ > 0))
       return;
-    std::array<Vec3, 3> at;
-    for (std::size_t i = 0; i < 3; ++i)
-      at[i] = position(part[i]);
-    const double edge = std::max({norm(at[1] - at[0]), norm(at[2] - at[1]), norm(at[0] - at[2])});
-    const Vec3 centre = (at[0] + at[1] + at[2]) * (1.0 / 3);
-    const double distance = std::max(norm(listener_ - centre) - 0.6 * edge, nearest_);
-    const double area = 0.5 * norm(cross(at[1] - at[0], at[2] - at[0]));
-    const double phase = wavenumber_ * edge;
-    if (phase < 0.25 && edge < 0.1 * distance)
-      return add_points(kCentre, part, area);
-    if (phase < 0.8 && edge < 0.3 * distance)
-      return add_points(kThree, part, area);
-    if ((phase < 3 && edge < distance) || depth == kMaxDepth)
-      return add_points(kSeven, part, area);
-    std::array<Weights, 3> middle;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j)
-        middle[i][j] = 0.5 * (part[i][j] + part[(i + 1) % 3][j]);
-    divide({part[0], middle[0], middle[2]}, depth + 1);
-    divide({middle[0], part[1], middle[1]}, depth + 1);
-    divide({middle[2], middle[1], part[2]}, depth + 1);
-    divide(middle, depth + 1);
+    if (radius <= height_)
+      return add(begin_, end_, sum);
+    const double half = std::sqrt(radius * radius - height_ * height_); // of the chord
+    if (end_.along > half)
+      add(begin_.along > half ? begin_ : at(half, radius), end_, sum);
+    if (begin_.along < -half)
+      add(begin_, end_.along < -half ? end_ : at(-half, radius), sum);
   }
 
 private:
-  [[nodiscard]] Vec3 position(const Weights& w) const noexcept {
-    return w[0] * corner_[0] + w[1] * corner_[1] + w[2] * corner_[2];
+  /// A place on the edge, and the angle u at which it is seen, from the edge's normal.
+  struct End {
+    double along = 0, angle = 0, sine = 0, cosine = 1;
+  };
+  [[nodiscard]] End at(double along, double radius) const noexcept {
+    return {along, std::atan2(along, height_), along / radius, height_ / radius};
   }
-  void add_points(std::span<const Point> rule, const std::array<Weights, 3>& part, double area) {
+  void add(const End& from, const End& to, Angles& sum) const noexcept {
+    // The integrals of 1, cos u and sin u.
+    sum.angle += sign_ * (to.angle - from.angle);
+    sum.direction +=
+        outwards_ * (sign_ * (to.sine - from.sine)) - along_ * (sign_ * (to.cosine - from.cosine));
+  }
+
+  Vec3 along_{}, outwards_{};
+  double sign_ = 1, height_ = 0;
+  End begin_, end_;
+};
+
+class TriangleSources {
+public:
+  TriangleSources(const std::array<Vec3, 3>& corners, std::uint32_t triangle, const Vec3& listener,
+                  double nearest, std::vector<SurfaceSource>& out)
+      : corner_(corners), triangle_(triangle), listener_(listener), nearest_(nearest), out_(out) {}
+
+  void find(double wavenumber) {
+    const Vec3 first = corner_[1] - corner_[0], second = corner_[2] - corner_[0];
+    const double edge = std::max({norm(first), norm(second), norm(second - first)});
+    const Vec3 centre = (corner_[0] + corner_[1] + corner_[2]) * (1.0 / 3);
+    const double to_centre = norm(listener_ - centre);
+    const double distance = std::max(to_centre - 0.6 * edge, nearest_);
+    double turn = 0; // of the phase, m: from the middle to the corners; and the curvature counts
+    for (const Vec3& corner : corner_)
+      turn = std::max(turn, std::abs(norm(listener_ - corner) - to_centre));
+    const double phase = wavenumber * std::min(edge, 2 * turn + edge * edge / (2 * distance));
+    const Vec3 twice = cross(first, second);
+    if (phase < 0.25 && edge < 0.1 * distance)
+      return add_points(kCentre, 0.5 * norm(twice));
+    if (phase < 0.8 && edge < 0.3 * distance)
+      return add_points(kThree, 0.5 * norm(twice));
+    if (phase < 2 && edge < distance)
+      return add_points(kSeven, 0.5 * norm(twice));
+    if (norm(twice) > 0)
+      add_arcs(twice, 2 * std::numbers::pi / (kArcsAWavelength * wavenumber),
+               edge < distance ? 3 : 6);
+  }
+
+private:
+  void add_points(std::span<const Point> rule, double area) {
     for (const Point& point : rule) {
-      Weights w{};
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j)
-          w[j] += point.weight[i] * part[i][j];
-      out_.push_back(
-          {triangle_,
-           {static_cast<float>(w[0]), static_cast<float>(w[1]), static_cast<float>(w[2])},
-           area * point.share,
-           std::max(norm(listener_ - position(w)), nearest_)});
+      const Weights& w = point.weight;
+      const Vec3 at = w[0] * corner_[0] + w[1] * corner_[1] + w[2] * corner_[2];
+      add(w, area * point.share, norm(listener_ - at));
     }
+  }
+
+  /// On the plane of a triangle at the distance H, dS = r dr dphi = d dd dphi with d^2 = H^2 + r^2:
+  /// the surface between two distances is exactly known by the angles that the circle of radius r
+  /// has within the triangle. Between the distances at which that circle meets a corner or touches
+  /// an edge it changes smoothly, but for square roots at their ends, for which the steps become
+  /// short there: d = a + (b - a) (s - sin(2 pi s)/(2 pi)), s at the middles of n equal steps.
+  void add_arcs(const Vec3& twice, double step, double fewest) {
+    const Vec3 normal = twice * (1 / norm(twice));
+    const double height = dot(listener_ - corner_[0], normal);
+    const Vec3 foot = listener_ - height * normal;
+    std::array<Edge, 3> edge;
+    Weights at_foot{};
+    std::array<Vec3, 3> slope; // of the weights
+    std::array<double, 7> limit{};
+    std::size_t limits = 0;
+    bool inside = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &from = corner_[i], &to = corner_[(i + 1) % 3];
+      edge[i] = Edge(from - foot, to - foot, normal);
+      inside = inside && !edge[i].is_outside();
+      const std::size_t opposite = (i + 2) % 3;
+      slope[opposite] = cross(normal, to - from) * (1 / norm(twice));
+      at_foot[opposite] = dot(foot - from, slope[opposite]);
+      limit[limits++] = norm(from - listener_);
+      if (edge[i].is_touched())
+        limit[limits++] = std::hypot(height, edge[i].height());
+    }
+    if (inside)
+      limit[limits++] = std::abs(height);
+    std::sort(limit.begin(), limit.begin() + static_cast<std::ptrdiff_t>(limits));
+    for (std::size_t i = 1; i < limits && out_.size() <= kMaxSurfaceSources; ++i) {
+      const double begin = limit[i - 1], length = limit[i] - begin;
+      const double steps = std::ceil(1.5 * length / step) + fewest;
+      for (double n = 0.5; length > 0 && n < steps && out_.size() <= kMaxSurfaceSources; ++n) {
+        const double turn = 2 * std::numbers::pi * n / steps;
+        const double distance =
+            begin + length * (n / steps - std::sin(turn) / (2 * std::numbers::pi));
+        const double radius = std::sqrt(std::max(distance * distance - height * height, 0.0));
+        Angles arc;
+        for (const Edge& one : edge)
+          one.add_arc(radius, arc);
+        if (!(arc.angle > 0))
+          continue;
+        Weights w{};
+        for (std::size_t j = 0; j < 3; ++j)
+          w[j] = at_foot[j] + radius * dot(slope[j], arc.direction) / arc.angle;
+        add(w, distance * arc.angle * length * (1 - std::cos(turn)) / steps, distance);
+      }
+    }
+  }
+
+  using Weights = std::array<double, 3>;
+  void add(const Weights& w, double area, double distance) {
+    out_.push_back({triangle_,
+                    {static_cast<float>(w[0]), static_cast<float>(w[1]), static_cast<float>(w[2])},
+                    area,
+                    std::max(distance, nearest_)});
   }
 
   std::array<Vec3, 3> corner_;
   std::uint32_t triangle_;
   Vec3 listener_;
-  double wavenumber_, nearest_;
+  double nearest_;
   std::vector<SurfaceSource>& out_;
 };
 
@@ -108,9 +201,9 @@ std::vector<SurfaceSource> surface_sources(const Surface& surface,
     sources.clear();
     for (const std::size_t t : triangles) {
       const auto& c = surface.corners(t);
-      Divider({size * c[0], size * c[1], size * c[2]}, static_cast<std::uint32_t>(t),
-              {listener, wavenumber, nearest}, sources)
-          .divide({Weights{1, 0, 0}, Weights{0, 1, 0}, Weights{0, 0, 1}}, 0);
+      TriangleSources({size * c[0], size * c[1], size * c[2]}, static_cast<std::uint32_t>(t),
+                      listener, nearest, sources)
+          .find(wavenumber);
     }
     if (sources.size() <= kMaxSurfaceSources)
       break;

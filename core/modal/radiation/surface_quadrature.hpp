@@ -10,7 +10,7 @@
 
 namespace tactus::modal {
 
-/// A quadrature point on a triangulated surface.
+/// A quadrature point on a triangulated surface, or the mean of an arc of equal distance.
 struct SurfaceSource {
   std::uint32_t triangle = 0;
   std::array<float, 3> weight{}; ///< of the triangle's corners, sum 1
@@ -18,16 +18,18 @@ struct SurfaceSource {
 };
 
 /// A large surface is resolved up to a lower wavenumber than asked for, so that there are no more
-/// than these: a plate of 320 x 200 mm up to 21.6 kHz has 170 000 on both sides, one of twenty
-/// times the size 70 million.
+/// than these: they grow with the size of a triangle, so that only bodies of many metres with many
+/// triangles have as many.
 inline constexpr std::size_t kMaxSurfaceSources = 2'000'000;
 
 /// Quadrature points for integrals over triangles of smooth functions times exp(-j k d)/d, d the
 /// distance to the listener.
 ///
 /// The rule of a triangle has degree 1, 2 or 5 (Strang & Fix 1973; Radon 1948), by its longest edge
-/// h compared with wavelength and distance; where k h > 3 or h > d the triangle is divided into
-/// four. A flat piston comes out within 0.01 dB up to that k.
+/// h compared with wavelength and distance; where k h > 2 or h > d the triangle is cut into the
+/// arcs of equal distance, whose length and mean place are known exactly: d dd dphi is the surface
+/// between two distances, so that there are as many sources as a triangle is long in wavelengths,
+/// not as it is large. A flat piston comes out within 0.01 dB up to that k.
 ///
 /// `listener`: m. `size`: scales the surface. `wavenumber`: the largest k, 1/m. `nearest`: smaller
 /// distances are set to this, m. At most kMaxSurfaceSources.
