@@ -48,11 +48,11 @@ void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
     board.path = find_table("board", board.name, host);
     if (board.path.empty())
       return;
-  } else if (table_ && table_->parts.empty() && value_[kSync] >= 0.5) {
+  } else if (table_ && table_->parts.empty() && at_once()) {
     return;
   }
   const std::string subject = "board " + board.name;
-  execute({{}, {}, table_, settings(), std::move(board), {}}, subject, value_[kSync] >= 0.5, host);
+  execute({{}, {}, table_, settings(), std::move(board), {}}, subject, at_once(), host);
 }
 
 void ModalImpact::set_rest(Numbers n, Host& host) {

@@ -16,6 +16,7 @@ inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "bo
 inline constexpr std::array<std::string_view, 2> kContacts{"coupled", "pulse"};
 inline constexpr std::array<std::string_view, 2> kResolveModes{"auto", "off"};
 inline constexpr std::array<std::string_view, 3> kLimits{"auto", "on", "off"};
+inline constexpr double kAtOnce = 1, kInOrder = 2; ///< of `sync`
 /// With limit auto: gains from here on are for measuring, and nothing is limited.
 inline constexpr double kMeasuringGain = 0.1;
 
@@ -74,8 +75,9 @@ inline constexpr std::array kParameters{
     not_realtime(
         Parameter{"out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost"}),
     Parameter{
-        "sync", "", 0, 0, 1,
-        "1: tables and changes are computed at once, so that renders repeat; 0: in the background"},
+        "sync", "", 0, 0, 2,
+        "1: tables and changes are computed at once, so that renders repeat; 0: in the background; "
+        "2: in the background, and strikes and info that come after them wait for them"},
     not_realtime(Parameter{
         "rest_stiffness", "N/m^a", 4e8, 100, 1e13,
         "k of the layer between body and board at each contact point, F = k d^a; default: felt"}),

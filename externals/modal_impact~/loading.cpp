@@ -28,19 +28,23 @@ bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host)
                        waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_),
                        [](const WaitingMessage& kept) { return is_strike(kept.index); }) -
         waiting_.begin());
-  if (!for_a_body || !worker_.loads_first())
+  const bool changes = value_[kSync] == kInOrder && worker_.requested() != answered_;
+  if (!(for_a_body && (changes || worker_.loads_first())) && !(index == kInfo && changes))
     return false;
   body_.adopt();
-  if (body_.model())
+  if (body_.model() && !changes)
     return false;
   if (waiting_count_ == waiting_.size() || numbers.size() > kFewNumbers) {
     Sentence sentence(kMessages[index].name);
-    sentence += ": the body is still being read; send it after `loaded` has come out";
+    sentence += body_.model()
+                    ? ": too many wait for a change that is still being computed"
+                    : ": the body is still being read; send it after `loaded` has come out";
     host.error(sentence);
     return true;
   }
   WaitingMessage& kept = waiting_[waiting_count_++];
   kept.index = index;
+  kept.after = changes ? worker_.requested() : 0;
   kept.count = numbers.size();
   std::copy(numbers.begin(), numbers.end(), kept.numbers.begin());
   return true;
@@ -50,11 +54,15 @@ void ModalImpact::carry_out_waiting(Host& host) {
   body_.adopt();
   if (!body_.model() && worker_.loads_first())
     return;
-  const std::size_t count = std::exchange(waiting_count_, 0);
-  if (!body_.model()) // the error has said why
-    return;
-  for (const WaitingMessage& kept : std::span(waiting_).first(count))
-    carry_out(kept.index, std::span(kept.numbers).first(kept.count), host);
+  std::size_t count = 0; // of those whose turn it is
+  while (count < waiting_count_ && waiting_[count].after <= answered_)
+    ++count;
+  if (body_.model()) // else an error has said why there is none
+    for (const WaitingMessage& kept : std::span(waiting_).first(count))
+      carry_out(kept.index, std::span(kept.numbers).first(kept.count), host);
+  std::move(waiting_.begin() + static_cast<std::ptrdiff_t>(count),
+            waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_), waiting_.begin());
+  waiting_count_ -= count;
 }
 
 std::string ModalImpact::find_table(std::string_view message, const std::string& name, Host& host) {
@@ -69,15 +77,15 @@ std::string ModalImpact::find_table(std::string_view message, const std::string&
 void ModalImpact::load(std::span<const Atom> arguments, Host& host) {
   if (!arguments[0].is_word)
     return host.error(refusal("load", arguments, "a file's name"));
-  bool at_once = value_[kSync] >= 0.5;
+  bool sync = at_once();
   if (arguments.size() > 1) {
     if (!arguments[1].is_word || arguments[1].word != "-sync")
       return host.error(refusal("load", arguments, "a file's name and perhaps -sync"));
-    at_once = true;
+    sync = true;
   }
   const std::string name(arguments[0].word);
-  if (created_ || at_once)
-    return load(name, at_once, host);
+  if (created_ || sync)
+    return load(name, sync, host);
   first_name_ = name;
 }
 

@@ -95,6 +95,10 @@ void ModalImpact::set(std::size_t parameter, double value) noexcept {
     shape_moved(false, *host_);
 }
 
+bool ModalImpact::at_once() const {
+  return value_[kSync] == kAtOnce || (value_[kSync] == kInOrder && host_ && !host_->real_time());
+}
+
 void ModalImpact::rebuild_model() {
   if (!table_)
     return;
@@ -103,7 +107,7 @@ void ModalImpact::rebuild_model() {
       request.settings.radiation == Radiation::kBody
           ? kMaxInlineWork + 1
           : table_->table.modes() * table_->surface.triangles() * request.settings.listeners;
-  if (value_[kSync] >= 0.5 || work <= kMaxInlineWork || !host_)
+  if (at_once() || work <= kMaxInlineWork || !host_)
     return accept(TableWorker::execute(request), host_);
   if (const std::string refusal =
           worker_.request(request, [host = host_] { host->wake_from_thread(); });
@@ -161,8 +165,10 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
 
 void ModalImpact::posted(Host& host) {
   host_ = &host;
-  if (auto result = worker_.take())
+  if (auto result = worker_.take()) {
+    answered_ = result->number;
     accept(std::move(*result), &host);
+  }
   if (auto result = solver_.take())
     accept_solution(std::move(*result), host);
   if (waiting_count_ > 0)
@@ -173,7 +179,7 @@ void ModalImpact::created(Host& host) {
   host_ = &host;
   created_ = true;
   if (!first_name_.empty())
-    load(first_name_, value_[kSync] >= 0.5, host);
+    load(first_name_, at_once(), host);
 }
 
 const BodyModel* ModalImpact::body(Host& host) {

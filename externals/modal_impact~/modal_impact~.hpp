@@ -61,17 +61,20 @@ private:
   using Numbers = std::span<const double>;
   static constexpr std::size_t kFewNumbers = 8; ///< of a message that allocates nothing
   static constexpr std::size_t kMaxWaiting = 64;
-  /// A message to a body that is still being read.
+  /// A message to a body that is still being read, or changed.
   struct WaitingMessage {
     std::size_t index = 0, count = 0;
+    std::uint64_t after = 0; ///< number of the request that must be answered first
     std::array<double, kFewNumbers> numbers{};
   };
   void begin_block(double start_ms) noexcept;
   /// The sample of a message that arrives now.
   [[nodiscard]] std::int64_t sample_now(const Host& host) const;
   void carry_out(std::size_t index, Numbers numbers, Host& host);
-  /// Whether the message must wait for the first body, which is being read: it is then kept. A full
-  /// queue refuses it in a sentence. Allocates nothing.
+  /// Whether changes are computed where they are asked for.
+  [[nodiscard]] bool at_once() const;
+  /// Whether the message must wait for the first body, which is being read, or with `sync 2` for
+  /// changes before it: it is then kept. A full queue refuses it in a sentence. Allocates nothing.
   [[nodiscard]] bool waits_for_body(std::size_t index, Numbers numbers, Host& host);
   void carry_out_waiting(Host& host);
   /// Full path of a table, by its name with or without .modal.npz; empty after an error.
@@ -150,6 +153,7 @@ private:
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;
   std::size_t waiting_count_ = 0;
+  std::uint64_t answered_ = 0; ///< number of the worker's last request that was answered
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;

@@ -134,7 +134,7 @@ void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
   ++solve_count_;
   solve_s_ = result.seconds;
   TableWorker::Request request{{}, {}, std::move(result.table), settings(), {}, table_};
-  execute(request, "resolve", value_[kSync] >= 0.5 || !host.real_time(), host);
+  execute(request, "resolve", at_once() || !host.real_time(), host);
 }
 
 /// A solved table has taken effect.

@@ -42,6 +42,7 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
     const std::lock_guard lock(mutex_);
     // A change of settings keeps a load that still waits.
     Request next = request;
+    next.number = ++requested_;
     if (waiting_ && next.path.empty()) {
       next.path = waiting_->path;
       next.name = waiting_->name;
@@ -84,6 +85,7 @@ std::optional<TableWorker::Result> TableWorker::take() {
 TableWorker::Result TableWorker::execute(const Request& request) {
   Result result;
   result.table = request.table;
+  result.number = request.number;
   BodySettings settings = request.settings;
   std::string subject = "load " + request.name + ": ";
   const auto read = [&](const std::string& path) -> std::shared_ptr<const LoadedTable> {
@@ -166,6 +168,8 @@ void TableWorker::work(const std::stop_token& stop) {
       }
       done_ = std::move(result);
     }
+    if (done_)
+      done_->number = request.number;
     if (ready_)
       ready_();
   }

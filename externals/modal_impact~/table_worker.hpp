@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -30,6 +31,7 @@ public:
     std::optional<Board> board; ///< none: unchanged
     /// If `table` is another shape of the present body: the table that it replaces; else null.
     std::shared_ptr<const LoadedTable> replaces;
+    std::uint64_t number = 0; ///< counted by request()
   };
   struct Result {
     std::string refusal; ///< why something could not be read, else empty
@@ -37,6 +39,7 @@ public:
     std::unique_ptr<BodyModel> model;
     bool loaded = false, board_loaded = false; ///< read now
     std::string path;                          ///< of the body that was loaded
+    std::uint64_t number = 0;                  ///< of the last request whose settings it answers
   };
 
   TableWorker() = default;
@@ -48,6 +51,8 @@ public:
   /// or why no thread could be started: the caller may then call execute().
   [[nodiscard]] std::string request(const Request& request, std::function<void()> ready);
   [[nodiscard]] std::optional<Result> take();
+  /// The number of the last request. The caller's thread.
+  [[nodiscard]] std::uint64_t requested() const noexcept { return requested_; }
   /// Whether a table is being read while there is none yet, until its result has been taken. Any
   /// thread; waits for nothing.
   [[nodiscard]] bool loads_first() const noexcept { return loads_first_.load(); }
@@ -58,6 +63,7 @@ private:
   void work(const std::stop_token& stop);
   void follow(Request& request) const;
 
+  std::uint64_t requested_ = 0;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Request> waiting_;
