@@ -178,7 +178,7 @@ void BusLink::connect(const std::string& host, int port) {
       Wire wire(stop_);
       if (std::string failure = wire.connect(host_, port_, kLinkConnect_s); !failure.empty())
         return failure;
-      const auto id = *node_.connect(host_, now_s());
+      const auto id = node_.connect(host_, now_s());
       wire.receive([this, id](std::span<const std::uint8_t> bytes) {
         node_.receive(id, bytes, now_s());
         return !node_.closing(id);

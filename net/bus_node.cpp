@@ -24,16 +24,12 @@ bool BusExchange::try_take(std::vector<Notice>& notices) {
   return lock.owns_lock();
 }
 
-std::optional<Service::ClientId> BusNode::connect(std::string_view peer, double now_s, int) {
-  for (ClientId client = 0; client < kMaxClients; ++client) {
-    if (sessions_[client])
-      continue;
-    sessions_[client] =
-        std::make_unique<BusSession>(side_, settings_, lock_out_, std::string(peer), now_s);
-    reported_ready_[client] = reported_late_[client] = false;
-    return client;
-  }
-  return {};
+Service::ClientId BusNode::connect(std::string_view peer, double now_s, int) {
+  const ClientId client = slot_for(sessions_, peer);
+  sessions_[client] =
+      std::make_unique<BusSession>(side_, settings_, admission_, std::string(peer), now_s);
+  reported_ready_[client] = reported_late_[client] = false;
+  return client;
 }
 
 void BusNode::receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) {
@@ -77,6 +73,8 @@ void BusNode::disconnect(ClientId client) {
   last_reason_ = session.reason().empty() ? "the line was cut" : session.reason();
   if (reported_ready_[client])
     exchange_.post({Notice::What::kEnded, last_reason_, --exchange_.ready});
+  if (session.admitted && side_ == BusSession::Side::kListener)
+    admission_.leave();
   sessions_[client].reset();
 }
 
@@ -102,7 +100,7 @@ void BusNode::send_all(double now_s) {
 void BusNode::advance(double now_s) {
   const double fixed_s = exchange_.playout_s;
   send_all(now_s);
-  for (ClientId client = 0; client < kMaxClients; ++client) {
+  for (ClientId client = 0; client < kMaxConnections; ++client) {
     if (!sessions_[client])
       continue;
     BusSession& session = *sessions_[client];

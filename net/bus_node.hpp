@@ -35,7 +35,7 @@ public:
   };
 
   PacketRing outgoing{kOutgoing};
-  std::array<Incoming, kMaxClients> incoming{};
+  std::array<Incoming, kMaxConnections> incoming{};
   std::atomic<int> ready{0};           ///< peers to whom messages go
   std::atomic<double> playout_s{-1};   ///< fixed delay; below 0: automatic
   std::atomic<bool> overflowed{false}; ///< an event did not fit: the connections end
@@ -53,10 +53,10 @@ private:
 class BusNode final : public Service {
 public:
   BusNode(BusSession::Side side, BusSettings settings, BusExchange& exchange)
-      : side_(side), settings_(std::move(settings)), exchange_(exchange) {}
+      : side_(side), settings_(std::move(settings)), exchange_(exchange),
+        admission_(settings_.token) {}
 
-  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s,
-                                                int udp_port = 0) override;
+  [[nodiscard]] ClientId connect(std::string_view peer, double now_s, int udp_port = 0) override;
   void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) override;
   void disconnect(ClientId client) override;
   void close(std::string_view reason) override;
@@ -64,9 +64,7 @@ public:
   [[nodiscard]] bool closing(ClientId client) const noexcept override {
     return sessions_[client]->closing;
   }
-  [[nodiscard]] bool guarded() const noexcept override {
-    return settings_.token.size() >= kMinToken;
-  }
+  [[nodiscard]] bool guarded() const noexcept override { return admission_.guarded(); }
 
   /// Once a millisecond: sends what the patch has given, and what depends on time alone.
   void advance(double now_s);
@@ -87,9 +85,9 @@ private:
   BusSession::Side side_;
   BusSettings settings_;
   BusExchange& exchange_;
-  LockOut lock_out_{};
-  std::array<std::unique_ptr<BusSession>, kMaxClients> sessions_{};
-  std::array<bool, kMaxClients> reported_ready_{}, reported_late_{};
+  Admission admission_;
+  std::array<std::unique_ptr<BusSession>, kMaxConnections> sessions_{};
+  std::array<bool, kMaxConnections> reported_ready_{}, reported_late_{};
   bool was_ready_ = false;
   std::string last_reason_{};
 };

@@ -6,25 +6,15 @@ namespace tactus::net {
 namespace {
 
 constexpr std::string_view kRole = "bus";
-constexpr std::size_t kMaxText = 256;
-
-/// Makes a text from the network printable.
-std::string printable(std::string_view text) {
-  std::string clean(text.substr(0, kMaxText));
-  for (char& c : clean)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      c = '?';
-  return clean;
-}
 
 std::int32_t wire_integer(std::uint32_t value) noexcept { return static_cast<std::int32_t>(value); }
 
 } // namespace
 
-BusSession::BusSession(Side side, const BusSettings& settings, LockOut& lock_out,
+BusSession::BusSession(Side side, const BusSettings& settings, Admission& admission,
                        std::string peer_address, double now_s)
     : PeerConnection(std::move(peer_address), now_s, kStreamLimit), side_(side),
-      settings_(settings), lock_out_(lock_out), start_s_(now_s) {
+      settings_(settings), admission_(admission) {
   if (side == Side::kListener)
     return;
   begins_in = Framing::kSlip;
@@ -87,18 +77,24 @@ BusSession::Refusal BusSession::handle(const Message& message, double now_s,
     return on_welcome(message, now_s);
   case Address::kError: {
     const auto code = message.string_at(0), text = message.string_at(1);
-    warning_ = printable(code.value_or("-")) + ": " + printable(text.value_or("-"));
+    if (admitted)
+      warning_ = printable(code.value_or("-")) + ": " + printable(text.value_or("-"));
+    else if (side_ == Side::kCaller) // the answer to its hello
+      warning_ = refusal_text_of_peer(code.value_or(""));
     return {};
   }
   case Address::kBye:
-    reason_ =
-        "the other side has ended it: " + printable(message.string_at(0).value_or("no reason"));
+    if (admitted)
+      reason_ =
+          "the other side has ended it: " + printable(message.string_at(0).value_or("no reason"));
+    else
+      reason_ = refusal_text_of_peer(message.string_at(0).value_or(""));
     closing = true;
     return {};
   default:
     break;
   }
-  if (!welcomed_)
+  if (!admitted)
     return {"hello", "say hello first: hello protocol name bus token"};
   switch (message.address()) {
   case Address::kPing:
@@ -114,30 +110,17 @@ BusSession::Refusal BusSession::handle(const Message& message, double now_s,
 BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
   const auto protocol = message.integer_at(0);
   const auto peer_name = message.string_at(1), role = message.string_at(2);
-  if (side_ == Side::kCaller || welcomed_)
+  if (side_ == Side::kCaller || admitted)
     return {"hello", "hello is sent once, by the caller"};
   if (!protocol || !peer_name || !role || message.size() > 4 ||
       (message.size() == 4 && !message.string_at(3)))
     return {"arguments", "expected hello protocol name bus token"};
   if (*role != kRole)
     return {"arguments", "the role is bus"};
-  if (lock_out_.locked(peer, now_s)) {
-    send_error("locked", "too many wrong tokens: wait ten seconds", now_s);
-    end("locked");
-    return {};
-  }
-  if (!settings_.token.empty()) {
-    if (!equal_in_constant_time(settings_.token, message.string_at(3).value_or(""))) {
-      lock_out_.fail(peer, now_s);
-      send_error("token", "the token is wrong", now_s);
-      end("token");
-      return {};
-    }
-    lock_out_.succeed(peer);
-  }
-  if (*protocol < kProtocol) {
-    send_error("version", "this side speaks protocol 1", now_s);
-    end("version");
+  if (const auto code = admission_.admit(peer, message.string_at(3).value_or(""), *protocol, now_s);
+      !code.empty()) {
+    reason_ = code;
+    refuse_hello(code, now_s);
     return {};
   }
   name = printable(peer_name->substr(0, kMaxName));
@@ -149,7 +132,7 @@ BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
 BusSession::Refusal BusSession::on_welcome(const Message& message, double now_s) {
   const auto protocol = message.integer_at(0);
   const auto peer_name = message.string_at(1);
-  if (side_ == Side::kListener || welcomed_)
+  if (side_ == Side::kListener || admitted)
     return {"hello", "welcome answers hello, once"};
   if (!protocol || !peer_name || message.size() != 2)
     return {"arguments", "expected welcome protocol name"};
@@ -159,7 +142,7 @@ BusSession::Refusal BusSession::on_welcome(const Message& message, double now_s)
 }
 
 void BusSession::welcome(double now_s) {
-  welcomed_ = true;
+  admitted = true;
   ping(now_s);
 }
 
@@ -252,17 +235,13 @@ void BusSession::advance(double now_s) {
     return;
   check_timeouts(now_s);
   if (closing) {
-    reason_ = now_s - last_message_s >= kTimeout_s ? "nothing came for 5 s"
-                                                   : "a frame was not complete after 2 s";
-    return;
-  }
-  if (!welcomed_ && now_s - start_s_ >= (side_ == Side::kCaller ? kWelcome_s : kTimeout_s)) {
-    end("timeout");
-    reason_ = side_ == Side::kCaller ? "no bus answers there" : "no hello was received";
+    reason_ = !admitted ? side_ == Side::kCaller ? "no bus answers there" : "no hello was received"
+              : now_s - last_message_s >= kTimeout_s ? "nothing came for 5 s"
+                                                     : "a frame was not complete after 2 s";
     return;
   }
   const double pause_s = ready_ ? kPingInterval_s : kFirstPing_s;
-  if (welcomed_ && now_s - pinged_s_ >= pause_s)
+  if (admitted && now_s - pinged_s_ >= pause_s)
     ping(now_s);
 }
 

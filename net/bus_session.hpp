@@ -1,9 +1,9 @@
 #pragma once
 
+#include "net/admission.hpp"
 #include "net/peer_connection.hpp"
 #include "net/playout_clock.hpp"
 #include "net/playout_delay.hpp"
-#include "net/token.hpp"
 
 #include <functional>
 #include <utility>
@@ -32,11 +32,10 @@ public:
   /// Exchanges of clock readings before messages are sent, and their interval.
   static constexpr int kFirstPings = 8;
   static constexpr double kFirstPing_s = 0.01;
-  static constexpr double kWelcome_s = 2; ///< timeout of the caller for welcome
   /// Topics a second: kPackets_hz less pings and pongs.
   static constexpr double kTopics_hz = 4800;
 
-  BusSession(Side side, const BusSettings& settings, LockOut& lock_out, std::string peer,
+  BusSession(Side side, const BusSettings& settings, Admission& admission, std::string peer,
              double now_s);
 
   void receive(std::span<const std::uint8_t> bytes, double now_s, const Receiver& receiver);
@@ -45,7 +44,7 @@ public:
   /// dropped.
   void send(const Message& topic, std::uint32_t sent, double now_s);
 
-  /// Both sides have sent hello and know each other's clock: messages can be exchanged.
+  /// Both sides have been admitted and know each other's clock: messages can be exchanged.
   [[nodiscard]] bool ready() const noexcept { return ready_ && !closing; }
   /// Nothing has come for 500 ms.
   [[nodiscard]] bool late(double now_s) const noexcept {
@@ -80,12 +79,12 @@ private:
 
   Side side_;
   const BusSettings& settings_;
-  LockOut& lock_out_;
+  Admission& admission_;
   PlayoutClock clock_{};
   PlayoutDelay playout_{};
   RateLimit sending_{kTopics_hz};
-  double start_s_, pinged_s_ = -1e18;
-  bool welcomed_ = false, ready_ = false;
+  double pinged_s_ = -1e18;
+  bool ready_ = false;
   std::int32_t pings_ = 0, clocks_ = 0; ///< sent; clocks of the other side that were taken
   std::uint32_t events_sent_ = 0, events_taken_ = 0;
   std::uint64_t lost_events_ = 0, dropped_ = 0;

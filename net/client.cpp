@@ -1,5 +1,6 @@
 #include "net/client.hpp"
 
+#include "net/admission.hpp"
 #include "net/units.hpp"
 
 namespace tactus::net {
@@ -185,8 +186,11 @@ void Client::take(const Message& message, double now_s) {
     return take_error(message);
   case Address::kBye:
     if (trouble_.empty())
-      trouble_ = "the server has ended the connection: " +
-                 std::string(message.string_at(0).value_or("no reason"));
+      trouble_ = welcomed_
+                     ? "the server has ended the connection: " +
+                           printable(message.string_at(0).value_or("no reason"))
+                     : "the server says: " +
+                           std::string(refusal_text_of_peer(message.string_at(0).value_or("")));
     ended_ = true;
     return;
   case Address::kPosition:
@@ -226,7 +230,7 @@ void Client::take_welcome(const Message& message) {
     ended_ = true;
     return;
   }
-  welcome_ = {std::string(*device), std::string(*model), *axes, *limit_n, *rate_hz};
+  welcome_ = {printable(*device), printable(*model), *axes, *limit_n, *rate_hz};
   welcomed_ = true;
   for (const std::string_view stream : {"pos", "vel"})
     send(Message(Address::kSubscribe)
@@ -257,7 +261,7 @@ void Client::take_status(const Message& message) {
       udp_refused_ = true;
   } else if (word == "stopped" && in_control_) {
     trouble_ = "the server has stopped the motors: " +
-               std::string(message.string_at(1).value_or("no reason"));
+               printable(message.string_at(1).value_or("no reason"));
     lose_control();
   }
 }
@@ -270,7 +274,8 @@ void Client::take_error(const Message& message) {
   }
   if (code == "stopped" && !in_control_)
     return; // to a force that was under way when control was lost, which had its reason
-  trouble_ = "the server says: " + std::string(message.string_at(1).value_or(code));
+  trouble_ = "the server says: " + (welcomed_ ? printable(message.string_at(1).value_or(code))
+                                              : std::string(refusal_text_of_peer(code)));
   if (code == "busy" || code == "estop" || code == "role")
     lose_control();
 }

@@ -10,7 +10,10 @@ namespace tactus::net {
 
 inline constexpr int kProtocol = 1;
 inline constexpr int kPort = 7770;
-inline constexpr std::size_t kMaxClients = 8;
+/// Connections at once. One that has not said hello (with the token, where there is one) is
+/// pending; pending connections are counted apart from clients.
+inline constexpr std::size_t kMaxClients = 8, kMaxPending = 4;
+inline constexpr std::size_t kMaxConnections = kMaxClients + kMaxPending;
 inline constexpr std::size_t kMaxControlPoints = 4096;
 inline constexpr std::size_t kMaxName = 64;
 
@@ -24,6 +27,8 @@ inline constexpr double kPingInterval_s = 0.25;
 inline constexpr double kMaxAge_s = 1;
 /// A client that was silent for this long is disconnected.
 inline constexpr double kTimeout_s = 5;
+/// A pending connection ends after this, whatever it sends.
+inline constexpr double kHello_s = 2;
 /// A frame that has not been completed for this long ends its connection.
 inline constexpr double kFrameTimeout_s = 2;
 /// How far a sequence number may go back and be merely old.

@@ -1,5 +1,7 @@
 #include "net/peer_connection.hpp"
 
+#include "net/admission.hpp"
+
 namespace tactus::net {
 namespace {
 
@@ -37,6 +39,11 @@ void PeerConnection::send_bye(std::string_view reason) {
   closing = true;
 }
 
+void PeerConnection::refuse_hello(std::string_view code, double now_s) {
+  send_error(code, refusal_text(code), now_s);
+  send_bye(code);
+}
+
 FrameReader::Outcome PeerConnection::next(std::span<const std::uint8_t>& bytes, Message& message,
                                           double now_s) noexcept {
   if (!reader.in_frame())
@@ -58,7 +65,7 @@ void PeerConnection::check_timeouts(double now_s) {
     return;
   if (reader.in_frame() && now_s - frame_since_s >= kFrameTimeout_s)
     send_bye("frame");
-  else if (now_s - last_message_s >= kTimeout_s)
+  else if (now_s - last_message_s >= kTimeout_s || (!admitted && now_s - connected_s >= kHello_s))
     send_bye("timeout");
 }
 

@@ -16,15 +16,17 @@ struct PeerConnection {
   PeerConnection(std::string peer_address, double now_s,
                  std::size_t stream_limit = OutQueue::kStreamLimit)
       : peer(std::move(peer_address)), out(stream_limit), last_message_s(now_s),
-        frame_since_s(now_s) {}
+        frame_since_s(now_s), connected_s(now_s) {}
 
   std::string peer, name = "-";
-  bool closing = false; ///< what waits is sent, then the connection ends
+  bool admitted = false; ///< hello was said and answered by welcome
+  bool closing = false;  ///< what waits is sent, then the connection ends
 
   FrameReader reader{};
   OutQueue out;
   double last_message_s; ///< the last good message
   double frame_since_s;  ///< when last no frame was open
+  double connected_s;
   RateLimit packets{kPackets_hz}, errors{kErrors_hz};
   BadPackets bad_packets{};
   bool flooding = false; ///< and has been sent the error
@@ -36,13 +38,16 @@ struct PeerConnection {
   /// At most kErrors_hz a second are sent.
   void send_error(std::string_view code, std::string_view text, double now_s);
   void send_bye(std::string_view reason);
+  /// Tells why hello is refused, by a code of refusal_text(), and ends the connection.
+  void refuse_hello(std::string_view code, double now_s);
 
   /// The next frame of what came, and since when none is open.
   [[nodiscard]] FrameReader::Outcome next(std::span<const std::uint8_t>& bytes, Message& message,
                                           double now_s) noexcept;
   /// Answers a packet that is dropped; the 20th within a second ends the connection.
   void count_bad_packet(std::string_view code, std::string_view text, double now_s);
-  /// Ends a connection with a frame that stays incomplete for 2 s or that is silent for 5 s.
+  /// Ends a connection with a frame that stays incomplete for 2 s or that is silent for 5 s,
+  /// and one that was not admitted within 2 s, whatever it says.
   void check_timeouts(double now_s);
 
 protected:

@@ -297,8 +297,7 @@ std::string RemoteDevice::run_session(Wire& wire) {
   }
   const std::string reason = client->trouble().empty() ? wire.failure : client->trouble();
   if (const std::lock_guard lock(mutex_); !welcome_)
-    return "the haptic server on " + server + " does not take the connection (" + reason + ")" +
-           (client->trouble().empty() ? ": it takes eight clients at once" : "");
+    return "the haptic server on " + server + " does not take the connection (" + reason + ")";
   return "the connection to the haptic server on " + server + " was lost (" + reason +
          "): it is looked for again; then switch the motors on";
 }

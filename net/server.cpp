@@ -7,28 +7,25 @@ using Outcome = FrameReader::Outcome;
 std::size_t Server::clients() const noexcept {
   std::size_t count = 0;
   for (const auto& session : sessions_)
-    count += session ? 1 : 0;
+    count += session && session->admitted ? 1 : 0;
   return count;
 }
 
-std::optional<Server::ClientId> Server::connect(std::string_view peer, double now_s, int udp_port) {
-  for (ClientId client = 0; client < kMaxClients; ++client) {
-    if (sessions_[client])
-      continue;
-    sessions_[client] = std::make_unique<Session>(std::string(peer), udp_port, now_s);
-    Setup& setup = sessions_[client]->setup;
-    ++connections_made_;
-    setup.workspace = settings_.workspace;
-    setup.force_limit_n = settings_.force_limit_n;
-    return client;
-  }
-  add_notice(std::string(peer) + " is refused: " + std::to_string(kMaxClients) +
-             " clients are connected");
-  return {};
+Server::ClientId Server::connect(std::string_view peer, double now_s, int udp_port) {
+  const ClientId client = slot_for(sessions_, peer);
+  sessions_[client] = std::make_unique<Session>(std::string(peer), udp_port, now_s);
+  Setup& setup = sessions_[client]->setup;
+  ++connections_made_;
+  setup.workspace = settings_.workspace;
+  setup.force_limit_n = settings_.force_limit_n;
+  return client;
 }
 
 void Server::disconnect(ClientId client) {
-  log_event(*sessions_[client], "left");
+  if (sessions_[client]->admitted) {
+    log_event(*sessions_[client], "left");
+    admission_.leave();
+  }
   if (controller_ == sessions_[client].get())
     release_control("disconnected");
   sessions_[client].reset();
@@ -50,7 +47,7 @@ void Server::receive(ClientId client, std::span<const std::uint8_t> bytes, doubl
 std::optional<Server::ClientId>
 Server::receive_datagram(std::string_view peer, std::span<const std::uint8_t> bytes, double now_s) {
   if (const auto probe = read_probe(bytes))
-    for (ClientId client = 0; client < kMaxClients; ++client) {
+    for (ClientId client = 0; client < kMaxConnections; ++client) {
       Session* const session = sessions_[client].get();
       if (!session || session->datagrams.key() != probe->key || session->peer != peer)
         continue;
@@ -105,10 +102,7 @@ void Server::release_control(std::string_view why) {
 }
 
 void Server::log_event(const Session& session, std::string_view what) {
-  std::string line = session.peer + " ";
-  for (const char c : session.name) // text from the network
-    line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  add_notice(line + " " + std::string(what));
+  add_notice(session.peer + " " + printable(session.name) + " " + std::string(what));
 }
 
 void Server::add_notice(std::string line) {
@@ -120,7 +114,7 @@ void Server::add_notice(std::string line) {
 
 void Server::broadcast(const Message& message) {
   for (const auto& session : sessions_)
-    if (session && session->welcomed())
+    if (session && session->admitted)
       session->send_event(message);
 }
 
@@ -140,7 +134,7 @@ void Server::advance(const DeviceReport& report, double now_s) {
   }
   drag();
   for (const auto& session : sessions_)
-    if (session && session->welcomed())
+    if (session && session->admitted)
       send_streams(*session, now_s);
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/haptic/device/device.hpp"
+#include "net/admission.hpp"
 #include "net/render_model.hpp"
 #include "net/service.hpp"
 #include "net/session.hpp"
-#include "net/token.hpp"
 
 #include <array>
 #include <memory>
@@ -47,11 +47,11 @@ struct ServoCommand {
 /// For one thread. Times in s, by the clock of the servo's heartbeat, never decreasing.
 class Server final : public Service {
 public:
-  explicit Server(ServerSettings settings) : settings_(std::move(settings)) {}
+  explicit Server(ServerSettings settings)
+      : settings_(std::move(settings)), admission_(settings_.token) {}
 
   /// udp_port: where this client can send datagrams, 0 when there are none.
-  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s,
-                                                int udp_port = 0) override;
+  [[nodiscard]] ClientId connect(std::string_view peer, double now_s, int udp_port = 0) override;
   void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) override;
   /// Everything but a client's probe is counted and ignored; no datagram is a sign of life.
   [[nodiscard]] std::optional<ClientId> receive_datagram(std::string_view peer,
@@ -72,9 +72,7 @@ public:
   [[nodiscard]] bool closing(ClientId client) const noexcept override {
     return sessions_[client]->closing;
   }
-  [[nodiscard]] bool guarded() const noexcept override {
-    return settings_.token.size() >= kMinToken;
-  }
+  [[nodiscard]] bool guarded() const noexcept override { return admission_.guarded(); }
 
   /// What waits to be sent to a client by UDP.
   [[nodiscard]] DatagramSender* datagrams(ClientId client) noexcept override {
@@ -84,8 +82,9 @@ public:
 
   [[nodiscard]] const ServoCommand& servo_command() const noexcept { return servo_command_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
+  /// Those that have said hello.
   [[nodiscard]] std::size_t clients() const noexcept;
-  /// How many there have been.
+  /// How many connections there have been.
   [[nodiscard]] std::uint64_t connections_made() const noexcept { return connections_made_; }
   /// Events since the last call for the log of the server, one line each; the oldest ones are
   /// dropped when it is not called for long.
@@ -137,9 +136,12 @@ private:
   void release_point();
   [[nodiscard]] Message move_message() const noexcept;
 
+  static constexpr double kRefusalNotices_hz = 4;
+
   ServerSettings settings_;
-  std::array<std::unique_ptr<Session>, kMaxClients> sessions_{};
-  LockOut lock_out_{};
+  std::array<std::unique_ptr<Session>, kMaxConnections> sessions_{};
+  Admission admission_;
+  RateLimit refusal_notices_{kRefusalNotices_hz}; ///< so that they fill no log
   Session* controller_ = nullptr;
   Liveness liveness_{};
   ServoCommand servo_command_{};

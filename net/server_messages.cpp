@@ -43,9 +43,9 @@ Server::Refusal Server::handle(Session& session, Words message, double now_s) {
   const Address address = message.address();
   if (address == Address::kHello)
     return on_hello(session, message, now_s);
-  if (address == Address::kPing && (session.welcomed() || settings_.token.empty()))
+  if (address == Address::kPing && (session.admitted || !admission_.needs_token()))
     return on_ping(session, message, now_s);
-  if (!session.welcomed())
+  if (!session.admitted)
     return {"hello", "say hello first: hello protocol name role token"};
   switch (address) {
   case Address::kSubscribe:
@@ -102,28 +102,17 @@ Server::Refusal Server::on_hello(Session& session, Words message, double now_s) 
   const bool controls = *role == "control";
   if (!controls && *role != "observe")
     return {"arguments", "the role is control or observe", true};
-  if (session.welcomed())
+  if (session.admitted)
     return {"hello", "hello was said already"};
-  if (lock_out_.locked(session.peer, now_s)) {
-    session.send_error("locked", "too many wrong tokens: wait ten seconds", now_s);
-    session.send_bye("locked");
+  if (const auto code =
+          admission_.admit(session.peer, message.string_at(3).value_or(""), *protocol, now_s);
+      !code.empty()) {
+    if (refusal_notices_.allow(now_s))
+      log_event(session, "is refused: " + std::string(refusal_text(code)));
+    session.refuse_hello(code, now_s);
     return {};
   }
-  if (!settings_.token.empty()) {
-    if (!equal_in_constant_time(settings_.token, message.string_at(3).value_or(""))) {
-      lock_out_.fail(session.peer, now_s);
-      log_event(session, "brought a wrong token");
-      session.send_error("token", "the token is wrong", now_s);
-      session.send_bye("token");
-      return {};
-    }
-    lock_out_.succeed(session.peer);
-  }
-  if (*protocol < kProtocol) {
-    session.send_error("version", "this server speaks protocol 1", now_s);
-    session.send_bye("version");
-    return {};
-  }
+  session.admitted = true;
   session.name = name->empty() ? "-" : name->substr(0, kMaxName);
   session.role = controls ? Session::Role::kControl : Session::Role::kObserve;
   log_event(session, controls ? "is welcome" : "is welcome, to observe");

@@ -13,12 +13,12 @@ namespace tactus::net {
 /// decreasing.
 class Service {
 public:
-  using ClientId = std::size_t; ///< 0 .. kMaxClients - 1
+  using ClientId = std::size_t; ///< 0 .. kMaxConnections - 1
 
-  /// A new connection from that address; nothing when there are kMaxClients already. udp_port: the
-  /// port for the datagrams of this client, 0 without datagrams.
-  [[nodiscard]] virtual std::optional<ClientId> connect(std::string_view peer, double now_s,
-                                                        int udp_port) = 0;
+  /// A new connection from that address. It may take over the number of another, which has then
+  /// ended for the service (slot_for()). udp_port: the port for the datagrams of this client, 0
+  /// without datagrams.
+  [[nodiscard]] virtual ClientId connect(std::string_view peer, double now_s, int udp_port) = 0;
   virtual void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) = 0;
   /// The connection has ended: by the peer, or because closing() was true and the queue empty.
   virtual void disconnect(ClientId client) = 0;

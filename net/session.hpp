@@ -83,8 +83,6 @@ struct Session : PeerConnection {
   Subscription position{}, velocity{}, moves{kDefaultPoint_hz};
   std::int32_t sample = 0; ///< counts samples of pos and vel
   DatagramSender datagrams{};
-
-  [[nodiscard]] bool welcomed() const noexcept { return role != Role::kNone; }
 };
 
 } // namespace tactus::net

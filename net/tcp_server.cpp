@@ -59,7 +59,7 @@ struct TcpServer::Parts {
   std::vector<tcp::acceptor> acceptors{};
   std::vector<udp::socket> datagram_sockets{}; ///< none, or one beside each acceptor
   std::array<std::uint8_t, kMaxDatagram + 1> datagram{};
-  std::array<ConnectionPtr, kMaxClients> connections{};
+  std::array<ConnectionPtr, kMaxConnections> connections{};
   asio::steady_timer timer{context};
   std::atomic<bool> stopping{false};
 
@@ -165,13 +165,13 @@ struct TcpServer::Parts {
       socket.set_option(tcp::no_delay(true), error);
     if (error)
       return;
-    const auto client =
+    const Service::ClientId client =
         service.connect(peer.address().to_string(), now_s(), datagram_port(acceptor_index));
-    if (!client)
-      return; // the socket closes: there are as many as there may be
+    if (connections[client])
+      close(*connections[client]);
     auto connection = std::make_shared<Connection>(std::move(socket), acceptor_index);
-    connection->client = *client;
-    connections[*client] = connection;
+    connection->client = client;
+    connections[client] = connection;
     receive(connection);
   }
 
@@ -239,13 +239,17 @@ struct TcpServer::Parts {
       drop(connection);
   }
 
-  void drop(Connection& connection) {
-    if (!connection.open)
-      return;
+  static void close(Connection& connection) {
     connection.open = false;
     Error ignored;
     connection.socket.shutdown(tcp::socket::shutdown_both, ignored);
     connection.socket.close(ignored);
+  }
+
+  void drop(Connection& connection) {
+    if (!connection.open)
+      return;
+    close(connection);
     service.disconnect(connection.client);
     connections[connection.client].reset();
     if (hooks.on_servo_command)
@@ -367,8 +371,10 @@ void TcpServer::run() {
 void TcpServer::stop() noexcept { parts_->stopping = true; }
 
 void TcpServer::poll() {
+  constexpr int kMaxHandlers = 256; // of those due: a flood does not hold the patch up
   parts_->context.restart();
-  parts_->context.poll();
+  for (int i = 0; i < kMaxHandlers && parts_->context.poll_one() > 0; ++i) {
+  }
   parts_->tick();
 }
 

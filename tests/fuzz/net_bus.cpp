@@ -43,17 +43,16 @@ void check_exchange(End& end) {
 
 void feed(End& end, std::span<const std::uint8_t> input) {
   const auto id = end.node.connect("127.0.0.1", now_s);
-  check(id.has_value(), "a connection was kept after it had gone");
   // In two pieces, with time in between.
   const auto first = input.first(input.size() / 2);
-  end.node.receive(*id, first, now_s);
+  end.node.receive(id, first, now_s);
   end.node.advance(now_s += 0.3);
   check_exchange(end);
-  end.node.receive(*id, input.subspan(first.size()), now_s);
+  end.node.receive(id, input.subspan(first.size()), now_s);
   end.node.advance(now_s += 0.3);
   check_exchange(end);
-  check(end.node.out(*id).size() <= OutQueue::kCapacity, "the queue is longer than it may be");
-  end.node.disconnect(*id);
+  check(end.node.out(id).size() <= OutQueue::kCapacity, "the queue is longer than it may be");
+  end.node.disconnect(id);
   check(end.exchange.ready == 0, "a peer is ready that has gone");
   std::vector<BusExchange::Notice> notices;
   check(end.exchange.try_take(notices) && notices.size() <= 64, "news without end");

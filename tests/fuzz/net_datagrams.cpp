@@ -18,7 +18,7 @@ constexpr std::string_view kPeer = "127.0.0.1";
 /// A server and a client that know each other, and use datagrams.
 struct Pair {
   Pair() : client(client_settings()) {
-    id = *server.connect(kPeer, now_s, kPort);
+    id = server.connect(kPeer, now_s, kPort);
     client.connect(now_s);
     for (int i = 0; i < 4; ++i)
       exchange();

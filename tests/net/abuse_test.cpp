@@ -159,6 +159,36 @@ TEST_CASE("tokens: wrong ones are refused, three lock out for ten seconds") {
   CHECK(attempt("correct horse battery") == "welcome 1.000000");
 }
 
+TEST_CASE("connections that have not said hello are few and short, whatever they say") {
+  ServerSettings settings = usual();
+  settings.token = "correct horse battery";
+  Rig rig(settings);
+  TestClient owner(rig);
+  owner.hello("control", settings.token);
+  std::vector<TestClient> crowd;
+  for (int i = 0; i < 4; ++i, rig.run(0.001))
+    crowd.emplace_back(rig, Framing::kLength, "10.0.0.1");
+  TestClient other(rig, Framing::kLength, "10.0.0.2"), again(rig, Framing::kLength, "10.0.0.1");
+  CHECK(other.id() == crowd[0].id()); // of the crowd's address the first gives way, twice
+  CHECK(again.id() == crowd[1].id());
+  CHECK(rig.server.clients() == 1);
+  for (int i = 0; i < 20; ++i) {
+    CHECK(!other.closing());
+    other.send_text("hap ping 1");
+    owner.send_text("hap ping 1");
+    rig.run(0.1);
+  }
+  CHECK(other.closing());
+  CHECK(!owner.closing());
+  static_cast<void>(rig.server.take_notices());
+  for (int i = 0; i < 100; ++i) {
+    TestClient one(rig, Framing::kLength, "10.0.0." + std::to_string(i));
+    one.hello("control", "wrong\nwrong");
+    one.disconnect();
+  }
+  CHECK(rig.server.take_notices().size() <= 4); // a log that nobody can fill
+}
+
 TEST_CASE("when the table of failures is full, strangers are locked out together") {
   LockOut lock_out;
   for (int peer = 0; peer < 64; ++peer)

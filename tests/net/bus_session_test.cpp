@@ -364,6 +364,28 @@ TEST_CASE("the right token enters, a wrong one does not; before hello nothing is
   link.run(0.5);
   CHECK(link.caller.exchange->ready == 1);
   RawPeer raw_peer(kToken);
+  for (const Address word : {Address::kError, Address::kBye}) {
+    raw_peer.say(Message(word).string("typed").string("typed"));
+    raw_peer.end.node.advance(raw_peer.now_s);
+    CHECK(raw_peer.end.notices().empty());
+  }
+  raw_peer.connect();
+  for (int i = 0; i < 20; ++i) { // however alive it seems
+    CHECK_FALSE(raw_peer.closing());
+    raw_peer.now_s += 0.1;
+    raw_peer.say(Message(Address::kError).string("busy").string("wait"));
+    raw_peer.end.node.advance(raw_peer.now_s);
+  }
+  raw_peer.end.node.advance(raw_peer.now_s += 0.01);
+  CHECK(raw_peer.closing());
+  End caller(BusSession::Side::kCaller);
+  const auto id = caller.node.connect("127.0.0.1", 10);
+  caller.node.receive(
+      id, frame(Framing::kSlip, Message(Address::kError).string("x").string("typed")), 10);
+  const auto said = caller.notices();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].text == "it refuses the connection");
+  raw_peer.connect();
   raw_peer.say(topic("hit", 1, 0));
   CHECK(raw_peer.answer().find("say hello first") != std::string::npos);
   raw_peer.say(Message(Address::kPing).integer(1).integer(2));

@@ -130,6 +130,12 @@ TEST_CASE("what does not say welcome is no server") {
   other.connect(10);
   CHECK(!other.receive(bytes_of("HTTP/1.1 400 Bad Request\r\n\r\n;"), 10));
   CHECK(other.trouble().find("no haptic server") != std::string::npos);
+  for (const Address word : {Address::kError, Address::kBye}) { // none of its own words
+    other.connect(10);
+    static_cast<void>(
+        other.receive(frame(Framing::kLength, Message(word).string("typed").string("typed")), 10));
+    CHECK(other.trouble() == "the server says: it refuses the connection");
+  }
 }
 
 TEST_CASE("another in control, an emergency stop and a wrong token are told") {

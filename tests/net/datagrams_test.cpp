@@ -228,17 +228,16 @@ TEST_CASE("a server that knows no datagrams is no trouble, and an ended connecti
 TEST_CASE("a server answers nobody else's datagrams, and obeys none") {
   Rig rig(usual());
   const auto id = rig.server.connect("10.0.0.5", rig.now_s, 7770);
-  REQUIRE(id.has_value());
-  rig.server.receive(*id, frame(Framing::kLength, Message(Address::kUdp).integer(1)), rig.now_s);
-  CHECK(rig.server.datagrams(*id)->key() == 0); // hello comes first
+  rig.server.receive(id, frame(Framing::kLength, Message(Address::kUdp).integer(1)), rig.now_s);
+  CHECK(rig.server.datagrams(id)->key() == 0); // hello comes first
   for (const Message& message :
        {Message(Address::kHello).integer(1).string("me").string("control").string(""),
         Message(Address::kSubscribe).string("pos").real(100),
         Message(Address::kSubscribe).string("vel").real(100), Message(Address::kUdp).integer(1)})
-    rig.server.receive(*id, frame(Framing::kLength, message), rig.now_s);
-  const std::int32_t first = rig.server.datagrams(*id)->key();
-  rig.server.receive(*id, frame(Framing::kLength, Message(Address::kUdp).integer(1)), rig.now_s);
-  const std::int32_t key = rig.server.datagrams(*id)->key();
+    rig.server.receive(id, frame(Framing::kLength, message), rig.now_s);
+  const std::int32_t first = rig.server.datagrams(id)->key();
+  rig.server.receive(id, frame(Framing::kLength, Message(Address::kUdp).integer(1)), rig.now_s);
+  const std::int32_t key = rig.server.datagrams(id)->key();
   CHECK(std::min(first, key) > 0);
   CHECK(first != key); // another with every request
   const auto takes = [&](std::string_view peer, const Message& message) {
@@ -253,30 +252,30 @@ TEST_CASE("a server answers nobody else's datagrams, and obeys none") {
   CHECK(rig.server.ignored_datagrams() == 5);
   CHECK_FALSE(rig.server.servo_command().running);
   rig.run(0.1);
-  CHECK_FALSE(rig.server.datagrams(*id)->take().has_value());
+  CHECK_FALSE(rig.server.datagrams(id)->take().has_value());
   CHECK(takes("10.0.0.5", probe));
   rig.run(0.02);
   DatagramReceiver receiver;
   receiver.open(key, 7770);
   Message message;
   int positions = 0, velocities = 0;
-  while (const auto datagram = rig.server.datagrams(*id)->take()) {
+  while (const auto datagram = rig.server.datagrams(id)->take()) {
     CHECK(receiver.take(datagram->span(), message));
     (message.address() == Address::kPosition ? positions : velocities) += 1;
   }
   CHECK(positions == 2);
   CHECK(velocities == 2);
   for (const int other : {2, 0}) // an answer of 0 ends it, a wrong one changes nothing
-    rig.server.receive(*id, frame(Framing::kLength, Message(Address::kUdp).integer(other)),
+    rig.server.receive(id, frame(Framing::kLength, Message(Address::kUdp).integer(other)),
                        rig.now_s);
-  CHECK(rig.server.datagrams(*id)->key() == 0);
-  rig.server.receive(*id, frame(Framing::kLength, Message(Address::kUdp).integer(1)), rig.now_s);
+  CHECK(rig.server.datagrams(id)->key() == 0);
+  rig.server.receive(id, frame(Framing::kLength, Message(Address::kUdp).integer(1)), rig.now_s);
   // Probes are no sign of life: the silence of TCP ends the connection all the same.
   for (int i = 0; i < 60; ++i) {
     static_cast<void>(takes("10.0.0.5", probe));
     rig.run(0.1);
   }
-  CHECK(rig.server.closing(*id));
-  rig.server.disconnect(*id);
+  CHECK(rig.server.closing(id));
+  rig.server.disconnect(id);
   CHECK_FALSE(takes("10.0.0.5", probe));
 }

@@ -112,14 +112,18 @@ TEST_CASE("an unknown address and a second hello are answered by an error and ig
 
 TEST_CASE("eight clients, not nine") {
   Rig rig(usual());
-  for (int i = 0; i < 8; ++i)
-    CHECK(rig.server.connect("127.0.0.1", 100).has_value());
-  static_cast<void>(rig.server.take_notices());
-  CHECK(!rig.server.connect("127.0.0.1", 100).has_value());
-  CHECK(rig.server.take_notices() ==
-        std::vector<std::string>{"127.0.0.1 is refused: 8 clients are connected"});
-  rig.server.disconnect(3);
-  CHECK(rig.server.connect("127.0.0.1", 100) == 3);
+  std::vector<TestClient> clients;
+  for (int i = 0; i < 9; ++i)
+    clients.emplace_back(rig).hello();
+  CHECK(rig.server.clients() == 8);
+  CHECK(clients[8].has_received("error 'full' 'it takes eight clients at once'"));
+  CHECK(clients[8].closing());
+  CHECK(rig.server.take_notices().back() ==
+        "127.0.0.1 - is refused: it takes eight clients at once");
+  clients[3].disconnect();
+  TestClient next(rig);
+  next.hello();
+  CHECK(next.has_received("welcome"));
 }
 
 TEST_CASE("streams have their rate and skip what they missed") {

@@ -92,9 +92,10 @@ def test_the_second_in_control_is_told_that_there_is_a_first(world):
 
 def test_a_server_with_eight_clients_says_that_it_is_full(world):
     server, pd = world
-    peers = [server.peer() for _ in range(8)]
-    for peer in peers:
-        peer.hello()
+    peers = []
+    for _ in range(8):
+        peers.append(server.peer())
+        peers[-1].hello()
     pd.tell_phantom("open")
     said = pd.wait_for(r"^error: .*$")
     assert "does not take the connection" in said and "eight clients" in said

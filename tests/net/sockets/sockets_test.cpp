@@ -156,6 +156,17 @@ private:
   std::thread thread_;
 };
 
+/// A connected socket of the system's, since asio's headers are compiled once, in net/.
+int call(int port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  REQUIRE(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  return socket;
+}
+
 bool stays_still(const ServerThread& server) {
   bool still = true;
   for (int i = 0; i < 300; ++i) {
@@ -297,14 +308,39 @@ TEST_CASE("settings that are not understood are refused with what there is") {
   CHECK(refusal({}).find("host HOST PORT") != std::string::npos);
 }
 
+TEST_CASE("connections without the token neither stay nor keep its owner out") {
+  ServerSettings settings;
+  settings.token = "sixteen_bytes_ok";
+  ServerThread server(0, settings);
+  std::vector<int> callers;
+  for (int i = 0; i < 12; ++i) // as many as there are places
+    callers.push_back(call(server.port()));
+  const auto send = [](int to, std::string_view line) {
+    static_cast<void>(::send(to, line.data(), line.size(), MSG_NOSIGNAL));
+  };
+  char answer[256] = {};
+  const int owner = call(server.port());
+  send(owner, "hap hello 1 me control sixteen_bytes_ok;");
+  CHECK(eventually([&] { return ::recv(owner, answer, sizeof answer, MSG_DONTWAIT) > 0; }));
+  CHECK(std::string_view(answer).starts_with("hap welcome"));
+  for (const int caller : callers) {
+    CHECK(eventually([&] {
+      send(caller, "hap ping 1;"); // on and on
+      const auto size = ::recv(caller, answer, sizeof answer, MSG_DONTWAIT);
+      return size == 0 || (size < 0 && errno != EAGAIN);
+    }));
+    ::close(caller);
+  }
+  ::close(owner);
+}
+
 namespace {
 
-/// Two clients: what they say is of no account, what they are told is what the test puts there.
+/// Places for two clients: what they say is of no account, what they are told is what the test puts
+/// there.
 class GreetingService final : public Service {
 public:
-  std::optional<ClientId> connect(std::string_view, double, int) override {
-    return count < out_.size() ? std::optional(count++) : std::nullopt;
-  }
+  ClientId connect(std::string_view, double, int) override { return count++ % out_.size(); }
   void receive(ClientId, std::span<const std::uint8_t>, double) override {}
   void disconnect(ClientId) override { ++left; }
   void close(std::string_view reason) override {
@@ -323,17 +359,6 @@ public:
 private:
   std::array<OutQueue, 2> out_{OutQueue{}, OutQueue{}};
 };
-
-/// A connected socket of the system's, since asio's headers are compiled once, in net/.
-int call(int port) {
-  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  REQUIRE(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  return socket;
-}
 
 } // namespace
 

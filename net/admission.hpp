@@ -1,0 +1,72 @@
+#pragma once
+
+#include "net/limits.hpp"
+#include "net/token.hpp"
+
+#include <string>
+
+/// Who may come in: what both protocols ask of a connection before its hello is answered, and what
+/// is told of one that has not come in.
+namespace tactus::net {
+
+/// Text from the network for a window or a log: at most 256 bytes, control characters replaced.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// Our sentence for a code by which a connection is refused; empty for any other code.
+[[nodiscard]] std::string_view refusal_text(std::string_view code) noexcept;
+
+/// What a peer that has not been admitted says in an `error` or `bye`, for a window: our sentence
+/// for a code of the protocol, never its own words.
+[[nodiscard]] std::string_view refusal_text_of_peer(std::string_view code) noexcept;
+
+/// The clients of one server or link, by the token that they bring and their number.
+class Admission {
+public:
+  explicit Admission(std::string token = {}) : token_(std::move(token)) {}
+
+  /// Lets a client in and returns "", or the code of the refusal.
+  [[nodiscard]] std::string_view admit(std::string_view peer, std::string_view token, int protocol,
+                                       double now_s);
+  void leave() noexcept { --clients_; }
+  [[nodiscard]] bool guarded() const noexcept { return token_.size() >= kMinToken; }
+  [[nodiscard]] bool needs_token() const noexcept { return !token_.empty(); }
+
+private:
+  std::string token_;
+  LockOut lock_out_{};
+  std::size_t clients_ = 0;
+};
+
+/// The place of a new connection among `sessions`, pointers to PeerConnections: a free one, or that
+/// of a pending connection, which the new one takes over. Of the address with most pending
+/// connections, the new one included, the one that came first gives way, so that an address cannot
+/// keep another out, nor connections that hold on and say nothing keep out one that says hello.
+template <class Sessions>
+[[nodiscard]] std::size_t slot_for(const Sessions& sessions, std::string_view peer) {
+  static_assert(std::tuple_size_v<Sessions> == kMaxConnections);
+  const auto pending_of = [&](std::string_view address) {
+    std::size_t count = address == peer ? 1 : 0;
+    for (const auto& session : sessions)
+      count += session && !session->admitted && session->peer == address ? 1 : 0;
+    return count;
+  };
+  std::size_t pending = 0, free = kMaxConnections, oldest = kMaxConnections, most = 0;
+  for (std::size_t i = 0; i < kMaxConnections; ++i) {
+    if (!sessions[i]) {
+      free = std::min(free, i);
+      continue;
+    }
+    if (sessions[i]->admitted)
+      continue;
+    ++pending;
+    const std::size_t crowd = pending_of(sessions[i]->peer);
+    if (crowd > most ||
+        (crowd == most && sessions[i]->connected_s < sessions[oldest]->connected_s)) {
+      oldest = i;
+      most = crowd;
+    }
+  }
+  return pending < kMaxPending ? free : oldest;
+}
+
+} // namespace tactus::net
