@@ -1,3 +1,4 @@
+#include "core/guarded.hpp"
 #include "core/module_object.hpp"
 #include "pd/shell.hpp"
 
@@ -17,5 +18,6 @@ void* create(t_symbol*, int count, t_atom* atoms) {
 extern "C" void tactus_pd_setup();
 extern "C" void tactus_pd_setup() {
   tactus::pd::the_class.module = &tactus::module_object<t_sample>();
-  tactus::pd::register_class(tactus::pd::the_class, &tactus::pd::create);
+  tactus::guarded([] { tactus::pd::register_class(tactus::pd::the_class, &tactus::pd::create); },
+                  [](const char* why) { pd_error(nullptr, "%s", why); });
 }

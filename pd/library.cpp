@@ -1,3 +1,4 @@
+#include "core/guarded.hpp"
 #include "pd/host_process.hpp"
 
 #include <string>
@@ -40,15 +41,7 @@ std::string encoded(const std::string& path) {
 /// A module is expected to bring a class of its name.
 void* make_box() { return pd_new(library); }
 
-} // namespace
-
-#ifdef _WIN32
-#define TACTUS_SET_UP __declspec(dllexport)
-#else
-#define TACTUS_SET_UP __attribute__((visibility("default")))
-#endif
-extern "C" TACTUS_SET_UP void tactus_setup();
-extern "C" TACTUS_SET_UP void tactus_setup() {
+void set_up() {
   library = class_new(gensym("tactus"), reinterpret_cast<t_newmethod>(&make_box), nullptr,
                       sizeof(t_object), CLASS_NOINLET, A_NULL);
   const std::string folder = tactus::pd::module_folder();
@@ -59,4 +52,16 @@ extern "C" TACTUS_SET_UP void tactus_setup() {
   SETSYMBOL(&path_and_save[0], gensym(encoded(folder).c_str()));
   SETFLOAT(&path_and_save[1], 0); // for this session alone
   pd_typedmess(pd, gensym("add-to-path"), 2, path_and_save);
+}
+
+} // namespace
+
+#ifdef _WIN32
+#define TACTUS_SET_UP __declspec(dllexport)
+#else
+#define TACTUS_SET_UP __attribute__((visibility("default")))
+#endif
+extern "C" TACTUS_SET_UP void tactus_setup();
+extern "C" TACTUS_SET_UP void tactus_setup() {
+  tactus::guarded(&set_up, [](const char* why) { pd_error(nullptr, "tactus: %s", why); });
 }

@@ -2,6 +2,7 @@
 
 #include "core/command.hpp"
 #include "core/declaration_text.hpp"
+#include "core/guarded.hpp"
 #include "core/named_lines.hpp"
 #include "pd/atoms.hpp"
 #include "pd/host_features.hpp"
@@ -13,7 +14,6 @@
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,7 +54,8 @@ public:
       : instance_(instance), record_(record), declaration_(*record.traits().declaration),
         canvas_(canvas_getcurrent()), creation_time_(clock_getlogicaltime()),
         signal_inlets_(count_signals(declaration_.inlets)),
-        signal_outlets_(count_signals(declaration_.outlets)) {
+        signal_outlets_(count_signals(declaration_.outlets)), in_(signal_inlets_),
+        out_(signal_outlets_) {
     voices_.emplace_back(record.module->make());
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
       voices_[0]->set(i, declaration_.parameters[i].initial);
@@ -99,65 +100,19 @@ public:
     return true;
   }
 
-  void receive(const t_symbol* selector, int count, const t_atom* atoms) {
-    const std::string_view name = selector->s_name;
-    if (name == "get")
-      return get(count, atoms);
-    if (name == "dump")
-      return dump();
-    if (name == "float" || name == "list") {
-      if (count == 0) // Pd's empty list is a bang
-        return run({"bang", {}});
-      const bool number = count == 1 && atoms[0].a_type == A_FLOAT; // [t l] sends it as a list
-      const bool takes_numbers = signal_inlets_ > 0 || record_.traits().takes_numbers;
-      if (takes_numbers && (number || !find_message(declaration_, name)))
-        return numbers_to_inlets(to_atoms(count, atoms));
-    }
-    run({name, to_atoms(count, atoms)});
+  // The calls of Pd: none goes to a member but through enter().
+  static void on_message(Instance* instance, t_symbol* selector, int count, t_atom* atoms) {
+    instance->self->enter(selector->s_name, &PdObject::receive, selector, count, atoms);
   }
-
-  void scalar(std::size_t inlet, double value) {
-    for (auto& voice : voices_)
-      voice->scalar(inlet, value, *this);
+  static void on_dsp(Instance* instance, t_signal** signals) { instance->self->dsp(signals); }
+  /// Numbers to the control inlets right of the first arrive as `_inletN value`, lists as `_listN
+  /// ...`.
+  template <std::size_t N> static void on_inlet(Instance* instance, t_floatarg value) {
+    instance->self->enter("float", &PdObject::scalar, N, static_cast<double>(value));
   }
-
-  void list(std::size_t inlet, int count, const t_atom* atoms) {
-    const std::vector<Atom> given = to_atoms(count, atoms);
-    for (auto& voice : voices_)
-      voice->list(inlet, given, *this);
-  }
-
-  void dsp(t_signal** signals) {
-    const auto& features = host_features();
-    const auto frames = static_cast<std::size_t>(signals[0]->s_n);
-    std::size_t channels = 1;
-    if (record_.traits().multichannel)
-      for (std::size_t i = 0; i < signal_inlets_; ++i)
-        channels = std::max(channels, static_cast<std::size_t>(channel_count(signals[i])));
-    while (voices_.size() < channels) {
-      AnyObject<t_sample>* copy = voices_[0]->clone();
-      if (!copy)
-        break;
-      voices_.emplace_back(copy);
-    }
-    voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
-    if (features.signal_setmultiout && record_.traits().multichannel)
-      for (std::size_t i = 0; i < signal_outlets_; ++i)
-        features.signal_setmultiout(&signals[signal_inlets_ + i], static_cast<int>(voices_.size()));
-    in_.clear();
-    out_.clear();
-    for (std::size_t v = 0; v < voices_.size(); ++v) {
-      for (std::size_t i = 0; i < signal_inlets_; ++i) {
-        const auto has = static_cast<std::size_t>(channel_count(signals[i]));
-        in_.push_back(signals[i]->s_vec + (v % std::max<std::size_t>(has, 1)) * frames);
-      }
-      for (std::size_t i = 0; i < signal_outlets_; ++i)
-        out_.push_back(signals[signal_inlets_ + i]->s_vec + v * frames);
-      voices_[v]->prepare(static_cast<double>(signals[0]->s_sr), frames);
-    }
-    block_ms_ = 1e3 * static_cast<double>(frames) / static_cast<double>(signals[0]->s_sr);
-    tick_ms_ = 1e3 * sys_getblksize() / static_cast<double>(sys_getsr());
-    dsp_add(&on_perform, 2, this, static_cast<t_int>(frames));
+  template <std::size_t N>
+  static void on_list(Instance* instance, t_symbol*, int count, t_atom* atoms) {
+    instance->self->enter("list", &PdObject::list, N, count, atoms);
   }
 
   void send(std::size_t outlet, std::span<const Atom> atoms) override {
@@ -230,6 +185,90 @@ private:
   static constexpr std::string_view kLibrary = "tactus"; // its folder, in a folder of Pd's path
   static constexpr HostPrecision kPrecision =
       sizeof(t_float) == sizeof(float) ? HostPrecision::kSingle : HostPrecision::kDouble;
+
+  /// Calls a member; a failure is one sentence, with the message or event in which it came. False
+  /// then.
+  template <class... Parameters, class... Arguments>
+  bool enter(const char* event, void (PdObject::*member)(Parameters...),
+             Arguments... arguments) noexcept {
+    return guarded([&] { (this->*member)(arguments...); },
+                   [&](const char* why) {
+                     pd_error(&instance_.object, "%.*s: %s: %s",
+                              static_cast<int>(declaration_.name.size()), declaration_.name.data(),
+                              event, why);
+                   });
+  }
+
+  void receive(const t_symbol* selector, int count, const t_atom* atoms) {
+    const std::string_view name = selector->s_name;
+    if (name == "get")
+      return get(count, atoms);
+    if (name == "dump")
+      return dump();
+    if (name == "float" || name == "list") {
+      if (count == 0) // Pd's empty list is a bang
+        return run({"bang", {}});
+      const bool number = count == 1 && atoms[0].a_type == A_FLOAT; // [t l] sends it as a list
+      const bool takes_numbers = signal_inlets_ > 0 || record_.traits().takes_numbers;
+      if (takes_numbers && (number || !find_message(declaration_, name)))
+        return numbers_to_inlets(to_atoms(count, atoms));
+    }
+    run({name, to_atoms(count, atoms)});
+  }
+
+  void scalar(std::size_t inlet, double value) {
+    for (auto& voice : voices_)
+      voice->scalar(inlet, value, *this);
+  }
+
+  void list(std::size_t inlet, int count, const t_atom* atoms) {
+    const std::vector<Atom> given = to_atoms(count, atoms);
+    for (auto& voice : voices_)
+      voice->list(inlet, given, *this);
+  }
+
+  /// A voice a channel, and room for their signals.
+  void prepare(std::size_t channels, double rate, std::size_t frames) {
+    while (voices_.size() < channels) {
+      std::unique_ptr<AnyObject<t_sample>> copy(voices_[0]->clone());
+      if (!copy)
+        break;
+      voices_.push_back(std::move(copy));
+    }
+    voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
+    in_.resize(voices_.size() * signal_inlets_);
+    out_.resize(voices_.size() * signal_outlets_);
+    for (auto& voice : voices_)
+      voice->prepare(rate, frames);
+  }
+
+  void dsp(t_signal** signals) noexcept {
+    const auto& features = host_features();
+    const auto frames = static_cast<std::size_t>(signals[0]->s_n);
+    std::size_t channels = 1;
+    if (record_.traits().multichannel)
+      for (std::size_t i = 0; i < signal_inlets_; ++i)
+        channels = std::max(channels, static_cast<std::size_t>(channel_count(signals[i])));
+    const auto rate = static_cast<double>(signals[0]->s_sr);
+    prepared_ = enter("dsp", &PdObject::prepare, channels, rate, frames);
+    if (!prepared_)
+      voices_.resize(1); // silent
+    if (features.signal_setmultiout && record_.traits().multichannel)
+      for (std::size_t i = 0; i < signal_outlets_; ++i)
+        features.signal_setmultiout(&signals[signal_inlets_ + i], static_cast<int>(voices_.size()));
+    for (std::size_t v = 0; v < voices_.size(); ++v) {
+      for (std::size_t i = 0; i < signal_inlets_; ++i) {
+        const auto has = static_cast<std::size_t>(channel_count(signals[i]));
+        in_[v * signal_inlets_ + i] =
+            signals[i]->s_vec + (v % std::max<std::size_t>(has, 1)) * frames;
+      }
+      for (std::size_t i = 0; i < signal_outlets_; ++i)
+        out_[v * signal_outlets_ + i] = signals[signal_inlets_ + i]->s_vec + v * frames;
+    }
+    block_ms_ = 1e3 * static_cast<double>(frames) / rate;
+    tick_ms_ = 1e3 * sys_getblksize() / static_cast<double>(sys_getsr());
+    dsp_add(&on_perform, 2, this, static_cast<t_int>(frames));
+  }
 
   void make_ports() {
     t_object* object = &instance_.object;
@@ -347,7 +386,10 @@ private:
     if (guard)
       guard(1);
     const double start_ms = block_start_ms();
-    for (std::size_t v = 0; v < voices_.size(); ++v)
+    if (!prepared_)
+      for (t_sample* samples : std::span(out_).first(signal_outlets_))
+        std::fill_n(samples, frames, t_sample{});
+    for (std::size_t v = 0; prepared_ && v < voices_.size(); ++v)
       voices_[v]->process({std::span(in_).subspan(v * signal_inlets_, signal_inlets_),
                            std::span(out_).subspan(v * signal_outlets_, signal_outlets_), frames,
                            start_ms});
@@ -356,6 +398,9 @@ private:
     if (report_clock_)
       clock_delay(report_clock_, 0);
   }
+
+  void tick(std::size_t timer) { voices_[0]->tick(timer, *this); }
+  void report() { voices_[0]->report(*this); }
 
   /// Logical time of the first sample of the block at hand. While Pd computes signals its logical
   /// time is the end of the tick, and so the end of a block of a tick or more; several shorter
@@ -380,17 +425,17 @@ private:
     reinterpret_cast<PdObject*>(words[1])->perform(static_cast<std::size_t>(words[2]));
     return words + 3;
   }
-  static void on_report(PdObject* self) { self->voices_[0]->report(*self); }
+  static void on_report(PdObject* self) { self->enter("report", &PdObject::report); }
   static void on_timer(Timer* timer) {
-    timer->owner->voices_[0]->tick(timer->index, *timer->owner);
+    timer->owner->enter("timer", &PdObject::tick, timer->index);
   }
   static void on_poll(PdObject* self) {
-    self->deliver_posts();
+    self->enter("result", &PdObject::deliver_posts);
     clock_delay(self->post_clock_, kPollMilliseconds);
   }
   static void on_queued(t_pd* object, void*) {
     if (object)
-      reinterpret_cast<Instance*>(object)->self->deliver_posts();
+      reinterpret_cast<Instance*>(object)->self->enter("result", &PdObject::deliver_posts);
   }
 
   Instance& instance_;
@@ -413,30 +458,16 @@ private:
   std::map<std::string, std::unique_ptr<PublishedObject>> published_;
   std::vector<const t_sample*> in_;
   std::vector<t_sample*> out_;
+  bool prepared_ = false;
 };
 
 void destroy(Instance* instance) { delete instance->self; }
 
-void on_message(Instance* instance, t_symbol* selector, int count, t_atom* atoms) {
-  instance->self->receive(selector, count, atoms);
-}
-
-void on_dsp(Instance* instance, t_signal** signals) { instance->self->dsp(signals); }
-
-/// Numbers to the control inlets right of the first arrive as `_inletN value`, lists as `_listN
-/// ...`.
-template <std::size_t N> void on_inlet(Instance* instance, t_floatarg value) {
-  instance->self->scalar(N, static_cast<double>(value));
-}
-template <std::size_t N> void on_list(Instance* instance, t_symbol*, int count, t_atom* atoms) {
-  instance->self->list(N, count, atoms);
-}
-
 template <std::size_t... N> void add_inlets(t_class* handle, std::index_sequence<N...>) {
-  (class_addmethod(handle, method(&on_inlet<N + 1>),
+  (class_addmethod(handle, method(&PdObject::on_inlet<N + 1>),
                    gensym(("_inlet" + std::to_string(N + 1)).c_str()), A_FLOAT, 0),
    ...);
-  (class_addmethod(handle, method(&on_list<N + 1>),
+  (class_addmethod(handle, method(&PdObject::on_list<N + 1>),
                    gensym(("_list" + std::to_string(N + 1)).c_str()), A_GIMME, 0),
    ...);
 }
@@ -452,24 +483,28 @@ void register_class(PdClass& record, Create create) {
                             reinterpret_cast<t_newmethod>(method(create)), method(&destroy),
                             sizeof(Instance), flags, A_GIMME, 0);
   if (record.traits().processes)
-    class_addmethod(record.handle, method(&on_dsp), gensym("dsp"), A_CANT, 0);
+    class_addmethod(record.handle, method(&PdObject::on_dsp), gensym("dsp"), A_CANT, 0);
   if (!declaration.inlets.empty() && declaration.inlets[0].kind == Port::Kind::kSignal)
     class_domainsignalin(record.handle, static_cast<int>(offsetof(Instance, main_inlet)));
   add_inlets(record.handle, std::make_index_sequence<7>{});
-  class_addanything(record.handle, method(&on_message));
+  class_addanything(record.handle, method(&PdObject::on_message));
 }
 
 void* create_instance(PdClass& record, int count, t_atom* atoms) {
   auto* instance = reinterpret_cast<Instance*>(pd_new(record.handle));
   instance->main_inlet = 0;
   instance->self = nullptr;
-  try {
-    instance->self = new PdObject(*instance, record);
-    if (instance->self->begin(count, atoms))
-      return instance;
-  } catch (const std::bad_alloc&) {
-    pd_error(instance, "%s: not enough memory", record.traits().declaration->name.data());
-  }
+  bool begun = false;
+  guarded(
+      [&] {
+        instance->self = new PdObject(*instance, record);
+        begun = instance->self->begin(count, atoms);
+      },
+      [&](const char* why) {
+        pd_error(instance, "%s: %s", record.traits().declaration->name.data(), why);
+      });
+  if (begun)
+    return instance;
   pd_free(&instance->object.ob_pd);
   return nullptr;
 }

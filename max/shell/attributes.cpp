@@ -61,9 +61,9 @@ t_max_err set_value(Instance* instance, long count, t_atom* atoms) {
     const std::vector<std::size_t> stored = stored_parameters(object.declaration());
     const std::vector<Atom> values = to_atoms(count, atoms);
     if (values.size() > stored.size())
-      throw std::length_error("the stored value has " + std::to_string(values.size()) +
-                              " numbers: expected at most " + std::to_string(stored.size()) +
-                              ", one for each parameter");
+      throw std::invalid_argument("the stored value has " + std::to_string(values.size()) +
+                                  " numbers: expected at most " + std::to_string(stored.size()) +
+                                  ", one for each parameter");
     for (std::size_t i = 0; i < values.size(); ++i)
       object.message(object.declaration().parameters[stored[i]].name, {values[i]});
   });

@@ -1,3 +1,4 @@
+#include "core/guarded.hpp"
 #include "core/module_object.hpp"
 #include "max/abi/max_abi.h"
 #include "max/shell/max_class.hpp"
@@ -5,5 +6,6 @@
 // The function that Max calls after loading a module; the only one that a module exports.
 extern "C" MAX_EXPORT void ext_main(void*);
 extern "C" MAX_EXPORT void ext_main(void*) {
-  tactus::max::register_class(tactus::module_object<double>());
+  tactus::guarded([] { tactus::max::register_class(tactus::module_object<double>()); },
+                  [](const char* why) { object_error(nullptr, "%s", why); });
 }

@@ -2,6 +2,7 @@
 
 #include "core/command.hpp"
 #include "core/declaration_text.hpp"
+#include "core/guarded.hpp"
 #include "core/named_lines.hpp"
 
 #include <string>
@@ -31,8 +32,8 @@ void relax() noexcept {
 /// Longer than any block, so that only an audio thread that stopped within a block loses commands.
 constexpr int kMaxTries = 100000;
 
-/// A message thread's hold on the object: it ends on every way out, exceptions too, or the object
-/// would be silent for good.
+/// A message thread's hold on the object: it ends on every way out, or the object would be silent
+/// for good.
 class MessageHold {
 public:
   MessageHold(Token& token, Outbox*& current, Outbox& outbox) : token_(token), current_(current) {
@@ -156,7 +157,17 @@ void Executor::wait_for_token() {
     std::this_thread::yield();
 }
 
-void Executor::carry_out(const QueuedCommand& command) {
+/// By the audio thread, too. One that fails keeps back none of those behind it.
+void Executor::carry_out(const QueuedCommand& command) noexcept {
+  tactus::guarded([&] { call(command); }, [this](const char* why) { host_.error(why); });
+  const bool is_parameter = command.kind == QueuedCommand::Kind::kParameter;
+  if (view_.refresh(*object_, is_parameter ? command.index : ParameterView::kNone))
+    shell_.changed();
+  if (is_parameter)
+    view_.answer(command.index);
+}
+
+void Executor::call(const QueuedCommand& command) {
   using Kind = QueuedCommand::Kind;
   switch (command.kind) {
   case Kind::kParameter:
@@ -193,11 +204,6 @@ void Executor::carry_out(const QueuedCommand& command) {
     break;
   }
   }
-  const bool is_parameter = command.kind == Kind::kParameter;
-  if (view_.refresh(*object_, is_parameter ? command.index : ParameterView::kNone))
-    shell_.changed();
-  if (is_parameter)
-    view_.answer(command.index);
 }
 
 void Executor::keep(Output::Kind kind, std::size_t outlet, std::span<const Atom> atoms) {

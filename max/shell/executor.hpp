@@ -65,7 +65,8 @@ public:
   [[nodiscard]] unsigned lost_outputs() const noexcept { return lost_outputs_.load(); }
 
 private:
-  void carry_out(const QueuedCommand& command);
+  void carry_out(const QueuedCommand& command) noexcept;
+  void call(const QueuedCommand& command);
   [[nodiscard]] bool take_for_block() noexcept;
   void wait_for_token();
 

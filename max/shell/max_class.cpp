@@ -44,11 +44,8 @@ void* create(t_symbol*, long count, t_atom* atoms) {
     return nullptr;
   instance->self = nullptr;
   bool begun = false;
-  try {
-    instance->self = new MaxObject(*instance, *the_class.module);
-  } catch (const std::exception&) {
-    object_error(&instance->object.z_ob, "%s", "not enough memory");
-  }
+  tactus::guarded([&] { instance->self = new MaxObject(*instance, *the_class.module); },
+                  [&](const char* why) { object_error(&instance->object.z_ob, "%s", why); });
   guarded(instance, [&](MaxObject& object) { begun = object.begin(to_atoms(count, atoms)); });
   if (begun)
     return instance;
@@ -82,20 +79,24 @@ void on_message(Instance* instance, t_symbol* selector, long count, t_atom* atom
 /// `symbol reset` is the message reset.
 void on_symbol(Instance* instance, t_symbol* word) { on_message(instance, word, 0, nullptr); }
 
-void on_assist(Instance*, void*, long direction, long index, char* text) {
-  const std::string words =
-      assistance(*the_class.module->traits.declaration, direction == ASSIST_INLET,
-                 static_cast<std::size_t>(std::max(index, 0L)));
-  const std::size_t size = std::min(words.size(), kMaxAssistance - 1);
-  std::copy_n(words.begin(), size, text);
-  text[size] = '\0';
+void on_assist(Instance* instance, void*, long direction, long index, char* text) {
+  text[0] = '\0';
+  guarded(instance, [&](const MaxObject& object) {
+    const std::string words = assistance(object.declaration(), direction == ASSIST_INLET,
+                                         static_cast<std::size_t>(std::max(index, 0L)));
+    const std::size_t size = std::min(words.size(), kMaxAssistance - 1);
+    std::copy_n(words.begin(), size, text);
+    text[size] = '\0';
+  });
 }
 
 /// Whether a file may be dropped onto the box: Max then sends it to the first message that takes
 /// one. The file itself is looked at by the message, which says what is wrong with it.
 t_atom_long on_drag(Instance* instance, t_object* drag, t_object*) {
-  const Message* message = file_message(*the_class.module->traits.declaration);
-  jdrag_object_add(drag, &instance->object.z_ob, symbol_of(message->name));
+  guarded(instance, [&](const MaxObject& object) {
+    jdrag_object_add(drag, &instance->object.z_ob,
+                     symbol_of(file_message(object.declaration())->name));
+  });
   return 1;
 }
 

@@ -107,6 +107,50 @@ TEST_CASE("timers answer in logical time and can be replaced") {
   CHECK(answers().empty());
 }
 
+TEST_CASE("a failure in any call of Pd is one sentence, and the object goes on") {
+  using Call = void (*)(Box&);
+  const std::pair<std::string, Call> calls[] = {
+      {"message", [](Box& box) { box.send("echo", {"word"}); }},
+      {"set", [](Box& box) { box.send("gain", {3}); }},
+      {"get", [](Box& box) { box.send("get", {"gain"}); }},
+      {"dump", [](Box& box) { box.send("dump"); }},
+      {"scalar", [](Box& box) { box.send(2, "float", {7}); }},
+      {"list",
+       [](Box& box) {
+         box.send(3, "list", {7, 8});
+       }},
+      {"tick", [](Box& box) { box.send("wake", {1}), advance(2); }},
+      {"posted", [](Box&) { advance(10); }},
+      {"report", [](Box& box) { static_cast<void>(box.run({}, 64)); }},
+      {"dsp", [](Box& box) { box.dsp(44100, 64); }}};
+  const std::pair<std::string, std::string> reasons[] = {{"memory", "not enough memory"},
+                                                         {"size", "not enough memory"},
+                                                         {"range", "a reason"},
+                                                         {"int", "failed without a reason"}};
+  for (const auto& [member, call] : calls)
+    for (const auto& [how, reason] : reasons) {
+      CAPTURE(member);
+      Box box("probe~", {2});
+      box.dsp(48000, 64);
+      box.send("fail", {member, how});
+      heard();
+      call(box);
+      const std::vector<std::string> said = errors();
+      REQUIRE(said.size() == 1);
+      CHECK(said[0].starts_with("probe~: "));
+      CHECK(said[0].ends_with(": " + reason));
+      if (member == "dsp")
+        CHECK(box.run({std::vector<double>(64, 1.0), std::vector<double>(64, 1.0)}, 64)[0][63] ==
+              0);
+      box.send("fail", {"nothing", "memory"});
+      box.dsp(48000, 64);
+      heard();
+      CHECK(box.run({std::vector<double>(64, 1.0), std::vector<double>(64, 1.0)}, 64)[0][63] == 2);
+    }
+  CHECK_FALSE(Box("probe~", {3.5}).made());
+  CHECK(errors() == std::vector<std::string>{"probe~: not enough memory"});
+}
+
 TEST_CASE("control outlets speak after the block, once for each") {
   Box box("probe~");
   box.dsp(48000, 16);
@@ -138,7 +182,7 @@ TEST_CASE(
     "a message of no meaning or the wrong number of arguments is one sentence, which names what "
     "there is") {
   Box box("probe~");
-  const std::string unknown = "probe~: no message '", known = "'; there are echo and wake";
+  const std::string unknown = "probe~: no message '", known = "'; there are echo, wake and fail";
   box.send("bang");
   box.send("list"); // an empty list is a bang
   box.send("symbol", {"word"});

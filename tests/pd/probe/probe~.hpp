@@ -3,6 +3,10 @@
 #include "core/object.hpp"
 
 #include <array>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace tactus::test {
@@ -28,6 +32,7 @@ struct Probe {
   static constexpr std::array kMessages{
       Message{"echo", "anything", 0, 100, "comes back out of the info outlet"},
       Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
+      Message{"fail", "member how", 2, 2, "from now on that member throws; how: memory, size, 1"},
   };
   static constexpr std::array kArguments{CreationArgument{"gain"}, CreationArgument{"echo"}};
   static constexpr Declaration declaration{"probe~",
@@ -42,18 +47,49 @@ struct Probe {
   static constexpr std::size_t timers = 1;
   static constexpr bool multichannel = true;
 
-  void set(std::size_t parameter, double value) noexcept { values[parameter] = value; }
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return values[parameter]; }
+  void fail_in(std::string_view member) const {
+    if (member != failing)
+      return;
+    if (how == "memory")
+      throw std::bad_alloc();
+    if (how == "size")
+      static_cast<void>(std::string().append(std::string().max_size() + 1, ' '));
+    if (how == "range")
+      throw std::out_of_range("a reason");
+    throw 1;
+  }
+  void prepare(double, std::size_t) const { fail_in("dsp"); }
+  void set(std::size_t parameter, double value) {
+    fail_in("set");
+    values[parameter] = value;
+  }
+  [[nodiscard]] double get(std::size_t parameter) const {
+    fail_in("get");
+    return values[parameter];
+  }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+    if (index == 2) {
+      failing = arguments[0].word;
+      how = arguments[1].word;
+      return host.wake_from_thread();
+    }
+    fail_in("message");
     if (index == 0)
       host.info(arguments);
     else
       host.wake_in(0, arguments[0].number);
   }
+  void created(Host&) const {
+    if (values[0] == 3.5)
+      throw std::bad_alloc();
+  }
+  void posted(Host&) const { fail_in("posted"); }
   void scalar(std::size_t inlet, double value, Host& host) {
+    fail_in("scalar");
     host.info({"scalar", static_cast<double>(inlet), value});
   }
   void list(std::size_t inlet, std::span<const Atom> atoms, Host& host) {
+    fail_in("list");
     std::vector<Atom> echo{"list", static_cast<double>(inlet)};
     echo.insert(echo.end(), atoms.begin(), atoms.end());
     host.info(echo);
@@ -65,17 +101,27 @@ struct Probe {
                                            static_cast<double>(block.inputs[1][n]));
     ++blocks;
   }
-  void dump_first(Host& host) { host.info({"kind", "probe"}); }
+  void dump_first(Host& host) {
+    fail_in("dump");
+    host.info({"kind", "probe"});
+  }
   void dump(Host& host) {
     host.info({"block", 1.0, static_cast<double>(blocks)});
     host.info({"block", 2.0, "last"});
     host.send(1, {-1.0}); // of no name: for dump alone
   }
-  void report(Host& host) { host.send(1, {static_cast<double>(blocks)}); }
-  void tick(std::size_t, Host& host) { host.info({"awake", host.now_ms()}); }
+  void report(Host& host) {
+    fail_in("report");
+    host.send(1, {static_cast<double>(blocks)});
+  }
+  void tick(std::size_t, Host& host) {
+    fail_in("tick");
+    host.info({"awake", host.now_ms()});
+  }
 
   std::array<double, 2> values{};
   std::size_t blocks = 0;
+  std::string failing{}, how{};
 };
 
 } // namespace tactus::test
