@@ -76,18 +76,19 @@ void send_text(Kind kind, const std::string& text) noexcept {
   prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
   if (getppid() != parent)
     _exit(1);
-  for (const int signal_number :
-       {SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU})
-    if (!under_address_sanitizer() || signal_number == SIGINT || signal_number == SIGTERM)
-      std::signal(signal_number, SIG_DFL);
+  leave_terminal_and_environment();
   std::signal(SIGPIPE, SIG_IGN);
   const int null_device = open("/dev/null", O_RDWR);
+  if (null_device < 0)
+    _exit(1); // it would keep the terminal
   dup2(null_device, STDIN_FILENO);
   dup2(null_device, STDOUT_FILENO); // the CAD kernel prints its statistics
   if (!under_address_sanitizer())   // which reports there
     dup2(null_device, STDERR_FILENO);
   g_pipe = dup2(pipe_end, STDERR_FILENO + 1);
-  close_range(static_cast<unsigned>(g_pipe) + 1, ~0U, 0);
+  if (close_range(static_cast<unsigned>(g_pipe) + 1, ~0U, 0) != 0) // before Linux 5.9
+    for (int open_file = g_pipe + 1; open_file < sysconf(_SC_OPEN_MAX); ++open_file)
+      close(open_file);
   std::set_new_handler(out_of_memory);
   const double cpu = std::min(8 * limits.progress_timeout_s + 60, 1e9);
   enter_sandbox(limits.memory_bytes, static_cast<std::uint64_t>(cpu));

@@ -1,11 +1,16 @@
 #include "fem/io/sandbox.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <fcntl.h>
+#include <initializer_list>
 #include <linux/audit.h>
+#include <linux/capability.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <sched.h>
@@ -76,6 +81,34 @@ public:
     add(BPF_STMT(BPF_RET | BPF_K, refusal(error)));
     add(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
   }
+  /// Allows the call only with one of these values in the low word of an argument, or, if `listed`
+  /// is false, with any but these.
+  void allow_values(long call, unsigned argument, std::initializer_list<std::uint32_t> values,
+                    bool listed = true) {
+    auto left = static_cast<unsigned char>(values.size());
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0,
+                 static_cast<unsigned char>(left + 3)));
+    load(low_word(argument));
+    for (const std::uint32_t value : values)
+      add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, left--, 0));
+    add(BPF_STMT(BPF_RET | BPF_K, listed ? refusal(EPERM) : SECCOMP_RET_ALLOW));
+    add(BPF_STMT(BPF_RET | BPF_K, listed ? SECCOMP_RET_ALLOW : refusal(EPERM)));
+  }
+  /// Refuses the call unless an argument, a pointer of 64 bits, is null.
+  void allow_null(long call, unsigned argument) {
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 6));
+    load(low_word(argument));
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, 0, 0, 2));
+    load(low_word(argument) + 4);
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, 0, 1, 0));
+    add(BPF_STMT(BPF_RET | BPF_K, refusal(EPERM)));
+    add(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+  }
+  /// Refuses calls from this number on, as unknown.
+  void refuse_from(std::uint32_t call) {
+    add(BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, call, 0, 1));
+    add(BPF_STMT(BPF_RET | BPF_K, refusal(ENOSYS)));
+  }
   /// Allows the call only when the low word of an argument, masked, has this value.
   void allow_only(long call, unsigned argument, std::uint32_t mask, std::uint32_t value) {
     add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 5));
@@ -121,8 +154,15 @@ bool install_filter() {
   constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
   filter.refuse_bits(SYS_openat, 2, kWriting, EACCES);
   filter.allow_only(SYS_clone, 0, CLONE_THREAD, CLONE_THREAD);
-  filter.allow_only(SYS_tgkill, 0, ~0U, static_cast<std::uint32_t>(getpid())); // abort()
-  filter.refuse_bits(SYS_prlimit64, 2, ~0U, EPERM); // limits may be read, not set
+  filter.allow_values(SYS_tgkill, 0, {static_cast<std::uint32_t>(getpid())}); // abort()
+  filter.allow_null(SYS_prlimit64, 2); // limits may be read, not set
+  // F_SETOWN and F_SETSIG would send any signal to any process; locks would stop other programs.
+  filter.allow_values(SYS_fcntl, 1, {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL, F_SETFL});
+  filter.allow_values(SYS_prctl, 0, {PR_SET_PDEATHSIG}, false); // or it would outlive the program
+  filter.refuse(SYS_ioctl, ENOTTY); // terminals: typing into them, their modes
+  // Calls that did not exist when this was written (the first is fchmodat2, of Linux 6.6).
+  constexpr std::uint32_t kFirstUnknown = 452;
+  filter.refuse_from(kFirstUnknown);
   // Refused as unknown, so that the C library takes the calls above.
   for (const long call : {SYS_clone3, SYS_openat2, SYS_io_uring_setup})
     filter.refuse(call, ENOSYS);
@@ -168,10 +208,34 @@ bool install_filter() {
                           SYS_bpf,
                           SYS_keyctl,
                           SYS_add_key,
+                          SYS_request_key,
+                          SYS_open_by_handle_at,
+                          SYS_pidfd_getfd,
+                          SYS_kcmp,
+                          SYS_process_madvise,
+                          SYS_move_pages,
+                          SYS_migrate_pages,
+                          SYS_setpriority,
+                          SYS_ioprio_set,
+                          SYS_sched_setscheduler,
+                          SYS_sched_setparam,
+                          SYS_sched_setattr,
+                          SYS_sched_setaffinity,
+                          SYS_flock,
                           SYS_setrlimit,
                           SYS_shmget,
+                          SYS_shmat,
+                          SYS_shmctl,
+                          SYS_semget,
+                          SYS_semop,
+                          SYS_semtimedop,
+                          SYS_semctl,
                           SYS_msgget,
+                          SYS_msgsnd,
+                          SYS_msgrcv,
+                          SYS_msgctl,
                           SYS_mq_open,
+                          SYS_mq_unlink,
                           SYS_userfaultfd,
                           SYS_perf_event_open})
     filter.refuse(call);
@@ -185,7 +249,31 @@ bool install_filter() {
   return filter.install();
 }
 
+/// Of a superuser's only the reading of others' files stays. (capabilities(7))
+void drop_capabilities() noexcept {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, 2> capabilities{};
+  if (syscall(SYS_capget, &header, capabilities.data()) != 0)
+    return;
+  constexpr std::uint32_t kReading = 1u << CAP_DAC_READ_SEARCH;
+  const std::uint32_t kept = capabilities[0].permitted & kReading;
+  capabilities = {};
+  capabilities[0].permitted = capabilities[0].effective = kept;
+  syscall(SYS_capset, &header, capabilities.data());
+}
+
 } // namespace
+
+void leave_terminal_and_environment() noexcept {
+  setsid();
+  clearenv();
+  for (int number = 1; number < NSIG; ++number)
+    if (!kAddressSanitizer || number == SIGINT || number == SIGTERM)
+      std::signal(number, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
 
 void enter_sandbox(std::uint64_t memory_bytes, std::uint64_t cpu_seconds) noexcept {
   if (!kAddressSanitizer)
@@ -194,6 +282,7 @@ void enter_sandbox(std::uint64_t memory_bytes, std::uint64_t cpu_seconds) noexce
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  drop_capabilities();
   try {
     (void)install_filter();
   } catch (...) { // no memory for the list of rules: the limits above remain

@@ -12,9 +12,18 @@
 #include <cstring>
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <sched.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <thread>
 #include <unistd.h>
 
@@ -133,40 +142,137 @@ TEST_CASE("silence is limited, progress is not silence") {
   CHECK(mesh.elements.size() == 1);
 }
 
-TEST_CASE("no program is started, no socket opened, no file written, no other process touched") {
+namespace {
+
+/// Runs in a process whose controlling terminal is a terminal of this test, as under a user's
+/// shell. True if action() came back.
+bool on_terminal(const std::function<void(const char* terminal)>& action) {
+  const int master = posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE((master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0));
+  const std::string terminal = ptsname(master);
+  const pid_t user = fork();
+  if (user == 0) {
+    setsid();
+    open(terminal.c_str(), O_RDWR); // becomes the controlling terminal
+    const int tty = open("/dev/tty", O_RDWR);
+    if (tty < 0)
+      _exit(2);
+    action(terminal.c_str());
+    _exit(0);
+  }
+  int status = 1;
+  while (waitpid(user, &status, 0) < 0 && errno == EINTR) {
+  }
+  close(master);
+  return status == 0;
+}
+
+} // namespace
+
+// Each row of the table in docs/security.md.
+TEST_CASE("the reader reads files and thinks, and reaches nothing else") {
   char folder[] = "/tmp/tactus_sandbox_XXXXXX";
   REQUIRE(mkdtemp(folder));
   const std::string kept = std::string(folder) + "/kept", canary = std::string(folder) + "/canary";
   REQUIRE(close(creat(kept.c_str(), 0600)) == 0);
+  const int leaked = open(kept.c_str(), O_RDONLY); // not closed on exec, as a library's may be
+  const int shared = shmget(IPC_PRIVATE, 4096, 0600);
+  setenv("TACTUS_TEST_SECRET", "1", 1);
+  std::signal(SIGUSR1, SIG_IGN);
+  sigset_t blocked, before;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGUSR2);
+  sigprocmask(SIG_BLOCK, &blocked, &before);
   const auto refused = [](bool failed, const char* what) {
     if (!failed)
       throw InputError(std::string("not refused: ") + what);
   };
   const pid_t parent = getpid();
-  CHECK(outcome([&] {
-          refused(std::system(("touch " + canary).c_str()) != 0, "system");
-          execl("/usr/bin/touch", "touch", canary.c_str(), static_cast<char*>(nullptr));
-          refused(fork() < 0, "fork");
-          refused(socket(AF_INET, SOCK_STREAM, 0) < 0, "socket");
-          refused(open(canary.c_str(), O_CREAT | O_WRONLY, 0600) < 0, "creating");
-          refused(open(kept.c_str(), O_WRONLY) < 0, "writing");
-          refused(open(kept.c_str(), O_RDONLY | O_TRUNC) < 0, "truncating");
-          refused(std::fopen(canary.c_str(), "w") == nullptr, "fopen");
-          refused(mkdir(canary.c_str(), 0700) < 0, "mkdir");
-          refused(rename(kept.c_str(), canary.c_str()) < 0, "rename");
-          refused(symlink(kept.c_str(), canary.c_str()) < 0, "symlink");
-          refused(link(kept.c_str(), canary.c_str()) < 0, "link");
-          refused(unlink(kept.c_str()) < 0, "unlink");
-          refused(chmod(kept.c_str(), 0777) < 0, "chmod");
-          refused(kill(parent, SIGTERM) < 0, "kill");
-          char byte = 0;
-          refused(read(STDIN_FILENO, &byte, 1) == 0, "reading stdin");
-          const int reading = open(kept.c_str(), O_RDONLY);
-          refused(reading >= 0, "(reading must work)");
-          std::atomic<int> ran{0};
-          std::thread([&] { ran = 1; }).join();
-          refused(ran == 1, "(threads must work)");
-        }) == "");
+  const bool came_back = on_terminal([&](const char* terminal) {
+    const std::string said = outcome([&] {
+      refused(std::system(("touch " + canary).c_str()) != 0, "system");
+      execl("/usr/bin/touch", "touch", canary.c_str(), static_cast<char*>(nullptr));
+      refused(fork() < 0, "fork");
+      refused(socket(AF_INET, SOCK_STREAM, 0) < 0, "socket");
+      refused(open(canary.c_str(), O_CREAT | O_WRONLY, 0600) < 0, "creating");
+      refused(open(kept.c_str(), O_WRONLY) < 0, "writing");
+      refused(open(kept.c_str(), O_RDONLY | O_TRUNC) < 0, "truncating");
+      refused(std::fopen(canary.c_str(), "w") == nullptr, "fopen");
+      refused(mkdir(canary.c_str(), 0700) < 0, "mkdir");
+      refused(rename(kept.c_str(), canary.c_str()) < 0, "rename");
+      refused(symlink(kept.c_str(), canary.c_str()) < 0, "symlink");
+      refused(link(kept.c_str(), canary.c_str()) < 0, "link");
+      refused(unlink(kept.c_str()) < 0, "unlink");
+      refused(chmod(kept.c_str(), 0777) < 0, "chmod");
+      refused(syscall(452, AT_FDCWD, kept.c_str(), 0777, 0) < 0 && errno == ENOSYS, "fchmodat2");
+      refused(kill(parent, SIGTERM) < 0, "kill");
+      char byte = 0;
+      refused(read(STDIN_FILENO, &byte, 1) == 0, "reading stdin");
+      // The terminal.
+      refused(open("/dev/tty", O_RDONLY) < 0, "/dev/tty");
+      refused(getsid(0) == getpid(), "the terminal's session");
+      const int tty = open(terminal, O_RDONLY | O_NOCTTY);
+      refused(tty >= 0, "(reading must work)");
+      refused(ioctl(tty, TIOCSTI, "x") < 0, "typing");
+      refused(ioctl(tty, TIOCSCTTY, 0) < 0, "taking the terminal");
+      termios modes{};
+      refused(tcgetattr(tty, &modes) < 0, "the terminal's modes");
+      close(tty);
+      // What it inherits.
+      refused(fcntl(leaked, F_GETFD) < 0, "an open file");
+      for (int number = 4; number < 1024; ++number)
+        refused(fcntl(number, F_GETFD) < 0, "an open file");
+      refused(!std::getenv("TACTUS_TEST_SECRET") && (!environ || !*environ), "the environment");
+      struct sigaction action {};
+      sigset_t mask;
+      sigaction(SIGUSR1, nullptr, &action);
+      sigprocmask(SIG_BLOCK, nullptr, &mask);
+      refused(action.sa_handler == SIG_DFL && !sigismember(&mask, SIGUSR2), "signals");
+      std::array<std::uint32_t, 2> header{0x20080522, 0};
+      std::array<std::uint32_t, 6> capabilities{};
+      syscall(SYS_capget, header.data(), capabilities.data());
+      refused((capabilities[0] & ~4U) == 0 && capabilities[3] == 0, "capabilities");
+      // Other processes of the user.
+      std::array<int, 2> ends{};
+      refused(pipe(ends.data()) == 0, "(a pipe must work)");
+      refused(fcntl(ends[0], F_SETOWN, parent) < 0, "a signal by F_SETOWN");
+      refused(fcntl(ends[0], F_SETSIG, SIGKILL) < 0, "a signal by F_SETSIG");
+      refused(setpriority(PRIO_PROCESS, static_cast<id_t>(parent), 19) < 0, "priority");
+      cpu_set_t one{};
+      CPU_SET(0, &one);
+      refused(sched_setaffinity(parent, sizeof one, &one) < 0, "affinity");
+      refused(shmat(shared, nullptr, 0) == reinterpret_cast<void*>(-1), "shared memory");
+      refused(shmctl(shared, IPC_RMID, nullptr) < 0, "removing shared memory");
+      const int reading = open(kept.c_str(), O_RDONLY);
+      refused(reading >= 0, "(reading must work)");
+      refused(flock(reading, LOCK_EX) < 0, "flock");
+      struct flock lock {};
+      lock.l_type = F_RDLCK;
+      refused(fcntl(reading, F_SETLK, &lock) < 0, "a lock");
+      refused(syscall(SYS_request_key, "user", "x", nullptr, 0) < 0 && errno == EPERM, "keys");
+      // Limits, by a pointer whose lower half is zero, too; and its own end.
+      rlimit limit{};
+      refused(setrlimit(RLIMIT_NOFILE, &limit) < 0, "setrlimit");
+      void* const even =
+          mmap(reinterpret_cast<void*>(std::uintptr_t{1} << 40), 4096, PROT_READ | PROT_WRITE,
+               MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+      refused(even != MAP_FAILED, "(memory there)");
+      refused(syscall(SYS_prlimit64, parent, RLIMIT_CORE, even, nullptr) < 0, "another's limits");
+      refused(prctl(PR_SET_PDEATHSIG, 0) < 0, "outliving the program");
+      std::atomic<int> ran{0};
+      std::thread([&] { ran = 1; }).join();
+      refused(ran == 1, "(threads must work)");
+    });
+    if (!said.empty()) {
+      std::fprintf(stderr, "%s\n", said.c_str());
+      _exit(1);
+    }
+  });
+  CHECK(came_back);
+  sigprocmask(SIG_SETMASK, &before, nullptr);
+  std::signal(SIGUSR1, SIG_DFL);
+  shmctl(shared, IPC_RMID, nullptr);
+  close(leaked);
   CHECK(access(kept.c_str(), F_OK) == 0);
   CHECK(unlink(kept.c_str()) == 0);
   CHECK(rmdir(folder) == 0); // nothing else is in it
