@@ -97,7 +97,7 @@ bool firmware_runs(Link& link) {
   ResponseParser stream;
   for (int attempt = 0; attempt < kMaxProbes; ++attempt) {
     std::vector<std::uint8_t> bytes;
-    if (!link.send(encode(Command{})) || !link.receive(bytes, kPacketBytes, kProbe_s))
+    if (!link.send(encode(kNoForce)) || !link.receive(bytes, kPacketBytes, kProbe_s))
       return false;
     for (const std::uint8_t byte : bytes)
       if (stream.process(byte))

@@ -22,7 +22,7 @@ const char* const kCancelled = "the opening of the Falcon was cancelled: open it
 constexpr double kFirstAnswer_s = 1.0;
 constexpr double kSilent_s = 0.005;    // without an answer before a read fails, and three ticks
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
-constexpr double kMinHoming_s = 0.1;   // of the homing order after "home"
+constexpr double kMinHoming_s = 0.1;   // without the homing bit after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
 constexpr int kMaxCountStep = 400;     // counts between two answers: some 15 m/s
 
@@ -104,16 +104,25 @@ std::string Falcon::open() {
 }
 
 std::string Falcon::boot(const Settings& settings) {
-  if (!settings.reload && firmware_runs(*link_))
+  // A boot loader hears noise in a question at 1.5 Mbaud: ask where firmware is known to run, or
+  // where there is nothing else to do.
+  const bool ask =
+      settings.probe || settings.firmware.empty() || loaded_path_ == link_->port().path;
+  if (!settings.reload && ask && firmware_runs(*link_))
     return {};
+  loaded_path_.clear();
   if (cancelled_)
     return kCancelled;
   if (settings.firmware.empty())
     return "the Falcon has no firmware: send firmware FILE, with the file of the manufacturer's "
            "software (tactus may not ship it; docs/devices/falcon.md)";
   std::vector<std::uint8_t> firmware;
-  const std::string problem = read_firmware(settings.firmware, firmware);
-  return problem.empty() ? upload(*link_, firmware) : problem;
+  std::string problem = read_firmware(settings.firmware, firmware);
+  if (problem.empty())
+    problem = upload(*link_, firmware);
+  if (problem.empty())
+    loaded_path_ = link_->port().path;
+  return problem;
 }
 
 std::string Falcon::start_stream() {
@@ -141,7 +150,7 @@ std::string Falcon::start_stream() {
     if (cancelled_)
       return kCancelled;
     answers = !stream_->lost() && std::chrono::steady_clock::now() < end;
-    stream_->send(Command{});
+    stream_->send(kNoForce);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   if (!answers)
@@ -153,6 +162,8 @@ std::string Falcon::start_stream() {
 
 void Falcon::close() noexcept {
   const Condition last = condition_.exchange(Condition::kClosed);
+  if (last == Condition::kLost || last == Condition::kSilent)
+    loaded_path_.clear(); // it may have been without power
   // Encoders that stand still: begin with the boot loader next time.
   if (last == Condition::kFrozen || last == Condition::kAtStop || last == Condition::kUnreachable ||
       (last == Condition::kHoming && stuck_)) {
@@ -172,9 +183,10 @@ haptic::Caps Falcon::caps() const noexcept {
   caps.workspace_min = {-kRadius_m, -kRadius_m, -kRadius_m};
   caps.workspace_max = {kRadius_m, kRadius_m, kRadius_m};
   caps.position_noise_m = position_error_m();
-  // The device answers an order with where it is then: a tick reads what the last order's answer
-  // said, and its own order acts one period after that.
-  caps.latency_ticks = 1;
+  // The device answers an order with where it is then. Order and answer each wait for a USB frame
+  // of 1 ms, and an answer of less than 62 bytes also for the serial chip's latency timer, 1 ms at
+  // least (FTDI, AN232B-04): a tick reads the answer to the order of two ticks before.
+  caps.latency_ticks = 2;
   caps.has_velocity = true; // estimated here, where the answers' own times are known
   caps.has_buttons = true;
   caps.needs_home = true;
@@ -194,13 +206,15 @@ bool Falcon::process(const Frame& frame) noexcept {
   unreachable_ = !found.found || !reachable(found.position, motor_angles(counts));
   if (unreachable_)
     return false;
-  if (jumped && (!rejected_ || exceeds_max_step(*rejected_, counts))) {
+  // An arm that passes its mark begins to count anew, in the answer that says so.
+  const bool marked = ((flags_ ^ frame_.response.flags) & Response::kHomed) != 0;
+  if (jumped && !marked && (!rejected_ || exceeds_max_step(*rejected_, counts))) {
     rejected_ = counts; // a second answer near it makes it true
     return false;
   }
   rejected_.reset();
   if (jumped)
-    estimator_.reset(); // an arm has passed its mark: that was no motion
+    estimator_.reset(); // that was no motion
   position_ = found.position;
   velocity_ = estimator_.update(position_, frame.time_s);
   frame_ = frame;
@@ -270,13 +284,14 @@ bool Falcon::write(const Vec3& force_n) noexcept {
     return false;
   commanded_n_ = {};
   Command command;
+  // Each packet keeps the device homed; "home" lets its marks go first.
   command.flags = lights(homed_);
+  if (!homing_ || homing_s_ >= kMinHoming_s)
+    command.flags |= Command::kHoming;
   if (homed_ && !unreachable_) {
     commanded_n_ = force_n * std::min(homed_s_ / kForceReturn_s, 1.0);
     command.motors = motor_counts(torques(position_, commanded_n_ * frozen_detector_.gain()),
                                   counts_per_n_m_.load(std::memory_order_relaxed));
-  } else if (!homed_) {
-    command.flags |= Command::kHoming;
   }
   stream_->send(command);
   return true;

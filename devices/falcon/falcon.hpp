@@ -13,8 +13,8 @@
 
 namespace tactus::devices::falcon {
 
-/// A Novint Falcon over libusb. Settings: device WHICH, firmware FILE, reload, led COLOUR..., home,
-/// gain COUNTS. docs/devices/falcon.md
+/// A Novint Falcon over libusb. Settings: device WHICH, firmware FILE, reload, probe 0|1,
+/// led COLOUR..., home, gain COUNTS. docs/devices/falcon.md
 class Falcon final : public haptic::Backend {
 public:
   ~Falcon() override { close(); }
@@ -34,6 +34,7 @@ private:
   struct Settings {
     std::string device, firmware;
     bool reload = false; ///< upload at the next opening even if firmware runs
+    bool probe = false;  ///< ask a device of which nothing is known whether firmware runs
   };
   [[nodiscard]] std::string boot(const Settings& settings);
   [[nodiscard]] bool process(const Frame& frame) noexcept;
@@ -42,9 +43,10 @@ private:
   [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 
-  mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
+  mutable std::mutex mutex_; // of settings and port, held briefly and never in the servo
   Settings settings_;
   Port port_;
+  std::string loaded_path_; ///< the port whose device has firmware from us; the opening thread's
   OpenDevice open_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<Stream> stream_;

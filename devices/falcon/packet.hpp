@@ -20,6 +20,10 @@ struct Command {
   std::uint8_t flags = 0;
 };
 
+/// No force. The device stays homed only while each packet has the homing bit (libnifalcon,
+/// include/falcon/core/FalconFirmware.h, "Homing Mode").
+constexpr Command kNoForce{{}, Command::kHoming};
+
 struct Response {
   enum Flags : std::uint8_t { kButtons = 0x0f, kHomed = 0x70 };
   Values encoders{};

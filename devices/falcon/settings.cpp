@@ -53,6 +53,11 @@ std::string Falcon::configure(std::span<const std::string> words) {
     settings_.reload = true;
     return {};
   }
+  if (name == "probe" && values.size() == 1 && (values[0] == "0" || values[0] == "1")) {
+    const std::scoped_lock lock(mutex_);
+    settings_.probe = values[0] == "1";
+    return {};
+  }
   if ((name == "home" || name == "calibrate") && values.empty()) {
     home_requested_ = true;
     return {};
@@ -77,8 +82,8 @@ std::string Falcon::configure(std::span<const std::string> words) {
     return {};
   }
   return "falcon: " + (name.empty() ? std::string("a setting") : name) +
-         " is not understood: expected device WHICH, firmware FILE, reload, home, led COLOUR, or "
-         "gain COUNTS";
+         " is not understood: expected device WHICH, firmware FILE, reload, probe 0|1, home, "
+         "led COLOUR, or gain COUNTS";
 }
 
 } // namespace tactus::devices::falcon

@@ -62,7 +62,7 @@ std::string Stream::start() {
 
 void Stream::stop() noexcept {
   if (sender_.joinable()) {
-    send(Command{});
+    send(kNoForce);
     const auto end = Clock::now() + kStopTimeout;
     while (!lost() && delivered_.load() < commands_written_ && Clock::now() < end) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -69,13 +69,13 @@ void FalconDouble::boot(std::span<const std::uint8_t> payload) {
         continue;
       if (Clock::now() - restarted_ < std::chrono::milliseconds(boot_ms_))
         continue;
-      if (deaf_ > 0) {
-        --deaf_;
+      if (deaf_ > 0 || confused_) {
+        deaf_ -= deaf_ > 0;
         continue;
       }
       loaded_ = false;
       greeted_ = true;
-      homed_ = 0;
+      unhome();
       for (const int reply : {0x0a, 0x44, 0x2c, 0x0d})
         to_host_.push_back(static_cast<std::uint8_t>(reply));
     }
@@ -100,8 +100,10 @@ void FalconDouble::boot(std::span<const std::uint8_t> payload) {
 }
 
 void FalconDouble::run(std::uint8_t byte) {
-  if (!loaded_)
+  if (!loaded_) {
+    confused_ = shy_;
     return;
+  }
   if (filled_ == 0 && byte != '<') {
     ++broken_;
     return;
@@ -148,7 +150,7 @@ void FalconDouble::frame() {
     ++homing_frames_;
     homed_ = homing_frames_ > 60 ? 7 : homing_frames_ > 40 ? 3 : homing_frames_ > 20 ? 1 : homed_;
   } else {
-    homing_frames_ = 0;
+    unhome();
   }
   move();
   std::array<std::uint8_t, 16> answer{};
@@ -181,8 +183,8 @@ int FalconDouble::in(std::uint8_t, std::span<std::uint8_t> payload) {
     return -EOVERFLOW;
   if (now < stalled_until_)
     return -EAGAIN;
-  // Without bytes the chip answers when its latency timer runs out.
-  if (to_host_.empty() && now - last_in_ < std::chrono::milliseconds(latency_ms_))
+  if (static_cast<int>(to_host_.size()) < split_ &&
+      now - last_in_ < std::chrono::milliseconds(latency_ms_))
     return -EAGAIN;
   last_in_ = now;
   payload[0] = static_cast<std::uint8_t>(0x01 | (divisor_ == kBootDivisor ? 0x10 : 0));
@@ -224,7 +226,9 @@ std::string FalconDouble::command(const std::string& line) {
     pose_[0] = value;
     words >> pose_[1] >> pose_[2];
   } else if (name == "unhome")
-    homed_ = 0;
+    unhome();
+  else if (name == "shy")
+    shy_ = value != 0;
   else if (name == "echo")
     wrong_echoes_ = value;
   else if (name == "boot")
@@ -236,7 +240,7 @@ std::string FalconDouble::command(const std::string& line) {
   else if (name == "buttons")
     buttons_ = value;
   else if (name == "forget")
-    loaded_ = greeted_ = acknowledged_ = false, homed_ = 0, firmware_bytes_ = 0;
+    loaded_ = greeted_ = acknowledged_ = confused_ = false, firmware_bytes_ = 0, unhome();
   else
     return "?";
   return "ok";

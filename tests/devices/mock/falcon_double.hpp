@@ -12,8 +12,11 @@ namespace tactus::mock {
 [[nodiscard]] UsbDescription falcon_description();
 
 /// A Novint Falcon as seen from its wire: the FTDI chip's requests, the boot loader, homing, and
-/// run frames, written from the protocol's public description and not from tactus's driver. Its
-/// handle is three upper arms in a hand whose intention sweeps; motors push them.
+/// run frames, written from the protocol's public description and not from tactus's driver: it
+/// stays homed while each packet has the homing bit (libnifalcon,
+/// include/falcon/core/FalconFirmware.h); its chip sends less than 62 bytes when its latency timer
+/// has run out (FTDI, AN232B-04). Its handle is three upper arms in a hand whose intention sweeps;
+/// motors push them.
 ///
 /// command() takes one line, for faults and questions:
 ///   unplug, plug             handled by the program around it
@@ -28,6 +31,9 @@ namespace tactus::mock {
 ///   unhome                   the homed flags fall
 ///   echo N                   the next N firmware uploads echo a wrong byte
 ///   deaf N                   the next N greetings of the boot loader are not answered
+///   shy 0|1                  a byte in run mode before the firmware makes its boot loader deaf
+///   until
+///                            the power is cut (said of some devices; we know of no source)
 ///   boot MS                  the boot loader hears nothing for so long after its restart
 ///   still                    the hand's intention stands at the centre
 ///   buttons B                the four bits of the grip
@@ -52,6 +58,7 @@ private:
   void run(std::uint8_t byte);
   void frame();
   void move();
+  void unhome() noexcept { homed_ = 0, homing_frames_ = 0; }
   [[nodiscard]] std::string state() const;
 
   mutable std::mutex mutex_;
@@ -64,7 +71,7 @@ private:
   int split_ = 62;
 
   // the boot loader
-  bool loaded_ = false, greeted_ = false, acknowledged_ = false;
+  bool loaded_ = false, greeted_ = false, acknowledged_ = false, shy_ = false, confused_ = false;
   std::deque<std::uint8_t> greeting_;
   long uploads_ = 0, firmware_bytes_ = 0, wrong_echoes_ = 0, deaf_ = 0, boot_ms_ = 0;
 

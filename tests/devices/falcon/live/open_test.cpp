@@ -66,6 +66,21 @@ TEST_CASE("firmware is uploaded in spite of deaf greetings and two wrong echoes,
   CHECK(rig.control.value("firmware") == 1);
 }
 
+TEST_CASE("nothing is said in run mode to a Falcon that may be in its boot loader") {
+  Rig rig;
+  rig.control.ask("forget");
+  rig.control.ask("shy 1");
+  CHECK(rig.open() == "");
+  rig.control.ask("shy 0");
+  const long uploads = rig.control.value("uploads");
+  tactus::devices::falcon::Falcon other; // knows nothing of the firmware that runs
+  rig.falcon.close();
+  std::vector<std::string> probe{"probe", "1"};
+  REQUIRE(other.configure(probe) == "");
+  CHECK(other.open() == "");
+  CHECK(rig.control.value("uploads") == uploads);
+}
+
 TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with advice" *
           doctest::test_suite("slow")) {
   Rig rig;
@@ -125,6 +140,6 @@ TEST_CASE("no force before homing, full force half a second after") {
   CHECK(full > 100);
   for (const auto& [time_s, motor] : rise)
     CHECK(static_cast<double>(motor) <= (0.05 + 1.2 * time_s / 0.5) * full);
-  CHECK(rig.until([&] { return rig.saw("flags=2"); }, 30000, {0, 0, 2})); // green
+  CHECK(rig.until([&] { return rig.saw("flags=3"); }, 30000, {0, 0, 2})); // green, kept homed
   CHECK(rig.until([&] { return rig.falcon.trouble().empty(); }));
 }

@@ -51,6 +51,23 @@ TEST_CASE("a line that is silent for 300 ms fails the reads and then comes back"
   CHECK(rig.until([&] { return rig.gap_s == 0; }));
 }
 
+TEST_CASE("a Falcon stays homed under force: each packet says so") {
+  Rig rig;
+  rig.ready(true);
+  const long frames = rig.control.value("frames");
+  bool homed = true;
+  REQUIRE(rig.until(
+      [&] {
+        homed = homed && rig.homed();
+        return rig.control.value("frames") > frames + 700;
+      },
+      30000, {0, 0, 2}));
+  CHECK(homed);
+  CHECK(std::abs(rig.control.value("motor2")) > 100);
+  rig.falcon.close(); // the last one, without force, too
+  CHECK(rig.control.value("homed") == 7);
+}
+
 TEST_CASE("homed flags that fall take the force away until the grip has been moved again") {
   Rig rig;
   rig.ready();
