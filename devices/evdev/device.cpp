@@ -3,6 +3,7 @@
 #include "devices/evdev/joysticks.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -21,6 +22,10 @@ using haptic::State;
 using haptic::Vec3;
 
 constexpr auto kBetweenUploads = std::chrono::milliseconds(4);
+// linux/input.h, struct ff_replay: above 32767 ms is unspecified; 0, which many drivers take for
+// "for ever", was sent to PID devices as no time at all (hid-pidff.c before PID_INFINITE).
+constexpr std::uint16_t kLength_ms = 1000;
+constexpr auto kBetweenStarts = std::chrono::milliseconds(250);
 constexpr std::size_t kMaxButtons = 32;
 constexpr int kMaxEventsPerTick = 256;
 
@@ -48,13 +53,23 @@ std::string Device::configure(std::span<const std::string> words) {
     settings_.reach_m = value * 1e-3;
   else if (name == "peak" && value >= 0.1 && value <= 40)
     settings_.peak_n = value;
-  else if (words.size() == 2 && (name == "reach" || name == "peak"))
+  else if (name == "wheel" && words.size() == 2 && words[1] == "auto")
+    settings_.wheel.reset();
+  else if (name == "wheel" && words.size() == 2 && (value == 0 || value == 1))
+    settings_.wheel = value == 1;
+  else if (name == "reverse" && words.size() == 2 && (value == 0 || value == 1))
+    settings_.reverse = value == 1;
+  else if (words.size() == 2 &&
+           (name == "reach" || name == "peak" || name == "wheel" || name == "reverse"))
     return "evdev: " + name + " " + words[1] + " is not possible: expected " +
-           (name == "reach" ? "1 to 1000 mm" : "0.1 to 40 N");
+           (name == "reach"   ? "1 to 1000 mm"
+            : name == "peak"  ? "0.1 to 40 N"
+            : name == "wheel" ? "0, 1 or auto"
+                              : "0 or 1");
   else
     return "evdev: " + name +
            " is not understood; there are: device INDEX, /dev/input/eventN or SERIAL, reach MM "
-           "(1..1000), peak N (0.1..40)";
+           "(1..1000), peak N (0.1..40), wheel 0|1|auto, reverse 0|1";
   return {};
 }
 
@@ -95,6 +110,7 @@ std::string Device::open_node(const std::string& node) {
   effect_ = {}; // first of all: close() takes away only what this opening has made
   effect_.type = FF_CONSTANT;
   effect_.id = -1;
+  effect_.replay.length = kLength_ms;
   file_ = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0)
     return "evdev: " + node + " does not open (" + std::strerror(errno) +
@@ -115,19 +131,16 @@ std::string Device::open_node(const std::string& node) {
     if (::write(file_, &event, sizeof event) < 0)
       continue;
   }
-  if (!upload({}))
+  two_axes_ = axes_[1].half > 0 && !active_settings_.wheel.value_or(looks_like_wheel());
+  if (!upload(constant_force({}, active_settings_.peak_n, two_axes_)))
     return "evdev: " + node + " takes no force (" + std::strerror(force_error_) +
            "): end other programs that use it, then open it again";
-  input_event play{};
-  play.type = EV_FF;
-  play.code = static_cast<unsigned short>(effect_.id);
-  play.value = 1;
-  if (::write(file_, &play, sizeof play) < 0)
-    return "evdev: " + node + " does not start a force (" + std::strerror(errno) +
+  if (!start())
+    return "evdev: " + node + " does not start a force (" + std::strerror(force_error_) +
            "): plug the device in again";
   caps_ = {};
   caps_.axes_in = axes_[2].half > 0 ? 3 : axes_[1].half > 0 ? 2 : 1;
-  caps_.axes_out = axes_[1].half > 0 ? 2 : 1;
+  caps_.axes_out = two_axes_ ? 2 : 1;
   caps_.peak_force_n = active_settings_.peak_n;
   caps_.workspace_min = Vec3{1, 1, 1} * -active_settings_.reach_m;
   caps_.workspace_max = Vec3{1, 1, 1} * active_settings_.reach_m;
@@ -151,7 +164,7 @@ void Device::close() noexcept {
   if (file_ < 0)
     return;
   if (effect_.id >= 0) {
-    static_cast<void>(upload({}));
+    static_cast<void>(upload(constant_force({}, active_settings_.peak_n, two_axes_)) && start());
     ioctl(file_, EVIOCRMFF, static_cast<long>(effect_.id));
   }
   ::close(file_);
@@ -249,6 +262,15 @@ bool Device::write(const Vec3& force_n) noexcept {
   return file_ >= 0 && force_error_ == 0;
 }
 
+/// Many wheels have a pedal for the axis Y.
+bool Device::looks_like_wheel() const {
+  std::string name = identity_.model;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name.find("wheel") != std::string::npos ||
+         std::find(buttons_.begin(), buttons_.end(), BTN_WHEEL) != buttons_.end();
+}
+
 bool Device::upload(const ConstantForce& force) noexcept {
   effect_.u.constant.level = force.level;
   effect_.direction = force.direction;
@@ -260,15 +282,34 @@ bool Device::upload(const ConstantForce& force) noexcept {
   return false;
 }
 
+/// Also again while it plays: its length then counts anew.
+bool Device::start() noexcept {
+  input_event play{};
+  play.type = EV_FF;
+  play.code = static_cast<unsigned short>(effect_.id);
+  play.value = 1;
+  if (::write(file_, &play, sizeof play) >= 0)
+    return true;
+  force_error_ = errno;
+  return false;
+}
+
+ConstantForce Device::requested_force() noexcept {
+  Vec3 force_n = forces_.read();
+  force_n = force_n * forces_.gain(); // of what was read
+  return constant_force(active_settings_.reverse ? -force_n : force_n, active_settings_.peak_n,
+                        two_axes_);
+}
+
 void Device::send_forces() noexcept {
-  ConstantForce sent{};
-  auto next = std::chrono::steady_clock::now();
+  auto next = std::chrono::steady_clock::now(), started = next;
   while (!stop_) {
-    const Vec3 force_n = forces_.read();
-    const ConstantForce requested =
-        constant_force(force_n * forces_.gain(), active_settings_.peak_n, axes_[1].half > 0);
-    if ((!(requested == sent) || force_error_ != 0) && upload(requested))
-      sent = requested;
+    const ConstantForce requested = requested_force();
+    const bool changed = force_error_ != 0 || requested.level != effect_.u.constant.level ||
+                         requested.direction != effect_.direction;
+    const auto now = std::chrono::steady_clock::now();
+    if ((changed ? upload(requested) : now - started >= kBetweenStarts) && start())
+      started = now;
     next = std::max(next + kBetweenUploads, std::chrono::steady_clock::now());
     std::this_thread::sleep_until(next);
   }

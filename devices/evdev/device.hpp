@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace tactus::devices::evdev {
 /// calibration: `peak` says what full force is in newtons.
 /// Setting an effect may wait for the cable, so a thread of its own does it, 250 times a second at
 /// most; it keeps the rule of force_timeout.hpp, and the kernel ends the force with the program.
+/// The effect lasts one second and is started again with every change and four times a second: a
+/// length of 0 is no effect for some drivers, and some take a new level only with the next start.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }
@@ -28,7 +31,8 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
-  /// "device WHICH" (index, /dev/input/eventN or serial), "reach MM" (1..1000), "peak N" (0.1..40).
+  /// "device WHICH" (index, /dev/input/eventN or serial), "reach MM" (1..1000), "peak N" (0.1..40),
+  /// "wheel 0|1|auto" (force along x alone), "reverse 0|1" (of the force, not of the position).
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -37,6 +41,8 @@ private:
   struct Settings {
     std::string device;
     double reach_m = 0.05, peak_n = 3;
+    std::optional<bool> wheel{}; ///< empty: as the device looks
+    bool reverse = false;
   };
   struct Axis {
     int code;         ///< ABS_X and so on
@@ -52,7 +58,10 @@ private:
   void handle_event(const input_event& event) noexcept;
   void set_axis(int code, int value) noexcept;
   void send_forces() noexcept;
+  [[nodiscard]] bool looks_like_wheel() const;
   [[nodiscard]] bool upload(const ConstantForce& force) noexcept;
+  [[nodiscard]] ConstantForce requested_force() noexcept;
+  [[nodiscard]] bool start() noexcept;
 
   int file_ = -1;
   haptic::Caps caps_{};
@@ -60,7 +69,7 @@ private:
   std::array<Axis, 3> axes_{{{ABS_X, 0, 1}, {ABS_Y, 2, 1}, {ABS_Z, 1, 1}}};
   std::vector<int> buttons_; ///< the key of each bit
   haptic::State state_{};
-  bool dropping_ = false;
+  bool dropping_ = false, two_axes_ = false;
 
   std::mutex settings_mutex_;
   Settings settings_, active_settings_;
@@ -68,7 +77,7 @@ private:
   haptic::TimedMailbox<haptic::Vec3> forces_;
   std::thread sender_;
   std::atomic<bool> stop_{false};
-  ff_effect effect_{};
+  ff_effect effect_{}; ///< as uploaded last
   std::atomic<int> read_error_{0}, force_error_{0};
 };
 

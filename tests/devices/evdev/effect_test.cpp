@@ -32,8 +32,10 @@ TEST_CASE("level and direction give the force back") {
 
 TEST_CASE("too much is full force, a wheel has x alone, and no number is no force") {
   CHECK(constant_force({30, 0, 0}, 2, true).level == 32767);
-  CHECK(constant_force({0, 0, 1}, 2, false) == ConstantForce{});
-  CHECK(constant_force({1, 0, 9}, 2, false) == ConstantForce{16384, 0xC000});
+  CHECK(constant_force({0, 0, 1}, 2, false) == ConstantForce{0, 0x4000});
+  CHECK(constant_force({1, 0, 9}, 2, false) == ConstantForce{-16384, 0x4000});
+  CHECK(constant_force({-9, 0, 9}, 2, false) == ConstantForce{32767, 0x4000});
+  CHECK(constant_force({NAN, 0, 0}, 2, false) == ConstantForce{0, 0x4000});
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(constant_force({NAN, 0, 0}, 2, true) == ConstantForce{});
   CHECK(constant_force({0, 0, inf}, 2, true) == ConstantForce{});

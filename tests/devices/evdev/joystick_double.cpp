@@ -6,12 +6,21 @@
 // CODE (a key goes up unheard, for the next drop), half CODE VALUE (an event without its report),
 // range MINIMUM MAXIMUM (of the axes), axes COUNT (of X, Y, Z; 3 at first), fail ERRNO (of the next
 // force orders; 0 ends it), state. Two more devices answer nothing: they are no joysticks.
+// An effect lasts its replay.length from its start; one of length 0, by the temper of the driver,
+//   0  for ever, as with memoryless devices (drivers/input/ff-memless.c);
+//   1  not at all: as no time sent to a PID device (drivers/hid/usbhid/hid-pidff.c before it had
+//      PID_INFINITE, "Convert infinite length from Linux API (0) to PID standard");
+//   2  65.535 s: as 0xffff sent to a PID device that does not take it for infinity;
+//   3  for ever, but a new level counts with the next start only (said of some; no source known).
+// State: `feltN` is the level that is felt now with temper N, `starts` how often the effect was
+// started, `lapses` how often it had come to its end before with any temper.
 #include "tests/devices/mock/child.hpp"
 
 #include <umockdev.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -81,12 +90,13 @@ public:
     } else if (name == "fail") {
       failure_ = code;
     } else if (name == "state") {
-      char text[200];
+      char text[300];
       std::snprintf(text, sizeof text,
                     "level=%d direction=%d playing=%d effects=%d uploads=%d gain=%d centre=%d "
-                    "refusals=%d length=%d",
+                    "refusals=%d length=%d starts=%d lapses=%d felt0=%d felt1=%d "
+                    "felt2=%d felt3=%d",
                     level_, direction_, playing_, effects_, uploads_, gain_, centre_, refusals_,
-                    length_);
+                    length_, starts_, lapses_, felt(0), felt(1), felt(2), felt(3));
       return text;
     } else {
       return "?";
@@ -101,7 +111,7 @@ public:
     UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     if (request == EVIOCRMFF) {
       --effects_;
-      level_ = 0;
+      level_ = playing_ = 0;
       return done(client, 0, 0);
     }
     UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, size, nullptr);
@@ -158,12 +168,25 @@ public:
       gain_ = event.value;
     else if (event.type == EV_FF && event.code == FF_AUTOCENTER)
       centre_ = event.value;
-    else if (event.type == EV_FF && event.code == 4)
+    else if (event.type == EV_FF && event.code == 4) {
+      lapses_ += playing_ && !(plays(0) && plays(1) && plays(2));
+      ++starts_;
       playing_ = event.value;
+      started_ = Clock::now();
+      started_level_ = level_;
+    }
     return done(client, static_cast<long>(data->data_len), 0);
   }
 
 private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] int felt(int temper) const {
+    return plays(temper) ? (temper == 3 ? started_level_ : level_) : 0;
+  }
+  [[nodiscard]] bool plays(int temper) const {
+    const int length_ms = length_ ? length_ : temper == 1 ? 0 : temper == 2 ? 65535 : 1 << 30;
+    return playing_ && Clock::now() - started_ < std::chrono::milliseconds(length_ms);
+  }
   static gboolean done(UMockdevIoctlClient* client, long result, int error) {
     umockdev_ioctl_client_complete(client, result, error);
     return TRUE;
@@ -180,7 +203,8 @@ private:
   std::mutex mutex_;
   std::map<int, int> axes_, keys_;
   int minimum_ = -32768, maximum_ = 32767, axis_count_ = 3, centre_ = -1, refusals_ = 0;
-  int length_ = -1;
+  int length_ = -1, started_level_ = 0, starts_ = 0, lapses_ = 0;
+  Clock::time_point started_{};
   int level_ = 0, direction_ = 0, playing_ = 0, effects_ = 0, uploads_ = 0, gain_ = 0;
   int failure_ = 0;
 };
