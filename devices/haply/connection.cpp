@@ -201,7 +201,8 @@ Vec3 Connection::next_force() noexcept {
 }
 
 /// Asks for the preset and the axes and waits until the service's configuration shows both. A
-/// service that does not know presets leaves the origin in the device's base.
+/// service that does not know presets leaves the origin in the device's base; it is an older one,
+/// which takes a force by another key.
 std::string Connection::set_up(Socket& socket) {
   const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kSetUp_s));
   is_centred_ = false;
@@ -242,12 +243,13 @@ std::string Connection::run_session(Socket& socket) {
   static_cast<void>(take(*inventory)); // later states leave out what stays
   if (std::string failure = set_up(socket); !failure.empty())
     return "Haply's service went away (" + failure + "): it is looked for again";
+  const ForceKey key = is_centred_ ? ForceKey::kVector : ForceKey::kBoth;
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / settings_.rate_hz));
   auto next = Clock::now();
   bool reported = false;
   for (int garbage = 0; !stop_;) {
     const bool last = leaving_;
-    std::string failure = socket.send(force_message(device_id_, next_force()), kAnswer_s);
+    std::string failure = socket.send(force_message(device_id_, next_force(), key), kAnswer_s);
     if (failure.empty())
       failure = socket.receive(text, kAnswer_s);
     if (last)

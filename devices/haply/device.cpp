@@ -14,11 +14,15 @@ using haptic::Vec3;
 struct Limits {
   double peak_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
 };
-// cHaplyDevices of the maker's CHAI3D fork, github.com/HaplyHaptics/chai3d.
-constexpr Limits kInverse3{10, 1000, 6, 0.15};
+// The maker's CHAI3D fork has these figures, for a pantograph (HaplyHaptics/chai3d,
+// src/devices/CHaplyDevices.cpp). Another's has 10 N, 1000 N/m, 6 N s/m, 0.15 m for the Inverse3
+// (jashenlow/chai3d_haply), with no word of where from: the lower ones hold.
+constexpr Limits kInverse3{5, 300, 2, 0.1};
 // No figure in newtons was found for the Minverse: careful, with the working sphere of the maker's
 // pages.
-constexpr Limits kMinverse{4, 400, 2, 0.04};
+constexpr Limits kMinverse{4, 300, 2, 0.04};
+// No continuous force was found for either: the share of a Touch, 0.88 N of 3.3 N, rounded down.
+constexpr double kContinuousShare = 0.25;
 // Where the handle is in the maker's examples, of a service without presets: in front of and above
 // the mounting plate. The service's axes, m.
 constexpr Vec3 kCentreFromBase{0, -0.12, 0.15};
@@ -79,6 +83,7 @@ std::string Device::open() {
   const Vec3 centre = connection_.centred() ? Vec3{} : to_project(kCentreFromBase);
   caps_ = {};
   caps_.peak_force_n = peak_n > 0 ? peak_n : limits.peak_n;
+  caps_.continuous_force_n = kContinuousShare * caps_.peak_force_n;
   caps_.stiffness_limit_n_per_m = limits.stiffness_n_per_m;
   caps_.damping_limit_n_s_per_m = limits.damping_n_s_per_m;
   caps_.workspace_min = centre - Vec3{1, 1, 1} * limits.radius_m;

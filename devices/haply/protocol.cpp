@@ -137,10 +137,13 @@ std::optional<Message> parse(std::string_view source) {
 
 namespace {
 
-Json device_message(std::string_view device_id, const Vec3& force_n) {
+Json device_message(std::string_view device_id, const Vec3& force_n, ForceKey key) {
   const Vec3 f = to_service(force_n);
-  return {{"device_id", device_id},
-          {"commands", {{"set_cursor_force", {{"vector", {{"x", f.x}, {"y", f.y}, {"z", f.z}}}}}}}};
+  const Json force{{"x", f.x}, {"y", f.y}, {"z", f.z}};
+  Json command{{"vector", force}};
+  if (key == ForceKey::kBoth)
+    command["values"] = force;
+  return {{"device_id", device_id}, {"commands", {{"set_cursor_force", command}}}};
 }
 
 Json message_of(Json device) {
@@ -151,12 +154,12 @@ Json message_of(Json device) {
 
 } // namespace
 
-std::string force_message(std::string_view device_id, const Vec3& force_n) {
-  return message_of(device_message(device_id, force_n)).dump();
+std::string force_message(std::string_view device_id, const Vec3& force_n, ForceKey key) {
+  return message_of(device_message(device_id, force_n, key)).dump();
 }
 
 std::string first_message(std::string_view device_id) {
-  Json device = device_message(device_id, {});
+  Json device = device_message(device_id, {}, ForceKey::kBoth);
   device["configure"]["preset"]["preset"] = kPreset;
   Json message = message_of(std::move(device));
   Json& configure = message["session"]["configure"];
@@ -166,7 +169,7 @@ std::string first_message(std::string_view device_id) {
 }
 
 std::string status_request(std::string_view device_id, bool basis) {
-  Json message = message_of(device_message(device_id, {}));
+  Json message = message_of(device_message(device_id, {}, ForceKey::kBoth));
   message["session"]["force_render_full_state"] = Json::object();
   if (basis)
     message["session"]["configure"]["basis"]["permutation"] = kBasis;

@@ -39,12 +39,18 @@ struct Message {
 constexpr const char* kPreset = "arm_front_centered";
 constexpr const char* kBasis = "XYZ";
 
+/// The key of the force in set_cursor_force. Services of version 3.5 take "vector" (docs.haply.co,
+/// control commands); public clients of version 3.1 send "values" (isaac-sim/IsaacLab,
+/// source/isaaclab/isaaclab/devices/haply/se3_haply.py).
+enum class ForceKey { kVector, kBoth };
+
 /// A force on one device, N, project frame.
-[[nodiscard]] std::string force_message(std::string_view device_id, const haptic::Vec3& force_n);
-/// The first message of a session: our name, the axes and the preset, and no force.
+[[nodiscard]] std::string force_message(std::string_view device_id, const haptic::Vec3& force_n,
+                                        ForceKey key = ForceKey::kVector);
+/// The first message of a session: our name, the axes and the preset, and no force, by both keys.
 [[nodiscard]] std::string first_message(std::string_view device_id);
-/// Sets zero force and asks for an answer with the configuration in it. With basis: sets the axes
-/// again, since a preset may set its own.
+/// Sets zero force, by both keys, and asks for an answer with the configuration in it. With basis:
+/// sets the axes again, since a preset may set its own.
 [[nodiscard]] std::string status_request(std::string_view device_id, bool basis);
 
 /// Vectors between the service's axes (x right, y forward, z up) and the project's.

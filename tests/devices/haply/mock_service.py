@@ -4,7 +4,9 @@ Keeps the service's rules: an inventory first, then one state for each message, 
 one message. Says "port N", then obeys lines on its standard input: `begin KIND` (all anew), `place X Y Z` (m,
 service's axes), `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`,
 `garbage N` (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers), `drop`, `pad N` (so many
-letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a
+letters more in each answer), `report`. A service of kind `old` knows no presets and no axes and takes
+a force by the key `values`, as public clients of version 3.1 send it (isaac-sim/IsaacLab,
+source/isaaclab/isaaclab/devices/haply/se3_haply.py), the others by `vector` (docs.haply.co, 3.5); `two` has a
 Minverse, 04BA, too, and no grip; `late` shows its configuration one message late; `scaled` has a mount
 that shows everything twice as large; `empty` has no device, `prose` no JSON.
 """
@@ -112,9 +114,9 @@ class Service:
         preset = device.get("configure", {}).get("preset", {}).get("preset")
         if preset and self.kind != "old":
             self.preset, self.basis = preset, "XZY"  # a preset may bring its axes
-        if (preset or self.full) and any(device["commands"]["set_cursor_force"]["vector"].values()):
+        wanted = device["commands"]["set_cursor_force"]["values" if self.kind == "old" else "vector"]
+        if (preset or self.full) and any(wanted.values()):
             self.wrong += 1  # a force before the frame is known
-        wanted = device["commands"]["set_cursor_force"]["vector"]
         if device["device_id"] not in ("049D", "04BA"[:4 * (self.kind == "two")]) or set(wanted) != set("xyz"):
             self.wrong += 1
         self.force = [float(wanted[axis]) for axis in "xyz"]

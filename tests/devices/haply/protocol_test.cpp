@@ -128,8 +128,12 @@ TEST_CASE(
   CHECK(devices::haply::force_message("049D", {1, 2, 3}) ==
         R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":)"
         R"({"x":1.0,"y":-3.0,"z":2.0}}},"device_id":"049D"}]})");
+  CHECK(devices::haply::force_message("049D", {1, 2, 3}, devices::haply::ForceKey::kBoth) ==
+        R"({"inverse3":[{"commands":{"set_cursor_force":{"values":{"x":1.0,"y":-3.0,"z":2.0},)"
+        R"("vector":{"x":1.0,"y":-3.0,"z":2.0}}},"device_id":"049D"}]})");
   CHECK(devices::haply::first_message("049D") ==
-        R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":{"x":0.0,"y":-0.0,"z":0.0}}},)"
+        R"({"inverse3":[{"commands":{"set_cursor_force":{"values":{"x":0.0,"y":-0.0,"z":0.0},)"
+        R"("vector":{"x":0.0,"y":-0.0,"z":0.0}}},)"
         R"("configure":{"preset":{"preset":"arm_front_centered"}},"device_id":"049D"}],)"
         R"("session":{"configure":{"basis":{"permutation":"XYZ"},"profile":{"name":"tactus"}}}})");
   CHECK(devices::haply::status_request("049D", false).find(R"("force_render_full_state":{})") !=

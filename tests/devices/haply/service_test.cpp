@@ -29,7 +29,7 @@ TEST_CASE("the service is looked for where the environment says, whole, or else 
   CHECK(devices::haply::default_address().port == "10001");
 }
 
-TEST_CASE("what a device can do: the maker's limits, around the middle that the preset sets") {
+TEST_CASE("what a device can do: careful limits, around the middle that the preset sets") {
   Mock mock;
   const auto device = make();
   CHECK(device->trouble() == "");
@@ -38,11 +38,12 @@ TEST_CASE("what a device can do: the maker's limits, around the middle that the 
   REQUIRE(device->open() == "");
   const haptic::Caps caps = device->caps();
   CHECK(caps.latency_ticks == 1); // a message carries a force there and a state back
-  CHECK(caps.peak_force_n == 10);
-  CHECK(caps.stiffness_limit_n_per_m == 1000);
-  CHECK(caps.damping_limit_n_s_per_m == 6);
-  CHECK(caps.workspace_min == Vec3{-0.15, -0.15, -0.15});
-  CHECK(caps.workspace_max == Vec3{0.15, 0.15, 0.15});
+  CHECK(caps.peak_force_n == 5);
+  CHECK(caps.continuous_force_n == 1.25);
+  CHECK(caps.stiffness_limit_n_per_m == 300);
+  CHECK(caps.damping_limit_n_s_per_m == 2);
+  CHECK(caps.workspace_min == Vec3{-0.1, -0.1, -0.1});
+  CHECK(caps.workspace_max == Vec3{0.1, 0.1, 0.1});
   CHECK(caps.rate_hz == 1000);
   CHECK((caps.has_velocity && caps.has_buttons && caps.has_rotation && caps.needs_home));
   CHECK(device->identity().vendor == "Haply");
@@ -72,7 +73,8 @@ TEST_CASE(
   mock.tell("workspace");
   mock.tell("place 0.01 -0.14 0.18");
   CHECK(drive_until(*device, {}, at({0.01, 0.18, 0.14})));
-  CHECK(mock.report().wrong == 0);
+  CHECK(drive_until(*device, {1, 0, 0}, [&](bool, const State&) { return mock.report().x == 1; }));
+  CHECK(mock.report().wrong == 0); // an older service, and the force by its key
 }
 
 TEST_CASE("a session that has ended leaves a device that is neither read nor opened") {
@@ -129,7 +131,8 @@ TEST_CASE("one of two devices is chosen by its number or id, and a small one has
     CHECK(device->identity().model == "minverse");
     const haptic::Caps caps = device->caps();
     CHECK(caps.peak_force_n == 4);
-    CHECK(caps.stiffness_limit_n_per_m == 400);
+    CHECK(caps.continuous_force_n == 1);
+    CHECK(caps.stiffness_limit_n_per_m == 300);
     CHECK(caps.damping_limit_n_s_per_m == 2);
     CHECK(caps.workspace_min == Vec3{-0.04, -0.04, -0.04});
     CHECK(caps.workspace_max == Vec3{0.04, 0.04, 0.04});
