@@ -180,8 +180,6 @@ void ContactSolver::end(std::size_t slot) noexcept {
     return;
   contacts_[slot].active = false;
   contacts_[slot].exciter.force_n = 0;
-  contacts_[slot].exciter.impact.release();
-  contacts_[slot].exciter.friction.release();
   contact_modes_->remove_contact(slot);
   list_touching();
   couple();
