@@ -10,7 +10,8 @@ import numpy
 import pytest
 
 from harness import Patch
-from harness.run import ROOT, stage_folder
+from harness.live import HALF_BLOCK_MS, played, took_ms
+from harness.run import ROOT
 from harness.sound import RATE, cents, level, part, peak, spectrum
 
 LIVE = ROOT / "patches" / "live"
@@ -235,36 +236,22 @@ def test_a_voice_that_is_taken_over_neither_bursts_nor_clicks():
     assert numpy.abs(numpy.diff(fade)).max() < 2 * numpy.abs(numpy.diff(before)).max()
 
 
-def live(folder, boxes, cords, events):
-    """What Pd prints, in real time, of boxes fed by `r event` under (ms before it, message)."""
-    (folder / "events.txt").write_text("".join(f"{ms} event {words};\n" for ms, words in events) + "500 pd quit;\n")
-    boxes = ["obj loadbang", "msg read events.txt \\, bang", "msg \\; pd dsp 1", "obj qlist", *boxes]
-    (folder / "live.pd").write_text("#N canvas 0 0 600 400 12;\n" + "".join(
-        f"#X {kind} 10 10 {words};\n" for kind, words in (b.split(" ", 1) for b in boxes)) + "".join(
-            f"#X connect {cord};\n" for cord in ["0 0 2 0", "0 0 1 0", "1 0 3 0", *cords]))
-    return subprocess.run(["pd", "-nogui", "-oss", "-noaudio", "-nomidi", "-noprefs", "-stderr", "-path", str(LIVE),
-                           "-path", str(stage_folder()), "-open", str(folder / "live.pd")], capture_output=True,
-                          text=True, timeout=60).stderr
-
-
 def test_no_note_or_bend_of_struck_bodies_stops_the_sound(tmp_path):
-    """Each takes less than half a block, .67 ms, in one of three rounds at least: the others may have met a machine
-    that did something else."""
-    once = [(300, f"note {key} 100") for key in (60, 40, 96, 28)] + [(50, f"bend {50 * i}") for i in range(1, 4)] + [
-        (50, f"note {key} 0") for key in (60, 40, 96, 28)]
-    text = live(tmp_path, ["obj r event", "obj t b a b", "obj tactus_keys 8 0",
-                           "obj clone -s 1 keys_body_voice 8 own plate.modal.npz", "obj realtime", "obj print took"],
-                ["4 0 5 0", "5 2 8 0", "5 1 6 0", "6 0 7 0", "5 0 8 1", "8 0 9 0"], [(3000, "note 60 0")] + 3 * once)
-    took = numpy.array([float(ms) for ms in re.findall(r"^took: (\S+)$", text, re.M)][1:]).reshape(3, len(once))
-    assert took.min(axis=0).max() < 0.67
+    notes = [("own-event", f"note {key} {velocity} 1") for velocity in (100, 0) for key in (60, 40, 96, 28)]
+    bends = [("own-event", f"bend {value} 1") for value in (3000, 8000)]
+    patch = tmp_path / "keys.pd"
+    patch.write_text((LIVE / "keys_body.pd").read_text().replace("\\$0", "own"))
+    took = took_ms(tmp_path, notes[:4] + bends + notes[4:] + notes[:1], [patch], 150)
+    assert max(took) < HALF_BLOCK_MS, took
 
 
 def test_with_sync_2_strikes_and_info_wait_for_the_size_that_came_before_them(tmp_path):
-    text = live(tmp_path, ["obj r event", "obj modal_impact~ plate -sync 2", "obj route box", "obj print box"],
-                ["4 0 5 0", "5 3 6 0", "6 0 7 0"],
-                [(0, "info"), (1500, "size 2"), (0, "hit 300 180 0 1"), (0, "info"), (300, "size 3"), (0, "info")])
+    text = played(tmp_path, [(ms, "event", words) for ms, words in [
+        (0, "info"), (1500, "size 2"), (0, "hit 300 180 0 1"), (0, "info"), (300, "size 3"), (0, "info"), (500, "info")]],
+                ["obj r event", "obj modal_impact~ plate -sync 2", "obj route box", "obj print box"],
+                ["4 0 5 0", "5 3 6 0", "6 0 7 0"])
     widths = [float(words.split()[3]) for words in re.findall(r"^box: (.*)$", text, re.M)]
-    assert numpy.allclose(widths, widths[0] * numpy.array([1, 2, 3])), text
+    assert numpy.allclose(widths, widths[0] * numpy.array([1, 2, 3, 3])), text
     assert "mm off the body" not in text  # as it is for a plate of half that size
 
 
