@@ -1,6 +1,7 @@
 #include "net/bus_link.hpp"
 
 #include "core/haptic/device/force_timeout.hpp"
+#include "core/retired_threads.hpp"
 #include "net/backoff.hpp"
 #include "net/bus_topic.hpp"
 #include "net/clock.hpp"
@@ -26,38 +27,6 @@ constexpr double kLinkConnect_s = 2, kCloseTimeout_s = 0.2;
 constexpr int kSilentAttempts = 2;   ///< to connect, before a failure is reported
 constexpr double kPortInUse_s = 0.5; ///< for a link that has just ended to release its port
 constexpr auto kLinkPollInterval = std::chrono::milliseconds(5);
-
-/// Threads whose owners have gone, until they have ended: at the end of the program at the latest.
-class Retired {
-public:
-  ~Retired() {
-    for (Entry& entry : entries_)
-      entry.thread.join();
-  }
-  void add(std::thread thread, std::shared_ptr<const std::atomic<bool>> ended) {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(entries_, [](Entry& entry) {
-      if (!*entry.ended)
-        return false;
-      entry.thread.join(); // has returned, or is about to
-      return true;
-    });
-    entries_.push_back({std::move(thread), std::move(ended)});
-  }
-
-private:
-  struct Entry {
-    std::thread thread;
-    std::shared_ptr<const std::atomic<bool>> ended;
-  };
-  std::mutex mutex_{};
-  std::vector<Entry> entries_{};
-};
-
-Retired& retired() {
-  static Retired threads;
-  return threads;
-}
 
 } // namespace
 
@@ -111,7 +80,7 @@ void BusLink::disconnect() noexcept {
     return;
   worker_->stop();
   if (worker_->thread.joinable())
-    retired().add(std::move(worker_->thread), worker_->ended);
+    RetiredThreads::add(std::move(worker_->thread), worker_->ended);
   worker_.reset();
 }
 

@@ -1,10 +1,12 @@
 #include "externals/modal_impact~/table_worker.hpp"
 
+#include "core/retired_threads.hpp"
+#include "externals/normal_priority.hpp"
 #include "files/file_bytes.hpp"
 #include "files/modal_table.hpp"
 
 #include <cstddef>
-#include <new>
+#include <exception>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -22,64 +24,74 @@ TableWorker::~TableWorker() {
   if (!thread_.joinable())
     return;
   {
-    const std::lock_guard lock(mutex_); // or the thread could look before and wait after
-    thread_.request_stop();
+    const std::lock_guard lock(state_->mutex); // or the thread could look before and wait after
+    state_->stop = true;
+    state_->ready = nullptr;
+    state_->waiting.reset();
+    state_->done.reset();
+    state_->pending_before = state_->pending_table = nullptr;
   }
-  wake_.notify_all();
-  thread_.join();
+  state_->wake.notify_all();
+  RetiredThreads::add(std::move(thread_), {state_, &state_->ended});
 }
 
 std::string TableWorker::request(const Request& request, std::function<void()> ready) {
   if (!thread_.joinable()) {
     try {
-      thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+      thread_ = std::thread([state = state_] {
+        set_normal_priority();
+        state->work();
+        state->ended = true;
+      });
     } catch (const std::system_error& error) {
       return std::string("no thread starts to read tables (") + error.what() +
              "); they are read at once, which may interrupt the sound";
     }
   }
+  State& state = *state_;
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(state.mutex);
     // A change of settings keeps a load that still waits.
     Request next = request;
     next.number = ++requested_;
-    if (waiting_ && next.path.empty()) {
-      next.path = waiting_->path;
-      next.name = waiting_->name;
+    if (state.waiting && next.path.empty()) {
+      next.path = state.waiting->path;
+      next.name = state.waiting->name;
     }
-    if (waiting_ && waiting_->replaces && waiting_->replaces == next.table) {
-      next.replaces = waiting_->replaces;
-      next.table = waiting_->table;
+    if (state.waiting && state.waiting->replaces && state.waiting->replaces == next.table) {
+      next.replaces = state.waiting->replaces;
+      next.table = state.waiting->table;
     }
-    if (waiting_ && !next.board)
-      next.board = waiting_->board;
-    waiting_ = std::move(next);
-    if (reads_first(*waiting_))
-      loads_first_ = true;
-    ready_ = std::move(ready);
+    if (state.waiting && !next.board)
+      next.board = state.waiting->board;
+    state.waiting = std::move(next);
+    if (reads_first(*state.waiting))
+      state.loads_first = true;
+    state.ready = std::move(ready);
   }
-  wake_.notify_all();
+  state.wake.notify_all();
   return {};
 }
 
 /// Redirects a request for a replaced table to the new one.
-void TableWorker::follow(Request& request) const {
-  if (!pending_table_ || request.table != pending_before_)
+void TableWorker::State::follow(Request& request) const {
+  if (!pending_table || request.table != pending_before)
     return;
-  if (request.table && &request.table->body() != &pending_table_->body() &&
-      !pending_table_->body().follows(
+  if (request.table && &request.table->body() != &pending_table->body() &&
+      !pending_table->body().follows(
           request.table->body())) // the displacements belong to the old body
     request.settings.shape_displacement_m.clear();
-  request.table = pending_table_;
+  request.table = pending_table;
 }
 
 std::optional<TableWorker::Result> TableWorker::take() {
-  const std::lock_guard lock(mutex_);
-  if (waiting_)
-    follow(*waiting_);
-  pending_before_ = pending_table_ = nullptr;
-  loads_first_ = reading_first_ || (waiting_ && reads_first(*waiting_));
-  return std::exchange(done_, std::nullopt);
+  State& state = *state_;
+  const std::lock_guard lock(state.mutex);
+  if (state.waiting)
+    state.follow(*state.waiting);
+  state.pending_before = state.pending_table = nullptr;
+  state.loads_first = state.reading_first || (state.waiting && reads_first(*state.waiting));
+  return std::exchange(state.done, std::nullopt);
 }
 
 TableWorker::Result TableWorker::execute(const Request& request) {
@@ -127,51 +139,53 @@ TableWorker::Result TableWorker::execute(const Request& request) {
       result.refusal = subject + result.refusal;
     else if (result.table)
       result.model = std::make_unique<BodyModel>(result.table, settings);
-  } catch (const std::bad_alloc&) {
+  } catch (const std::exception&) { // bad_alloc, or the length_error of a container
     result.refusal = subject + "not enough memory";
     result.model.reset();
   }
   return result;
 }
 
-void TableWorker::work(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
+void TableWorker::State::work() {
+  for (;;) {
     Request request;
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return waiting_.has_value() || stop.stop_requested(); });
-      if (stop.stop_requested())
+      std::unique_lock lock(mutex);
+      wake.wait(lock, [&] { return waiting.has_value() || stop; });
+      if (stop)
         return;
-      request = std::move(*waiting_);
-      waiting_.reset();
+      request = std::move(*waiting);
+      waiting.reset();
       follow(request);
-      reading_first_ = reads_first(request);
+      reading_first = reads_first(request);
     }
     Result result = execute(request);
-    const std::lock_guard lock(mutex_);
-    reading_first_ = false;
+    const std::lock_guard lock(mutex);
+    if (stop)
+      return;
+    reading_first = false;
     // A newer result replaces one that has not been taken, unless it failed or its table has been
     // replaced meanwhile.
-    if (done_ && done_->model && !result.model) {
-      done_->refusal = result.refusal;
-    } else if (!done_ || !done_->loaded || result.loaded || request.table == done_->table) {
-      if (done_ && result.model) {
-        if (done_->loaded && !result.loaded)
-          result.path = done_->path;
-        result.loaded |= done_->loaded;
-        result.board_loaded |= done_->board_loaded;
+    if (done && done->model && !result.model) {
+      done->refusal = result.refusal;
+    } else if (!done || !done->loaded || result.loaded || request.table == done->table) {
+      if (done && result.model) {
+        if (done->loaded && !result.loaded)
+          result.path = done->path;
+        result.loaded |= done->loaded;
+        result.board_loaded |= done->board_loaded;
       }
       if (result.model && (result.table != request.table || request.replaces)) {
-        if (!pending_table_)
-          pending_before_ = request.replaces ? request.replaces : request.table;
-        pending_table_ = result.table;
+        if (!pending_table)
+          pending_before = request.replaces ? request.replaces : request.table;
+        pending_table = result.table;
       }
-      done_ = std::move(result);
+      done = std::move(result);
     }
-    if (done_)
-      done_->number = request.number;
-    if (ready_)
-      ready_();
+    if (done)
+      done->number = request.number;
+    if (ready)
+      ready();
   }
 }
 

@@ -14,7 +14,8 @@
 
 namespace tactus::modal {
 
-/// Reads tables and builds models in a thread of its own, or at once. Waiting requests are merged:
+/// Reads tables and builds models in a thread of normal priority, or at once; its end waits for
+/// nothing. Waiting requests are merged:
 /// the last load, the last board and the last settings count.
 class TableWorker {
 public:
@@ -55,25 +56,31 @@ public:
   [[nodiscard]] std::uint64_t requested() const noexcept { return requested_; }
   /// Whether a table is being read while there is none yet, until its result has been taken. Any
   /// thread; waits for nothing.
-  [[nodiscard]] bool loads_first() const noexcept { return loads_first_.load(); }
+  [[nodiscard]] bool loads_first() const noexcept { return state_->loads_first.load(); }
   /// Executes a request in the caller's thread.
   [[nodiscard]] static Result execute(const Request& request);
 
 private:
-  void work(const std::stop_token& stop);
-  void follow(Request& request) const;
-
   std::uint64_t requested_ = 0;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<Request> waiting_;
-  std::optional<Result> done_;
-  /// The table in `done_` and the one that it replaces: requests for that one are for the new one.
-  std::shared_ptr<const LoadedTable> pending_before_, pending_table_;
-  std::function<void()> ready_;
-  bool reading_first_ = false; ///< the request at hand reads the first table
-  std::atomic<bool> loads_first_{false};
-  std::jthread thread_;
+  /// What the thread uses: it may outlive the worker, which waits for no read.
+  struct State {
+    void work();
+    void follow(Request& request) const;
+
+    std::mutex mutex;
+    std::condition_variable wake;
+    std::optional<Request> waiting;
+    std::optional<Result> done;
+    /// The table in `done` and the one that it replaces: requests for that one are for the new one.
+    std::shared_ptr<const LoadedTable> pending_before, pending_table;
+    std::function<void()> ready; ///< null once the worker has gone
+    bool stop = false;
+    bool reading_first = false; ///< the request at hand reads the first table
+    std::atomic<bool> loads_first{false};
+    std::atomic<bool> ended{false};
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+  std::thread thread_;
 };
 
 } // namespace tactus::modal

@@ -4,6 +4,11 @@
 #include "externals/stress_haptic/stress_worker.hpp"
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
 #include <thread>
 
 #include <doctest/doctest.h>
@@ -42,6 +47,33 @@ TEST_CASE("a reader of tables ends") {
       std::this_thread::yield();
   }
   CHECK(ready > 0);
+}
+
+TEST_CASE("a reader of tables that goes while it reads is not waited for") {
+  const auto path = std::filesystem::temp_directory_path() / "tactus_long_read.modal.npz";
+  std::ofstream(path).put('x');
+  std::filesystem::resize_file(path, std::uintmax_t{1} << 29); // read in tenths of a second
+  modal::TableWorker::Request request;
+  request.path = request.name = path.string();
+  std::atomic<int> ready{0};
+  bool left_behind = false;
+  for (int i = 0; i < 10 && !left_behind; ++i) { // where this thread stalls, the read may end first
+    request.table = std::make_shared<const modal::LoadedTable>(modal::ModalTable{});
+    const std::weak_ptr<const modal::LoadedTable> held = request.table;
+    {
+      modal::TableWorker worker;
+      REQUIRE(worker.request(request, [&] { ++ready; }).empty());
+      request.table.reset();
+      while (held.use_count() < 3 && ready == 0) // it waits, and is then copied to be carried out
+        std::this_thread::yield();
+    }
+    left_behind = !held.expired() && ready == 0;
+    while (!held.expired())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ready = 0;
+  }
+  CHECK(left_behind);
+  std::filesystem::remove(path);
 }
 
 TEST_CASE("a solver of modes ends") {
