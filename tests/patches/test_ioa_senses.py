@@ -102,3 +102,17 @@ def test_forces_stop_when_none_comes_for_100_ms(tmp_path):
         patch.at(ms, driver, "bang")
     found = [a[1:] for _, a in patch.render(0.25).logs["info"] if a[0] == "force"]
     assert found[0] == pytest.approx([0, 1.5, 0], abs=1e-3) and found[-1] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("message, end", [("path hand.txt", (9, 8, 7)), ("path line 1 2 3 4 5 6 100", (4, 5, 6))])
+def test_the_devices_path_is_a_file_beside_the_patch_that_uses_the_module(tmp_path, message, end):
+    (tmp_path / "patch").mkdir()
+    rows(tmp_path / "patch" / "hand.txt", (0, 1, 2, 3), (100, *end))
+    patch = Patch()
+    sensor = patch.obj("ioa_sdd_phantom", "lab")
+    patch.log("raw", sensor)
+    patch.at(10, patch.obj("s", "lab.phantom"), "hand rigid")
+    patch.at(10, patch.obj("s", "lab.phantom"), message)
+    raw = [atoms for _, atoms in patch.render(0.4, keep=tmp_path / "patch").logs["raw"] if atoms[0] == "raw"]
+    positions = numpy.array([atoms[2:5] for atoms in raw], float)
+    assert numpy.abs(positions - end).sum(1).min() < 0.2
