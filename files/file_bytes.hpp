@@ -1,12 +1,24 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tactus::files {
 
-/// A whole file below 2 GB; returns why it cannot be read, to follow the file's name, else nothing.
-[[nodiscard]] std::string read_file(const std::string& path, std::vector<std::byte>& bytes);
+/// Opens a regular file for reading. Of anything else the stream has failed: a FIFO or a device
+/// would be waited for, perhaps for ever.
+[[nodiscard]] std::ifstream open_file(std::string_view path);
+
+/// Reads a whole regular file. Returns a sentence when that fails, else an empty one.
+inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{2} << 30;
+[[nodiscard]] std::string read_file(std::string_view path, std::vector<std::byte>& bytes,
+                                    std::uint64_t max_bytes = kMaxFileBytes);
+[[nodiscard]] std::string read_file(std::string_view path, std::string& text,
+                                    std::uint64_t max_bytes);
 
 } // namespace tactus::files

@@ -1,6 +1,7 @@
 #include "files/modal_table.hpp"
 
 #include "files/json.hpp"
+#include "files/product.hpp"
 #include "files/shape_parameters.hpp"
 #include "files/table_arrays.hpp"
 
@@ -182,10 +183,11 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
       return arrays.refuse("the multipoles of mode " + std::to_string(k) +
                            " do not fit mp_lmax and mp_off");
   }
-  const std::size_t expected = static_cast<std::size_t>(out.offset[modes]) * out.scales.size();
-  if (coefficients->count() != expected)
+  const auto waves = static_cast<std::uint64_t>(out.offset[modes]);
+  if (product(waves, out.scales.size()) != coefficients->count())
     return arrays.refuse("array 'mp_coef' has " + std::to_string(coefficients->count()) +
-                         " numbers: expected " + std::to_string(expected));
+                         " numbers: expected " + std::to_string(waves) + " for each of " +
+                         std::to_string(out.scales.size()) + " scales");
   for (std::size_t s = 0; s < out.scales.size(); ++s)
     if (!(out.scales[s] > 0) || (s > 0 && out.scales[s] <= out.scales[s - 1]))
       return arrays.refuse("array 'mp_scales' must ascend above 0");
@@ -223,12 +225,12 @@ void read_band(TableArrays& arrays, ModalTable& table) {
   for (std::size_t f = 0; f < out.frequency_hz.size(); ++f)
     if (!(out.frequency_hz[f] > 0) || (f > 0 && out.frequency_hz[f] <= out.frequency_hz[f - 1]))
       return arrays.refuse("array 'mp_band_freq' must ascend above 0");
-  const std::size_t expected =
-      static_cast<std::size_t>(out.offset[modes]) * out.frequency_hz.size();
-  if (out.frequency_hz.size() < 4 || coefficients->count() != expected)
+  const auto waves = static_cast<std::uint64_t>(out.offset[modes]);
+  if (out.frequency_hz.size() < 4 ||
+      product(waves, out.frequency_hz.size()) != coefficients->count())
     return arrays.refuse("array 'mp_band_coef' has " + std::to_string(coefficients->count()) +
-                         " numbers: expected " + std::to_string(expected) +
-                         " at 4 frequencies or more");
+                         " numbers: expected " + std::to_string(waves) + " at each of " +
+                         std::to_string(out.frequency_hz.size()) + " frequencies, 4 or more");
   out.coefficients = coefficients->single_complex_values();
   if (!all_finite(out.coefficients))
     return arrays.refuse("array 'mp_band_coef' holds numbers that are not finite");

@@ -1,12 +1,12 @@
 #include "files/npz.hpp"
 
 #include "files/npy_header.hpp"
+#include "files/product.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
-#include <limits>
 #include <type_traits>
 
 namespace tactus::files {
@@ -37,10 +37,11 @@ std::size_t find_end_record(std::span<const std::byte> file) {
 struct Member {
   std::string name;
   std::uint32_t method, checksum, stored, size, local;
+  std::span<const std::byte> bytes{};
 };
 
-std::string member_bytes(std::span<const std::byte> file, const Member& member,
-                         std::span<const std::byte>& bytes) {
+/// Finds a member's bytes; empty, else what is wrong.
+std::string locate(std::span<const std::byte> file, Member& member) {
   const std::string named = "member '" + member.name + "' ";
   if (member.method == 8)
     return named + "is compressed: save with numpy.savez, not savez_compressed";
@@ -57,18 +58,20 @@ std::string member_bytes(std::span<const std::byte> file, const Member& member,
                             number_at(file, member.local + 28, 2);
   if (begin > file.size() || file.size() - begin < member.size)
     return named + "is cut off";
-  bytes = file.subspan(begin, member.size);
-  if (crc32(bytes) != member.checksum)
-    return named + "is damaged: its checksum differs";
+  member.bytes = file.subspan(begin, member.size);
   return {};
 }
 
-/// Multiplies; false when that does not fit.
-bool multiply(std::size_t& product, std::size_t by) {
-  if (by != 0 && product > std::numeric_limits<std::size_t>::max() / by)
-    return false;
-  product *= by;
-  return true;
+/// Members that share bytes would let a small file be read a thousand times over, and fill as much
+/// memory. Empty, else what is wrong.
+std::string overlap(std::span<const std::byte> file, std::vector<Member>& members) {
+  std::sort(members.begin(), members.end(),
+            [](const Member& a, const Member& b) { return a.local < b.local; });
+  for (std::size_t m = 1; m < members.size(); ++m)
+    if (const Member& before = members[m - 1];
+        file.data() + members[m].local < before.bytes.data() + before.bytes.size())
+      return "members '" + before.name + "' and '" + members[m].name + "' overlap";
+  return {};
 }
 
 /// Reads the directory's entry at `at`, which moves behind it; empty, else what is wrong.
@@ -105,9 +108,12 @@ std::string read_array(std::span<const std::byte> bytes, const std::string& name
   if (std::string refusal = read_npy_header(bytes, array, header); !refusal.empty())
     return "array '" + array.name + "' " + refusal;
   std::size_t size = array.item_bytes;
-  for (const std::size_t extent : array.shape)
-    if (!multiply(size, extent))
+  for (const std::size_t extent : array.shape) {
+    const auto larger = product(size, extent);
+    if (!larger)
       return "array '" + array.name + "' claims more elements than there can be";
+    size = *larger;
+  }
   if (size != bytes.size() - header)
     return "array '" + array.name + "' is " + std::to_string(bytes.size() - header) +
            " bytes long where its shape asks for " + std::to_string(size);
@@ -248,18 +254,23 @@ std::string NpzFile::open(std::span<const std::byte> file) {
   if (members > kMaxMembers)
     return "it holds more than " + std::to_string(kMaxMembers) + " members";
   std::size_t at = directory;
-  std::vector<NpzArray> found;
-  for (std::size_t m = 0; m < members; ++m) {
-    Member member;
+  std::vector<Member> listed(members);
+  for (Member& member : listed) {
     if (std::string refusal = read_entry(file, end, at, member); !refusal.empty())
       return refusal;
-    std::span<const std::byte> bytes;
-    if (std::string refusal = member_bytes(file, member, bytes); !refusal.empty())
+    if (std::string refusal = locate(file, member); !refusal.empty())
       return refusal;
+  }
+  if (std::string refusal = overlap(file, listed); !refusal.empty())
+    return refusal;
+  std::vector<NpzArray> found;
+  for (const Member& member : listed) {
+    if (crc32(member.bytes) != member.checksum)
+      return "member '" + member.name + "' is damaged: its checksum differs";
     if (!member.name.ends_with(".npy"))
       continue;
     NpzArray array;
-    if (std::string refusal = read_array(bytes, member.name, array); !refusal.empty())
+    if (std::string refusal = read_array(member.bytes, member.name, array); !refusal.empty())
       return refusal;
     if (std::any_of(found.begin(), found.end(),
                     [&](const NpzArray& other) { return other.name == array.name; }))

@@ -2,6 +2,7 @@
 
 #include "core/haptic/device/path.hpp"
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,9 @@ struct ParsedPath {
   std::vector<haptic::PathRow> rows;
   std::string error;
 };
+
+/// Of a file of a path: two million rows, the most that are read, are shorter.
+inline constexpr std::uint64_t kMaxPathBytes = std::uint64_t{1} << 28;
 
 /// The path of a simulated hand, as rows `ms x y z [buttonmask]` in order of time, positions in mm,
 /// separated by blanks, tabs or commas; `#` begins a comment.

@@ -1,4 +1,5 @@
 #include "files/mesh_formats.hpp"
+#include "files/product.hpp"
 #include "files/text.hpp"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ bool close_facet(std::size_t first, std::size_t line, const MeshLimits& limits, 
 } // namespace
 
 bool is_binary_stl_by_size(std::string_view bytes) noexcept {
-  return bytes.size() >= kHeader && bytes.size() == kHeader + kRecord * binary_count(bytes);
+  return bytes.size() >= kHeader && product(kRecord, binary_count(bytes)) == bytes.size() - kHeader;
 }
 
 bool is_stl_text(std::string_view bytes) {

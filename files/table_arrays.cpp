@@ -47,6 +47,12 @@ Json TableArrays::description(std::string_view format) {
   const NpzArray* meta = take("meta", "u", {kAny});
   if (!meta)
     return json;
+  constexpr std::size_t kMaxBytes = 1u << 20; // parsed JSON takes eighty times its text
+  if (meta->bytes.size() > kMaxBytes) {
+    refuse("array 'meta' has " + std::to_string(meta->bytes.size()) + " bytes: expected " +
+           std::to_string(kMaxBytes) + " at most");
+    return json;
+  }
   if (meta->item_bytes != 1) {
     refuse("array 'meta' is not bytes of JSON");
     return json;

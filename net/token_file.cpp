@@ -14,8 +14,10 @@ TokenFile read_token_file(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code failed;
   const fs::file_status status = fs::status(utf8_path(path), failed);
-  std::ifstream file(utf8_path(path), std::ios::binary);
-  if (failed || !fs::is_regular_file(status) || !file) {
+  std::ifstream file;
+  if (!failed && fs::is_regular_file(status)) // a FIFO would be waited for
+    file.open(utf8_path(path), std::ios::binary);
+  if (!file.is_open()) {
     read.error = "the token file " + path + " cannot be read";
     return read;
   }

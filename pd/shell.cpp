@@ -4,6 +4,7 @@
 #include "core/declaration_text.hpp"
 #include "core/guarded.hpp"
 #include "core/named_lines.hpp"
+#include "files/utf8_path.hpp"
 #include "pd/atoms.hpp"
 #include "pd/host_features.hpp"
 #include "pd/host_process.hpp"
@@ -12,9 +13,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -361,6 +364,11 @@ private:
   [[nodiscard]] std::string open_in_path(const std::string& name) const {
     char folder[MAXPDSTRING];
     char* base = nullptr;
+    canvas_makefilename(canvas_, name.c_str(), folder, MAXPDSTRING);
+    std::error_code failed;
+    if (const auto beside = std::filesystem::status(utf8_path(folder), failed);
+        std::filesystem::exists(beside) && !std::filesystem::is_regular_file(beside))
+      return {}; // Pd would open a FIFO, and wait for ever
     const int file = canvas_open(canvas_, name.c_str(), "", folder, &base, MAXPDSTRING, 1);
     if (file < 0)
       return {};

@@ -1,7 +1,7 @@
 #include "devices/falcon/falcon.hpp"
 
 #include "devices/falcon/boot.hpp"
-#include "files/utf8_path.hpp"
+#include "files/file_bytes.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -58,7 +58,7 @@ bool exceeds_max_step(const Counts& from, const Counts& to) noexcept {
 }
 
 std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& bytes) {
-  std::ifstream in(utf8_path(file), std::ios::binary);
+  std::ifstream in = files::open_file(file);
   if (!in)
     return "the firmware file " + file + " cannot be read: check its path";
   bytes.assign(std::istreambuf_iterator<char>(in), {});

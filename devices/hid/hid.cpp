@@ -1,12 +1,10 @@
 #include "devices/hid/hid.hpp"
 
 #include "devices/thread_priority.hpp"
-#include "files/utf8_path.hpp"
+#include "files/file_bytes.hpp"
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 namespace tactus::devices::hid {
@@ -88,10 +86,10 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
     return entry.identity.model + " has no axis: choose another device";
   table_ = AxisTable::default_for(axes_);
   if (!settings.table.empty()) {
-    std::ifstream in(utf8_path(settings.table));
-    if (!in)
+    constexpr std::uint64_t kMaxBytes = 1u << 20;
+    std::string text;
+    if (!files::read_file(settings.table, text, kMaxBytes).empty())
       return "the axis table " + settings.table + " cannot be read: check its path";
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
     const std::string parse_error = table_.read(text);
     if (!parse_error.empty())
       return settings.table + ": " + parse_error;

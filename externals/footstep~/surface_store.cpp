@@ -1,28 +1,15 @@
 #include "externals/footstep~/surface_store.hpp"
 
+#include "files/file_bytes.hpp"
 #include "files/recipe.hpp"
-#include "files/utf8_path.hpp"
 
-#include <algorithm>
-#include <fstream>
+#include <cstdint>
 #include <utility>
 
 namespace tactus::footstep {
 namespace {
 
-constexpr std::streamsize kMaxBytes = 100000;
-
-/// Reads the whole file into text; returns what is wrong with it, or an empty string.
-std::string read_text(const std::string& path, std::string& text) {
-  std::ifstream file(utf8_path(path), std::ios::binary);
-  text.resize(static_cast<std::size_t>(kMaxBytes) + 1);
-  file.read(text.data(), kMaxBytes + 1);
-  const std::streamsize size = file.gcount();
-  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(size, 0)));
-  if (size > kMaxBytes)
-    return "expected a text of at most 100 kB";
-  return file.eof() ? "" : "the file cannot be read";
-}
+constexpr std::uint64_t kMaxBytes = 100000;
 
 } // namespace
 
@@ -66,7 +53,7 @@ std::shared_ptr<const Surface> SurfaceStore::find(std::string_view name, Host& h
     return nullptr;
   }
   std::string text;
-  std::string error_text = read_text(path, text);
+  std::string error_text = files::read_file(path, text, kMaxBytes);
   auto surface = error_text.empty() ? from_text(name, text, error_text) : nullptr;
   if (!surface)
     host.error("surface " + std::string(name) + ": " + error_text);

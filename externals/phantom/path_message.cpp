@@ -1,13 +1,11 @@
 #include "externals/phantom/path_message.hpp"
 
 #include "externals/phantom/numbers.hpp"
+#include "files/file_bytes.hpp"
 #include "files/path_file.hpp"
-#include "files/utf8_path.hpp"
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
 namespace tactus::phantom {
@@ -88,12 +86,12 @@ PathChoice arrays(Words words, const Host& host) {
 
 PathChoice file(std::string_view name, const Host& host) {
   const std::string found = host.find_file(name);
-  std::ifstream stream(utf8_path(found), std::ios::binary);
-  if (found.empty() || !stream)
+  if (found.empty())
     return {{}, "no such file; or use line, circle, lissajous or array"};
-  std::ostringstream text;
-  text << stream.rdbuf();
-  files::ParsedPath parsed = files::parse_path(text.str());
+  std::string text;
+  if (std::string refusal = files::read_file(found, text, files::kMaxPathBytes); !refusal.empty())
+    return {{}, std::move(refusal)};
+  files::ParsedPath parsed = files::parse_path(text);
   if (!parsed.error.empty())
     return {{}, std::move(parsed.error)};
   return {haptic::RowPath(std::move(parsed.rows)), {}};

@@ -2,11 +2,8 @@
 
 #include "core/haptic/scene/triangle_mesh.hpp"
 #include "externals/phantom/numbers.hpp"
+#include "files/file_bytes.hpp"
 #include "files/mesh_file.hpp"
-#include "files/utf8_path.hpp"
-
-#include <fstream>
-#include <sstream>
 
 namespace tactus::phantom {
 namespace {
@@ -94,13 +91,14 @@ ShapeChoice mesh(Words words, const Host& host) {
     scale = v[0];
   }
   const std::string found = host.find_file(words[0].word);
-  std::ifstream stream(utf8_path(found), std::ios::binary);
-  if (found.empty() || !stream)
+  constexpr std::uint64_t kMaxMeshBytes = std::uint64_t{1} << 30;
+  if (found.empty())
     return refused(std::string(words[0].word) + ": no such file");
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  files::PolygonMesh read = files::read_mesh(bytes.view(), files::MeshFormat::kByContent,
-                                             {.max_triangles = kMaxTriangles});
+  std::string bytes;
+  if (const std::string refusal = files::read_file(found, bytes, kMaxMeshBytes); !refusal.empty())
+    return refused(std::string(words[0].word) + ": " + refusal);
+  files::PolygonMesh read =
+      files::read_mesh(bytes, files::MeshFormat::kByContent, {.max_triangles = kMaxTriangles});
   if (!read.error.empty())
     return refused(std::string(words[0].word) + ": " + read.error);
   for (Vec3& corner : read.points) {

@@ -2,7 +2,7 @@
 
 #include "core/declaration_text.hpp"
 #include "externals/phantom/numbers.hpp"
-#include "files/utf8_path.hpp"
+#include "files/file_bytes.hpp"
 
 #include <charconv>
 #include <fstream>
@@ -38,7 +38,7 @@ std::string handle_file(std::span<const Atom> words, std::string_view message, c
   if (words.size() != 1 || !words[0].is_word)
     return "expected a file name";
   const std::string name(words[0].word), found = host.find_file(name);
-  std::ifstream stream(utf8_path(found));
+  std::ifstream stream = files::open_file(found);
   if (found.empty() || !stream)
     return name + ": no such file";
   std::string line;

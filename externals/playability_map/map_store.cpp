@@ -1,5 +1,6 @@
 #include "externals/playability_map/map_store.hpp"
 
+#include "files/file_bytes.hpp"
 #include "files/utf8_path.hpp"
 
 #include <fstream>
@@ -46,7 +47,7 @@ std::string MapStore::write(const std::string& path) const {
 }
 
 std::string MapStore::read(const std::string& path) {
-  std::ifstream file(utf8_path(path));
+  std::ifstream file = files::open_file(path);
   std::string line;
   if (!file || !std::getline(file, line))
     return "cannot read " + path;

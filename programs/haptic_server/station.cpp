@@ -3,13 +3,12 @@
 #include "core/haptic/device/path.hpp"
 #include "devices/driver.hpp"
 #include "devices/scoped_signal_mask.hpp"
+#include "files/file_bytes.hpp"
 #include "files/path_file.hpp"
 #include "net/token_file.hpp"
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 
 namespace tactus::haptic_server {
 namespace {
@@ -54,10 +53,10 @@ std::string Station::hold_simulated(const Options& options) {
   simulated_->set(settings);
   if (options.path.empty())
     return {};
-  std::ifstream file(options.path);
-  if (!file)
-    return "the path " + options.path + " cannot be read";
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string text;
+  if (const std::string refusal = files::read_file(options.path, text, files::kMaxPathBytes);
+      !refusal.empty())
+    return "the path " + options.path + ": " + refusal;
   files::ParsedPath parsed = files::parse_path(text);
   if (!parsed.error.empty())
     return options.path + ": " + parsed.error;

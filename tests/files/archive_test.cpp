@@ -1,11 +1,14 @@
 // NumPy's archives: types, orders, shapes and sizes.
 #include "files/npz.hpp"
+
+#include "files/product.hpp"
 #include "tests/files/archives.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -102,6 +105,62 @@ TEST_CASE("types, shapes and sizes that are none are refused") {
   many.pop_back();
   CHECK(npz.open(bytes_of(zip(many))) == "");
   CHECK(npz.arrays().empty()); // none is a .npy
+}
+
+TEST_CASE(
+    "a member that is cut off or shares bytes with another is refused, whatever stands behind") {
+  const std::string whole = archive({{"x", "<f8", {4}, std::string(32, '\1')}});
+  const std::size_t directory = whole.find("PK\x01\x02");
+  NpzFile npz;
+  // The archive's end comes first: the member's bytes go on behind the end of the file, with the
+  // right checksum, where memory holds them.
+  const std::string local = whole.substr(0, directory), rest = whole.substr(directory);
+  std::string moved = rest;
+  const auto set = [&](std::size_t at, std::size_t value) {
+    std::string bytes;
+    put(bytes, value, 4);
+    moved.replace(at, 4, bytes);
+  };
+  const std::size_t end = moved.find("PK\x05\x06");
+  set(42, rest.size());
+  set(end + 16, 0);
+  moved += local;
+  for (const std::size_t missing : {std::size_t{1}, std::size_t{32}}) {
+    const auto refused = npz.open(bytes_of(moved).first(moved.size() - missing));
+    mentions(refused, {"cut off"});
+  }
+  CHECK(npz.open(bytes_of(moved)) == "");
+
+  // A thousand names for one megabyte: refused before the first checksum.
+  std::string file = zip({{"a.npy", npy({"a", "|u1", {1u << 20}, std::string(1u << 20, '\2')})}});
+  const std::size_t begin = file.find("PK\x01\x02"), close = file.find("PK\x05\x06");
+  std::string entries, tail = file.substr(close);
+  for (int i = 0; i < 999; ++i) {
+    std::string entry = file.substr(begin, close - begin);
+    std::string name = std::to_string(1000 + i) + ".npy";
+    entry.replace(28, 2, std::string{static_cast<char>(name.size()), '\0'});
+    entries += entry.substr(0, 46) + name;
+  }
+  std::string numbers;
+  put(numbers, 999, 2);
+  put(numbers, 999, 2);
+  put(numbers, entries.size(), 4);
+  put(numbers, begin, 4);
+  tail.replace(8, 12, numbers);
+  file = file.substr(0, begin) + entries + tail;
+  const std::clock_t began = std::clock(); // of the processor
+  mentions(npz.open(bytes_of(file)), {"overlap"});
+  CHECK(std::clock() - began < CLOCKS_PER_SEC / 20); // a thousand checksums take half a second
+}
+
+TEST_CASE("products that size_t does not hold are nothing, in 32 bits too") {
+  CHECK(product<std::uint32_t>(65536, 65535) == 4294901760U);
+  CHECK(!product<std::uint32_t>(65536, 65536));
+  CHECK(!product<std::uint32_t>(std::uint64_t{1} << 32, 1));
+  CHECK(!product<std::uint32_t>(50, 0xffffffff)); // of a binary STL's triangles
+  CHECK(product<std::uint32_t>(std::uint64_t{1} << 31, 0) == 0U);
+  CHECK(product<std::uint64_t>(std::uint64_t{1} << 32, 1) == std::uint64_t{1} << 32);
+  CHECK(!product<std::uint64_t>(std::uint64_t{1} << 32, std::uint64_t{1} << 32));
 }
 
 TEST_CASE("checksums are those of the polynomial's division, bit by bit, for every length") {

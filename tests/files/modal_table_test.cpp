@@ -290,6 +290,12 @@ TEST_CASE("a size that overflows is refused before anything is allocated") {
   CHECK(std::clock() - begin < CLOCKS_PER_SEC);
 }
 
+TEST_CASE("a description of more than a megabyte is refused before it is parsed") {
+  mentions(refusal_with(meta("{\"format\":\"modal-table\",\"version\":\"1\",\"x\":[" +
+                             std::string(1u << 20, ' ') + "]}")),
+           {"meta", "1048576 at most"});
+}
+
 TEST_CASE("multipoles must fit their own tables") {
   CHECK(refusal_with(add_multipoles) == "");
   struct Wrong {

@@ -180,7 +180,7 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
                             (100, "step")], path=[tmp_path], expect_errors=[
         "footstep~: surface bad.txt: line 2: frequency 900000 Hz: expected 20..12000",
         "footstep~: surface empty.txt: it has no section that sounds",
-        "footstep~: surface long.txt: expected a text of at most 100 kB"])
+        "footstep~: surface long.txt: it has 100108 bytes: expected 100000 at most"])
     assert abs(result["sound"]).max() > 0 and len(result.errors) == 3
 
 

@@ -233,3 +233,22 @@ def test_a_refused_message_is_one_sentence_and_changes_nothing(box):
     assert len(said) == len(rows), said
     before, after = ([atoms for ms, atoms in result.logs["info"] if start <= ms < start + 1] for start in (50, end))
     assert before == after and (before or name == "contact_friction~")
+
+
+@pytest.mark.parametrize("box, message", [
+    ("phantom sim", "path"), ("phantom sim", "scene add m mesh"), ("phantom sim", "scene load"),
+    ("modal_impact~", "load"), ("footstep~", "surface"), ("stress_haptic", "load"), ("playability_map", "read"),
+    ("ioa_link", "token"), ("haptic_server", "token")])
+def test_a_fifo_is_refused_and_not_waited_for(box, message, tmp_path):
+    os.mkfifo(tmp_path / "fifo")
+    patch = Patch()
+    patch.at(10, patch.obj(*box.split()), f"{message} {tmp_path / 'fifo'}")
+    assert patch.render(0.1, expect_errors=[box.split()[0]]).errors
+
+
+def test_a_path_longer_than_memory_is_refused_by_its_size(tmp_path):
+    with open(tmp_path / "long.txt", "w") as sparse:
+        sparse.truncate(1 << 40)
+    patch = Patch()
+    patch.at(10, patch.obj("phantom", "sim"), f"path {tmp_path / 'long.txt'}")
+    assert "1099511627776 bytes: expected 268435456 at most" in patch.render(0.1, expect_errors=["phantom"]).errors[0]

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace tactus::files {
+
+/// a b of numbers from a file, or nothing where Size does not hold it: in a browser size_t has 32
+/// bits.
+template <class Size = std::size_t>
+[[nodiscard]] constexpr std::optional<Size> product(std::uint64_t a, std::uint64_t b) noexcept {
+  constexpr std::uint64_t kMax = std::numeric_limits<Size>::max();
+  if (a > kMax || b > kMax || (a != 0 && b > kMax / a))
+    return {};
+  return static_cast<Size>(a * b);
+}
+
+} // namespace tactus::files

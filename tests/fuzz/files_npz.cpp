@@ -1,0 +1,66 @@
+// NumPy's archives and the tables in them. The input is an archive; where its directory can be
+// found, its checksums are made right first, so that damage gets behind them.
+#include "files/modal_table.hpp"
+#include "files/npz.hpp"
+#include "files/stress_table.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+using namespace tactus::files;
+using tactus::fuzz::check;
+
+namespace {
+
+/// A number of so many bytes there; 0 outside.
+std::size_t number_at(const std::vector<std::byte>& file, std::size_t at, std::size_t size) {
+  std::size_t value = 0;
+  for (std::size_t i = size; i-- > 0;)
+    value = value << 8 | (at + i < file.size() ? std::to_integer<std::size_t>(file[at + i]) : 0);
+  return value;
+}
+
+/// Puts the right checksum into each entry of the directory whose member is within the file.
+void correct_checksums(std::vector<std::byte>& file) {
+  for (std::size_t at = 0; at + 46 <= file.size(); ++at) {
+    if (number_at(file, at, 4) != 0x02014b50)
+      continue;
+    const std::size_t size = number_at(file, at + 24, 4), local = number_at(file, at + 42, 4);
+    const std::size_t begin =
+        local + 30 + number_at(file, local + 26, 2) + number_at(file, local + 28, 2);
+    if (begin > file.size() || size > file.size() - begin)
+      continue;
+    const std::uint32_t sum = crc32(std::span(file).subspan(begin, size));
+    for (std::size_t i = 0; i < 4; ++i)
+      file[at + 16 + i] = static_cast<std::byte>(sum >> 8 * i & 0xff);
+  }
+}
+
+} // namespace
+
+void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
+  const auto raw = std::as_bytes(input);
+  std::vector<std::byte> file(raw.begin(), raw.end());
+  correct_checksums(file);
+  file.shrink_to_fit(); // so that a sanitizer sees what reads beyond the end
+  NpzFile npz;
+  if (!npz.open(file).empty())
+    check(npz.arrays().empty(), "arrays of an archive that was refused");
+  std::size_t total = 0;
+  for (const NpzArray& array : npz.arrays()) {
+    check(array.bytes.data() >= file.data() &&
+              array.bytes.data() + array.bytes.size() <= file.data() + file.size(),
+          "an array is not in the file");
+    check(array.count() * array.item_bytes == array.bytes.size(), "an array has another size");
+    check(array.values().size() == array.count() * (array.kind == 'c' ? 2 : 1),
+          "values are missing");
+    total += array.bytes.size();
+  }
+  check(total <= file.size(), "the arrays are longer than the file");
+  tactus::modal::ModalTable modal;
+  static_cast<void>(read_modal_table(file, modal));
+  tactus::stress::StressTable stress;
+  static_cast<void>(read_stress_table(file, stress));
+}
