@@ -11,13 +11,18 @@ std::string SharedLibrary::joined(std::span<const char* const> names) {
 
 bool SharedLibrary::load(std::span<const char* const> names) {
   handle_ = nullptr;
+  found_ = false;
   for (const char* name : names) {
-    error_.clear();
-    handle_ = open(name, error_);
+    std::string error;
+    bool missing = false;
+    handle_ = open(name, error, missing);
     if (handle_) {
       name_ = name;
       return true;
     }
+    if (!found_)
+      error_ = error;
+    found_ = found_ || !missing;
   }
   return false;
 }

@@ -17,10 +17,13 @@ public:
   SharedLibrary& operator=(const SharedLibrary&) = delete;
 
   /// Tries the names in order, all symbols resolved at once and kept from other libraries. False
-  /// when none loads: error() is then the loader's message for the last name.
+  /// when none loads: error() is then why the first one that is there does not load; if none is
+  /// there, the loader's message for the last name.
   bool load(std::span<const char* const> names);
   [[nodiscard]] bool loaded() const noexcept { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
+  /// After load() without success: whether a file of one of the names was there.
+  [[nodiscard]] bool found() const noexcept { return found_; }
   /// The names as an error text lists them, with commas between.
   [[nodiscard]] static std::string joined(std::span<const char* const> names);
   /// The name that loaded.
@@ -33,12 +36,14 @@ public:
   }
 
 private:
-  /// One library, or null after a reason. shared_library_posix.cpp, shared_library_windows.cpp.
-  [[nodiscard]] static void* open(const char* name, std::string& error);
+  /// One library, or null after a reason; missing: there is no such file.
+  /// shared_library_posix.cpp, shared_library_windows.cpp.
+  [[nodiscard]] static void* open(const char* name, std::string& error, bool& missing);
   [[nodiscard]] void* address(const char* symbol_name) const noexcept;
 
   void* handle_ = nullptr;
   std::string name_, error_;
+  bool found_ = false;
 };
 
 /// Finds the functions that a driver cannot do without.

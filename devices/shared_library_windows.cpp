@@ -28,8 +28,9 @@ std::vector<std::filesystem::path> candidates(const std::filesystem::path& name)
 
 } // namespace
 
-void* SharedLibrary::open(const char* name, std::string& error) {
+void* SharedLibrary::open(const char* name, std::string& error, bool& missing) {
   DWORD reason = ERROR_MOD_NOT_FOUND;
+  missing = true;
   for (const std::filesystem::path& path : candidates(utf8_path(name))) {
     std::error_code failed;
     if (path.is_absolute() && !std::filesystem::exists(path, failed))
@@ -39,8 +40,10 @@ void* SharedLibrary::open(const char* name, std::string& error) {
                       (path.is_absolute() ? LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR : DWORD{0});
     if (HMODULE library = LoadLibraryExW(path.c_str(), nullptr, how)) // never closed
       return library;
-    if (const DWORD why = GetLastError(); why != ERROR_MOD_NOT_FOUND || path.is_absolute())
-      reason = why;
+    if (const DWORD why = GetLastError(); why != ERROR_MOD_NOT_FOUND || path.is_absolute()) {
+      reason = missing ? why : reason; // of the first file that is there
+      missing = false;
+    }
   }
   error = std::string(name) + " cannot be loaded (error " + std::to_string(reason) + ": " +
           std::system_category().message(static_cast<int>(reason)) + ")";

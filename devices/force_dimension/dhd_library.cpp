@@ -23,7 +23,9 @@ std::vector<const char*> file_names() {
 std::string DhdLibrary::load() {
   const std::vector<const char*> names = file_names();
   if (!library_.load(names)) {
-    return "Force Dimension's library is not here (tried " + SharedLibrary::joined(names) + ": " +
+    return "Force Dimension's library " +
+           (library_.found() ? std::string("does not load (")
+                             : "is not here (tried " + SharedLibrary::joined(names) + ": ") +
            library_.error() +
            "); get the SDK from www.forcedimension.com/software/sdk and put its libdhd where the "
            "system finds libraries, or set TACTUS_LIBDHD to its path";

@@ -19,6 +19,7 @@ using Milliseconds = std::chrono::milliseconds;
 
 constexpr int kCalibrationCheck_ticks = 256;
 constexpr int kErrorHold_ticks = 500;
+constexpr int kSettling_ticks = 50; // of the library's velocity after a calibration; our guess
 constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
 constexpr int kPoll_ms = 20; // between two looks at whether the opening was cancelled
@@ -89,10 +90,9 @@ std::string Device::configure(std::span<const std::string> words) {
 }
 
 std::string Device::try_names(const std::string& requested) {
-  std::vector<const char*> names;
-  if (!requested.empty())
-    names.push_back(requested.c_str());
-  names.insert(names.end(), {"Default Device", "Default PHANToM", nullptr});
+  std::vector<const char*> names{"Default Device", "Default PHANToM", nullptr};
+  if (!requested.empty()) // and no other device in its place
+    names = {requested.c_str()};
   Code error = kSuccess;
   for (const int pause_ms : kPausesBetweenTries_ms) {
     for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kPoll_ms)
@@ -119,7 +119,8 @@ std::string Device::try_names(const std::string& requested) {
   std::string tried;
   for (const char* name : names)
     tried += std::string(tried.empty() ? "" : ", ") + (name ? name : "no name");
-  return "openhaptics: no device opens under the names " + tried + ": " +
+  return "openhaptics: no device opens under the name" +
+         std::string(names.size() > 1 ? "s " : " ") + tried + ": " +
          (error == kSuccess ? "check cable and power, that your account may use the port, and that "
                               "the vendor's set-up tool lists the device"
                             : meaning(error));
@@ -153,7 +154,9 @@ std::string Device::open() {
     library_.set_scheduler_rate(1000);
   static_cast<void>(library_.take_errors()); // ramping and the rate are optional
   calibration_ = kCalibrationNeedsUpdate;
-  until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = error_free_ticks_ = 0;
+  needs_reset_position_ = false;
+  calibrated_ticks_ = until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ =
+      error_free_ticks_ = 0;
   force_off_ = false;
   last_position_ = torque_n_m_ = {};
   torque_driven_ = false;
@@ -240,14 +243,31 @@ void Device::update_calibration_status() noexcept {
   if (--until_calibration_check_ > 0 && !requested)
     return;
   until_calibration_check_ = kCalibrationCheck_ticks;
+  const bool was_calibrated = calibration_ == kCalibrated;
   calibration_ = library_.check_calibration();
-  if ((calibration_ == kCalibrationNeedsUpdate || requested) && library_.update_calibration) {
-    int style = 0;
-    library_.get_integers(kCalibrationStyle, &style);
-    library_.update_calibration(static_cast<Code>(style));
+  if (calibration_ == kCalibrationNeedsUpdate || requested) {
+    update_calibration(requested);
     calibration_ = library_.check_calibration();
+    if (requested && was_calibrated && calibration_ == kCalibrated) {
+      calibration_ = kCalibrationNeedsUpdate; // for a tick: the origin may have changed
+      until_calibration_check_ = 1;
+    }
   }
   calibration_status_ = calibration_;
+}
+
+/// In the best style that the device has, as the vendor's examples choose it. Encoders are reset
+/// only when the user, who holds the arm in its reset position, asks for it.
+void Device::update_calibration(bool requested) noexcept {
+  int styles = 0;
+  library_.get_integers(kCalibrationStyle, &styles);
+  const auto has = [&](Code style) { return (static_cast<Code>(styles) & style) != 0; };
+  needs_reset_position_ = !has(kAutomatic) && !has(kInkwell) && has(kResetEncoders);
+  if (!library_.update_calibration || (needs_reset_position_ && !requested))
+    return;
+  for (const Code style : {kAutomatic, kInkwell, kResetEncoders})
+    if (has(style))
+      return library_.update_calibration(style);
 }
 
 void Device::check_error(Code error, bool warm) noexcept {
@@ -276,6 +296,11 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   library_.get_integers(kButtons, &buttons);
   state.position = Vec3{position_mm[0], position_mm[1], position_mm[2]} * 1e-3;
   state.velocity = Vec3{velocity_mm_per_s[0], velocity_mm_per_s[1], velocity_mm_per_s[2]} * 1e-3;
+  // The library's estimate still has the leap of the calibration in it.
+  calibrated_ticks_ =
+      calibration_ == kCalibrated ? std::min(calibrated_ticks_ + 1, kSettling_ticks) : 0;
+  if (calibrated_ticks_ < kSettling_ticks)
+    state.velocity = {};
   // The vendor counts right, down and clockwise as positive: each is a negative turn in our frame.
   state.rotation = -Vec3{gimbal[1], gimbal[0], gimbal[2]};
   state.buttons = static_cast<std::uint32_t>(buttons);
@@ -322,6 +347,9 @@ std::string Device::trouble() const {
   if (running_ && calibration_status_ == kCalibrationNeedsHand)
     return "openhaptics: the device is not calibrated: put the stylus into the inkwell, or the arm "
            "into its rest, until the light stops blinking";
+  if (running_ && calibration_status_ != kCalibrated && needs_reset_position_)
+    return "openhaptics: the device is not calibrated: hold the arm in its reset position and send "
+           "home";
   if (running_ && calibration_status_ != kCalibrated)
     return "openhaptics: the device calibrates itself: wait, and do not hold it";
   return {};

@@ -39,6 +39,7 @@ private:
   static unsigned int on_tick(void* self) noexcept;
   [[nodiscard]] bool tick() noexcept;
   void update_calibration_status() noexcept;
+  void update_calibration(bool requested) noexcept;
   void check_error(Code error, bool warm) noexcept;
   void send(const haptic::Vec3& force_n, const haptic::Vec3& torque_n_m) noexcept;
   [[nodiscard]] std::string try_names(const std::string& requested);
@@ -58,7 +59,7 @@ private:
   void* context_ = nullptr;
   SchedulerHandle scheduled_ = 0;
   Code calibration_ = kCalibrationNeedsUpdate;
-  int until_calibration_check_ = 0;
+  int until_calibration_check_ = 0, calibrated_ticks_ = 0;
   int error_ticks_left_ = 0, warm_ticks_left_ = 0, error_free_ticks_ = 0;
   bool force_off_ = false;
   haptic::Vec3 last_position_{};
@@ -67,7 +68,7 @@ private:
 
   // Both sides
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};
-  std::atomic<bool> calibration_requested_{false};
+  std::atomic<bool> calibration_requested_{false}, needs_reset_position_{false};
   std::atomic<Code> error_{kSuccess}, calibration_status_{kCalibrated};
 };
 

@@ -38,6 +38,13 @@ int severity(Code code) noexcept {
 std::string HdLibrary::load() {
   const std::vector<const char*> names = file_names();
   if (!library_.load(names)) {
+    if (library_.found()) {
+      const bool needs_driver = library_.error().find("PhantomIO") != std::string::npos;
+      return "the OpenHaptics library does not load: " + library_.error() +
+             (needs_driver ? "; that file comes with 3D Systems' Touch device driver: install it"
+                           : "; install 3D Systems' Touch device driver and OpenHaptics for this "
+                             "machine, or set PHANTOM_LIBHD to the path of libHD");
+    }
     return "the OpenHaptics library is not here (tried " + SharedLibrary::joined(names) + ": " +
            library_.error() +
            "); install 3D Systems' Touch device driver and OpenHaptics from "

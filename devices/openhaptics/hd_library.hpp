@@ -74,6 +74,14 @@ enum Calibration : Code {
   kCalibrationNeedsHand = 0x5002,
 };
 
+/// Bits of kCalibrationStyle; hdUpdateCalibration takes one of them (OpenHaptics API Reference,
+/// "Calibration Routines").
+enum CalibrationStyle : Code {
+  kResetEncoders = 1, ///< the arm must be in its reset position at that moment
+  kAutomatic = 2,
+  kInkwell = 4,
+};
+
 /// The vendor's library, loaded while the program runs.
 struct HdLibrary {
   Handle (*init_device)(const char* name) = nullptr;

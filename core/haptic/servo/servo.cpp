@@ -14,6 +14,11 @@ ChainSettings::Device device_of(const Caps& caps) noexcept {
   return device;
 }
 
+/// Whether the position is one.
+bool is_located(const State& state) noexcept {
+  return (state.flags & State::kHomed) && !(state.flags & State::kUnreachable);
+}
+
 } // namespace
 
 void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexcept {
@@ -30,6 +35,8 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
   chain_.thermal = motors_heat;
   wrist_.reset();
   statistics_ = {};
+  located_ = true; // the models have begun
+  located_position_.reset();
   state_ = {};
   state_.flags = 0; // not homed: no force before the first reading
   failed_reads_ = failed_writes_ = 0;
@@ -124,7 +131,27 @@ State Servo::read_state(const Tick& tick) noexcept {
   state.velocity = caps_.has_velocity && is_finite(raw.velocity)
                        ? settings_.map.to_project(raw.velocity)
                        : estimator_.update(state.position, tick.time_s);
+  if (!is_located(state)) { // the origin may change, which is no motion
+    state.velocity = {};
+    estimator_.reset();
+  }
   return state;
+}
+
+/// While the device does not know where it is the models see it stand still where it was; once it
+/// does they begin there, so that the leap in between strikes nothing.
+State Servo::shown_to_models(const State& state) noexcept {
+  const bool located = is_located(state);
+  if (located && !located_)
+    for (LocalModel* one : {model_, patch_})
+      if (one)
+        one->begin();
+  if (located || !located_position_)
+    located_position_ = state.position;
+  located_ = located;
+  State shown = state;
+  shown.position = *located_position_;
+  return shown;
 }
 
 void Servo::fail(Fault fault) noexcept {
@@ -202,12 +229,13 @@ void Servo::step(const Tick& tick) noexcept {
   input.heartbeat_s = has_heartbeat_ ? command_.heartbeat_s : tick.time_s;
   input.position = state.position;
   input.velocity = state.velocity;
-  input.homed = (state.flags & State::kHomed) && !(state.flags & State::kUnreachable);
+  input.homed = is_located(state);
   input.warm = (state.flags & State::kMotorsHot) != 0;
+  const State shown = shown_to_models(state);
   if (model_)
-    input.local_force = model_->force(tick, state);
+    input.local_force = model_->force(tick, shown);
   if (patch_)
-    input.patch_force = patch_->force(tick, state);
+    input.patch_force = patch_->force(tick, shown);
   const Vec3 force = haptic::step(chain_, settings_.chain, input);
   const WristCommand wrist = drive_wrist(tick, input.homed);
   write_force(force);

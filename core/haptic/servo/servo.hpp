@@ -12,6 +12,7 @@
 #include "core/haptic/servo/statistics.hpp"
 
 #include <atomic>
+#include <optional>
 
 namespace tactus::haptic {
 
@@ -139,6 +140,7 @@ private:
   void control_motors() noexcept;
   void reset_statistics() noexcept;
   State read_state(const Tick& tick) noexcept;
+  [[nodiscard]] State shown_to_models(const State& state) noexcept;
   void write_force(const Vec3& force) noexcept;
   [[nodiscard]] Report report(const Tick& tick, const State& state, const Vec3& force,
                               const WristCommand& wrist) const noexcept;
@@ -165,6 +167,8 @@ private:
   int failed_reads_ = 0, failed_writes_ = 0;
   Fault fault_ = Fault::kNone;
   bool tripped_ = false, has_heartbeat_ = false;
+  bool located_ = true;
+  std::optional<Vec3> located_position_{}; ///< the last one that was known, m
 };
 
 } // namespace tactus::haptic

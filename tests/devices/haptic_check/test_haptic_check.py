@@ -1,7 +1,9 @@
 """haptic_check from outside: with the simulated device, with doubles of devices, with none."""
 import math
 import os
+import platform
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -127,6 +129,40 @@ def test_a_list_names_all_drivers_and_what_they_lack():
     for driver in ("sim", "falcon", "hid", "openhaptics", "dhd", "haply", "evdev"):
         assert re.search(rf"^{driver}:", output, re.MULTILINE), driver
     assert "/nowhere/libHD.so" in output
+
+
+def damaged(file, at, byte):
+    library = bytearray(open(os.environ["FAKE_HD"], "rb").read())
+    library[at] = byte
+    file.write_bytes(library)
+
+
+@pytest.mark.parametrize("name, make, says", [
+    ("libHD.so.3.4", lambda file: shutil.copy(os.environ["HD_WITHOUT_DRIVER"], file),
+     ["libPhantomIOLib42.so: cannot open", "Touch device driver: install it"]),
+    ("libHD.so", lambda file: file.write_text("no library"), ["invalid ELF header|file too short|no shared library"]),
+    ("libHD.so.3.4", lambda file: damaged(file, 18, 0xb7 if platform.machine() != "aarch64" else 0x3e),
+     ["another machine"]),
+    ("libHD.so.3.4", lambda file: damaged(file, 4, 1), ["wrong ELF class|another machine"]),
+    ("libdhd.so.3", lambda file: file.write_text("no library"), ["invalid ELF header|file too short|no shared library"]),
+    ("libhidapi-hidraw.so.0", lambda file: damaged(file, 4, 1), []),  # the system's is found behind it
+])
+def test_the_reason_why_a_vendors_library_does_not_load_is_told(tmp_path, name, make, says):
+    make(tmp_path / name)
+    status, output, _ = run("--list", LD_LIBRARY_PATH=str(tmp_path))
+    assert status == 0
+    driver = "openhaptics" if "HD" in name else "dhd"
+    line = re.search(rf"^{driver}:.*(\n .*)*", output, re.MULTILINE).group()
+    for words in says:
+        assert re.search(words, line), line
+        assert "is not here" not in line
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read every file")
+def test_a_library_without_permission_to_read_it_is_told(tmp_path):
+    (tmp_path / "libHD.so.3.4").write_bytes(open(os.environ["FAKE_HD"], "rb").read())
+    (tmp_path / "libHD.so.3.4").chmod(0)
+    assert "may not be read" in run("--list", LD_LIBRARY_PATH=str(tmp_path))[1]
 
 
 @pytest.mark.parametrize("words, sentence", [

@@ -43,6 +43,7 @@ struct Fake : VendorLibrary {
   int (*torque_of)(double*) = hook<int(double*)>("fake_hd_torque");
   void (*set_position)(double, double,
                        double) = hook<void(double, double, double)>("fake_hd_set_position");
+  void (*styles)(int) = hook<void(int)>("fake_hd_styles");
   void (*calibration)(int) = hook<void(int)>("fake_hd_calibration");
   void (*more_counts_of)(int*) = hook<void(int*)>("fake_hd_more_counts");
 };

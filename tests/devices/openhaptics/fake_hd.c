@@ -24,7 +24,7 @@ static double torque[3];
 static int torques;
 static _Atomic int enabled_force;
 static int clamping, ramping, rate_hz, buttons, in_frame, open_devices, calibration_checks;
-static int updates, openings, style_requested, calibration;
+static int updates, openings, style_requested, calibration, styles = 2;
 static unsigned long frames, forces_outside_frame;
 static Callback callback;
 static void* callback_context;
@@ -67,6 +67,7 @@ void fake_hd_reset(void) {
   frames = forces_outside_frame = 0;
   ramping = rate_hz = openings = calibration = 0;
   style_requested = -1;
+  styles = 2;
   pthread_mutex_unlock(&guard);
 }
 /* Where the handle is, mm. */
@@ -80,6 +81,13 @@ void fake_hd_set_position(double x, double y, double z) {
 void fake_hd_calibration(int answer) {
   pthread_mutex_lock(&guard);
   calibration = answer;
+  pthread_mutex_unlock(&guard);
+}
+/* The bits of HD_CALIBRATION_STYLE. As in the OpenHaptics API Reference ("Calibration Routines"),
+ * hdUpdateCalibration takes one of them; more than one is an invalid value. */
+void fake_hd_styles(int bits) {
+  pthread_mutex_lock(&guard);
+  styles = bits;
   pthread_mutex_unlock(&guard);
 }
 /* ramping, scheduler's rate, openings tried, calibrations looked at, style of the last update */
@@ -197,7 +205,7 @@ void hdGetDoublev(unsigned what, double* out) {
 }
 void hdGetIntegerv(unsigned what, int* out) {
   pthread_mutex_lock(&guard);
-  *out = what == 0x2000 ? buttons : what == 0x2554 ? (mode("6dof") ? 6 : 3) : 2;
+  *out = what == 0x2000 ? buttons : what == 0x2554 ? (mode("6dof") ? 6 : 3) : styles;
   pthread_mutex_unlock(&guard);
 }
 #ifndef FAKE_HD_INCOMPLETE
@@ -240,7 +248,10 @@ unsigned hdCheckCalibration(void) {
 void hdUpdateCalibration(unsigned style) {
   pthread_mutex_lock(&guard);
   style_requested = (int)style;
-  ++updates;
+  if (style == 0 || (style & (style - 1)) != 0)
+    fail(0x0101);
+  else
+    ++updates;
   pthread_mutex_unlock(&guard);
 }
 

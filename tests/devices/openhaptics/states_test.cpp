@@ -129,6 +129,72 @@ TEST_CASE("no force while the calibration needs the library or the hand, each wi
   }
 }
 
+TEST_CASE("the calibration is updated in one style: automatic, else the inkwell, else by hand") {
+  for (const auto& [styles, chosen] : {std::pair{7, 2}, {6, 2}, {5, 4}, {4, 4}, {3, 2}, {1, -1}}) {
+    CAPTURE(styles);
+    const Fake fake("quick");
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    fake.styles(styles);
+    if (chosen < 0)
+      fake.calibration(0x5001);
+    std::string sentence;
+    const ScriptedRun r(fake, *device, 20, [&](int tick) {
+      if (tick == 10)
+        sentence = device->trouble();
+      return Vec3{};
+    });
+    CHECK(fake.more().calibration_style == chosen);
+    CHECK(sentence.find(chosen < 0 ? "reset position and send home" : "") != std::string::npos);
+    if (chosen >= 0)
+      continue;
+    const std::vector<std::string> home{"home"}; // the encoders, when the user says so
+    REQUIRE(device->configure(home) == "");
+    const ScriptedRun again(fake, *device, 5, [](int) { return Vec3{}; });
+    CHECK(fake.more().calibration_style == 1);
+  }
+}
+
+TEST_CASE("a calibration that is asked for takes the force away for a tick, and velocity for 50") {
+  const Fake fake("quick");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const std::vector<std::string> home{"home"};
+  const ScriptedRun r(fake, *device, 300, [&](int tick) {
+    if (tick == 150)
+      REQUIRE(device->configure(home) == "");
+    return Vec3{0, 0, 0.2};
+  });
+  CHECK(r.with(State::kHomed).count == 299);
+  CHECK((r.states[151].flags & State::kHomed) == 0);
+  CHECK(r.sent[152] == Vec3{});
+  CHECK(r.states[150].velocity.z > 0);
+  CHECK(r.states[200].velocity == Vec3{});
+  CHECK(r.states[202].velocity.z > 0);
+}
+
+TEST_CASE("half a second of warm motors lowers the limit of the force by a ramp") {
+  const auto [fake, device] = Opened("held");
+  Session session(*device);
+  haptic::ServoSettings settings;
+  settings.chain.enable_s = 0;
+  settings.chain.force_limit_n = device->caps().peak_force_n; // 3.4, and 0.9 continuous
+  settings.chain.passivity = false;
+  session.servo.exchange().settings.write(settings);
+  session.ask({3.4, 0, 0});
+  session.after(50);
+  fake.fail(kWarmMotors);
+  double least = 3.4, largest_fall = 0, last = 3.4;
+  for (int i = 0; i < 600; ++i) {
+    const double force = norm(session.after(1).force_n);
+    largest_fall = std::max(largest_fall, last - force);
+    least = std::min(least, force);
+    last = force;
+  }
+  CHECK(least == doctest::Approx(3.4 + 0.5 * (0.45 - 3.4)).epsilon(0.05));
+  CHECK(largest_fall < 0.3); // of some ticks, where the machine stalls
+}
+
 TEST_CASE("too much force and warm motors are told for 500 ticks, and force goes on") {
   for (const auto& [answer, expected] :
        {std::pair{kTooMuchForce, State::kForceLimited}, {kWarmMotors, State::kMotorsHot}}) {
@@ -218,6 +284,16 @@ TEST_CASE("every error has its own sentence, and one that nobody knows has its n
     CHECK((sentence.find("0x1A2B") != std::string::npos) == (code == 0x1A2B));
     CHECK(sentences.insert(sentence).second);
   }
+}
+
+TEST_CASE("a name that is given and not there is no other device") {
+  const Fake fake("second"); // opens as Default PHANToM alone
+  const auto device = make();
+  const std::vector<std::string> name{"device", "Left", "Device"};
+  REQUIRE(device->configure(name) == "");
+  const std::string sentence = device->open();
+  CHECK(sentence.find("under the name Left Device:") != std::string::npos);
+  CHECK(fake.more().openings == 3);
 }
 
 TEST_CASE("an opening tries every name three times, without a licence once") {

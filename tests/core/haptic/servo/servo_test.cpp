@@ -1,9 +1,12 @@
+#include "core/haptic/scene/scene_model.hpp"
 #include "tests/core/haptic/rig.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 using namespace tactus::haptic;
 using test::approx;
@@ -364,4 +367,40 @@ TEST_CASE(
   CHECK(rig.run(1) < 0.05);
   CHECK(rig.run(250) == approx(1).epsilon(0.02));
   CHECK(rig.run(300) == approx(2));
+}
+
+TEST_CASE("a device that finds its origin leaps without a hit, a velocity or a kick") {
+  for (const int early_ticks : {0, 40}) // between the leap and the report that it is calibrated
+    for (const std::uint32_t before : {0u, State::kHomed | State::kUnreachable}) {
+      CAPTURE(early_ticks);
+      CAPTURE(before);
+      SceneModel scene;
+      auto floor = std::make_unique<Scene>();
+      floor->bodies.resize(1);
+      floor->bodies[0].key = 1;
+      floor->bodies[0].shape = Plane{};
+      scene.publish(std::move(floor));
+      test::HostedServo<Recorder> rig(without_passivity());
+      rig.device.reading.flags = before;
+      rig.device.reading.position = {0, 0.05, 0.05};
+      rig.attach(&scene);
+      rig.run(100, {2, 0, 0});
+      rig.device.reading.position = {0, 0.05, -0.05}; // 100 mm, into the floor
+      rig.run(early_ticks, {2, 0, 0});
+      CHECK(rig.device.forces.back() == Vec3{});
+      rig.device.reading.flags = State::kHomed;
+      double last_n = 0, largest_rise_n = 0;
+      for (int tick = 0; tick < 600; ++tick) {
+        rig.step({2, 0, 0});
+        CHECK(rig.report().state.velocity == Vec3{});
+        const double force_n = norm(rig.device.forces.back());
+        largest_rise_n = std::max(largest_rise_n, force_n - last_n);
+        last_n = force_n;
+      }
+      CHECK(largest_rise_n < 2 * 8e-3 / 0.5); // the limit over the enable time, and some
+      CHECK(rig.device.forces.back().x > 1.9);
+      ContactEvent event;
+      while (scene.events().pop(event))
+        CHECK(event.kind != ContactEvent::Kind::kHit);
+    }
 }
