@@ -24,8 +24,12 @@ double share(const Knob& knob, const AxisTable::Source& source) noexcept {
 
 } // namespace
 
-AxisTable AxisTable::default_for(std::uint32_t axes) noexcept {
+AxisTable AxisTable::default_for(std::uint32_t axes, bool early) noexcept {
   AxisTable table;
+  if (early) {
+    table.rows = {{{0, 1}, {1, 1}, {2, -1}, {3, 1}, {4, 1}, {5, -1}}};
+    return table;
+  }
   table.rows = {{{0, 1}, {2, -1}, {1, 1}, {3, 1}, {5, -1}, {4, 1}}};
   if (!(axes >> 2 & 1u) && (axes >> kSlider & 1u))
     table.rows[1] = {kSlider, 1};

@@ -18,7 +18,8 @@ struct AxisTable {
 
   /// HID's conventions are X right, Y towards the user, Z down: so ours are X, -Z, Y. A device
   /// without Z gives its slider as height.
-  [[nodiscard]] static AxisTable default_for(std::uint32_t axes) noexcept;
+  /// early: a device whose axes are right, up, away (is_early_space_mouse).
+  [[nodiscard]] static AxisTable default_for(std::uint32_t axes, bool early = false) noexcept;
   /// Reads rows "x -Z", "rz Ry", "y none", # comments; rows that are not there keep what they are.
   /// Empty when the text is good, else a sentence; then nothing changes.
   [[nodiscard]] std::string read(std::string_view text);

@@ -63,6 +63,11 @@ bool is_known_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept 
          (vendor == k3dconnexion && among(kOf3dconnexion, product));
 }
 
+bool is_early_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept {
+  constexpr std::array<std::uint16_t, 3> kEarly{0xc603, 0xc606, 0xc640};
+  return vendor == kLogitech && among(kEarly, product);
+}
+
 std::vector<Entry> catalogue(HidLibrary& library, bool all) {
   std::vector<Entry> entries;
   hid_device_info* list = library.enumerate(0, 0);

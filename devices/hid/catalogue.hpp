@@ -21,6 +21,11 @@ struct Entry {
 /// The product ids of six-axis controllers, for a transport that does not tell the usage.
 [[nodiscard]] bool is_known_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
 
+/// The early ones whose axes are right, up, away from the user; those of all others are right,
+/// towards the user, down. They are the devices of spacenavd's table (src/dev.c, usbdb) without the
+/// flags DF_SWAPYZ and DF_INVYZ.
+[[nodiscard]] bool is_early_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
+
 /// Six-axis controllers first, then joysticks and game pads. With all, whatever HID there is.
 [[nodiscard]] std::vector<Entry> catalogue(HidLibrary& library, bool all = false);
 

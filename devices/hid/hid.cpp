@@ -84,7 +84,8 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
   has_buttons_ = decoder_.has_buttons();
   if (axes_ == 0)
     return entry.identity.model + " has no axis: choose another device";
-  table_ = AxisTable::default_for(axes_);
+  table_ = AxisTable::default_for(axes_, space_mouse_ &&
+                                             is_early_space_mouse(entry.vendor, entry.product));
   if (!settings.table.empty()) {
     constexpr std::uint64_t kMaxBytes = 1u << 20;
     std::string text;

@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3, kBattery = 0x17;
 constexpr std::size_t kThreeAxes = 7, kSixAxes = 13; // bytes, the id included
+constexpr std::size_t kMaxPadded = 16;               // with some bytes of filling
 constexpr double kMinScale = 100, kMaxScale = 2000;  // a description outside is ignored
 
 double number(std::span<const std::uint8_t> report, std::size_t at) noexcept {
@@ -63,11 +64,13 @@ bool Decoder::decode_space_mouse(std::span<const std::uint8_t> report) noexcept 
   };
   switch (report[0]) {
   case kTranslation:
+    if (report.size() > kMaxPadded) // another kind of report under that id
+      return false;
     if (report.size() >= kSixAxes)
       return set(0, 6);
     return report.size() >= kThreeAxes && set(0, 3);
   case kRotation:
-    return report.size() >= kThreeAxes && set(3, 3);
+    return report.size() >= kThreeAxes && report.size() < kSixAxes && set(3, 3);
   case kButtons: {
     std::uint32_t down = 0;
     for (std::size_t i = 1; i < std::min<std::size_t>(report.size(), 5); ++i)

@@ -25,7 +25,7 @@ enum Global : std::uint8_t {
 };
 enum Local : std::uint8_t { kUsage, kUsageLow, kUsageHigh };
 enum Type : std::uint8_t { kMain, kGlobal, kLocal };
-enum InputFlags : std::uint32_t { kConstant = 1, kVariable = 2, kRelative = 4 };
+enum InputFlags : std::uint32_t { kConstant = 1, kVariable = 2, kRelative = 4, kNullState = 0x40 };
 constexpr std::uint32_t kApplication = 1;
 
 struct Item {
@@ -184,6 +184,7 @@ private:
                      : now_.high;
     field.relative = (flags & kRelative) != 0;
     field.choice = !(flags & kVariable);
+    field.nullable = (flags & kNullState) != 0;
     if (field.high <= field.low)
       return;
     for (std::uint32_t i = 0; i < now_.count && result_.fields.size() < kMaxFields; ++i) {
@@ -228,9 +229,11 @@ bool extract(std::span<const std::uint8_t> report, const Field& field,
   if (field.low < 0 && bits >> (field.bits - 1) & 1)
     bits |= ~std::uint64_t{0} << field.bits;
   const auto number = static_cast<std::int64_t>(bits);
-  if (number < field.low || number > field.high)
+  const std::int64_t inside =
+      std::clamp<std::int64_t>(number, std::int64_t{field.low}, std::int64_t{field.high});
+  if (inside != number && (field.nullable || field.choice))
     return false;
-  value = static_cast<std::int32_t>(number);
+  value = static_cast<std::int32_t>(inside);
   return true;
 }
 

@@ -33,6 +33,7 @@ struct Field {
   std::uint16_t page = 0, usage = 0;
   std::int32_t low = 0, high = 0; ///< logical range
   bool relative = false;
+  bool nullable = false; ///< a value outside the range says "nothing" (null state)
   bool choice = false; ///< the value is the number of a button that is down: usage counts from low
 };
 
@@ -48,7 +49,8 @@ struct ReportDescriptor {
 [[nodiscard]] ReportDescriptor parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
 /// The field's value in a report (with its id byte, if numbered); false when the report is another
-/// one or too short, or the value lies outside the logical range and so says nothing.
+/// one or too short, or the value says nothing: outside the logical range of a field with a null
+/// state (section 6.2.2.5) or of a choice. Any other value outside is the end of the range.
 [[nodiscard]] bool extract(std::span<const std::uint8_t> report, const Field& field,
                            std::int32_t& value) noexcept;
 

@@ -36,10 +36,17 @@ Vec3 AxisMap::to_device(const Vec3& project) const noexcept {
   return device;
 }
 
-Vec3 AxisMap::torque_to_device(const Vec3& project) const noexcept {
+double AxisMap::determinant() const noexcept {
   const bool even = (source[1] - source[0] + 3) % 3 == 1; // xyz, yzx, zxy
-  const double determinant = (even ? 1.0 : -1.0) * sign[0] * sign[1] * sign[2];
-  return to_device(project) * determinant;
+  return (even ? 1.0 : -1.0) * sign[0] * sign[1] * sign[2];
+}
+
+Vec3 AxisMap::torque_to_device(const Vec3& project) const noexcept {
+  return to_device(project) * determinant();
+}
+
+Vec3 AxisMap::rotation_to_project(const Vec3& device) const noexcept {
+  return to_project(device) * determinant();
 }
 
 std::optional<AxisMap> AxisMap::parse(std::string_view axes,

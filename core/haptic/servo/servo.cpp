@@ -128,6 +128,7 @@ State Servo::read_state(const Tick& tick) noexcept {
     fail(Fault::kReported);
   State state = raw;
   state.position = settings_.map.to_project(raw.position);
+  state.rotation = settings_.map.rotation_to_project(raw.rotation);
   state.velocity = caps_.has_velocity && is_finite(raw.velocity)
                        ? settings_.map.to_project(raw.velocity)
                        : estimator_.update(state.position, tick.time_s);

@@ -1,4 +1,5 @@
 #include "devices/hid/axis_table.hpp"
+#include "devices/hid/catalogue.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,6 +11,13 @@ TEST_CASE("the usual table turns right, towards, down into right, up, towards") 
   const AxisTable table = AxisTable::default_for(0x3f);
   CHECK(table.position(knob) == tactus::haptic::Vec3{0.1, -0.3, 0.2});
   CHECK(table.rotation(knob) == tactus::haptic::Vec3{0.4, -0.6, 0.5});
+  // Right, up, away: an early SpaceMouse (spacenavd, src/dev.c).
+  CHECK(AxisTable::default_for(0x3f, true).position(knob) == tactus::haptic::Vec3{0.1, 0.2, -0.3});
+  CHECK(AxisTable::default_for(0x3f, true).rotation(knob) == tactus::haptic::Vec3{0.4, 0.5, -0.6});
+  for (const int id : {0xc603, 0xc606, 0xc640, 0xc605, 0xc621, 0xc626, 0xc641})
+    CHECK(is_early_space_mouse(0x046d, static_cast<std::uint16_t>(id)) ==
+          (id == 0xc603 || id == 0xc606 || id == 0xc640));
+  CHECK_FALSE(is_early_space_mouse(0x256f, 0xc603));
   CHECK(AxisTable::default_for(0x43).position(knob) == tactus::haptic::Vec3{0.1, 0.7, 0.2});
 }
 

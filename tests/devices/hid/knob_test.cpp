@@ -39,6 +39,11 @@ TEST_CASE("buttons, battery, and what is beyond full scale") {
   CHECK(decoder.decode(Bytes{0x01, 0xff, 0x7f, 0x00, 0x80, 0x00, 0x00}));
   CHECK(decoder.knob().share[0] == 1);
   CHECK(decoder.knob().share[1] == -1);
+  Bytes padded(15), other(40, 1);
+  padded[0] = 0x01;
+  CHECK(decoder.decode(padded));
+  CHECK(decoder.knob().share[0] == 0);
+  CHECK_FALSE(decoder.decode(other)); // of another kind, under the same id
   for (const Bytes& report : {Bytes{}, Bytes{0x01}, Bytes{0x01, 1, 2, 3, 4, 5}, Bytes{0x02, 0},
                               Bytes{0x03}, Bytes{0x17, 0xff}, Bytes{0x99, 1, 2, 3, 4, 5, 6}})
     CHECK_FALSE(decoder.decode(report));

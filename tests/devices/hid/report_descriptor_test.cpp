@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 using namespace tactus::devices::hid;
@@ -60,7 +61,24 @@ TEST_CASE("axes and buttons are found where the description puts them") {
   CHECK(value(report, find(d, 1, 0x36)) == 2047);
 }
 
-TEST_CASE("another report, a short one and a value out of range say nothing") {
+TEST_CASE("a value beyond the range is its end, or nothing where the field has a null state") {
+  // HID 1.11, section 6.2.2.5: bit 6 of Input is the null state.
+  for (const auto& [flags, said] : {std::pair{0x02, true}, {0x42, false}}) {
+    const Bytes stick{0x05, 0x01, 0x09, 0x04, 0xa1, 0x01,
+                      0x15, 0x81, 0x25, 0x7e, 0x75, 0x08,
+                      0x95, 0x01, 0x09, 0x30, 0x81, static_cast<std::uint8_t>(flags),
+                      0xc0};
+    const ReportDescriptor d = parse_report_descriptor(stick); // -127..126
+    REQUIRE(d.fields.size() == 1);
+    for (const auto& [byte, edge] : {std::pair{0x80, -127}, {0x7f, 126}}) {
+      std::int32_t number = 5;
+      CHECK(extract(Bytes{static_cast<std::uint8_t>(byte)}, d.fields[0], number) == said);
+      CHECK(number == (said ? edge : 5));
+    }
+  }
+}
+
+TEST_CASE("another report, a short one and a choice out of range say nothing") {
   const ReportDescriptor d = parse_report_descriptor(kStick);
   const Field* x = find(d, 1, 0x30);
   const Field* choice = find(d, 9, 5);

@@ -113,6 +113,7 @@ TEST_CASE("a torque maps like the cross product of mapped vectors") {
       REQUIRE(map);
       const Vec3 expected = cross(map->to_device(lever), map->to_device(force));
       CHECK(norm(map->torque_to_device(cross(lever, force)) - expected) < 1e-12);
+      CHECK(norm(map->rotation_to_project(expected) - cross(lever, force)) < 1e-12);
     }
 }
 

@@ -4,9 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string_view>
 
 using namespace tactus::haptic;
 using test::approx;
@@ -403,4 +405,20 @@ TEST_CASE("a device that finds its origin leaps without a hit, a velocity or a k
       while (scene.events().pop(event))
         CHECK(event.kind != ContactEvent::Kind::kHit);
     }
+}
+
+TEST_CASE("a rotation goes through the map as an axial vector") {
+  test::HostedServo<Recorder> rig;
+  rig.device.reading.rotation = {0.1, 0.2, 0.3};
+  rig.attach();
+  const auto read = [&](std::string_view axes, const std::array<double, 3>& signs) {
+    ServoSettings settings;
+    settings.map = AxisMap::parse(axes, signs).value();
+    rig.servo.exchange().settings.write(settings);
+    rig.step({});
+    return rig.report().state.rotation;
+  };
+  CHECK(read("xyz", {-1, 1, 1}) == Vec3{0.1, -0.2, -0.3}); // a mirror across x
+  CHECK(read("yzx", {1, 1, 1}) == Vec3{0.2, 0.3, 0.1});
+  CHECK(read("xyz", {-1, -1, 1}) == Vec3{-0.1, -0.2, 0.3});
 }
