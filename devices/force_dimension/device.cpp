@@ -16,7 +16,7 @@ using haptic::State;
 using haptic::Vec3;
 
 constexpr int kSerialsFrom = 64;
-constexpr unsigned char kWatchdogSteps = 240; // of 125 us: 30 ms
+constexpr unsigned char kWatchdogSteps = 240, kNoWatchdog = 0; // of 125 us: 30 ms
 constexpr int kStatusEvery_ticks = 64;
 constexpr int kErrorFree_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
@@ -96,10 +96,10 @@ std::string Device::open_with_retries(int requested) {
 }
 
 /// False when the controller has none, as older ones, or the library cannot set it.
-bool Device::set_watchdog() noexcept {
+bool Device::set_watchdog(unsigned char steps) noexcept {
   if (!library_.expert_mode || !library_.set_watchdog || library_.expert_mode() < 0)
     return false;
-  const bool set = library_.set_watchdog(kWatchdogSteps, static_cast<char>(id_)) >= 0;
+  const bool set = library_.set_watchdog(steps, static_cast<char>(id_)) >= 0;
   if (library_.ordinary_mode)
     library_.ordinary_mode();
   return set;
@@ -130,9 +130,9 @@ std::string Device::open() {
   if (std::string sentence = open_with_retries(requested); !sentence.empty())
     return sentence;
   const auto id = static_cast<char>(id_);
-  const Model& model = model_of(library_.system_type(id));
-  caps_ = caps_of(model);
   const char* name = library_.system_name ? library_.system_name(id) : nullptr;
+  const Model& model = model_of(library_.system_type(id), name ? name : "");
+  caps_ = caps_of(model);
   unsigned short serial = 0;
   const bool has_serial = library_.serial_number && library_.serial_number(&serial, id) >= 0;
   identity_ = {"Force Dimension", name ? name : std::string(model.name),
@@ -142,7 +142,10 @@ std::string Device::open() {
   detect_wrist();
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
-  const bool watched = set_watchdog();
+  // It begins with the first force: until then nobody feeds it. 0 switches it off
+  // (forcedimension_core, dhd.expert.setWatchdog) and tells whether there is one.
+  const bool watched = set_watchdog(kNoWatchdog);
+  watchdog_due_ = watched;
   library_.enable_force(1, id);
   library_.set_force(0, 0, 0, id);
   until_status_ = error_free_ticks_ = 0;
@@ -284,6 +287,8 @@ bool Device::write_device(const Vec3& force_n) noexcept {
     if (std::isfinite(asked.grip_n))
       wrist.grip_n = std::clamp(asked.grip_n, -caps_.peak_grip_n, caps_.peak_grip_n) * share;
   }
+  if (std::exchange(watchdog_due_, false))
+    watchdog_due_ = !set_watchdog(kWatchdogSteps);
   const int result = send(f, wrist);
   limited_ = result == kMotorSaturated;
   return answered(result) && (allowed || none);

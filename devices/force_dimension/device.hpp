@@ -39,7 +39,7 @@ public:
 private:
   [[nodiscard]] int open_requested(int requested);
   [[nodiscard]] std::string open_with_retries(int requested);
-  [[nodiscard]] bool set_watchdog() noexcept;
+  [[nodiscard]] bool set_watchdog(unsigned char steps) noexcept;
   void detect_wrist() noexcept;
   [[nodiscard]] int send(const haptic::Vec3& force_n, const haptic::WristCommand& wrist) noexcept;
   [[nodiscard]] bool read_device(haptic::State& state) noexcept;
@@ -67,7 +67,7 @@ private:
   haptic::WristCommand wrist_command_{};  // of the next write
   std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
   int until_status_ = 0, error_free_ticks_ = 0;
-  bool homed_ = true, limited_ = false;
+  bool homed_ = true, limited_ = false, watchdog_due_ = false;
 
   // Both sides
   std::atomic<int> force_off_cause_{kNoCause};

@@ -22,9 +22,13 @@ constexpr Model kUnknown{0, "unknown", 8, 3000, 20, 0.04};
 
 } // namespace
 
-const Model& model_of(int type) noexcept {
+const Model& model_of(int type, std::string_view name) noexcept {
   const auto* found = std::find_if(std::begin(kModels), std::end(kModels),
                                    [type](const Model& model) { return model.type == type; });
+  if (found == std::end(kModels))
+    found = std::find_if(std::begin(kModels), std::end(kModels), [name](const Model& model) {
+      return name.find(model.name) != std::string_view::npos;
+    });
   return found != std::end(kModels) ? *found : kUnknown;
 }
 

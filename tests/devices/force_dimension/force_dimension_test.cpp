@@ -45,6 +45,8 @@ TEST_CASE("an omega has its limits, its own watchdog and its own clamp") {
   CHECK(device->identity().serial == "1234");
   CHECK(device->caps().peak_force_n == 12);
   CHECK(device->caps().workspace_max.x == doctest::Approx(0.075));
+  CHECK(fake.counts()[2] == 0); // before the first force nobody feeds it
+  REQUIRE(device->write({}));
   CHECK(fake.counts()[2] == 240);
   CHECK(fake.counts()[3] == 0); // expert mode for the watchdog only
   CHECK(fake.max_force() == 12);

@@ -52,6 +52,9 @@ TEST_CASE("a type that nobody knows gets the least of all limits, which are the 
   }
   CHECK(model_of(60).name == "Falcon");
   CHECK(model_of(12345).name == "unknown");
+  CHECK(model_of(132, "lambda.7 left").name == "lambda.7"); // as the library calls it
+  CHECK(model_of(120, "theta.9").name == "unknown");
+  CHECK(model_of(33, "lambda.7").name == "omega.3");
   CHECK(falcon.position_noise_m == 1e-5);
   CHECK(falcon.has_velocity);
   CHECK(falcon.needs_home);
