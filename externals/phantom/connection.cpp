@@ -194,6 +194,7 @@ void Phantom::connect(Words which, Host& host) {
   if (!which.empty())
     if (const std::string refusal = configure(*device_, which, true); !refusal.empty())
       return host.error(refusal);
+  switch_off();
   link_ = Link::kOpening;
   send_status("opening", host);
   if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_); !refusal.empty())
@@ -267,6 +268,7 @@ void Phantom::replace_rig(Host& host) {
   to.reports.read();
   to.statistics.write(from.statistics.latest());
   to.statistics.read();
+  next->servo.continue_statistics(from.reports.latest(), from.statistics.latest());
   to.wrist.write(wrist_);
   next->scene.publish(scene_.snapshot());
   next->network.publish(network_.snapshot());

@@ -43,7 +43,7 @@ void Phantom::collect(Host& host) {
   rig_->network.collect();
   watch_queues(host);
   send_estop(host);
-  watch_heat(host);
+  watch_chain(host);
   if (driver_)
     watch_device(host);
   if (!wall_ || !open() || (driver_ && !running_))

@@ -88,6 +88,7 @@ void Phantom::apply_settings() noexcept {
   chain.slew_n_per_s = values_[kSlew] * 1e3;
   chain.extrapolation_s = values_[kExtrap] * 1e-3;
   chain.strict = on(kStrict);
+  chain.resume = !driver_ || on(kResume);
   chain.passivity = on(kPassivity);
   chain.tank_j = values_[kTank];
   chain.allowance_w = values_[kAllowance];

@@ -121,6 +121,7 @@ private:
   void latch_stop() noexcept;
   void inherit_stop(const std::string& key, Host& host);
   void send_estop(Host& host);
+  void switch_off() noexcept;
 
   // trouble.cpp: what is wrong with a real device
   void watch_device(Host& host);
@@ -128,7 +129,7 @@ private:
   void handle_device_fault(Host& host);
   void send_trouble(std::string_view sentence, Host& host) const;
   void watch_trouble(Host& host);
-  void watch_heat(Host& host);
+  void watch_chain(Host& host);
 
   // output.cpp: positions, events, statistics, trace
   void collect(Host& host);
@@ -212,7 +213,8 @@ private:
   double trouble_polled_ms_ = -1e9;
   std::string device_key_{};              // of the real device that was opened last
   std::vector<std::string> estop_keys_{}; // the latches that motors 1 releases
-  bool estop_reported_ = false, warm_reported_ = false;
+  bool estop_reported_ = false, warm_reported_ = false, clipping_reported_ = false;
+  bool braking_reported_ = false, frozen_reported_ = false, clipping_told_ = false;
   std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};
 
   std::string path_name_ = "still";

@@ -16,7 +16,7 @@ std::string Trace::open(const std::string& path) {
   if (!file_)
     return std::strerror(errno);
   std::fputs("tick,ms,x_mm,y_mm,z_mm,vx_m_per_s,vy_m_per_s,vz_m_per_s,fx_n,fy_n,fz_n,energy_j,"
-             "buttons\n",
+             "buttons,asked_n,braked_n\n",
              file_.get());
   return {};
 }
@@ -34,10 +34,11 @@ void Trace::write(const haptic::Report& r) {
     return;
   const auto mm = r.state.position * 1e3;
   const auto& v = r.state.velocity;
-  std::fprintf(file_.get(), "%llu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%lu\n",
+  std::fprintf(file_.get(),
+               "%llu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%lu,%.9g,%.9g\n",
                static_cast<unsigned long long>(r.tick.index), r.tick.time_s * 1e3, mm.x, mm.y, mm.z,
                v.x, v.y, v.z, r.force_n.x, r.force_n.y, r.force_n.z, r.energy_j,
-               static_cast<unsigned long>(r.state.buttons));
+               static_cast<unsigned long>(r.state.buttons), r.asked_n, r.taken_n);
 }
 
 } // namespace tactus::phantom

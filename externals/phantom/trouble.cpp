@@ -2,6 +2,7 @@
 #include "externals/phantom/tags.hpp"
 
 #include <cstdio>
+#include <utility>
 
 /// Troubles of a real device: sent to the patch as `trouble DRIVER SENTENCE`, and once to the
 /// host's window. Everything here runs in the host's thread.
@@ -48,8 +49,7 @@ void Phantom::handle_lost_device(Host& host) {
   const std::string problem = device_->trouble();
   rig_->signals->configure(haptic::SignalLink::Time::kNone, 0, {});
   link_ = Link::kLost;
-  values_[kMotors] = 0;
-  exchange().motors.disable();
+  switch_off();
   host.error(std::string(driver_name()) +
              ": the device does not answer any more; check its cable and power. It is opened again "
              "when it returns, with its motors off until motors 1" +
@@ -109,21 +109,39 @@ void Phantom::watch_trouble(Host& host) {
     host.log(trouble_);
 }
 
-/// Reports when the force limit falls because the motors are warm, so that the user knows why the
-/// force fades.
-void Phantom::watch_heat(Host& host) {
+/// Reports what the chain does with the force, so that the user knows why another one is felt than
+/// the patch asks for. Sentences of the first time only, but for warm motors and a freeze.
+void Phantom::watch_chain(Host& host) {
   const haptic::Report& report = exchange().reports.latest();
-  if (!open() || !has_report_ || report.derating == warm_reported_)
+  if (!open() || !has_report_)
     return;
-  warm_reported_ = report.derating;
-  if (reported_[kStatus])
-    host.info({"status", "warm", warm_reported_ ? 1.0 : 0.0});
-  if (!warm_reported_)
-    return;
-  char newtons[32];
-  std::snprintf(newtons, sizeof newtons, "%.2g", report.derated_to_n);
-  host.log(std::string(driver_name()) + ": the motors are warm: force is limited to about " +
-           newtons + " N until they cool");
+  const auto changed = [&](std::string_view word, bool now, bool& before) {
+    if (now == std::exchange(before, now))
+      return false;
+    if (reported_[kStatus])
+      host.info({"status", word, now ? 1.0 : 0.0});
+    return now;
+  };
+  const auto newtons = [](double force_n) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g N", force_n);
+    return std::string(text);
+  };
+  const std::string name(driver_name());
+  if (changed("warm", report.derating, warm_reported_))
+    host.log(name + ": the motors are warm: force is limited to about " +
+             newtons(report.derated_to_n) + " until they cool");
+  if (changed("clipped", report.clipping, clipping_reported_) &&
+      !std::exchange(clipping_told_, true))
+    host.log(name + ": " + newtons(report.asked_n) + " asked for, of which " +
+             newtons(settings_.chain.force_limit_n) +
+             " are felt (forcemax, or the device's peak); status clipped tells it from now on");
+  changed("braked", report.braking, braking_reported_);
+  if (changed("frozen", report.frozen, frozen_reported_)) {
+    switch_off();
+    host.error(name + ": the host stood still for longer than the watchdog's time: no force until "
+                      "motors 1 (resume 1 lets it return by itself)");
+  }
 }
 
 } // namespace tactus

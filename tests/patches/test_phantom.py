@@ -72,6 +72,28 @@ def test_a_strict_watchdog_wants_forces_to_keep_coming(tmp_path):
     assert [f[0] for f in answer.told("force")] == pytest.approx([1, 0.5, 0, 1], abs=0.03)
 
 
+# ---- the passivity controller and the limit ---------------------------------------------------
+
+def test_a_constant_force_arrives_at_once_and_no_wall_pulls_or_acts_outside(tmp_path):
+    rows = play(tmp_path, [(100.5, "list 1 0 0")], "-hand spring 200 2", 600, traced=True).trace
+    assert rows["fx_n"][102:] == pytest.approx(1, abs=0.01)
+    for stiffness in (50, 500):
+        for faults in ("", "-resolution 0.034 -latency 1"):
+            answer = play(tmp_path, [(1, "scene add wall plane 0 1 0 0"), (2, f"scene mat wall {stiffness} 0 0"),
+                                     (3, "path line 0 -8 0 0 8 0 1000")], f"-hand spring 200 2 {faults}", 3000, traced=True)
+            force, outside = answer.trace["fy_n"], answer.trace["y_mm"] > 0
+            assert force.max() > 0.1 and force.min() >= 0 and (force[outside] == 0).all()
+            assert (answer.trace["braked_n"] > 0).any() and (answer.trace["braked_n"][outside] == 0).all()
+
+
+def test_what_the_limit_and_the_controller_take_is_told(tmp_path):
+    answer = play(tmp_path, [(10, "list 100 0 0"), (100, "list 1 0 0")], "-hand rigid", 1000, traced=True, errors=[])
+    assert answer.told("status", "clipped") == [[1], [0]]
+    assert (answer.trace["asked_n"] == 100).any() and answer.trace["fx_n"].max() == pytest.approx(8)
+    wall = [(1, "scene add wall plane 0 1 0 0"), (2, "scene mat wall 5000 0 0"), (3, "list 0 -1 0"), (900, "list 0 1 0")]
+    assert play(tmp_path, wall, "-hand free", 2000).told("status", "braked") == [[1], [0]]
+
+
 # ---- the emergency stop ----------------------------------------------------------------------
 
 def test_an_emergency_stop_holds_whatever_happens_to_the_connection_until_motors_on(tmp_path):

@@ -8,6 +8,9 @@ constexpr double kMaxTarget_n = 1e6;
 constexpr double kMaxLocalForce_n = 1e6;
 constexpr double kMaxPosition_m = 1e3;
 constexpr double kMaxSpeed_m_per_s = 1e4;
+constexpr double kTold_s = 0.5;
+// A change of the force that a hand may notice: a twentieth, and 20 mN.
+constexpr double kNoticeableShare = 0.05, kNoticeable_n = 0.02;
 constexpr std::uint64_t kMaxAutoInterpolation_ticks = 50;
 
 std::uint64_t ticks_of(double seconds, double period_s) noexcept {
@@ -50,8 +53,10 @@ double watchdog_gain(ChainState& state, const ChainSettings& settings, const Cha
     silence_s = std::max(silence_s, input.time_s - state.refused_since_s);
   const double overdue_s = silence_s - settings.hold_s;
   const double ramp_s = std::max(settings.ramp_s, 1e-9);
-  if (overdue_s > 1e-9) {
-    state.alive_gain -= std::min(elapsed_s, overdue_s) / ramp_s;
+  if (!settings.resume && input.time_s - input.heartbeat_s - settings.hold_s > 1e-9)
+    state.frozen = true;
+  if (overdue_s > 1e-9 || state.frozen) {
+    state.alive_gain -= (overdue_s > 1e-9 ? std::min(elapsed_s, overdue_s) : elapsed_s) / ramp_s;
     if (!state.tripped)
       ++state.counters.watchdog_trips;
     state.tripped = true;
@@ -68,29 +73,11 @@ PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
   return {settings.period_s,
           settings.slew_n_per_s,
           settings.tank_j,
+          settings.allowance_w,
+          settings.passivity,
           settings.device.damping_limit_n_s_per_m,
           settings.device.position_noise_m,
           settings.device.latency_ticks};
-}
-
-/// Updates the passivity observer. A patch that guides the hand does work on purpose: the work of
-/// its forces is allowed up to the power allowance_w, so that the controller does not brake
-/// guidance but still brakes the energy that a contact creates. Work that the hand returns to these
-/// forces is subtracted from the allowance again: a constant force on an oscillating handle does no
-/// net work and must not add energy.
-void observe(ChainState& state, const ChainSettings& settings, const Vec3& position,
-             double elapsed_s) noexcept {
-  const Vec3 displacement = position - state.position;
-  const double patch_work_j = dot(state.patch_force, displacement);
-  const double allowance_j =
-      patch_work_j < 0.0 ? std::max(patch_work_j, -state.allowance_j)
-                         : std::max(std::min({patch_work_j, dot(state.written, displacement),
-                                              settings.allowance_w * elapsed_s}),
-                                    0.0);
-  state.allowance_j = std::min(state.allowance_j + allowance_j, settings.tank_j);
-  state.passivity.observe(passivity_of(settings), position, state.written, allowance_j);
-  state.energy_j = state.passivity.energy_j();
-  state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
 }
 
 /// The force limit of this tick, lowered while the motors are warm.
@@ -122,6 +109,12 @@ void start(ChainState& state, const ChainSettings& settings, const ChainInput& i
   state.position = input.position;
   if (!state.has_commanded)
     state.command_s = input.time_s;
+}
+
+/// Whether `now` holds or has held in the last kTold_s.
+bool told(double& left_s, bool now, double elapsed_s) noexcept {
+  left_s = now ? kTold_s : std::max(left_s - elapsed_s, 0.0);
+  return left_s > 0.0;
 }
 
 Vec3 slew_limited(ChainState& state, const ChainSettings& settings, const Vec3& force) noexcept {
@@ -179,10 +172,10 @@ void refuse(ChainState& state, double time_s) noexcept {
 }
 
 void motors(ChainState& state, bool on) noexcept {
-  if (on && (!state.motors || state.latched))
+  if (on && (!state.motors || state.latched || state.frozen))
     state.enable_gain = 0.0;
   if (on)
-    state.latched = false;
+    state.latched = state.frozen = false;
   state.motors = on;
 }
 
@@ -208,7 +201,8 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& ra
   force -= limited(input.velocity * settings.damping_n_s_per_m, kMaxLocalForce_n);
 
   const double limit_n = force_limit(state, settings, elapsed_s, input.warm);
-  const double length = norm(force);
+  const double length = state.asked_n = norm(force);
+  state.clipping = told(state.clipping_s, length > settings.force_limit_n, elapsed_s);
   if (length > settings.force_limit_n)
     ++state.counters.clamped;
   else if (length > limit_n)
@@ -222,13 +216,19 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& ra
   const double gain = state.motors ? alive * state.enable_gain : 0.0;
   force = force * gain;
 
-  observe(state, settings, input.position, elapsed_s);
-  if (settings.passivity) {
-    const Vec3 passive = state.passivity.limit(passivity_of(settings), force,
-                                               contact * (clamp_gain * gain), input.velocity);
-    state.counters.braked += state.passivity.acted() ? 1 : 0;
-    force = limited(force + (passive - force) * gain, limit_n);
-  }
+  const PassivitySettings passivity = passivity_of(settings);
+  state.passivity.observe(passivity, input.position, state.written);
+  state.energy_j = state.passivity.energy_j();
+  state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
+  const Vec3 contact_part = contact * (clamp_gain * gain);
+  const PassivityController::Parts passive =
+      state.passivity.limit(passivity, {contact_part, force - contact_part}, input.velocity);
+  state.taken_n = state.passivity.taken_n();
+  state.counters.braked += state.taken_n > 0.0 ? 1 : 0;
+  state.braking =
+      told(state.braking_s, state.taken_n > std::max(kNoticeableShare * norm(force), kNoticeable_n),
+           elapsed_s);
+  force = limited(passive.contact + passive.command, limit_n);
 
   force = limited(slew_limited(state, settings, force), settings.force_limit_n);
   state.slewed = force;
@@ -238,7 +238,6 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& ra
     force = {};
   }
   state.position = input.position;
-  state.patch_force = patch_force * gain;
   state.written = force;
   ++state.tick;
   ++state.counters.ticks;

@@ -29,7 +29,8 @@ struct ChainSettings {
   double hold_s = 0.1;           ///< watchdog: time without a heartbeat before the force falls
   double ramp_s = 0.05;          ///< watchdog: from full force to zero, and back
   bool strict = false;           ///< the watchdog expects force messages too
-  double enable_s = 0.5;         ///< from zero to full force after motors(true)
+  bool resume = true;    ///< the force returns by itself with the heartbeat; else by motors()
+  double enable_s = 0.5; ///< from zero to full force after motors(true)
   bool passivity = true;
   double tank_j = 5e-3;   ///< largest positive energy that the observer stores
   double allowance_w = 0; ///< power that commands, not local models, may put into the hand
@@ -76,22 +77,24 @@ struct ChainState {
   // watchdog
   double command_s = 0, refused_since_s = 0, previous_s = 0;
   bool refusing = false, started = false, tripped = false;
+  bool frozen = false; ///< no force until motors(true): the host was silent and resume is false
   double alive_gain = 1;
 
   // motors
   bool motors = true, latched = false;
   double enable_gain = 1;
 
-  Vec3 patch_force{}; // the patch's part of the last force, before clamp and slew
-  Vec3 slewed{};      // output of the slew stage
-  Vec3 written{};     // the force that the device holds now
+  Vec3 slewed{};  // output of the slew stage
+  Vec3 written{}; // the force that the device holds now
   Vec3 position{};
   PassivityController passivity{};
   double energy_j = 0, lowest_energy_j = 0; // the controller's
-  double allowance_j = 0;                   // of the patch's work, not returned yet
   ThermalLimit thermal{};
-  bool derating = false;   ///< as ThermalLimit::derating()
-  double derated_to_n = 0; ///< as ThermalLimit::steady_limit_n()
+  bool derating = false;           ///< as ThermalLimit::derating()
+  double derated_to_n = 0;         ///< as ThermalLimit::steady_limit_n()
+  double asked_n = 0, taken_n = 0; ///< before the clamp; by the passivity controller, in this tick
+  bool clipping = false, braking = false; ///< in the last half second, by a noticeable part
+  double clipping_s = 0, braking_s = 0;   // left of that
   ChainCounters counters{};
 };
 

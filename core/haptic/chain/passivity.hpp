@@ -12,73 +12,104 @@ struct PassivitySettings {
   double period_s = 1e-3;
   double slew_n_per_s = 2000; ///< largest rate of change of the force
   double tank_j = 5e-3;       ///< largest positive energy that the observer stores
+  double allowance_w = 0;     ///< power that the hold of commands may create
+  bool active = true;         ///< false: observed only
   // of the device
   double damping_limit_n_s_per_m = 5; ///< largest damping it renders stably at 1 kHz
   double position_noise_m = 0;        ///< largest error of one reading
   int latency_ticks = 0;              ///< as Caps::latency_ticks
 };
 
-/// Passivity observer and controller in the time domain: it removes the energy that a sampled force
-/// creates, so that a rendered contact does not start to oscillate. After Hannaford & Ryu, IEEE
-/// Transactions on Robotics and Automation 18, 2002; docs/phantom.md, "Passivity", has the
-/// derivation and the sweep over walls, rates and encoders that the bounds were tested with.
+/// Passivity observer and controller in the time domain, after Hannaford & Ryu, IEEE Transactions
+/// on Robotics and Automation 18, 2002. docs/phantom.md, "Passivity", has the equations and the
+/// sweep over walls, rates, encoders, latencies and hands that they were tested with.
 ///
-/// Observer, exact for a force that is held over a tick, with latency L ticks (J):
-///   E_n = min(E_(n-1) - F_(n-1-L) . (x_n - x_(n-1)) + allowance, tank)
-/// E is the energy that the hand has put into the rendered world; E < 0 means that the world has
-/// returned more than it got. A negative E is set to zero when the handle has been at rest for
-/// kAtRest_s: the device's friction and the hand have then dissipated it.
+/// A force that is a function of the position is held over a tick of length T and felt L ticks
+/// late. A spring K then creates the power K T (1/2 + L) u^2 at the speed u; a constant force
+/// creates none. Two parts of the force are observed, each along its own direction: that of the
+/// models in the servo (the contact), and that of the commands, which the host computes a tick
+/// later.
 ///
-/// Controller, T the period; both parts are bounded, and the slew limit comes after them.
-/// 1. While E < 0, a damper
-///      b = min((-E - K q^2/2) / (T u^2), c K T, b_device),   c = 3,
-///    K is the measured stiffness of the rendered world, the ratio of changes of force to changes
-///    of position; q is an encoder's step; u is the velocity reading along the force, where its
-///    sign agrees with the displacement d over the last 2 ms, and no faster than d/T. A sampled
-///    spring of stiffness K creates the power K T (1/2 + L) u^2, so that a multiple of K T
-///    suffices.
-/// 2. A contact of at most 0.1 s that throws the handle back may release no more than E: its force
-///    is reduced, at most to zero, early enough for the slew limit.
+/// 1. The damper removes what has been created (D, J) and not removed yet: -b u, with
+///      b = min(D/(T u^2), (3 + L) K T, b_device)
+///    K is the regression of changes of force on changes of position, u the velocity reading where
+///    the displacement d over the last 2 ms confirms its sign, no faster than d/T.
+/// 2. A contact of at most 0.1 s that throws the handle back is reduced, early enough for latency
+///    and slew limit, where it would otherwise give it more energy than the observer holds and more
+///    momentum than it arrived with.
+///
+/// Neither turns a force round, and where a part is zero it stays zero.
 class PassivityController {
 public:
   static constexpr double kAtRest_s = 0.05;
   static constexpr int kMaxLatency_ticks = 8;
 
-  /// Updates the observer. position_m: of the handle now; written_n: the force (N) that was written
-  /// in the last tick; allowance_j: energy to add, see chain.cpp.
-  void observe(const PassivitySettings& settings, const Vec3& position_m, const Vec3& written_n,
-               double allowance_j) noexcept;
-  /// The force (N) to write instead of desired_n. contact_n: the part of desired_n from models
-  /// inside the servo; velocity: the device's reading, m/s. The result differs from desired_n by no
-  /// more than |contact_n| + b_device |velocity|.
-  [[nodiscard]] Vec3 limit(const PassivitySettings& settings, const Vec3& desired_n,
-                           const Vec3& contact_n, const Vec3& velocity) noexcept;
+  /// The parts of a force, N.
+  struct Parts {
+    Vec3 contact{}; ///< of models inside the servo
+    Vec3 command{}; ///< of the host, and what else is not a contact
+  };
 
+  /// Updates the observer. position_m: of the handle now; written_n: the force that was written in
+  /// the last tick, after the slew limit.
+  void observe(const PassivitySettings& settings, const Vec3& position_m,
+               const Vec3& written_n) noexcept;
+  /// The parts to write instead of `desired`; velocity: the device's reading, m/s. A part becomes
+  /// shorter, down to zero, or longer by at most b_device times the speed against it.
+  [[nodiscard]] Parts limit(const PassivitySettings& settings, const Parts& desired,
+                            const Vec3& velocity) noexcept;
+
+  /// The work of the hand on the contact since it began, J: E_n = E_(n-1) - F_(n-1-L) . (x_n -
+  /// x_(n-1)), exact for a held force, at most tank_j. Zero when the last force of the contact has
+  /// been felt; a negative one also when the handle has been at rest for kAtRest_s.
   [[nodiscard]] double energy_j() const noexcept { return energy_j_; }
-  /// Whether the last force was changed.
-  [[nodiscard]] bool acted() const noexcept { return acted_; }
+  /// Length of the last change of the force, N.
+  [[nodiscard]] double taken_n() const noexcept { return taken_n_; }
 
 private:
-  static constexpr std::size_t kHistory = 16;
+  static constexpr std::size_t kHistory = 64;
   static_assert((kHistory & (kHistory - 1)) == 0 && kMaxLatency_ticks < int{kHistory});
   template <class T> static T& at(std::array<T, kHistory>& ring, std::size_t tick) noexcept {
     return ring[tick % kHistory];
   }
+  /// One part of the force, and what holding it has created.
+  struct Held {
+    Vec3 desired{}, returned{};              // of the last tick
+    Vec3 direction{};                        // of the last force that was not zero
+    double force_change_n = 0, motion_m = 0; // in a tick, along the direction; low-passed
+    double changes_n2 = 0, product_nm = 0, motions_m2 = 0; // leaky sums
+    double created_j = 0;
+    [[nodiscard]] double stiffness(double period_s, const Vec3& force_n,
+                                   const Vec3& moved_m) noexcept;
+    /// lead_ticks: between the position and the middle of the tick in which its force is felt.
+    void brake(const PassivitySettings& settings, const Vec3& force_n, const Vec3& moved_m,
+               const Vec3& velocity, double lead_ticks, double allowance_w) noexcept;
+  };
   [[nodiscard]] Vec3 displacement(const PassivitySettings& settings) noexcept;
-  [[nodiscard]] double stiffness(const PassivitySettings& settings, const Vec3& desired_n) noexcept;
-  [[nodiscard]] double release_cut(const PassivitySettings& settings, double contact_n,
-                                   double outward, double reading) noexcept;
+  void begin_contact(const PassivitySettings& settings) noexcept;
+  void end_contact(const PassivitySettings& settings) noexcept;
+  [[nodiscard]] double affordable_force(const PassivitySettings& settings, double outward,
+                                        double accelerated) noexcept;
 
-  std::array<Vec3, kHistory> positions_{}, forces_{};
+  std::array<Vec3, kHistory> positions_{};
+  std::array<Vec3, kHistory> contacts_{}; // the contact's part of the written force
   std::size_t tick_ = 0;
+  Held contact_{}, command_{};
+  Vec3 moved_{}, moved_before_{}; // in the last tick, and in the one before
   double energy_j_ = 0;
   Vec3 rest_position_{};
   double at_rest_s_ = 0;
-  Vec3 desired_{}, direction_{}; // the last force; direction of the last one that was not zero
-  double force_changes_ = 0, position_changes_ = 0; // leaky sums of squares, N^2 and m^2
-  double outward_ = 0;                              // m/s, along the contact's force
-  double contact_s_ = 0;                            // since it began
-  bool started_ = false, acted_ = false;
+
+  // the contact as the end of a free flight
+  Vec3 arrival_m_{}, approach_{}; // last reading before it; mean velocity until then
+  double approach_error_ = 0;     // m/s
+  double contact_s_ = 0;
+  double impulse_ns_ = 0, double_impulse_kg_m_ = 0; // of the contact's force, felt until now
+  double variation_n_ = 0;                          // sum of the changes of that force
+  double outward_ = 0;                              // speed along the contact's force
+  std::size_t free_ticks_ = 0;
+  double taken_n_ = 0;
+  bool started_ = false;
 };
 
 } // namespace tactus::haptic

@@ -30,11 +30,12 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
       one->begin();
   driver_ticks_ = 0;
   refresh_caps();
-  const ThermalLimit motors_heat = chain_.thermal; // the motors stay as warm as they were
+  const ChainState last = chain_;
   chain_ = {};
-  chain_.thermal = motors_heat;
+  chain_.thermal = last.thermal; // the motors stay as warm as they were
+  chain_.counters = last.counters;
+  chain_.lowest_energy_j = last.lowest_energy_j;
   wrist_.reset();
-  statistics_ = {};
   located_ = true; // the models have begun
   located_position_.reset();
   state_ = {};
@@ -42,7 +43,6 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
   failed_reads_ = failed_writes_ = 0;
   tripped_ = has_heartbeat_ = false;
   faults_ = 0;
-  statistics_resets_ = exchange_.statistics_resets.load(std::memory_order_relaxed);
   exchange_.commands.read();
   command_ = exchange_.commands.latest();
   const MotorControl::Request request = exchange_.motors.request();
@@ -113,6 +113,12 @@ void Servo::reset_statistics() noexcept {
   statistics_ = {};
   chain_.counters = {};
   chain_.lowest_energy_j = chain_.energy_j;
+}
+
+void Servo::continue_statistics(const Report& last, const ServoStatistics& statistics) noexcept {
+  chain_.counters = last.counters;
+  chain_.lowest_energy_j = last.lowest_energy_j;
+  statistics_ = statistics;
 }
 
 State Servo::read_state(const Tick& tick) noexcept {
@@ -209,6 +215,11 @@ Report Servo::report(const Tick& tick, const State& state, const Vec3& force,
   report.counters = chain_.counters;
   report.energy_j = chain_.energy_j;
   report.lowest_energy_j = chain_.lowest_energy_j;
+  report.asked_n = chain_.asked_n;
+  report.taken_n = chain_.taken_n;
+  report.clipping = chain_.clipping;
+  report.braking = chain_.braking;
+  report.frozen = chain_.frozen;
   report.motors = chain_.motors;
   report.latched = chain_.latched;
   report.derating = chain_.derating;

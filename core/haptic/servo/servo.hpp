@@ -59,6 +59,9 @@ struct Report {
   WristCommand wrist{}; ///< zero while it is off
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
+  double asked_n = 0, taken_n = 0;        ///< as in ChainState
+  bool clipping = false, braking = false; ///< as in ChainState
+  bool frozen = false;                    ///< as in ChainState
   bool motors = true, latched = false;
   bool derating = false;      ///< as ThermalLimit::derating()
   double derated_to_n = 0;    ///< as ThermalLimit::steady_limit_n()
@@ -105,15 +108,17 @@ class Servo {
 public:
   static constexpr std::uint64_t kStatisticsTicks = 128;
 
-  /// Starts with zero force, a new chain and new statistics; an emergency stop and a failure of the
-  /// last device hold until the motors are enabled. `model` must be passive. The force of `patch`
-  /// is treated like the host's commands, but not interpolated: the passivity controller allows its
-  /// work up to allowance_w. Not while a step runs.
+  /// Starts with zero force and a new chain; an emergency stop and a failure of the last device
+  /// hold until the motors are enabled, and the statistics go on until they are reset. `model` must
+  /// be passive. The force of `patch` is treated like the host's commands, but not interpolated:
+  /// the passivity controller allows its work up to allowance_w. Not while a step runs.
   void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
   /// Sets the heat of the motors, N^2 (thermal.hpp), before attach(), which else keeps that of the
   /// last device. Not while a step runs.
   void set_motor_heat(double heat_n2) noexcept { chain_.thermal = ThermalLimit(heat_n2); }
+  /// Goes on from the statistics of the servo that this one replaces. Not while a step runs.
+  void continue_statistics(const Report& last, const ServoStatistics& statistics) noexcept;
   /// Reads the device's Caps again after they have changed. Not while a step runs.
   void refresh_caps() noexcept;
   [[nodiscard]] bool attached() const noexcept { return device_ != nullptr; }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <vector>
 
 using namespace tactus::haptic;
@@ -224,10 +225,10 @@ TEST_CASE("damping opposes the velocity and the soft walls push back into the wo
   CHECK(norm(chain.tick() - Vec3{-0.2 - 1.0, 0, 0.4 + 2.0}) < 1e-12);
 }
 
-TEST_CASE("the tank bounds the energy that the observer stores") {
+TEST_CASE("the tank bounds the energy that the observer stores of a contact") {
   Chain chain;
   chain.settings.tank_j = 2e-3;
-  chain.ask(-1);
+  chain.input.local_force = {-1, 0, 0};
   for (int tick = 0; tick < 50; ++tick) { // the hand pushes 1 mm a tick against 1 N
     chain.input.position.x = tick * 1e-3;
     chain.tick();
@@ -235,45 +236,27 @@ TEST_CASE("the tank bounds the energy that the observer stores") {
   }
 }
 
-TEST_CASE("commands may put their allowance into the hand, local models nothing") {
-  for (const bool local : {false, true}) {
-    Chain chain;
-    chain.settings.allowance_w = 0.01;
-    if (local)
-      chain.input.local_force = {1, 0, 0};
-    else
-      chain.ask(1);
-    for (int tick = 0; tick <= 100; ++tick) { // 1 N along 40 um a tick: 40 mW for 100 ms
-      chain.input.position.x = tick * 4e-5;
-      chain.tick();
-    }
-    CHECK(chain.state.energy_j == approx(local ? -4e-3 : -3e-3).epsilon(1e-9));
-  }
-}
-
-TEST_CASE("the allowance is subtracted again when the hand returns, in every cycle") {
-  // 1 N of the patch along 4 mm and back: no work in the mean, no credit and no debt at any time.
-  // It requests 8 N, of which the limit passes 1 N: an allowance for 8 N would put credit into the
-  // tank.
-  for (const double requested_n : {1.0, 8.0}) {
-    Chain chain;
-    chain.settings.force_limit_n = 1;
-    chain.settings.allowance_w = 10;
-    chain.settings.tank_j = 0.1;
-    chain.ask(requested_n);
-    for (int tick = 0; tick <= (requested_n > 1 ? 100 : 1000); ++tick) {
-      chain.input.position.x = 4e-5 * (tick % 200 < 100 ? tick % 200 : 200 - tick % 200);
-      CHECK(chain.tick_x() == approx(1));
-      CHECK(std::abs(chain.state.energy_j) < 1e-15);
-      CHECK(chain.state.allowance_j == doctest::Approx(chain.input.position.x).scale(1e-6));
-    }
-    if (requested_n > 1)
-      continue;
-    // Beyond its start the hand does work against the patch, which is stored as credit.
-    chain.input.position.x = -1e-3;
-    chain.tick();
-    CHECK(chain.state.energy_j == approx(1e-3).epsilon(1e-9));
-  }
+TEST_CASE(
+    "a constant or slowly growing command arrives from its first tick, however the hand moves") {
+  // Nothing is created by holding a force that does not follow the motion: not for a hand that it
+  // moves, pushes back or shakes, nor beside a contact.
+  for (const double growth_n_per_s : {0.0, 2.0})
+    for (const double allowance_w : {0.0, 0.05})
+      for (const double swing_hz : {0.3, 3.0, 12.0}) {
+        Chain chain;
+        chain.settings.passivity = true;
+        chain.settings.allowance_w = allowance_w;
+        chain.settings.interpolation = ChainSettings::Interpolation::kOff;
+        CAPTURE(swing_hz);
+        for (int tick = 0; tick < 2000; ++tick) {
+          const double phase = 2 * std::numbers::pi * swing_hz * tick * 1e-3;
+          const double asked = tick < 100 ? 0 : 1 + growth_n_per_s * (tick - 100) * 1e-3;
+          chain.input.position.x = 5e-3 * std::sin(phase);
+          chain.input.velocity.x = 5e-3 * 2 * std::numbers::pi * swing_hz * std::cos(phase);
+          chain.ask(asked);
+          REQUIRE(chain.tick_x() == approx(asked).epsilon(0.01));
+        }
+      }
 }
 
 TEST_CASE("for any input the written force is finite and within the limit") {

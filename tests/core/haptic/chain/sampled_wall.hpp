@@ -35,6 +35,7 @@ struct WallCase {
     kPush,   ///< a free handle, pushed with `value` N
     kSpring, ///< held by a spring that rests `value` m behind the wall's face
     kPerson, ///< the same with tremor
+    kStroke, ///< held by a spring that goes `value` m in and out of the wall, twice a second
   };
   double stiffness_n_per_m = 500, rate_hz = 1000, encoder_m = 0;
   int latency_ticks = 0;
@@ -55,7 +56,8 @@ struct WallResult {
   double exit_energy = 0;   ///< of a flight: kinetic energy on leaving the wall over that on entry
   double max_slew = 0;      ///< largest change of force over what the slew allows
   double max_force_n = 0;
-  bool left = false; ///< of a flight
+  double max_pull_n = 0; ///< largest force into the wall, or outside it beyond what the slew leaves
+  bool left = false;     ///< of a flight
 
   /// What settles, as far as a held or pushed handle can: no growth, and no bouncing.
   [[nodiscard]] bool stable() const noexcept {
@@ -69,14 +71,16 @@ public:
     using Hold = HandSettings::Hold;
     SimulatedDevice::Settings s;
     s.stops = false;
-    s.hand.hold = c.scene == WallCase::Scene::kSpring   ? Hold::kSpring
-                  : c.scene == WallCase::Scene::kPerson ? Hold::kPerson
-                                                        : Hold::kFree;
+    using Scene = WallCase::Scene;
+    s.hand.hold = c.scene == Scene::kSpring || c.scene == Scene::kStroke ? Hold::kSpring
+                  : c.scene == Scene::kPerson                            ? Hold::kPerson
+                                                                         : Hold::kFree;
     s.hand.stiffness_n_per_m = c.hand_n_per_m;
     s.hand.damping_n_s_per_m = c.hand_n_s_per_m;
     s.hand.wander_m = s.hand.yield_s = 0; // both would take the hand away from the wall
     device_.set(s);
-    device_.set_path(LinePath{{c.value, 0, 0}, {c.value, 0, 0}, 1});
+    const double end = c.scene == Scene::kStroke ? -c.value : c.value;
+    device_.set_path(LinePath{{c.value, 0, 0}, {end, 0, 0}, 0.5});
     if (c.scene == WallCase::Scene::kFlight)
       device_.set_state({-0.05 * c.value, 0, 0}, {c.value, 0, 0});
     else
@@ -118,12 +122,13 @@ public:
     if (case_.velocity == Velocity::kNoisy)
       now.velocity.x += 0.02 * (2.0 * noise_.uniform() - 1.0);
     if (case_.velocity == Velocity::kDifference)
-      now.velocity.x = reads_ > 0 ? (x - last_x_) / tick.period_s : 0;
-    last_x_ = x;
+      now.velocity.x = reads_ > 0 ? (x - previous_x_) / tick.period_s : 0;
+    previous_x_ = x;
     now.position = {x, 0, 0};
     states_[reads_ % states_.size()] = now;
     const auto late = std::min(reads_, static_cast<std::size_t>(case_.latency_ticks));
     state = states_[(reads_ - late) % states_.size()];
+    last_x_ = state.position.x;
     ++reads_;
     return true;
   }
@@ -143,6 +148,9 @@ public:
     result_.max_slew =
         std::max(result_.max_slew, norm(force - force_) / (case_.slew_n_per_s * period_s));
     result_.max_force_n = std::max(result_.max_force_n, norm(force));
+    const double falling = std::max(-force_.x - case_.slew_n_per_s * period_s, 0.0);
+    result_.max_pull_n =
+        std::max({result_.max_pull_n, force.x, last_x_ <= 0 ? -force.x - falling : 0.0});
     force_ = force;
   }
   [[nodiscard]] double x() const noexcept { return device_.position().x; }
@@ -201,7 +209,7 @@ private:
   Random noise_{7};
   std::array<State, 16> states_{};
   std::size_t reads_ = 0;
-  double last_x_ = 0;
+  double previous_x_ = 0, last_x_ = 0; // read without latency, and given
   std::uint64_t index_ = 0;
   WallResult result_{};
 };

@@ -251,8 +251,12 @@ TEST_CASE("the report says what the tick read, wrote and counted, and the state 
   now = after(1);
   CHECK(now.motors);
   CHECK_FALSE(now.latched);
-  // The hand gives way by 1 mm under 1 N of the force that returns: energy that the world gave.
-  rig.run(249);
+  // The hand gives way by 1 mm under 1 N of a contact: energy that the world gave.
+  struct Contact final : LocalModel {
+    Vec3 force(const Tick&, const State&) noexcept override { return {1, 0, 0}; }
+  } contact;
+  rig.attach(&contact);
+  rig.run(50);
   rig.device.reading.position.x += 1e-3;
   now = after(1);
   CHECK(now.energy_j == approx(-1e-3).epsilon(0.01));
