@@ -127,11 +127,11 @@ Sweep sweep(int latency, bool declared, bool quick, std::FILE* csv) {
             if (c.scene == Scene::kFlight) {
               if (off.exit_energy > 1)
                 result.exits.add(on.exit_energy, kMaxExitEnergy, set_geometry(c));
-            } else {
+            } else if (off.stable() || off.force_rms_n > kSameForce_n) { // not thrown off for good
               (off.stable() ? result.force : result.loud)
                   .add(on.force_rms_n <= std::max(kSameForce_n, k * encoder)
                            ? 0.0
-                           : on.force_rms_n / std::max(off.force_rms_n, kSameForce_n),
+                           : on.force_rms_n / std::max(off.force_rms_n, 1e-9),
                        kMaxForceRatio, set_geometry(c));
             }
           }

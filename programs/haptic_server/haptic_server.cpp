@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 
 #include <unistd.h>
 
@@ -55,6 +56,15 @@ void listen_for_signals() noexcept {
   sigaction(SIGPIPE, &action, nullptr);
 }
 
+/// "2026-11-28 14:05:09 ", local time.
+std::string time_of_day() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[32];
+  return std::string(text, std::strftime(text, sizeof text, "%F %T ", &local));
+}
+
 void say(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);
@@ -70,12 +80,12 @@ int serve(Station& station, const Options& options, phantom::Trace& trace) {
   for (int looks = 0; !stop && !(options.once && station.all_clients_left()); ++looks) {
     drain();
     for (const std::string& line : station.take_notices())
-      say(line);
+      say(time_of_day() + line);
     if (looks % kPollsPerTroubleCheck == 0)
       if (std::string now = station.trouble(); now != trouble) {
         trouble = std::move(now);
         if (!trouble.empty())
-          std::fprintf(stderr, "haptic_server: %s\n", trouble.c_str());
+          std::fprintf(stderr, "%shaptic_server: %s\n", time_of_day().c_str(), trouble.c_str());
       }
     std::this_thread::sleep_for(kPollInterval);
   }
@@ -84,14 +94,14 @@ int serve(Station& station, const Options& options, phantom::Trace& trace) {
   station.close();
   drain();
   for (const std::string& line : station.take_notices())
-    say(line);
+    say(time_of_day() + line);
   if (station.exchange().trace.dropped() > 0)
     std::fprintf(stderr, "haptic_server: %llu ticks are missing in the trace\n",
                  static_cast<unsigned long long>(station.exchange().trace.dropped()));
   if (const std::string failure = trace.close(); !failure.empty())
     return std::fprintf(stderr, "haptic_server: %s: %s\n", options.trace.c_str(), failure.c_str()),
            1;
-  say("haptic_server: ended with no force");
+  say(time_of_day() + "haptic_server: ended with no force");
   return 0;
 }
 

@@ -136,6 +136,14 @@ void Station::tick(double now_s) {
   link_->exchange(*server_, now_s);
   all_clients_left_ = server_->connections_made() > 0 && server_->clients() == 0;
   std::vector<std::string> fresh = server_->take_notices();
+  const haptic::Report& report = servo_.exchange().reports.latest(); // read by the link
+  if (report.clipping && !clipping_) {
+    char line[96];
+    std::snprintf(line, sizeof line, "the force is clipped: %.3g N asked for, %.3g N at most",
+                  report.asked_n, server_->servo_command().force_limit_n);
+    fresh.emplace_back(line);
+  }
+  clipping_ = report.clipping;
   if (fresh.empty())
     return;
   const std::lock_guard lock(mutex_);

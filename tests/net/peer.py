@@ -157,7 +157,7 @@ class Program:
             file.seek(max(0, self.trace.stat().st_size - 4096))
             lines = file.read().decode().split("\n")[:-1]
         words = lines[-1].split(",") if lines else []
-        return size([float(word) for word in words[8:11]]) if len(words) == 13 else 0.0
+        return size([float(word) for word in words[8:11]]) if len(words) > 12 else 0.0
 
     def wait_for_force(self, at_least, seconds=60):
         """Until the trace holds a force of at least so many N."""

@@ -39,9 +39,21 @@ def push(server, pd, force_n=1.0):
 
 def test_positions_come_forces_go_and_quitting_ends_them(world):
     server, pd = world
+    pd.tell_phantom("motors 1")
     opened(pd)
     pd.wait_until(lambda: len(set(pd.positions())) > 3)
+    for _ in range(40):  # no force before motors 1, whatever was said before open
+        pd.tell_phantom("list 1 0 0")
+        time.sleep(0.02)
+        assert server.force() == 0
+    pd.tell_phantom("get motors")
+    pd.wait_for(r"^info: motors 0")
     push(server, pd)
+    pd.tell_phantom("list 100 0 0")
+    pd.wait_for(r"^info: status clipped 1")
+    pd.tell_phantom("estop")
+    pd.tell_phantom("get motors")
+    pd.wait_until(lambda: pd.read().count("\ninfo: motors 0") == 2)
     pd.tell_phantom("quit")
     pd.process.wait(60)
     server.wait_for_none()

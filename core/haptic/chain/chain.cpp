@@ -8,7 +8,7 @@ constexpr double kMaxTarget_n = 1e6;
 constexpr double kMaxLocalForce_n = 1e6;
 constexpr double kMaxPosition_m = 1e3;
 constexpr double kMaxSpeed_m_per_s = 1e4;
-constexpr double kTold_s = 0.5;
+constexpr double kNoticed_s = 0.5;
 // A change of the force that a hand may notice: a twentieth, and 20 mN.
 constexpr double kNoticeableShare = 0.05, kNoticeable_n = 0.02;
 constexpr std::uint64_t kMaxAutoInterpolation_ticks = 50;
@@ -111,9 +111,9 @@ void start(ChainState& state, const ChainSettings& settings, const ChainInput& i
     state.command_s = input.time_s;
 }
 
-/// Whether `now` holds or has held in the last kTold_s.
-bool told(double& left_s, bool now, double elapsed_s) noexcept {
-  left_s = now ? kTold_s : std::max(left_s - elapsed_s, 0.0);
+/// Whether `now` holds or has held in the last kNoticed_s.
+bool noticed(double& left_s, bool now, double elapsed_s) noexcept {
+  left_s = now ? kNoticed_s : std::max(left_s - elapsed_s, 0.0);
   return left_s > 0.0;
 }
 
@@ -202,7 +202,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& ra
 
   const double limit_n = force_limit(state, settings, elapsed_s, input.warm);
   const double length = state.asked_n = norm(force);
-  state.clipping = told(state.clipping_s, length > settings.force_limit_n, elapsed_s);
+  state.clipping = noticed(state.clipping_s, length > settings.force_limit_n, elapsed_s);
   if (length > settings.force_limit_n)
     ++state.counters.clamped;
   else if (length > limit_n)
@@ -226,8 +226,8 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& ra
   state.taken_n = state.passivity.taken_n();
   state.counters.braked += state.taken_n > 0.0 ? 1 : 0;
   state.braking =
-      told(state.braking_s, state.taken_n > std::max(kNoticeableShare * norm(force), kNoticeable_n),
-           elapsed_s);
+      noticed(state.braking_s,
+              state.taken_n > std::max(kNoticeableShare * norm(force), kNoticeable_n), elapsed_s);
   force = limited(passive.contact + passive.command, limit_n);
 
   force = limited(slew_limited(state, settings, force), settings.force_limit_n);

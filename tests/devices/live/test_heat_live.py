@@ -16,7 +16,7 @@ def forces(live, tag="info"):
 
 
 def opened(live, receiver=""):
-    for message in ("outrate 50", "repeat 1", "report force 1", "open"):
+    for message in ("outrate 50", "repeat 1", "report force 1", "open", "motors 1"):
         live.tell_phantom(f"{receiver} {message}".strip())
 
 

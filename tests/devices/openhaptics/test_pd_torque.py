@@ -14,6 +14,7 @@ def opened(folder, mode):
     live.tell_phantom("report torque 1")
     live.tell_phantom("open")
     live.wait_for(r"status sched driver")
+    live.tell_phantom("motors 1")
     return live
 
 

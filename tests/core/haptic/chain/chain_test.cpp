@@ -107,6 +107,33 @@ TEST_CASE("a target that is not finite is refused and counted, and the last good
   }
 }
 
+TEST_CASE("after a freeze of the host the force returns by itself, or not before the motors are "
+          "enabled") {
+  for (const bool resume : {true, false}) {
+    Chain chain;
+    chain.settings.resume = resume;
+    chain.ask(1);
+    const auto frozen = [&chain](int count) {
+      for (; count > 0; --count) {
+        chain.input.time_s = chain.time_s();
+        ++chain.ticks;
+        step(chain.state, chain.settings, chain.input);
+      }
+      return chain.state.written.x;
+    };
+    CHECK(chain.tick_x(100) == 1.0);
+    CHECK(frozen(100) == 1.0);
+    CHECK(frozen(25) == approx(0.5));
+    CHECK(chain.tick_x(60) == approx(resume ? 1 : 0)); // 50 ms later
+    CHECK(chain.state.frozen != resume);
+    CHECK(frozen(200) == 0.0);
+    CHECK(chain.tick_x(1000) == approx(resume ? 1 : 0));
+    motors(chain.state, true);
+    CHECK(chain.tick_x(250) == approx(resume ? 1 : 0.5)); // over half a second
+    CHECK(chain.tick_x(250) == approx(1));
+  }
+}
+
 TEST_CASE("a target is reached in the time since the one before it, in 50 ticks at most") {
   ChainSettings settings = plain();
   settings.force_limit_n = 20;

@@ -67,7 +67,7 @@ TEST_CASE("the observer sums the work of the contact's force that acted on the h
 TEST_CASE("negative energy is cleared after 50 ms at rest within the reading's error, positive is "
           "not") {
   for (const double noise_m : {0.0, 3e-5})
-    for (const double way_m : {-1e-3, 1e-3})
+    for (const double moved_m : {-1e-3, 1e-3})
       for (const double sway : {0.9, 1.1}) { // of the radius within which it rests, and 20 um
         Loop loop{settings_of(1e-3)};
         loop.settings.position_noise_m = noise_m;
@@ -76,15 +76,15 @@ TEST_CASE("negative energy is cleared after 50 ms at rest within the reading's e
           return loop.controller.energy_j();
         };
         at(0);
-        const double energy_j = at(way_m);
-        CHECK(energy_j == doctest::Approx(-way_m));
-        const double there = way_m + sway * (2 * noise_m + 2e-5);
+        const double energy_j = at(moved_m);
+        CHECK(energy_j == doctest::Approx(-moved_m));
+        const double there = moved_m + sway * (2 * noise_m + 2e-5);
         for (int n = 1; n <= 60; ++n)
-          at(n % 2 ? there : way_m);
+          at(n % 2 ? there : moved_m);
         if (energy_j > 0 || sway > 1)
-          CHECK(at(way_m) == doctest::Approx(energy_j));
+          CHECK(at(moved_m) == doctest::Approx(energy_j));
         else // but for the work of swaying with 1 N
-          CHECK(std::abs(at(way_m)) <= std::abs(there - way_m) * (1 + 1e-9));
+          CHECK(std::abs(at(moved_m)) <= std::abs(there - moved_m) * (1 + 1e-9));
       }
 }
 

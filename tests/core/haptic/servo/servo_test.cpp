@@ -255,8 +255,9 @@ TEST_CASE("the report says what the tick read, wrote and counted, and the state 
   struct Contact final : LocalModel {
     Vec3 force(const Tick&, const State&) noexcept override { return {1, 0, 0}; }
   } contact;
-  rig.attach(&contact);
+  rig.attach(&contact); // the statistics go on until they are reset
   rig.run(50);
+  CHECK(rig.report().counters.ticks == now.counters.ticks + 50);
   rig.device.reading.position.x += 1e-3;
   now = after(1);
   CHECK(now.energy_j == approx(-1e-3).epsilon(0.01));
