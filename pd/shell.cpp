@@ -4,7 +4,6 @@
 #include "core/declaration_text.hpp"
 #include "core/guarded.hpp"
 #include "core/named_lines.hpp"
-#include "files/utf8_path.hpp"
 #include "pd/atoms.hpp"
 #include "pd/host_features.hpp"
 #include "pd/host_process.hpp"
@@ -13,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -366,7 +366,8 @@ private:
     char* base = nullptr;
     canvas_makefilename(canvas_, name.c_str(), folder, MAXPDSTRING);
     std::error_code failed;
-    if (const auto beside = std::filesystem::status(utf8_path(folder), failed);
+    if (const auto beside =
+            std::filesystem::status(std::u8string(folder, folder + std::strlen(folder)), failed);
         std::filesystem::exists(beside) && !std::filesystem::is_regular_file(beside))
       return {}; // Pd would open a FIFO, and wait for ever
     const int file = canvas_open(canvas_, name.c_str(), "", folder, &base, MAXPDSTRING, 1);

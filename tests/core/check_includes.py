@@ -35,7 +35,7 @@ cstdio: FILE fclose ferror fflush fgets fopen fprintf fputc fputs fread fscanf f
 cstdlib: abort abs aligned_alloc atexit atof atoi atol calloc exit free getenv malloc realloc size_t strtod strtol
   strtoul strtoull system
 cstring: memcmp memcpy memmove memset size_t strcmp strerror strlen strncmp
-ctime: clock clock_t gmtime size_t strftime time time_t
+ctime: clock clock_t gmtime size_t strftime time time_t tm
 cwchar: size_t swprintf
 exception: exception exception_ptr current_exception
 fstream: ifstream ofstream

@@ -47,7 +47,8 @@ def opened(folder, driver, count=1):
     live.wait_for(rf"^other: status open {driver}", count - 1)
     live.tell_phantom("open")
     live.wait_for(r"^info: status sched")
-    live.wait_until(lambda: len(live.positions()) > 5 or live.tell_phantom("list 0.5 0 0"))
+    live.wait_until(lambda: len(live.positions()) > 5 or live.tell_phantom("motors 1") or
+                    live.tell_phantom("list 0.5 0 0"))
     return live
 
 
