@@ -127,9 +127,10 @@ TEST_CASE("a failure in any call of Pd is one sentence, and the object goes on")
                                                          {"size", "not enough memory"},
                                                          {"range", "a reason"},
                                                          {"int", "failed without a reason"}};
-  for (const auto& [member, call] : calls)
+  for (const auto& one : calls)
     for (const auto& [how, reason] : reasons) {
-      CAPTURE(member);
+      const auto& [member, call] = one;
+      CAPTURE(one.first);
       Box box("probe~", {2});
       box.dsp(48000, 64);
       box.send("fail", {member, how});
