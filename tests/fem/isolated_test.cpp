@@ -102,7 +102,8 @@ TEST_CASE("a refusal, a crash, an exit and a kill come back as one sentence with
   }
   ends(under_address_sanitizer() ? "a.step" : "division", [] { std::raise(SIGFPE); });
   ends("status 3", [] { _exit(3); });
-  ends("without an answer", [] { std::exit(0); });
+  if (!under_address_sanitizer()) // whose search for leaks at the end is refused
+    ends("without an answer", [] { std::exit(0); });
 }
 
 TEST_CASE("memory is limited, in new and in malloc") {
@@ -175,7 +176,9 @@ TEST_CASE("the reader reads files and thinks, and reaches nothing else") {
   REQUIRE(mkdtemp(folder));
   const std::string kept = std::string(folder) + "/kept", canary = std::string(folder) + "/canary";
   REQUIRE(close(creat(kept.c_str(), 0600)) == 0);
-  const int leaked = open(kept.c_str(), O_RDONLY); // not closed on exec, as a library's may be
+  const int opened = open(kept.c_str(), O_RDONLY); // not closed on exec, as a library's may be
+  const int leaked = fcntl(opened, F_DUPFD, 10);   // 3 is the child's pipe
+  close(opened);
   const int shared = shmget(IPC_PRIVATE, 4096, 0600);
   setenv("TACTUS_TEST_SECRET", "1", 1);
   std::signal(SIGUSR1, SIG_IGN);
@@ -227,7 +230,9 @@ TEST_CASE("the reader reads files and thinks, and reaches nothing else") {
       sigset_t mask;
       sigaction(SIGUSR1, nullptr, &action);
       sigprocmask(SIG_BLOCK, nullptr, &mask);
-      refused(action.sa_handler == SIG_DFL && !sigismember(&mask, SIGUSR2), "signals");
+      refused(under_address_sanitizer() || // which keeps its own
+                  (action.sa_handler == SIG_DFL && !sigismember(&mask, SIGUSR2)),
+              "signals");
       std::array<std::uint32_t, 2> header{0x20080522, 0};
       std::array<std::uint32_t, 6> capabilities{};
       syscall(SYS_capget, header.data(), capabilities.data());
