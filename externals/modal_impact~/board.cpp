@@ -27,8 +27,9 @@ void ModalImpact::execute(const TableWorker::Request& request, const std::string
           worker_.request(request, [waiting = &host] { waiting->wake_from_thread(); });
       !refusal.empty()) {
     host.error(subject + ": " + refusal);
-    accept(TableWorker::execute(request), &host);
+    return accept(TableWorker::execute(request), &host);
   }
+  body_change_ = worker_.requested();
 }
 
 void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {

@@ -28,8 +28,9 @@ bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host)
                        waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_),
                        [](const WaitingMessage& kept) { return is_strike(kept.index); }) -
         waiting_.begin());
-  const bool changes = value_[kSync] == kInOrder && worker_.requested() != answered_;
-  if (!(for_a_body && (changes || worker_.loads_first())) && !(index == kInfo && changes))
+  const bool changes =
+      value_[kSync] == kInOrder && body_change_ > answered_ && (is_strike(index) || index == kInfo);
+  if (!changes && !(for_a_body && worker_.loads_first()))
     return false;
   body_.adopt();
   if (body_.model() && !changes)
@@ -44,7 +45,7 @@ bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host)
   }
   WaitingMessage& kept = waiting_[waiting_count_++];
   kept.index = index;
-  kept.after = changes ? worker_.requested() : 0;
+  kept.after = changes ? body_change_ : 0;
   kept.count = numbers.size();
   std::copy(numbers.begin(), numbers.end(), kept.numbers.begin());
   return true;

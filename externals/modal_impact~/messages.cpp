@@ -356,7 +356,7 @@ void ModalImpact::set_listener(Numbers n, Host& host) {
   if (!within("listener", n, {{"i", "", 1, static_cast<double>(kMaxListeners)}, kX, kY, kZ}, host))
     return;
   settings_.listener[static_cast<std::size_t>(n[0]) - 1] = kMillimetre * Vec3{n[1], n[2], n[3]};
-  rebuild_model();
+  rebuild_model(false);
 }
 
 void ModalImpact::set_material(Numbers n, Host& host) {

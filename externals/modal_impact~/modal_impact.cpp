@@ -99,7 +99,7 @@ bool ModalImpact::at_once() const {
   return value_[kSync] == kAtOnce || (value_[kSync] == kInOrder && host_ && !host_->real_time());
 }
 
-void ModalImpact::rebuild_model() {
+void ModalImpact::rebuild_model(bool changes_body) {
   if (!table_)
     return;
   TableWorker::Request request{{}, {}, table_, settings(), {}, {}};
@@ -113,8 +113,10 @@ void ModalImpact::rebuild_model() {
           worker_.request(request, [host = host_] { host->wake_from_thread(); });
       !refusal.empty()) {
     host_->error(refusal);
-    accept(TableWorker::execute(request), host_);
+    return accept(TableWorker::execute(request), host_);
   }
+  if (changes_body)
+    body_change_ = worker_.requested();
 }
 
 void ModalImpact::accept(TableWorker::Result result, Host* host) {

@@ -134,7 +134,8 @@ private:
   void update_options() noexcept;
   /// Builds a model of the present settings: at once if that is quick or `sync` is set, else in the
   /// worker's thread.
-  void rebuild_model();
+  /// changes_body: strikes may have to wait for it (`sync 2`).
+  void rebuild_model(bool changes_body = true);
   void accept(TableWorker::Result result, Host* host);
   /// Executes a request at once, or in the worker's thread.
   void execute(const TableWorker::Request& request, const std::string& subject, bool at_once,
@@ -153,7 +154,9 @@ private:
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;
   std::size_t waiting_count_ = 0;
-  std::uint64_t answered_ = 0; ///< number of the worker's last request that was answered
+  /// Numbers of the worker's requests: the last that was answered, and the last that changes the
+  /// body, not only where it is heard.
+  std::uint64_t answered_ = 0, body_change_ = 0;
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;
@@ -171,7 +174,7 @@ private:
   std::optional<std::vector<double>> settle_displacement_m_; ///< at the start of the settle timer
   std::optional<ModeSolver::Request>
       solver_request_; ///< in a render: answered at a set logical time
-  ModeSolver solver_;  // last: their threads end before the members that they use
+  ModeSolver solver_;
   TableWorker worker_;
 };
 

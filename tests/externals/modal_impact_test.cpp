@@ -1,0 +1,111 @@
+// [modal_impact~] in real time: what waits for its worker, whose answers the test hands on when it
+// wants to.
+#include "externals/modal_impact~/modal_impact~.hpp"
+#include "tests/externals/recording_host.hpp"
+#include "tests/externals/table_folder.hpp"
+#include "tests/files/modal_members.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <thread>
+#include <vector>
+
+using namespace tactus;
+using namespace tactus::modal;
+using namespace tactus::modal_impact;
+
+namespace {
+
+constexpr double kSilent = 1e-12;
+
+struct Rig {
+  test::TemporaryFolder folder;
+  test::RecordingHost host{folder.path, true};
+  ModalImpact object;
+  int answers = 0;
+
+  Rig() {
+    std::ofstream(folder.path / "small.modal.npz", std::ios::binary)
+        << test::archive(test::small_table());
+    object.prepare(48000, 64);
+    object.set(kRadiation, 2); // of the body: models are built by the worker, however small
+    object.set(kSync, kInOrder);
+    object.set(kChoke, 0.001); // 60 dB in a millisecond after a reset
+    say(kLoad, {"small.modal.npz"});
+    object.created(host);
+    take_answer();
+  }
+  void say(std::size_t message, const std::vector<Atom>& atoms) {
+    object.message(message, atoms, host);
+  }
+  void take_answer() {
+    while (host.woken == answers)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    answers = host.woken;
+    object.posted(host);
+  }
+  /// The largest sample of ten blocks.
+  double peak() {
+    std::array<std::vector<double>, 10> signal;
+    signal.fill(std::vector<double>(64, 0.0));
+    std::array<const double*, 4> in{}; // every signal inlet and outlet
+    std::array<double*, 6> out{};
+    for (std::size_t i = 0; i < in.size(); ++i)
+      in[i] = signal[i].data();
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = signal[in.size() + i].data();
+    double largest = 0;
+    for (int block = 0; block < 10; ++block) {
+      object.process(Block<double>{in, out, 64, host.time_ms});
+      host.time_ms += 64 / 48.0;
+      for (const double sample : signal[in.size()])
+        largest = std::max(largest, std::abs(sample));
+    }
+    return largest;
+  }
+  double width() {
+    host.infos.clear();
+    say(kInfo, {});
+    const std::string box = host.said("box ");
+    return box.empty() ? 0 : std::stod(box.substr(box.rfind(' ')));
+  }
+};
+
+} // namespace
+
+TEST_CASE(
+    "with sync 2 strikes and info wait for a size that came before them, not for a listener") {
+  Rig rig;
+  const double width = rig.width();
+  REQUIRE(width > 0);
+  CHECK(rig.peak() == 0);
+  rig.say(kListener, {1.0, 0.0, 0.0, 200.0});
+  rig.say(kHit, {1.0});
+  CHECK(rig.peak() > kSilent);
+  rig.take_answer();
+  rig.say(kReset, {});
+  rig.peak();
+  REQUIRE(rig.peak() < kSilent);
+
+  rig.object.set(kSize, 2);
+  rig.say(kHit, {1.0});
+  CHECK(rig.width() == 0); // waits behind the strike
+  CHECK(rig.peak() < kSilent);
+  rig.take_answer();
+  CHECK(rig.peak() > kSilent);
+  CHECK(rig.host.said("box ") != "");
+  CHECK(rig.width() == doctest::Approx(2 * width));
+  CHECK(rig.host.errors.empty());
+
+  rig.object.set(kSize, 3); // a reset silences what waits, too
+  rig.say(kHit, {1.0});
+  rig.say(kReset, {});
+  rig.take_answer();
+  rig.peak();
+  CHECK(rig.peak() < kSilent);
+}
