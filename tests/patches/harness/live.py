@@ -65,27 +65,18 @@ class LivePd:
 HALF_BLOCK_MS = 32 / 48
 
 
-def played(folder, events, boxes, cords, opens=()):
-    """What a Pd says, DSP on, of boxes (the first is number 4) and patches under (ms before it, receiver, words)."""
-    (folder / "events.txt").write_text("".join(f"{ms} {receiver} {words};\n" for ms, receiver, words in events))
-    text = patch_text(["obj 10 10 loadbang", r"msg 10 10 read events.txt \, bang", r"msg 10 10 \; pd dsp 1",
-                       "obj 10 10 qlist", *(f"{box.split()[0]} 10 10 {box.split(' ', 1)[1]}" for box in boxes),
-                       "obj 10 10 print list"],
-                      ["0 0 2 0", "0 0 1 0", "1 0 3 0", f"3 1 {4 + len(boxes)} 0", *cords])
-    (folder / "live.pd").write_text(text)
-    with LivePd(*opens, folder / "live.pd") as pd:
-        pd.wait_for("^list: bang")
-        return pd.read()
-
-
 def took_ms(folder, messages, opens, wait_ms):
-    """For how many ms each of (receiver, words) holds up Pd's audio thread, without what the machine did besides: the
-    least of two runs. 3 s for what is read in the background, then so long before each."""
-    events = []
-    for receiver, words in messages:
-        events += [(wait_ms if events else 3000, "before", "bang"), (0, receiver, words), (0, "after", "bang")]
-    runs = [re.findall(r"^took: (\S+)$", played(folder, [*events, (500, "after", "bang")],
-                                                ["obj r before", "obj r after", "obj realtime", "obj print took"],
-                                                ["4 0 6 0", "5 0 6 1", "6 0 7 0"], opens), re.M) for _ in range(2)]
-    assert [len(run) for run in runs] == 2 * [len(messages) + 1]
-    return [min(float(ms) for ms in pair) for pair in zip(*runs)][:-1]
+    """For how many ms each of (receiver, words) holds up Pd's audio thread, DSP on, without what the machine did
+    besides: the least of two runs. 3 s for what is read in the background, then so long before each."""
+    lines = [f"{wait_ms if n else 3000} before bang;\n0 {receiver} {words};\n0 after bang;\n"
+             for n, (receiver, words) in enumerate(messages)]
+    (folder / "messages.txt").write_text("".join(lines))
+    (folder / "live.pd").write_text(patch_text(
+        ["obj 10 10 loadbang", r"msg 10 10 read messages.txt \, bang", r"msg 10 10 \; pd dsp 1", "obj 10 10 qlist",
+         "obj 10 10 r before", "obj 10 10 r after", "obj 10 10 realtime", "obj 10 10 print took"],
+        ["0 0 2 0", "0 0 1 0", "1 0 3 0", "4 0 6 0", "5 0 6 1", "6 0 7 0"]))
+    runs = []
+    for _ in range(2):
+        with LivePd(*opens, folder / "live.pd") as pd:
+            runs.append(pd.wait_for(r"^took: (\S+)$", len(messages)))
+    return [min(float(ms) for ms in pair) for pair in zip(*runs)]
