@@ -63,6 +63,13 @@ class Pd:
             time.sleep(0.02)
         return found[-1] if found else None
 
+    def wait_for_answer(self, act, pattern):
+        """Does act(), until the pattern has been printed once more: a machine that stalls may have lost and opened a
+        device before."""
+        before = len(re.findall(pattern, self.read(), re.M))
+        act()
+        return self.wait_for(pattern, before + 1)
+
     def wait_until(self, true, seconds=200):
         end = time.monotonic() + seconds
         while not true():

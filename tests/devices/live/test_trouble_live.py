@@ -95,12 +95,10 @@ def test_hot_motors_and_a_failure_are_told_while_the_device_is_open(tmp_path):
 def test_a_lost_device_says_why_and_what_keeps_it_away(tmp_path):
     with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
         live.wait_for(r"^info: status homed 1")
-        live.tell_double("unplug")
-        live.wait_for(r"^info: status lost falcon")
+        live.unplug()
         live.wait_for(r"^info: trouble falcon .*(left\\? the\\? bus|does\\? not\\? answer)")
         live.wait_for(r"^info: trouble falcon no\\? Falcon")  # once, though it is tried again
-        live.tell_double("plug")
-        live.wait_for(r"^info: status open falcon", 2)
+        live.plug()
         live.wait_for(r"^info: trouble falcon -$")
         assert len(lines(live, r"^info: trouble falcon no Falcon")) == 1
         assert len(lines(live, r"^error: .*does not answer any more.*\(the Falcon")) >= 1

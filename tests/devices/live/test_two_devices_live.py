@@ -46,11 +46,9 @@ def test_each_moves_its_own_outlets_is_listed_and_lost_alone(live):
     live.push("0 0 2")  # still, or again
     live.tell_phantom("other open")
     live.wait_for(r"^oinfo: status sched", 2)
-    live.tell_double("unplug")
-    live.wait_for(r"^info: status lost falcon")
+    live.unplug()
     moved(live)
-    live.tell_double("plug")
-    live.wait_for(r"^info: status open falcon", 2)
+    live.plug()
     live.tell_phantom("motors 1")
     live.push("0 0 2")
 
