@@ -17,14 +17,14 @@ constexpr double kMaxWait_s = 0.1; // for the bore to settle, before it is mappe
 
 } // namespace
 
-GuideUpdater::GuideUpdater() { map_.prepare(kNodes, kNodes); }
+GuideUpdater::GuideUpdater() { maps_->map.prepare(kNodes, kNodes); }
 
 MapWorker::Portion GuideUpdater::portion() {
-  return [this](std::vector<double>& nodes, std::size_t first) {
-    if (!map_.advance(kNodesPerStep))
+  return [maps = maps_](std::vector<double>& nodes, std::size_t first) {
+    if (!maps->map.advance(kNodesPerStep))
       return std::min(first + kNodesPerStep, nodes.size() - 1);
-    finished_guide_.build(map_);
-    mailbox_.write(finished_guide_);
+    maps->finished_guide.build(maps->map);
+    maps->mailbox.write(maps->finished_guide);
     return nodes.size();
   };
 }
@@ -35,7 +35,7 @@ void GuideUpdater::begin() {
   reported_ = false;
   nodes_due_ = 0;
   since_report_s_ = kReportInterval_s;
-  map_.begin(target_.playing, target_.range);
+  maps_->map.begin(target_.playing, target_.range);
   if (in_background_) {
     thread_error_ = worker_.start(kNodes * kNodes, portion());
     without_thread_ = !thread_error_.empty();
@@ -96,8 +96,8 @@ double GuideUpdater::progress() const noexcept {
 }
 
 const PlaneGuide* GuideUpdater::latest() noexcept {
-  has_guide_ |= mailbox_.read();
-  return has_guide_ ? &mailbox_.latest() : nullptr;
+  has_guide_ |= maps_->mailbox.read();
+  return has_guide_ ? &maps_->mailbox.latest() : nullptr;
 }
 
 } // namespace tactus::reed

@@ -5,6 +5,7 @@
 #include "externals/playability_map/map_worker.hpp"
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -38,16 +39,20 @@ private:
   [[nodiscard]] bool obsolete() const noexcept;
   [[nodiscard]] MapWorker::Portion portion();
 
-  GrowthMap map_;             // used by the worker alone
-  PlaneGuide finished_guide_; // used by the worker alone
-  haptic::Mailbox<PlaneGuide> mailbox_;
+  /// What the worker uses, and may hold for a portion longer than this.
+  struct Maps {
+    GrowthMap map;
+    PlaneGuide finished_guide;
+    haptic::Mailbox<PlaneGuide> mailbox;
+  };
+  std::shared_ptr<Maps> maps_ = std::make_shared<Maps>();
   PlaneSettings target_{}, requested_{};
   bool in_background_ = true, up_to_date_ = false, length_settled_ = false;
   std::string thread_error_{};
   bool without_thread_ = false; // the system could not start one
   bool has_request_ = false, has_guide_ = false, reported_ = true;
   double length_m_ = 0, waiting_s_ = 0, nodes_due_ = 0, since_report_s_ = 0, elapsed_s_ = 0;
-  MapWorker worker_; // last member, so that it ends before the data it uses
+  MapWorker worker_;
 };
 
 } // namespace tactus::reed

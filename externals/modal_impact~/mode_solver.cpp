@@ -2,13 +2,12 @@
 
 #include "core/modal/table/resolved_modes.hpp"
 #include "core/serve/modal_fem.hpp"
-#include "externals/normal_priority.hpp"
 #include "externals/program_file.hpp"
 #include "files/resolved_modes.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <new>
-#include <system_error>
 #include <utility>
 
 namespace tactus::modal {
@@ -31,99 +30,81 @@ std::string text_of(const ServedProgram::Message& message) {
 
 std::string find_modal_fem(const std::string& program) { return find_program(kProgram, program); }
 
-ModeSolver::~ModeSolver() {
-  if (!thread_.joinable())
-    return;
-  {
-    const std::lock_guard lock(mutex_); // or the thread could look before and wait after
-    thread_.request_stop();
-  }
-  wake_.notify_all();
-  thread_.join();
-}
-
 std::string ModeSolver::request(Request request, std::function<void()> ready) {
-  if (!thread_.joinable()) {
-    try {
-      thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
-    } catch (const std::system_error& error) {
-      return std::string("no thread starts for the solver (") + error.what() + ")";
-    }
-  }
+  if (!thread_.running())
+    if (const std::string reason = thread_.start(state_); !reason.empty())
+      return "no thread starts for the solver (" + reason + ")";
   {
-    const std::lock_guard lock(mutex_);
-    waiting_ = std::move(request);
-    ready_ = std::move(ready);
+    const std::lock_guard lock(state_->mutex);
+    state_->waiting = std::move(request);
+    state_->ready = std::move(ready);
   }
-  wake_.notify_all();
+  state_->changed.notify_all();
   return {};
 }
 
 std::optional<ModeSolver::Result> ModeSolver::take() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(done_, std::nullopt);
+  const std::lock_guard lock(state_->mutex);
+  return std::exchange(state_->done, std::nullopt);
 }
 
 void ModeSolver::restart(std::uint64_t number) {
-  number_ = number;
-  if (!thread_.joinable()) {
-    child_.reset();
+  state_->number = number;
+  if (!thread_.running()) {
+    state_->child.reset();
     return;
   }
   {
-    const std::lock_guard lock(mutex_);
-    restarting_ = true;
-    waiting_.reset();
-    done_.reset();
+    const std::lock_guard lock(state_->mutex);
+    state_->restarting = true;
+    state_->waiting.reset();
+    state_->done.reset();
   }
-  wake_.notify_all();
+  state_->changed.notify_all();
 }
 
-std::string ModeSolver::launch(const Request& request) {
+std::string ModeSolver::State::launch(const Request& request) {
   const std::string program = find_modal_fem(request.program);
   if (program.empty())
     return "the program " + (request.program.empty() ? kProgram : request.program) +
            " was not found: expected it beside modal_impact~, in PATH, or by solver PATH";
   std::string refusal;
-  child_ =
-      ServedProgram::start({program, "serve", request.path}, kProgram, limits_.start_s, refusal);
-  if (!child_)
+  child = ServedProgram::start({program, "serve", request.path}, kProgram, limits.start_s, refusal);
+  if (!child)
     return "the solver: " + refusal;
-  child_number_ = request.number;
-  loaded_ = false;
+  child_number = request.number;
+  loaded = false;
   return {};
 }
 
-std::optional<ServedProgram::Message> ModeSolver::await(const Request& request,
-                                                        const std::stop_token& stop,
-                                                        const ServedProgram::Expects& expects,
-                                                        std::string& lost) {
-  while (!stop.stop_requested() && number_ == request.number) {
-    if (auto message = child_->poll(expects, lost); message || !lost.empty())
+std::optional<ServedProgram::Message>
+ModeSolver::State::await(const Request& request, const ServedProgram::Expects& expects,
+                         std::string& lost) {
+  while (!stop && number == request.number) {
+    if (auto message = child->poll(expects, lost); message || !lost.empty())
       return message;
-    child_->wait(kPollInterval_s);
+    child->wait(kPollInterval_s);
   }
-  child_.reset();
+  child.reset();
   return {};
 }
 
-bool ModeSolver::await_ready(const Request& request, const std::stop_token& stop,
-                             std::string& lost) {
+bool ModeSolver::State::await_ready(const Request& request, std::string& lost) {
   const ModalTable& table = request.table->body().table;
-  const auto ready = await(
-      request, stop,
+  const auto answer = await(
+      request,
       [](const ServeHeader& header) {
         return header.kind == static_cast<std::uint32_t>(ServeKind::ready) &&
                header.size == sizeof(ModesReady);
       },
       lost);
-  if (!ready)
+  if (!answer)
     return false;
-  if (ready->kind == ServeKind::refused) {
-    lost = "the solver refuses the body: " + text_of(*ready);
+  if (answer->kind == ServeKind::refused) {
+    lost = "the solver refuses the body: " + text_of(*answer);
     return false;
   }
-  const auto found = value_at<ModesReady>(ready->payload);
+  const auto found = value_at<ModesReady>(answer->payload);
   if (found.vertices != table.vertices() || found.parameters != table.sensitivity.parameters()) {
     lost = "the solver's body has " + std::to_string(found.vertices) + " vertices and " +
            std::to_string(found.parameters) + " parameters: expected the table's " +
@@ -131,29 +112,28 @@ bool ModeSolver::await_ready(const Request& request, const std::stop_token& stop
            std::to_string(table.sensitivity.parameters());
     return false;
   }
-  loaded_ = true;
+  loaded = true;
   return true;
 }
 
-std::string ModeSolver::exchange(const Request& request, const std::stop_token& stop,
-                                 Result& result) {
+std::string ModeSolver::State::exchange(const Request& request, Result& result) {
   const LoadedTable& body = request.table->body();
   const ShapeSensitivity& sensitivity = body.table.sensitivity;
-  if (child_ && child_number_ != request.number)
-    child_.reset();
-  if (!child_)
+  if (child && child_number != request.number)
+    child.reset();
+  if (!child)
     if (std::string refusal = launch(request); !refusal.empty())
       return refusal;
   std::string lost;
-  if (!loaded_ && !await_ready(request, stop, lost))
+  if (!loaded && !await_ready(request, lost))
     return lost;
   std::vector<double> shapes = request.displacement_m;
   for (std::size_t p = 0; p < sensitivity.parameters(); ++p)
     shapes.push_back(sensitivity.solved_at(p));
-  child_->send_request(ServeKind::solve, std::as_bytes(std::span(shapes)), limits_.solve_s);
+  child->send_request(ServeKind::solve, std::as_bytes(std::span(shapes)), limits.solve_s);
   const std::uint64_t limit = max_answer_bytes(body.table);
   const auto reply = await(
-      request, stop,
+      request,
       [limit](const ServeHeader& header) {
         return header.kind == static_cast<std::uint32_t>(ServeKind::modes) && header.size <= limit;
       },
@@ -183,49 +163,48 @@ std::string ModeSolver::exchange(const Request& request, const std::stop_token& 
   return {};
 }
 
-ModeSolver::Result ModeSolver::solve(const Request& request, const std::stop_token& stop) {
+ModeSolver::Result ModeSolver::State::solve(const Request& request) {
   Result result;
   result.number = request.number;
   result.before = request.table;
   std::string lost;
   try {
-    lost = exchange(request, stop, result);
+    lost = exchange(request, result);
   } catch (const std::bad_alloc&) {
     lost = "there is not enough memory for the solver's answer";
   }
   if (!lost.empty()) {
-    child_.reset();
+    child.reset();
     result.lost = true;
     result.refusal = std::move(lost);
   }
   return result;
 }
 
-void ModeSolver::work(const std::stop_token& stop) {
-  set_normal_priority();
-  while (!stop.stop_requested()) {
+void ModeSolver::State::work() {
+  while (!stop) {
     std::optional<Request> request;
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return waiting_ || restarting_ || stop.stop_requested(); });
-      if (stop.stop_requested())
+      std::unique_lock lock(mutex);
+      changed.wait(lock, [&] { return waiting || restarting || stop; });
+      if (stop)
         break;
-      request = std::exchange(waiting_, std::nullopt);
-      restarting_ = false;
+      request = std::exchange(waiting, std::nullopt);
+      restarting = false;
     }
-    if (child_ && child_number_ != number_)
-      child_.reset();
-    if (!request || request->number != number_)
+    if (child && child_number != number)
+      child.reset();
+    if (!request || request->number != number)
       continue;
-    Result result = solve(*request, stop);
-    const std::lock_guard lock(mutex_);
-    if (result.number != number_ || (!result.table && result.refusal.empty()))
+    Result result = solve(*request);
+    const std::lock_guard lock(mutex);
+    if (result.number != number || (!result.table && result.refusal.empty()))
       continue; // given up
-    done_ = std::move(result);
-    if (ready_)
-      ready_();
+    done = std::move(result);
+    if (ready)
+      ready();
   }
-  child_.reset();
+  child.reset();
 }
 
 } // namespace tactus::modal

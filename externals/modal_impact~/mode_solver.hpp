@@ -1,18 +1,15 @@
 #pragma once
 
+#include "core/background_thread.hpp"
 #include "core/modal/table/loaded_table.hpp"
 #include "externals/served_program.hpp"
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace tactus::modal {
@@ -21,9 +18,9 @@ namespace tactus::modal {
 /// a slash. Empty if there is none that can be run.
 [[nodiscard]] std::string find_modal_fem(const std::string& program);
 
-/// Computes the modes of a body at other shapes with the child process `modal_fem serve`, in a
-/// thread of its own or in the caller's. The child starts at the first request. If it ends, does
-/// not answer in time or sends an invalid answer, it is killed and the solver is lost.
+/// Computes the modes of a body at other shapes with the child process `modal_fem serve`, in
+/// the background or in the caller's thread. The child starts at the first request. If it ends,
+/// does not answer in time or sends an invalid answer, it is killed and the solver is lost.
 class ModeSolver {
 public:
   struct Request {
@@ -47,51 +44,45 @@ public:
   };
 
   ModeSolver() : ModeSolver(Limits{}) {}
-  explicit ModeSolver(const Limits& limits) : limits_(limits) {}
-  ~ModeSolver();
-  ModeSolver(const ModeSolver&) = delete;
-  ModeSolver& operator=(const ModeSolver&) = delete;
+  explicit ModeSolver(const Limits& limits) { state_->limits = limits; }
 
   /// Solves in the thread; of waiting requests the newest counts. `ready` is called there when a
   /// result waits. Returns empty, or why no thread could be started.
   [[nodiscard]] std::string request(Request request, std::function<void()> ready);
   [[nodiscard]] std::optional<Result> take();
   /// Solves in the caller's thread; not to be mixed with request().
-  [[nodiscard]] Result solve(const Request& request, const std::stop_token& stop = {});
+  [[nodiscard]] Result solve(const Request& request) { return state_->solve(request); }
   /// Ends the child and the present request; from now on requests have this number.
   void restart(std::uint64_t number);
 
 private:
-  void work(const std::stop_token& stop);
-  [[nodiscard]] std::string launch(const Request& request);
-  /// Waits for a message of the child. None if the child was lost (reason in `lost`) or the request
-  /// was given up.
-  [[nodiscard]] std::optional<ServedProgram::Message> await(const Request& request,
-                                                            const std::stop_token& stop,
-                                                            const ServedProgram::Expects& expects,
-                                                            std::string& lost);
-  /// Waits until a started child has loaded the body. False with the reason in `lost`, which is
-  /// empty if the request was given up.
-  [[nodiscard]] bool await_ready(const Request& request, const std::stop_token& stop,
-                                 std::string& lost);
-  /// Sends the request and reads the answer. Empty, or why the solver is lost.
-  [[nodiscard]] std::string exchange(const Request& request, const std::stop_token& stop,
-                                     Result& result);
+  struct State : BackgroundState {
+    void work() override;
+    [[nodiscard]] Result solve(const Request& request);
+    [[nodiscard]] std::string launch(const Request& request);
+    /// Waits for a message of the child. None if the child was lost (reason in `lost`) or the
+    /// request was given up.
+    [[nodiscard]] std::optional<ServedProgram::Message>
+    await(const Request& request, const ServedProgram::Expects& expects, std::string& lost);
+    /// Waits until a started child has loaded the body. False with the reason in `lost`, which is
+    /// empty if the request was given up.
+    [[nodiscard]] bool await_ready(const Request& request, std::string& lost);
+    /// Sends the request and reads the answer. Empty, or why the solver is lost.
+    [[nodiscard]] std::string exchange(const Request& request, Result& result);
 
-  Limits limits_;
-  // Used by the worker only.
-  std::unique_ptr<ServedProgram> child_;
-  std::uint64_t child_number_ = 0;
-  bool loaded_ = false;
-  // Shared.
-  std::atomic<std::uint64_t> number_{0};
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<Request> waiting_;
-  std::optional<Result> done_;
-  bool restarting_ = false;
-  std::function<void()> ready_;
-  std::jthread thread_; // last: it ends before the members that it uses
+    Limits limits;
+    // Used by the worker only.
+    std::unique_ptr<ServedProgram> child;
+    std::uint64_t child_number = 0;
+    bool loaded = false;
+    // Shared; all but `number` guarded by `mutex`.
+    std::atomic<std::uint64_t> number{0};
+    std::optional<Request> waiting;
+    std::optional<Result> done;
+    bool restarting = false;
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+  BackgroundThread thread_;
 };
 
 } // namespace tactus::modal

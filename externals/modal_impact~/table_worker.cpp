@@ -1,13 +1,11 @@
 #include "externals/modal_impact~/table_worker.hpp"
 
-#include "core/retired_threads.hpp"
-#include "externals/normal_priority.hpp"
 #include "files/file_bytes.hpp"
 #include "files/modal_table.hpp"
 
 #include <cstddef>
 #include <exception>
-#include <system_error>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -20,34 +18,11 @@ bool reads_first(const TableWorker::Request& request) {
 
 } // namespace
 
-TableWorker::~TableWorker() {
-  if (!thread_.joinable())
-    return;
-  {
-    const std::lock_guard lock(state_->mutex); // or the thread could look before and wait after
-    state_->stop = true;
-    state_->ready = nullptr;
-    state_->waiting.reset();
-    state_->done.reset();
-    state_->pending_before = state_->pending_table = nullptr;
-  }
-  state_->wake.notify_all();
-  RetiredThreads::add(std::move(thread_), {state_, &state_->ended});
-}
-
 std::string TableWorker::request(const Request& request, std::function<void()> ready) {
-  if (!thread_.joinable()) {
-    try {
-      thread_ = std::thread([state = state_] {
-        set_normal_priority();
-        state->work();
-        state->ended = true;
-      });
-    } catch (const std::system_error& error) {
-      return std::string("no thread starts to read tables (") + error.what() +
+  if (!thread_.running())
+    if (const std::string reason = thread_.start(state_); !reason.empty())
+      return "no thread starts to read tables (" + reason +
              "); they are read at once, which may interrupt the sound";
-    }
-  }
   State& state = *state_;
   {
     const std::lock_guard lock(state.mutex);
@@ -69,7 +44,7 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
       state.loads_first = true;
     state.ready = std::move(ready);
   }
-  state.wake.notify_all();
+  state.changed.notify_all();
   return {};
 }
 
@@ -151,7 +126,7 @@ void TableWorker::State::work() {
     Request request;
     {
       std::unique_lock lock(mutex);
-      wake.wait(lock, [&] { return waiting.has_value() || stop; });
+      changed.wait(lock, [&] { return waiting.has_value() || stop; });
       if (stop)
         return;
       request = std::move(*waiting);

@@ -1,22 +1,19 @@
 #pragma once
 
+#include "core/background_thread.hpp"
 #include "core/modal/body/body_model.hpp"
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 namespace tactus::modal {
 
-/// Reads tables and builds models in a thread of normal priority, or at once; its end waits for
-/// nothing. Waiting requests are merged:
-/// the last load, the last board and the last settings count.
+/// Reads tables and builds models in the background, or at once. Waiting requests are merged: the
+/// last load, the last board and the last settings count.
 class TableWorker {
 public:
   /// A new board for the body.
@@ -43,11 +40,6 @@ public:
     std::uint64_t number = 0;                  ///< of the last request whose settings it answers
   };
 
-  TableWorker() = default;
-  ~TableWorker();
-  TableWorker(const TableWorker&) = delete;
-  TableWorker& operator=(const TableWorker&) = delete;
-
   /// Queues a request. `ready` is called in the worker's thread when a result waits. Returns empty,
   /// or why no thread could be started: the caller may then call execute().
   [[nodiscard]] std::string request(const Request& request, std::function<void()> ready);
@@ -62,25 +54,19 @@ public:
 
 private:
   std::uint64_t requested_ = 0;
-  /// What the thread uses: it may outlive the worker, which waits for no read.
-  struct State {
-    void work();
+  struct State : BackgroundState {
+    void work() override;
     void follow(Request& request) const;
 
-    std::mutex mutex;
-    std::condition_variable wake;
     std::optional<Request> waiting;
     std::optional<Result> done;
     /// The table in `done` and the one that it replaces: requests for that one are for the new one.
     std::shared_ptr<const LoadedTable> pending_before, pending_table;
-    std::function<void()> ready; ///< null once the worker has gone
-    bool stop = false;
     bool reading_first = false; ///< the request at hand reads the first table
     std::atomic<bool> loads_first{false};
-    std::atomic<bool> ended{false};
   };
   std::shared_ptr<State> state_ = std::make_shared<State>();
-  std::thread thread_;
+  BackgroundThread thread_;
 };
 
 } // namespace tactus::modal

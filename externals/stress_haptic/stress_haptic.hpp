@@ -111,7 +111,7 @@ private:
   std::uint64_t pictures_ = 0, sent_picture_ = 0; ///< requested, and sent
   bool draw_when_loaded_ = false;
   std::vector<PictureFace> sent_faces_; ///< empty: all must be sent
-  StressWorker worker_;                 // last: its thread ends before what it uses
+  StressWorker worker_;
 };
 
 } // namespace tactus::stress

@@ -1,15 +1,20 @@
+#include "core/background_thread.hpp"
 #include "devices/wake_count.hpp"
 #include "externals/modal_impact~/mode_solver.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
+#include "externals/playability_map/map_worker.hpp"
 #include "externals/stress_haptic/stress_worker.hpp"
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -74,6 +79,66 @@ TEST_CASE("a reader of tables that goes while it reads is not waited for") {
   }
   CHECK(left_behind);
   std::filesystem::remove(path);
+}
+
+TEST_CASE("work in the background is not waited for, and tells nobody once its owner has gone") {
+  struct Slow : BackgroundState {
+    std::atomic<bool> at_work{false}, released{false};
+    void work() override {
+      at_work = true;
+      while (!released)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const std::lock_guard lock(mutex);
+      if (ready)
+        ready();
+    }
+  };
+  auto state = std::make_shared<Slow>();
+  const std::weak_ptr<Slow> held = state;
+  std::atomic<int> reported{0};
+  state->ready = [&reported] { ++reported; };
+  {
+    BackgroundThread thread;
+    REQUIRE(thread.start(state).empty());
+    while (!state->at_work)
+      std::this_thread::yield();
+  }
+  CHECK(state->stop);
+  state->released = true;
+  state = nullptr;
+  while (!held.expired()) // it holds what it uses, and no longer
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(reported == 0);
+}
+
+TEST_CASE("a map that is begun anew or deleted does not wait for the portion in progress") {
+  const auto released = std::make_shared<std::atomic<bool>>(false);
+  const auto portions = std::make_shared<std::atomic<int>>(0);
+  {
+    reed::MapWorker worker;
+    REQUIRE(worker
+                .start(4,
+                       [released, portions](std::vector<double>& nodes, std::size_t first) {
+                         ++*portions;
+                         while (!*released)
+                           std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                         nodes[first] = 1;
+                         return first + 1;
+                       })
+                .empty());
+    while (*portions == 0)
+      std::this_thread::yield();
+    REQUIRE(worker.start(2, [](std::vector<double>& nodes, std::size_t) { return nodes.size(); })
+                .empty());
+    while (!worker.finished())
+      std::this_thread::yield();
+    CHECK(worker.size() == 2);
+    CHECK(!*released);
+  }
+  *released = true;
+  while (portions.use_count() > 1)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(*portions == 1); // stopped after it
 }
 
 TEST_CASE("a solver of modes ends") {

@@ -54,7 +54,10 @@ struct Rig {
   }
   ~Rig() {
     solver.reset();
-    CHECK(waitpid(-1, nullptr, WNOHANG) == -1); // no child, ended or not
+    int tries = 0; // its thread ends the child
+    while (waitpid(-1, nullptr, WNOHANG) != -1 && ++tries < 10000)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    CHECK(tries < 10000);
   }
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;

@@ -1,0 +1,91 @@
+#pragma once
+
+#include "core/retired_threads.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <pthread.h>
+#include <sched.h>
+#endif
+
+namespace tactus {
+
+/// What a thread in the background and its owner share; it lasts as long as either.
+struct BackgroundState {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::atomic<bool> stop{false}; ///< read between the pieces of a computation
+  std::function<void()> ready;   ///< null once the owner has gone; guarded by `mutex`
+
+  BackgroundState() = default;
+  virtual ~BackgroundState() = default;
+  BackgroundState(const BackgroundState&) = delete;
+  BackgroundState& operator=(const BackgroundState&) = delete;
+
+  /// The thread's work, until `stop`.
+  virtual void work() = 0;
+};
+
+/// A thread of normal priority that computes for an object of a host, whatever the priority of the
+/// thread that starts it. Its owner never waits for it: a thread whose owner has gone ends by
+/// itself after the piece in progress, and at the end of the program it has a second for that.
+class BackgroundThread {
+public:
+  BackgroundThread() = default;
+  ~BackgroundThread() { end(); }
+  BackgroundThread(const BackgroundThread&) = delete;
+  BackgroundThread& operator=(const BackgroundThread&) = delete;
+
+  [[nodiscard]] bool running() const noexcept { return thread_.joinable(); }
+  /// Returns empty, or why the system starts no thread.
+  [[nodiscard]] std::string start(std::shared_ptr<BackgroundState> state) {
+    end();
+    ended_ = std::make_shared<std::atomic<bool>>(false);
+    try {
+      thread_ = std::thread([held = state, ended = ended_]() mutable {
+        set_normal_priority();
+        held->work();
+        held = nullptr;
+        *ended = true;
+      });
+    } catch (const std::system_error& error) {
+      return error.what();
+    }
+    state_ = std::move(state);
+    return {};
+  }
+  void end() {
+    if (!thread_.joinable())
+      return;
+    {
+      const std::lock_guard lock(state_->mutex); // or the thread could look before and wait after
+      state_->stop = true;
+      state_->ready = nullptr;
+    }
+    state_->changed.notify_all();
+    state_ = nullptr;
+    RetiredThreads::add(std::move(thread_), std::move(ended_));
+  }
+
+private:
+  static void set_normal_priority() noexcept {
+#if defined(__unix__) || defined(__APPLE__)
+    sched_param normal_priority{};
+    (void)pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal_priority);
+#endif
+  }
+  std::shared_ptr<BackgroundState> state_;
+  std::shared_ptr<std::atomic<bool>> ended_;
+  std::thread thread_;
+};
+
+} // namespace tactus
