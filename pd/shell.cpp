@@ -21,6 +21,11 @@
 #include <utility>
 #include <vector>
 
+/// Calls the function with each folder in which the canvas looks for files, until it returns 0: of
+/// g_canvas.h, which not every Pd installs.
+extern "C" int canvas_path_iterate(const t_canvas* canvas, int (*function)(const char*, void*),
+                                   void* data);
+
 namespace tactus::pd {
 namespace {
 
@@ -360,21 +365,31 @@ private:
   }
 
   /// Full path of a file beside the patch or in Pd's path, or of an absolute name; empty if there
-  /// is none.
+  /// is none. Not by canvas_open, which opens a FIFO, and waits for ever.
   [[nodiscard]] std::string open_in_path(const std::string& name) const {
-    char folder[MAXPDSTRING];
-    char* base = nullptr;
-    canvas_makefilename(canvas_, name.c_str(), folder, MAXPDSTRING);
-    std::error_code failed;
-    if (const auto beside =
-            std::filesystem::status(std::u8string(folder, folder + std::strlen(folder)), failed);
-        std::filesystem::exists(beside) && !std::filesystem::is_regular_file(beside))
-      return {}; // Pd would open a FIFO, and wait for ever
-    const int file = canvas_open(canvas_, name.c_str(), "", folder, &base, MAXPDSTRING, 1);
-    if (file < 0)
-      return {};
-    sys_close(file);
-    return std::string(folder) + "/" + base;
+    struct Search {
+      const std::string& name;
+      std::string found;
+      /// As a function of Pd's: whether to go on.
+      int look(std::string path) {
+        std::error_code failed;
+        if (std::filesystem::is_regular_file(std::u8string(path.begin(), path.end()), failed))
+          found = std::move(path);
+        return found.empty() ? 1 : 0;
+      }
+    } search{name, {}};
+    char beside[MAXPDSTRING];
+    canvas_makefilename(canvas_, name.c_str(), beside, MAXPDSTRING);
+    if (search.look(beside) == 1 &&
+        !std::filesystem::path(std::u8string(name.begin(), name.end())).is_absolute())
+      canvas_path_iterate(
+          canvas_,
+          [](const char* folder, void* data) {
+            auto* const one = static_cast<Search*>(data);
+            return one->look(std::string(folder) + "/" + one->name);
+          },
+          &search);
+    return search.found;
   }
 
   void send_to(t_outlet* outlet, std::span<const Atom> atoms) {

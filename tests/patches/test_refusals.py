@@ -246,6 +246,18 @@ def test_a_fifo_is_refused_and_not_waited_for(box, message, tmp_path):
     assert patch.render(0.1, expect_errors=[box.split()[0]]).errors
 
 
+def test_a_fifo_in_a_folder_of_pds_path_gives_way_to_a_file_in_a_later_one(tmp_path):
+    for folder in ("first", "second"):
+        (tmp_path / folder).mkdir()
+    os.mkfifo(tmp_path / "first" / "hand.txt")
+    (tmp_path / "second" / "hand.txt").write_text("0 1 2 3\n")
+    patch = Patch()
+    device = patch.obj("phantom", "sim")
+    patch.at(10, device, "path hand.txt")
+    patch.at(20, device, "path nowhere.txt")
+    assert len(patch.render(0.1, path=[tmp_path / "first", tmp_path / "second"], expect_errors=["nowhere.txt"]).errors) == 1
+
+
 def test_a_path_longer_than_memory_is_refused_by_its_size(tmp_path):
     with open(tmp_path / "long.txt", "w") as sparse:
         sparse.truncate(1 << 40)

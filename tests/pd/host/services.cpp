@@ -8,9 +8,6 @@
 #include <map>
 #include <utility>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 struct _clock {
   void* owner;
   t_method function;
@@ -136,17 +133,7 @@ void canvas_makefilename(const t_glist*, const char* file, char* result, int siz
   const std::string path = absolute ? file : folder + "/" + file;
   std::snprintf(result, static_cast<std::size_t>(size), "%s", path.c_str());
 }
-int canvas_open(const t_canvas* canvas, const char* name, const char* extension, char* directory,
-                char** base, unsigned int size, int) {
-  canvas_makefilename(canvas, (std::string(name) + extension).c_str(), directory,
-                      static_cast<int>(size));
-  const int file = open(directory, O_RDONLY);
-  char* const slash = directory + std::string_view(directory).rfind('/');
-  *slash = 0;
-  *base = slash + 1;
-  return file;
-}
-int sys_close(int file) { return close(file); }
+int canvas_path_iterate(const t_canvas*, int (*)(const char*, void*), void*) { return 0; }
 
 t_pd* pd_findbyclass(t_symbol* s, const t_class*) {
   const auto found = arrays.find(s->s_name);
