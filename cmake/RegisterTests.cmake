@@ -49,13 +49,16 @@ function(slow_cases variable)
   set(${variable} ${found} PARENT_SCOPE)
 endfunction()
 
-# unit_test(NAME PROGRAM [BEHIND WORD...] [SOURCES FILE...]): a program of doctest cases, run behind these words (the
-# double of a device); its sources are the target's, unless they are given
+# unit_test(NAME PROGRAM [BEHIND WORD...] [SOURCES FILE...] [ONLY FILE]): a program of doctest cases, run behind these
+# words (the double of a device); its sources are the target's, unless they are given; ONLY: the cases of one file
 function(unit_test name program)
-  cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "BEHIND;SOURCES")
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "ONLY" "BEHIND;SOURCES")
   get_target_property(folder ${program} SOURCE_DIR)
   if(NOT arg_SOURCES)
     get_target_property(arg_SOURCES ${program} SOURCES)
+  endif()
+  if(arg_ONLY)
+    set(arg_SOURCES ${arg_ONLY})
   endif()
   set(sources "")
   foreach(source IN LISTS arg_SOURCES)
@@ -68,6 +71,9 @@ function(unit_test name program)
   set(command ${program}) # a target's name: an emulator comes before it where there is one
   if(arg_BEHIND)
     set(command ${arg_BEHIND} $<TARGET_FILE:${program}>)
+  endif()
+  if(arg_ONLY)
+    list(APPEND command --source-file=*/${arg_ONLY})
   endif()
   if(NOT slow STREQUAL ALL)
     add_test(NAME ${name} COMMAND ${command} --test-suite-exclude=slow)

@@ -52,7 +52,7 @@ void check_effectivity(const Estimated& a, const std::vector<double>& exact) {
   CHECK(seen >= 3);
 }
 
-Mesh box(const Vector3& size, std::array<int, 3> cells) {
+Mesh hexahedra(const Vector3& size, std::array<int, 3> cells) {
   return block(even(0, size.x, cells[0]), even(0, size.y, cells[1]), even(0, size.z, cells[2]));
 }
 
@@ -102,17 +102,17 @@ TEST_CASE("enriching functions of neighbours agree on what they share") {
 TEST_CASE("the estimate of a bar is its error, where bending shears, twists and stretches it") {
   const Vector3 size{.4, .03, .01};
   const Material m = find_material("aluminium");
-  const auto fine = solve_modes(box(size, {60, 6, 3}), m, 10);
-  check_effectivity(estimated(box(size, {16, 4, 2}), m, 6), fine.modes.frequency_hz);
+  const auto fine = solve_modes(hexahedra(size, {60, 6, 3}), m, 10);
+  check_effectivity(estimated(hexahedra(size, {16, 4, 2}), m, 6), fine.modes.frequency_hz);
 }
 
 TEST_CASE("the estimate of a bar is its error for elements of any proportions" *
           doctest::test_suite("slow")) {
   const Vector3 size{.4, .03, .01};
   const Material m = find_material("aluminium");
-  const auto fine = solve_modes(box(size, {90, 10, 4}), m, 16);
+  const auto fine = solve_modes(hexahedra(size, {90, 10, 4}), m, 16);
   for (const std::array<int, 3> cells : {std::array{16, 4, 3}, {40, 2, 1}, {24, 1, 1}})
-    check_effectivity(estimated(box(size, cells), m, 10), fine.modes.frequency_hz);
+    check_effectivity(estimated(hexahedra(size, cells), m, 10), fine.modes.frequency_hz);
 }
 
 TEST_CASE("an estimate that stops early has the rest extrapolated") {
@@ -137,8 +137,8 @@ TEST_CASE("an estimate that stops early has the rest extrapolated") {
 TEST_CASE("the estimate of a spruce board is its error" * doctest::test_suite("slow")) {
   const Vector3 size{.5, .2, .006};
   const Material m = find_material("spruce");
-  const auto fine = solve_modes(box(size, {34, 32, 2}), m, 12);
-  check_effectivity(estimated(box(size, {14, 10, 1}), m, 8), fine.modes.frequency_hz);
+  const auto fine = solve_modes(hexahedra(size, {34, 32, 2}), m, 12);
+  check_effectivity(estimated(hexahedra(size, {14, 10, 1}), m, 8), fine.modes.frequency_hz);
 }
 
 TEST_CASE("the estimate sees the border of a clamped end" * doctest::test_suite("slow")) {
@@ -156,7 +156,7 @@ TEST_CASE("the estimate sees the border of a clamped end" * doctest::test_suite(
                                     .0075, .0093,  .0098, .00995, .01};
   const Mesh graded = block(along, across, through);
   const auto fine = solve_modes(graded, m, 8, clamp(graded));
-  const Mesh coarse = box(size, {10, 2, 1});
+  const Mesh coarse = hexahedra(size, {10, 2, 1});
   check_effectivity(estimated(coarse, m, 6, clamp(coarse)), fine.modes.frequency_hz);
 }
 
@@ -206,7 +206,7 @@ TEST_CASE("elements at concave edges and at the border of a clamped end are sing
   const SweptBody body = graded_hollow_disk();
   const std::vector<std::uint8_t> free(body.mesh.dofs(), 0);
   CHECK(count_singular(body.mesh, free, 2) == 6 * (body.grid.line[2].size() - 1));
-  const Mesh beam = box({.1, .03, .03}, {4, 3, 3});
+  const Mesh beam = hexahedra({.1, .03, .03}, {4, 3, 3});
   const std::vector<Material> materials{steel()};
   const std::vector<Support> clamp{{"end", nodes_on(beam, 0, 0), {true, true, true}, 0}};
   CHECK(count_singular(beam, assemble(beam, materials, clamp).constrained) == 8);
@@ -229,7 +229,7 @@ TEST_CASE("the estimate of tetrahedra is their error" * doctest::test_suite("slo
   Mesh mesh = tetrahedral_block(4, true);
   for (Vector3& p : mesh.nodes)
     p = {.1 * p.x, .03 * p.y, .02 * p.z};
-  const auto fine = solve_modes(box({.1, .03, .02}, {24, 8, 6}), m, 12);
+  const auto fine = solve_modes(hexahedra({.1, .03, .02}, {24, 8, 6}), m, 12);
   check_effectivity(estimated(mesh, m, 8), fine.modes.frequency_hz);
 }
 
@@ -303,7 +303,7 @@ TEST_CASE("a grid's density follows the errors by the law of the fewest elements
 }
 
 TEST_CASE("a swept body's sizes and layers follow its errors by the law of the fewest elements") {
-  Mesh mesh = box({.4, .2, .02}, {20, 10, 12});
+  Mesh mesh = hexahedra({.4, .2, .02}, {20, 10, 12});
   for (Element& e : mesh.elements) { // columns, then layers, as a CAD body swept along z has them
     const int column = e.interval[0] + 20 * (e.interval[1] - 20);
     e.interval = {column, column, 200 + e.interval[2] - 30};
@@ -313,7 +313,7 @@ TEST_CASE("a swept body's sizes and layers follow its errors by the law of the f
   CHECK(swept->columns == 200);
   REQUIRE(swept->levels.size() == 13);
   CHECK(swept->levels[3] == doctest::Approx(.25));
-  CHECK_FALSE(swept_layers(box({1, 1, 1}, {2, 2, 2})));
+  CHECK_FALSE(swept_layers(hexahedra({1, 1, 1}, {2, 2, 2})));
   CHECK_FALSE(swept_layers(tetrahedral_block(2, true)));
   // Of min f^-2 g^-1 under e f^4 + d g^4 = target: the columns keep two thirds of it.
   ErrorCells cells{{std::vector<double>(212, 0.0)}, std::vector<double>(212, kSmoothOrder)};
