@@ -47,6 +47,10 @@ const char* meaning(int cause) noexcept {
 
 std::string Device::configure(std::span<const std::string> words) {
   if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
+    if (id_ >= 0 && leads_itself_) {
+      const std::string reason = auto_init_.start();
+      return reason.empty() ? reason : "dhd: " + reason;
+    }
     reset_requested_ = true;
     return {};
   }
@@ -140,15 +144,18 @@ std::string Device::open() {
   open_.set("dhd", requested < kSerialsFrom ? requested : id_, identity_, std::to_string(id_));
   caps_.has_buttons = library_.button_mask != nullptr;
   detect_wrist();
+  leads_itself_ = auto_init_.prepare(library_, id);
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
   // It begins with the first force: until then nobody feeds it. 0 switches it off
   // (forcedimension_core, dhd.expert.setWatchdog) and tells whether there is one.
   const bool watched = set_watchdog(kNoWatchdog);
-  watchdog_due_ = watched;
+  watchdog_due_ = has_watchdog_ = watched;
+  leading_ = false;
   library_.enable_force(1, id);
   library_.set_force(0, 0, 0, id);
-  until_status_ = error_free_ticks_ = 0;
+  until_status_ = until_watchdog_ = error_free_ticks_ = 0;
+  state_ = {};
   homed_ = true;
   limited_ = false;
   last_position_ = {};
@@ -175,9 +182,11 @@ void Device::close() noexcept {
   stall_guard_.stop();
   if (id_ >= 0) {
     const auto id = static_cast<char>(id_);
-    static_cast<void>(send({}, {}));
-    library_.enable_force(0, id);
-    library_.close(id);
+    if (!auto_init_.stop_and_close()) {
+      static_cast<void>(send({}, {}));
+      library_.enable_force(0, id);
+      library_.close(id);
+    }
     id_ = -1;
   }
   error_ = nullptr;
@@ -223,6 +232,25 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
 
 bool Device::read_device(State& state) noexcept {
   const auto id = static_cast<char>(id_);
+  switch (auto_init_.turn()) {
+  case AutoInit::Turn::kBegins:
+    static_cast<void>(send({}, {}));
+    [[fallthrough]];
+  case AutoInit::Turn::kRunning:
+    leading_ = true;
+    homed_ = false;
+    state = state_;
+    state.velocity = {};
+    state.flags = 0;
+    return true;
+  case AutoInit::Turn::kEnded:
+    leading_ = false;
+    until_status_ = 0;
+    watchdog_due_ = has_watchdog_;
+    break;
+  case AutoInit::Turn::kServo:
+    break;
+  }
   double x = 0, y = 0, z = 0;
   if (!answered(library_.position(&x, &y, &z, id)))
     return false;
@@ -247,6 +275,7 @@ bool Device::read_device(State& state) noexcept {
   if (limited_)
     state.flags |= State::kForceLimited;
   haptic::reject_unreachable(caps_, state, last_position_);
+  state_ = state;
   return true;
 }
 
@@ -274,6 +303,8 @@ int Device::send(const Vec3& force_n, const haptic::WristCommand& wrist) noexcep
 }
 
 bool Device::write_device(const Vec3& force_n) noexcept {
+  if (leading_)
+    return force_n == Vec3{};
   const double now_s = haptic::ForceTimeout::now_s();
   const double share = timeout_.gain(std::exchange(written_s_, now_s), now_s);
   const bool none = force_n == Vec3{};
@@ -287,8 +318,10 @@ bool Device::write_device(const Vec3& force_n) noexcept {
     if (std::isfinite(asked.grip_n))
       wrist.grip_n = std::clamp(asked.grip_n, -caps_.peak_grip_n, caps_.peak_grip_n) * share;
   }
-  if (std::exchange(watchdog_due_, false))
+  if (watchdog_due_ && --until_watchdog_ <= 0) {
     watchdog_due_ = !set_watchdog(kWatchdogSteps);
+    until_watchdog_ = kStatusEvery_ticks;
+  }
   const int result = send(f, wrist);
   limited_ = result == kMotorSaturated;
   return answered(result) && (allowed || none);
@@ -300,10 +333,15 @@ std::string Device::trouble() const {
            "): check its cable and power, then open it again";
   if (broken_)
     return "dhd: the device reports a fault: switch it off and on and open it again";
+  if (auto_init_.failed())
+    return std::string("dhd: the device did not initialise itself (") + auto_init_.why() +
+           "): free its way and send home again";
+  if (needs_reset_ && leads_itself_)
+    return "dhd: the device is not initialised: let go of it and send home; its motors will lead "
+           "it";
   if (needs_reset_)
     return "dhd: the device is not calibrated: put the calibration pole into its pit until the "
-           "light "
-           "stops blinking";
+           "light stops blinking";
   if (const int cause = force_off_cause_; cause != kNoCause)
     return std::string("dhd: ") + meaning(cause);
   return {};

@@ -2,6 +2,7 @@
 
 #include "core/haptic/device/device.hpp"
 #include "core/haptic/device/force_timeout.hpp"
+#include "devices/force_dimension/auto_init.hpp"
 #include "devices/force_dimension/dhd_library.hpp"
 #include "devices/force_dimension/stall_guard.hpp"
 #include "devices/open_devices.hpp"
@@ -30,8 +31,8 @@ public:
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
   void set_wrist(const haptic::WristCommand& command) noexcept override;
-  /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": the device
-  /// waits for its calibration again.
+  /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": a device that
+  /// can do it initialises itself, moved by its motors; another waits for its calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -50,11 +51,12 @@ private:
   DhdLibrary library_;
   OpenDevice open_;
   StallGuard stall_guard_;
+  AutoInit auto_init_;
   std::atomic<bool> cancelled_{false};
   int id_ = -1;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
-  bool wrist_ = false;
+  bool wrist_ = false, leads_itself_ = false;
 
   std::mutex settings_mutex_;
   int requested_ = 0;
@@ -66,8 +68,10 @@ private:
   haptic::Vec3 last_position_{};
   haptic::WristCommand wrist_command_{};  // of the next write
   std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
-  int until_status_ = 0, error_free_ticks_ = 0;
-  bool homed_ = true, limited_ = false, watchdog_due_ = false;
+  haptic::State state_{};                 // of the tick before
+  int until_status_ = 0, until_watchdog_ = 0, error_free_ticks_ = 0;
+  bool homed_ = true, limited_ = false, watchdog_due_ = false, has_watchdog_ = false;
+  bool leading_ = false; // the device is led by itself
 
   // Both sides
   std::atomic<int> force_off_cause_{kNoCause};

@@ -10,11 +10,11 @@ std::vector<const char*> file_names() {
   if (const char* wanted = std::getenv("TACTUS_LIBDHD"); wanted && *wanted)
     return {wanted};
 #ifdef _WIN32
-  return {"dhd64.dll", "drd64.dll"};
+  return {"drd64.dll", "dhd64.dll"};
 #elif defined(__APPLE__)
-  return {"libdhd.dylib", "libdrd.dylib"};
+  return {"libdrd.dylib", "libdhd.dylib"};
 #else
-  return {"libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so"}; // libdrd holds libdhd too
+  return {"libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"}; // libdrd holds libdhd too
 #endif
 }
 
@@ -62,6 +62,15 @@ std::string DhdLibrary::load() {
   library_.symbol("dhdDisableExpertMode", ordinary_mode);
   library_.symbol("dhdSetWatchdog", set_watchdog);
   library_.symbol("dhdSetMaxForce", set_max_force);
+  decltype(open_id) robot_open_id = nullptr;
+  decltype(close) robot_close = nullptr;
+  if (library_.symbol("drdOpenID", robot_open_id) && library_.symbol("drdClose", robot_close)) {
+    open_id = robot_open_id; // as dhdOpenID, and the device can be led
+    close = robot_close;
+    library_.symbol("drdIsSupported", robot_supported);
+    library_.symbol("drdAutoInit", auto_init);
+    library_.symbol("drdStop", robot_stop);
+  }
   return {};
 }
 

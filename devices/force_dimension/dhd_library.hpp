@@ -31,7 +31,8 @@ enum ForceOffCause : int {
   kDeadMan = 6
 };
 
-/// The vendor's library (DHD, the haptic part of its SDK), loaded while the program runs; the
+/// The vendor's library (DHD, the haptic part of its SDK, and DRD, the robotic part, which leads
+/// the handle by itself), loaded while the program runs; the
 /// functions are declared as public programs use them.
 struct DhdLibrary {
   int (*device_count)() = nullptr;
@@ -62,6 +63,10 @@ struct DhdLibrary {
   int (*ordinary_mode)() = nullptr;
   int (*set_watchdog)(unsigned char steps, char id) = nullptr; // of 125 us
   int (*set_max_force)(double newton, char id) = nullptr;
+  // Of libdrd alone:
+  bool (*robot_supported)(char id) = nullptr;
+  int (*auto_init)(char id) = nullptr;
+  int (*robot_stop)(bool motors_on, char id) = nullptr;
 
   /// Empty when every function that must be there is; else what is missing and what to do. The
   /// environment's TACTUS_LIBDHD names the file; else the usual names are tried.

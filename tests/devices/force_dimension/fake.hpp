@@ -16,7 +16,8 @@ struct Fake : VendorLibrary {
   static constexpr const char *kDriver = "dhd", *kPathVariable = "TACTUS_LIBDHD";
   static std::unique_ptr<haptic::Backend> make() { return devices::find_driver(kDriver)->make(); }
 
-  explicit Fake(const char* mode = "") : VendorLibrary(kPathVariable, FAKE_DHD, "FAKE_DHD", mode) {}
+  explicit Fake(const char* mode = "", const char* path = FAKE_DHD)
+      : VendorLibrary(kPathVariable, path, "FAKE_DHD", mode) {}
   Vec3 force() const {
     double f[3] = {};
     force_of(f);

@@ -1,10 +1,12 @@
 /* A stand-in for Force Dimension's libdhd: one omega.3 whose handle, 0.1 kg with drag, advances by
  * 1 ms each time its position is asked for. The environment's FAKE_DHD chooses what goes wrong;
  * FAKE_DHD_LOADS counts how often it was loaded. */
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static double position[3], velocity[3], force[3];
 static double torque[3], grip, gap;
@@ -15,7 +17,7 @@ static unsigned buttons;
 static int broken, open_calls, status_calls;
 
 static int device_counts;
-#ifndef FAKE_DHD_INCOMPLETE
+#if !defined(FAKE_DHD_INCOMPLETE) && !defined(FAKE_DRD)
 __attribute__((constructor)) static void loaded(void) {
   const char* before = getenv("FAKE_DHD_LOADS");
   char text[16];
@@ -23,6 +25,9 @@ __attribute__((constructor)) static void loaded(void) {
   setenv("FAKE_DHD_LOADS", text, 1);
 }
 #endif
+
+/* Leading itself: until the test or drdStop ends it. */
+static atomic_int leading, arrived, interrupted, calls_meanwhile;
 
 static int mode(const char* word) {
   const char* chosen = getenv("FAKE_DHD");
@@ -112,6 +117,7 @@ int dhdGetSerialNumber(unsigned short* serial, char id) {
 int dhdGetPosition(double* x, double* y, double* z, char id) {
   int axis;
   (void)id;
+  calls_meanwhile += leading;
   if (dead)
     return -1;
   for (axis = 0; axis < 3; ++axis) {
@@ -174,4 +180,33 @@ int dhdSetMaxForce(double newton, char id) {
   max_force = newton;
   return 0;
 }
+#ifdef FAKE_DRD
+/* The robotic part. In mode "stuck" the way is not free. */
+int drdOpenID(char index) {
+  leading = arrived = interrupted = calls_meanwhile = 0;
+  return dhdOpenID(index);
+}
+int drdClose(char id) { return dhdClose(id); }
+bool drdIsSupported(char id) { return (void)id, !mode("plain"); }
+int drdAutoInit(char id) {
+  (void)id;
+  leading = 1;
+  while (!arrived && !interrupted)
+    nanosleep(&(struct timespec){0, 1000000}, NULL);
+  leading = 0;
+  if (interrupted || mode("stuck"))
+    return -1;
+  reset = 0;
+  return 0;
+}
+int drdStop(bool motors_on, char id) {
+  (void)id;
+  if (leading && !motors_on)
+    interrupted = 1;
+  return 0;
+}
+#endif
+void fake_drd_end(void) { arrived = 1; }
+/* leading, interrupted, positions asked for meanwhile */
+void fake_drd_state(int* out) { out[0] = leading, out[1] = interrupted, out[2] = calls_meanwhile; }
 const char* dhdErrorGetLastStr(void) { return dead ? "communication error" : "no device found"; }

@@ -1,0 +1,114 @@
+#pragma once
+
+#include "core/background_thread.hpp"
+#include "devices/force_dimension/dhd_library.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace tactus::devices::force_dimension {
+
+/// The maker's automatic initialisation: the motors lead the handle to known places, for some
+/// seconds. It runs in a thread of its own, and the servo calls nothing of the library meanwhile.
+class AutoInit {
+public:
+  /// The servo's side, once a tick before it calls the library.
+  enum class Turn {
+    kServo,   ///< the device is the servo's
+    kBegins,  ///< it has been asked for: the servo's force must end with this tick
+    kRunning, ///< the device is its own
+    kEnded    ///< it has ended just now, see failed()
+  };
+
+  /// With each opening, before there is a servo: whether this library and this device have it.
+  [[nodiscard]] bool prepare(const DhdLibrary& library, char id) {
+    shared_ = std::make_shared<Shared>(library, id);
+    return library.auto_init && library.robot_stop && library.robot_supported &&
+           library.robot_supported(id);
+  }
+  /// Returns why it cannot begin, else empty. The host's thread, after prepare().
+  [[nodiscard]] std::string start() {
+    Stage none = Stage::kNone;
+    if (!shared_->stage.compare_exchange_strong(none, Stage::kAsked))
+      return "the device is being initialised already";
+    shared_->over = false;
+    shared_->failed = false;
+    std::string reason = thread_.start(std::make_shared<Work>(shared_));
+    if (!reason.empty())
+      shared_->stage = Stage::kNone;
+    return reason;
+  }
+  /// The last one failed; why() is the library's reason.
+  [[nodiscard]] bool failed() const noexcept { return shared_ && shared_->failed; }
+  [[nodiscard]] const char* why() const noexcept { return shared_->reason; }
+
+  [[nodiscard]] Turn turn() noexcept {
+    Stage stage = Stage::kAsked;
+    if (shared_->stage.compare_exchange_strong(stage, Stage::kRunning))
+      return Turn::kBegins;
+    if (stage == Stage::kRunning)
+      return Turn::kRunning;
+    stage = Stage::kEnded;
+    return shared_->stage.compare_exchange_strong(stage, Stage::kNone) ? Turn::kEnded
+                                                                       : Turn::kServo;
+  }
+  /// Without a servo. If it runs, ends it and leaves the closing of the device to its thread, so
+  /// that nobody waits; false: the caller closes the device.
+  [[nodiscard]] bool stop_and_close() noexcept {
+    const std::lock_guard lock(shared_->closing);
+    if (shared_->stage != Stage::kRunning || shared_->over)
+      return false;
+    shared_->close_it = true;
+    static_cast<void>(shared_->robot_stop(false, shared_->id));
+    thread_.end();
+    return true;
+  }
+
+private:
+  enum class Stage { kNone, kAsked, kRunning, kEnded };
+
+  struct Shared {
+    Shared(const DhdLibrary& library, char device)
+        : auto_init(library.auto_init), robot_stop(library.robot_stop), close(library.close),
+          last_error(library.last_error), id(device) {}
+    int (*auto_init)(char id);
+    int (*robot_stop)(bool motors_on, char id);
+    int (*close)(char id);
+    const char* (*last_error)();
+    char id;
+    std::atomic<Stage> stage{Stage::kNone};
+    std::atomic<bool> failed{false};
+    std::atomic<const char*> reason{""};
+    std::mutex closing;
+    bool over = false, close_it = false; // guarded by `closing`
+  };
+  struct Work : BackgroundState {
+    explicit Work(std::shared_ptr<Shared> with) : shared(std::move(with)) {}
+    void work() override {
+      Shared& s = *shared;
+      while (s.stage == Stage::kAsked && !stop)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (s.stage != Stage::kRunning)
+        return;
+      s.failed = s.auto_init(s.id) < 0;
+      if (s.failed)
+        s.reason = s.last_error();
+      static_cast<void>(s.robot_stop(true, s.id)); // ends its regulation; the motors stay on
+      const std::lock_guard lock(s.closing);
+      s.over = true;
+      s.stage = Stage::kEnded;
+      if (s.close_it)
+        s.close(s.id);
+    }
+    std::shared_ptr<Shared> shared;
+  };
+  std::shared_ptr<Shared> shared_;
+  BackgroundThread thread_;
+};
+
+} // namespace tactus::devices::force_dimension
