@@ -1,9 +1,11 @@
 """The modules of patches/audiohaptics/ioa that read, recognise and find contacts."""
+import struct
+
 import numpy
 import pytest
 
 from harness import Patch
-from ioa_system import BODIES_APART, SERVERS, System, hits, of, render, rows, wandering
+from ioa_system import BODIES_APART, SERVERS, System, hits, of, render, rows, taps, wandering
 
 
 # ---- interaction server ------------------------------------------------------------------------
@@ -77,6 +79,52 @@ def test_a_script_and_osc_packets_of_the_same_positions_give_the_same_hits(tmp_p
     result = patch.render(seconds)
     assert len(hits(result, "script")) >= 5
     assert of(result, "osc", "hit") == of(result, "script", "hit")
+
+
+def osc_positions(path, kind, step_ms=2):
+    """(ms, packet) of a hand that taps eleven times at 0.25 m/s, once in step_ms: by time tag, by a fourth number, or
+    without the sender's time."""
+    rows_ = numpy.loadtxt(path)
+    packets = []
+    for ms in numpy.arange(0, rows_[-1, 0], step_ms):
+        values = [numpy.interp(ms, rows_[:, 0], rows_[:, axis]) for axis in (1, 2, 3)] + [ms] * (kind == "fourth number")
+        packet = b"/raw\0\0\0\0" + f",{'f' * len(values)}".encode().ljust(8, b"\0") + struct.pack(f">{len(values)}f", *values)
+        if kind == "time tag":  # seconds since 1900, and their fraction; the 16 low bits pass 0 on the way
+            at = (0xE0CEFFFF << 32) + round((ms / 1000 + 0.5) * 2 ** 32)
+            packet = b"#bundle\0" + struct.pack(">QI", at, len(packet)) + packet
+        packets.append((ms, packet))
+    return packets
+
+
+@pytest.mark.parametrize("kind, error", [("time tag", 0.03), ("fourth number", 0.03), ("none", 0.4)])
+@pytest.mark.parametrize("server", SERVERS)
+def test_osc_positions_that_come_in_bursts_strike_as_hard_as_they_were_sent(tmp_path, server, kind, error):
+    """Pd looks at its sockets when it has time: here once in 3 to 9 ms, and four times only after 30 ms."""
+    path = taps(tmp_path / "hand.txt", *[(4 * k - 20, 0) for k in range(11)])
+    patch = Patch()
+    system = System(patch, sdd=["ioa_sdd_osc"], r_modal=None, **{"is": server})
+    draw, looks = numpy.random.default_rng(1), [5.0]
+    while looks[-1] < 3000:
+        looks.append(looks[-1] + (30 if len(looks) % 60 == 59 else draw.uniform(3, 9)))
+    packets = osc_positions(path, kind)
+    for ms, packet in packets:
+        patch.at(min(look for look in looks if look >= ms), system.box["sdd"], list(packet))
+    found = of(patch.render(packets[-1][0] / 1000 + 0.1), "lab", "hit")
+    assert len(found) == 11
+    assert [hit[8] for hit in found] == pytest.approx([0.25] * 11, rel=error)
+
+
+def test_a_position_that_overtook_another_counts_and_a_clock_that_is_set_begins_anew(tmp_path):
+    patch = Patch()
+    sensor = patch.obj("ioa_sdd_osc", "lab")
+    patch.log("raw", sensor)
+    sent = (100, 102, 108, 104, 110, 90000, 90002)
+    for k, ms in enumerate(sent):
+        packet = b"/raw\0\0\0\0,ffff\0\0\0" + struct.pack(">4f", k, 0, 0, ms)
+        patch.at(20 + 10 * k, sensor, list(packet))
+    found = [(atoms[2], atoms[1]) for _, atoms in patch.render(0.2).logs["raw"]]
+    assert [x for x, _ in found] == [0, 1, 2, 4, 5, 6]
+    assert [t for _, t in found] == pytest.approx([20, 22, 28, 30, 70, 72], abs=0.01)
 
 
 @pytest.mark.parametrize("server", SERVERS)
