@@ -29,6 +29,8 @@ struct DeviceReport {
   haptic::State state{};
   bool emergency_stopped = false; ///< by somebody at the device
   std::uint32_t faults = 0;       ///< counts those it reported, and its silences
+  bool clipping = false;          ///< of the force, by a noticeable part
+  double asked_n = 0;             ///< the force before its limit
 };
 
 /// The command for the servo.
@@ -104,6 +106,7 @@ private:
 
   // server.cpp: connections and time
   void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
+  void tell_clipping(bool clipping, double asked_n);
   [[nodiscard]] static bool is_recent(const Session& session, double now_s) noexcept;
   void release_control(std::string_view why);
   void broadcast(const Message& message);

@@ -5,6 +5,7 @@ namespace tactus::net {
 ServoLink::ServoLink(haptic::Servo& servo, RenderModel& model, const haptic::ChainSettings& chain,
                      const haptic::AxisMap& map)
     : exchange_(servo.exchange()), model_(model), settings_{chain, map} {
+  settings_.chain.allowance_w = haptic::kAllowance_w;
   settings_.chain.hold_s = kHold_s;
   settings_.chain.ramp_s = kRamp_s;
   settings_.chain.force_limit_n = 0; // until there are orders
@@ -19,7 +20,9 @@ void ServoLink::exchange(Server& server, double now_s) {
       server.set_button(event.number, event.on);
   exchange_.reports.read();
   const haptic::Report& report = exchange_.reports.latest();
-  server.advance({report.state, exchange_.motors.request().stopped, report.faults}, now_s);
+  server.advance({report.state, exchange_.motors.request().stopped, report.faults, report.clipping,
+                  report.asked_n},
+                 now_s);
   send(server.servo_command());
 }
 

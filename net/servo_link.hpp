@@ -10,7 +10,7 @@ namespace tactus::net {
 class ServoLink {
 public:
   /// The servo is attached to its device with the model among its local models. chain: what the
-  /// program sets for this device; force limit and watchdog are the server's.
+  /// program sets for this device; force limit, watchdog and allowance are the server's.
   ServoLink(haptic::Servo& servo, RenderModel& model, const haptic::ChainSettings& chain,
             const haptic::AxisMap& map = {});
 

@@ -14,7 +14,6 @@ using net::text_of;
 
 constexpr double kShortest_s = 5e-4;
 constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kMaxCoordinate_mm = 1e5;
-constexpr double kAllowance_w = 0.05; // as [phantom]'s
 
 /// Numbers of a sane size; false when one is a word or is not.
 template <std::size_t N> bool numbers(std::span<const Atom> atoms, std::array<double, N>& values) {
@@ -66,7 +65,6 @@ void HapticServerObject::open(Host& host) {
   settings.workspace = workspace_;
   settings.token = token_;
   haptic::ChainSettings chain;
-  chain.allowance_w = kAllowance_w;
   chain.workspace = workspace_;
   servo_.attach(device_, &model_);
   service_ = std::make_unique<Service>(settings, servo_, model_, chain);

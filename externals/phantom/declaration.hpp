@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/declaration.hpp"
+#include "core/haptic/chain/chain.hpp"
 
 #include <array>
 #include <cstddef>
@@ -24,7 +25,7 @@ inline constexpr std::array kParameters{
               "1: after a freeze of the host a real device's force returns without motors 1"},
     Parameter{"passivity", "", 1, 0, 1, "1: take back energy that the sampled force creates"},
     Parameter{"tank", "J", 5e-3, 0, 1000, "most energy of a contact that a bounce may return"},
-    Parameter{"allowance", "W", 0.05, 0, 10,
+    Parameter{"allowance", "W", haptic::kAllowance_w, 0, 10,
               "power that the delay of the patch's forces may create, unbraked"},
     Parameter{"damp", "N s/m", 0, 0, 100, "viscous force added to everything"},
     Parameter{"walls", "N/m", 0, 0, 5000, "stiffness of soft walls at the workspace's faces"},

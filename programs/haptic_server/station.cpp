@@ -16,7 +16,6 @@ namespace {
 constexpr double kUsualForce_n = 8, kUnknownPeak_n = 3.3, kUnknownStiffness_n_per_m = 500,
                  kUnknownDamping = 5;
 constexpr double kShareOfStiffness = 0.6; // of what the device renders stably
-constexpr double kAllowance_w = 0.05;     // as [phantom]'s
 constexpr double kFade_s = 0.3;
 
 double or_else(double value, double otherwise) { return value > 0 ? value : otherwise; }
@@ -107,7 +106,6 @@ std::string Station::serve(const Options& options, const std::string& token) {
   net::ServerSettings settings = settings_of(options, caps, device_->identity());
   settings.token = token;
   haptic::ChainSettings chain;
-  chain.allowance_w = kAllowance_w;
   chain.workspace = settings.workspace;
   servo_.exchange().tracing = !options.trace.empty();
   servo_.attach(*device_, &model_);
@@ -136,14 +134,6 @@ void Station::tick(double now_s) {
   link_->exchange(*server_, now_s);
   all_clients_left_ = server_->connections_made() > 0 && server_->clients() == 0;
   std::vector<std::string> fresh = server_->take_notices();
-  const haptic::Report& report = servo_.exchange().reports.latest(); // read by the link
-  if (report.clipping && !clipping_) {
-    char line[96];
-    std::snprintf(line, sizeof line, "the force is clipped: %.3g N asked for, %.3g N at most",
-                  report.asked_n, server_->servo_command().force_limit_n);
-    fresh.emplace_back(line);
-  }
-  clipping_ = report.clipping;
   if (fresh.empty())
     return;
   const std::lock_guard lock(mutex_);

@@ -53,7 +53,6 @@ private:
   std::mutex mutex_;
   std::vector<std::string> notices_;
   std::atomic<bool> all_clients_left_{false};
-  bool clipping_ = false;
 };
 
 } // namespace tactus::haptic_server

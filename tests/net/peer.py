@@ -169,8 +169,8 @@ class Program:
     def end(self):
         """Ends it and returns the ticks: (s, force in N as a triple)."""
         self.signal(signal.SIGTERM)
-        output, errors = self.process.communicate(timeout=60)
-        assert self.process.returncode == 0, output + errors
+        self.log, errors = self.process.communicate(timeout=60)
+        assert self.process.returncode == 0, self.log + errors
         with open(self.trace) as file:
             rows = [(float(row["ms"]) / 1e3, tuple(float(row[f"f{axis}_n"]) for axis in "xyz"))
                     for row in csv.DictReader(file)]

@@ -225,3 +225,27 @@ TEST_CASE("the first button drags the nearest point, within the client's workspa
   rig.run(0.1);
   CHECK(!client.has_received("cp/move"));
 }
+
+TEST_CASE("a force above the limit is told to every client and the log, and so is its end") {
+  Rig rig(usual());
+  TestClient client(rig), observer(rig);
+  client.hello();
+  observer.hello("observe");
+  client.send_text("hap start force");
+  client.repeat("hap force 2.9 0 0", 0.5);
+  CHECK(!observer.has_received("status 'clipped'"));
+  client.repeat("hap force 100 0 0", 0.5);
+  double asked_n = 0, limit_n = 0;
+  for (const std::string& line : observer.received())
+    std::sscanf(line.c_str(), "status 'clipped' 1.000000 %lf %lf", &asked_n, &limit_n);
+  CHECK(limit_n == 3);
+  CHECK(asked_n > 3);
+  CHECK(asked_n <= 100);
+  CHECK(client.has_received("status 'clipped' 1.000000"));
+  const auto notices = rig.server.take_notices();
+  CHECK(std::count_if(notices.begin(), notices.end(), [](const std::string& line) {
+          return line.find("the force is clipped") == 0;
+        }) == 1);
+  client.repeat("hap force 1 0 0", 1);
+  CHECK(client.has_received("status 'clipped' 0.000000"));
+}

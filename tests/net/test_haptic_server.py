@@ -1,4 +1,5 @@
 """The haptic_server program from outside: case P16, signals, tokens, peers that are cut off."""
+import datetime
 import os
 import signal
 import subprocess
@@ -20,6 +21,19 @@ def test_a_force_arrives_in_its_direction_and_the_end_tells_everybody(program):
     assert max(force for _, force in rows) == pytest.approx((1, -2, 0.5), abs=0.01)
     assert peer.wait("bye", "closing")
     assert peer.ended()
+
+
+def test_a_clipped_force_is_told_to_the_client_and_each_line_of_the_log_has_its_time(program):
+    begun = datetime.datetime.now().replace(microsecond=0)
+    server = program()
+    peer = server.in_control()
+    peer.send("force", 100.0, 0.0, 0.0)
+    asked, limit = peer.wait("status", "clipped", 1)[3:]
+    assert asked > limit == 3
+    server.end()
+    lines = server.log.splitlines()
+    assert all(begun <= datetime.datetime.fromisoformat(line[:19]) <= datetime.datetime.now() for line in lines)
+    assert sum("the force is clipped: " in line for line in lines) == 1
 
 
 @pytest.mark.parametrize("end", [signal.SIGSTOP, signal.SIGKILL])

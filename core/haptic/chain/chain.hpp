@@ -17,6 +17,10 @@
 /// finite and no longer than force_limit_n.
 namespace tactus::haptic {
 
+/// Allowance of [phantom] and of the servers, W: what a hand's own damping of some 5 N s/m takes at
+/// 0.1 m/s. Forces of soft springs that a patch computes a tick late come unchanged.
+inline constexpr double kAllowance_w = 0.05;
+
 struct ChainSettings {
   enum class Interpolation { kAuto, kOff, kFixed };
 
