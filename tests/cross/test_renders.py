@@ -204,20 +204,3 @@ def test_no_limit_lets_through_sound_that_is_not_a_number_or_missing(tmp_path):
     assert compare(put(SAMPLES + 500, 100.0), until=500) == -numpy.inf
     for wrong in (put(9, numpy.nan), put(9, numpy.inf), lambda a: a[:-1]):
         assert compare(wrong, until=500) == numpy.inf
-
-
-@pytest.mark.parametrize("theirs, level", [
-    ("1 0 gain 2 word\n", None), ("1 0 gain 2.00002 word\n", -100), ("1 0 gain 2 other\n", numpy.inf),
-    ("1 0 gain 2 3 word\n", numpy.inf), ("1 0 gain nan word\n", numpy.inf), ("", numpy.inf)])
-def test_nor_other_messages(theirs, level, tmp_path):
-    (tmp_path / "a").write_text("1 0 gain 2 word\n")
-    (tmp_path / "b").write_text(theirs)
-    found = compare_messages(tmp_path / "a", tmp_path / "b")[0]
-    assert found == (pytest.approx(level, abs=0.1) if level else None)
-
-
-def test_limits_are_read_by_system_and_size():
-    assert [expected("windows-amd64", bits, "trombone").sound for bits in (32, 64)] == [-120, -190]
-    syrinx, gradient = (expected("windows-amd64", 64, name) for name in ("syrinx", "gradient"))
-    assert (syrinx.until, gradient.messages) == (9600, -10)
-    assert expected("windows-amd64", 32, "leaves").sound == expected("windows-amd64", 64, "impact").sound == -numpy.inf

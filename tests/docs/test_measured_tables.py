@@ -59,33 +59,6 @@ def test_anything_else_is_one_sentence_that_names_the_cell(old, new, sentence):
     assert "is '" not in sentence or "a fresh run has" in found[0]
 
 
-def test_writing_replaces_what_is_between_the_marks_alone():
-    asked = []
-    fresh = tables.rewritten(PAGE, lambda command: asked.append(command) or "| new |\n")
-    assert asked == ["all"]
-    assert fresh.startswith(PAGE[:PAGE.index("| preset")]) and fresh.endswith(
-        "| new |\n<!-- end of measured -->\nAfter.\n")
-    assert tables.rewritten(fresh, lambda command: "| new |\n") == fresh
-
-
-def test_without_a_second_command_the_first_checks_and_tolerance_is_nothing():
-    orders = tables.orders_of(" make it\n all ")
-    assert (orders.write, orders.check, orders.columns) == ("make it all", "make it all", {})
-    assert orders.tolerance.allows(1, 1) and not orders.tolerance.allows(1, 1.001)
-
-
-@pytest.mark.parametrize("command, text", [
-    ("{python} -c 'raise SystemExit(3)'", "status 3"), ("no-such-program", "no-such-program")])
-def test_a_command_that_fails_leaves_the_page_and_is_one_line(tmp_path, command, text):
-    page = tmp_path / "page.md"
-    page.write_text(f"<!-- measured by: {command} -->\nold\n<!-- end of measured -->\n")
-    for what in ("write", "check"):
-        done = subprocess.run([sys.executable, ROOT / "scripts" / "measured_tables.py", what, page],
-                              capture_output=True, text=True)
-        assert done.returncode == 1 and text in done.stderr and len(done.stderr.splitlines()) == 1
-    assert "old" in page.read_text()
-
-
 def test_a_page_that_is_out_of_date_fails(tmp_path):
     page = tmp_path / "page.md"
     print_table = tmp_path / "print_table.py"

@@ -2,7 +2,7 @@
 
 Pd sets type in a fixed cell per font size; Tk measures it in DejaVu Sans Mono (`font measure`, `font
 metrics -linespace`). Object boxes as in Pd's g_rtext.c and g_text.c, sliders as in its g_*slider.c,
-number boxes as in g_numbox.c. test_drawing.py compares every box with what Pd draws.
+number boxes as in g_numbox.c.
 """
 import math
 import re

@@ -1,5 +1,4 @@
-"""How many inlets and outlets a box has: of Pd's own objects, of the library's, of sub-patches and abstractions.
-test_drawing.py compares with Pd."""
+"""How many inlets and outlets a box has: of Pd's own objects, of the library's, of sub-patches and abstractions."""
 import re
 
 FIXED = {  # name: inlets, outlets; with arguments that do not matter

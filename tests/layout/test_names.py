@@ -68,12 +68,6 @@ def test_a_planted_name_is_found(tmp_path, text, fault):
     assert bool(crosstalk({"drawn": drawn(tmp_path, "drawn", text)})) == fault
 
 
-def test_a_name_between_two_patches_is_found(tmp_path):
-    one, two = (drawn(tmp_path, f"one-{kind}", f"#X obj 10 10 {kind} reed-y;\n") for kind in "sr")
-    assert crosstalk({"one": one, "two": two}) == {"reed-y": {"one": {"sent"}, "two": {"heard"}}}
-    assert crosstalk({"one": one}) == crosstalk({"two": two}) == {}
-
-
 def said_of_two(folder, patches):
     """What Pd complains of while it opens these and a copy of each - in a folder of its own, since Pd opens no file
     twice - and plays for a second."""
@@ -96,13 +90,6 @@ def test_two_copies_of_every_patch_open_at_once(tmp_path):
     assert len(patches) > 100
     said = said_of_two(tmp_path, patches)
     assert [line for line in said if not line.startswith("error: stress_haptic: ")] == []
-
-
-def test_what_two_copies_define_is_heard(tmp_path):
-    path = tmp_path / "wave.pd"
-    path.write_text("#N canvas 0 0 400 300 12;\n#X obj 10 10 array define wave 10;\n#X obj 10 40 loadbang;\n"
-                    "#X obj 10 70 array get wave;\n#X connect 1 0 2 0;\n")
-    assert "multiply defined" in said_of_two(tmp_path, [path])[0]
 
 
 def copies(folder, *patches):

@@ -78,24 +78,3 @@ def test_a_file_name_counts_and_an_exempt_path_does_not():
     assert found("core/reed/ear.cpp", "") == ["ear"]
     assert found("core/a.cpp", "int led = 1;") == ["led"]
     assert found("devices/falcon/link.cpp", "int led = 1;") == []
-
-
-def test_the_program_lists_file_and_line_and_fails(tmp_path, monkeypatch, capsys):
-    (tmp_path / "bad.py").write_text("good = 1\nplace = 2\n")
-    (tmp_path / "good.md").write_text("A sentence.\n")
-    monkeypatch.setattr(check_words, "ROOT", tmp_path)
-    monkeypatch.setattr(check_words, "source_files", lambda: ["bad.py", "good.md"])
-    assert check_words.main([]) == 1
-    assert capsys.readouterr().out.startswith("bad.py:2: place: write position")
-    assert check_words.main([str(tmp_path / "good.md")]) == 0
-    assert capsys.readouterr().out == ""
-
-
-def test_python_that_does_not_parse_is_read_as_far_as_it_goes():
-    assert found("a.py", "place = 1\nx = (\n") == ["place"]
-    assert found("a.py", "if x:\n        place = 1\n    y = 2\n") == ["place"]
-
-
-def test_a_malformed_list_is_refused():
-    with pytest.raises(SystemExit, match="expected"):
-        check_words.read_rules("word  only_two_columns\n")
