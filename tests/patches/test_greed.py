@@ -36,7 +36,7 @@ def harmonic(x, rate, f0, number):
     return 20 * math.log10(component(x, number * f0, rate) / component(x, f0, rate))
 
 
-# The reference instruments, spelled out: the presets may be voiced anew.
+# The reference instrument, spelled out: the preset may be voiced anew.
 def flags(**values):
     return [atom for name, value in values.items() for atom in ("-" + name.rstrip("_"), value)]
 
@@ -44,34 +44,19 @@ def flags(**values):
 CLARINET = flags(type="closed", theta0=-0.04, arm=0.01, mass=3.376e-6, q=5, width=13e-3, lambda_=1e-3,
                  lambda_m=6.5e-3, lambda_b=6.5e-3, mu=0, xmax=5e-3, bore="cyl", radius=7.5e-3,
                  radius_end=7.5e-3, cup=0, length=0.48)
-TRUMPET = flags(type="open", theta0=0.01, arm=0.01, mass=8e-5, q=4, width=8e-3, lambda_=1e-3, lambda_m=5e-3,
-                lambda_b=5e-3, mu=0, xmax=2e-3, bore="cone", radius=5e-3, radius_end=40e-3,
-                apex=0.25, cup=1.1e-6, length=1.2)
-VOICE = flags(type="open", theta0=0.02, arm=0.01, mass=1e-4, q=5, width=14e-3, lambda_=3e-3, lambda_m=1e-3,
-              lambda_b=1e-3, mu=3e-3, xmax=3e-3, bore="cyl", radius=8e-3, radius_end=8e-3, length=0.17)
-SYRINX = flags(type="swing", theta0=0.03, arm=0.003, mass=5e-7, q=5, width=3e-3, lambda_=1e-3, lambda_m=0.5e-3,
-               lambda_b=0.5e-3, mu=1.5e-3, xmax=1.5e-3, bore="cyl", radius=1.75e-3, radius_end=3e-3, length=0.05)
-STATES = {"clarinet": (CLARINET, 2500, 2000, 172.49, 1855, {3: -10.52, 5: -16.15}),
-          "trumpet": (TRUMPET, 330, 4000, 390.92, 1445, {}), "trumpet-slack": (TRUMPET, 220, 2000, 260.10, 709, {}),
-          "voice": (VOICE, 120, 1500, 131.01, 289, {2: -10.5}), "syrinx": (SYRINX, 1200, 300, 1021.3, 239, {})}
 
 
 @pytest.mark.parametrize("rate", [pytest.param(44100, marks=slow), 48000, pytest.param(96000, marks=slow)])
-@pytest.mark.parametrize("name", STATES)
-def test_playing_states_are_those_of_the_finer_model(name, rate):
-    arguments, f_r, pressure, f0, rms, levels = STATES[name]
-    result = play(arguments, pressure, f_r=f_r, rate=rate)
+def test_a_clarinet_plays_as_the_finer_model(rate):
+    """The other instruments: tests/core/reed/instrument/playing_test.cpp."""
+    result = play(CLARINET, 2000, f_r=2500, rate=rate)
     bore = window(result, "p_b", rate)
-    found = peak(bore, 0.6 * f0, 1.6 * f0, rate)
-    assert abs(cents(found, f0)) < 8
-    assert abs(bore.std() / rms - 1) < 0.04
-    for number, level in levels.items():
+    found = peak(bore, 100, 280, rate)
+    assert abs(cents(found, 172.49)) < 8 and abs(bore.std() / 1855 - 1) < 0.04
+    for number, level in {3: -10.52, 5: -16.15}.items():
         assert abs(harmonic(bore, rate, found, number) - level) < 1
-    if name == "clarinet":  # odd harmonics, a quarter wave long
-        assert abs(found / 176.9 - 1) < 0.03
-        assert harmonic(bore, rate, found, 2) < -35 and harmonic(bore, rate, found, 4) < -35
-    assert abs(result["sound"]).max() <= 1
-    assert window(result, "sound", rate).std() > 1e-3
+    assert harmonic(bore, rate, found, 2) < -35 and harmonic(bore, rate, found, 4) < -35  # a quarter wave long
+    assert abs(result["sound"]).max() <= 1 and window(result, "sound", rate).std() > 1e-3
 
 
 def test_a_quiet_reed_rests_where_the_forces_balance():
@@ -80,56 +65,12 @@ def test_a_quiet_reed_rests_where_the_forces_balance():
     assert abs(result["U"][-1] / 1.45798e-4 - 1) < 1e-3
 
 
-@pytest.mark.parametrize("arguments, f_r, pressure", [
-    (CLARINET, 2500, 1325), (CLARINET, 2500, 5600), (CLARINET, 100, 1000), (TRUMPET, 145, 3000), (TRUMPET, 900, 5000)])
-def test_what_theory_calls_stable_is_silent(arguments, f_r, pressure):
-    theta = play(arguments, pressure, f_r=f_r, seconds=3)["theta"].astype(float)
-    end = theta[-9600:]
-    # 32-bit samples: the angle's own rounding bounds what can be seen.
-    assert end.std() < 1e-6 * abs(theta[:9600] - end.mean()).max() + 1e-8
-
-
 def test_every_preset_speaks_within_bounds():
     for name, pressure in (("clarinet", 2000), ("sax", 1500), ("oboe", 2200), ("trumpet", 4000),
                            ("trombone", 2000), ("voice", 1500), ("syrinx", 1000)):
         result = play(["-preset", name], pressure)
         assert abs(result["sound"]).max() <= 1, name
         assert window(result, "p_b").std() > 0.05 * pressure, name
-
-
-def test_a_signal_that_is_no_number_breaks_nothing():
-    rng = numpy.random.default_rng(3)
-    bad = [math.nan, math.inf, -math.inf, 1e38, -1e38, 1e-40, 0, -1]
-    patch = Patch()
-    reed = patch.obj("greed~", "-preset", "clarinet")
-    for inlet, usual in enumerate((2000.0, 2500.0, 180.0)):
-        samples = numpy.full(72000, usual)
-        samples[rng.integers(0, 48000, 400)] = rng.choice(bad, 400)
-        patch.signal(samples) >> reed[inlet]
-    for outlet, name in enumerate(OUTLETS):
-        patch.record(name, reed[outlet])
-    result = patch.render(1.4)  # the recorder reports what is not finite
-    assert abs(result["sound"]).max() <= 1
-    assert window(result, "p_b", start=1.2, end=1.4).std() > 1000
-
-
-def test_a_frequency_that_is_no_number_leaves_the_last_good_one():
-    """As a message, and as a signal."""
-    def played(*strange):
-        patch = Patch()
-        reed = patch.obj("sig~", 2000) >> patch.obj("greed~", "-preset", "clarinet")
-        for inlet, hertz in ((1, 2300), (2, 185)):
-            patch.at(10, reed[inlet], hertz)
-            for ms, value in strange:
-                patch.at(ms, reed[inlet], value)
-        patch.record("p_b", reed[2])
-        return patch.render(0.6)["p_b"]
-    steady = played()
-    assert numpy.array_equal(steady, played((200, math.nan), (300, math.inf), (400, -math.inf)))
-    assert not numpy.array_equal(steady, played((200, 0)))  # 0 asks for the preset's own
-    good, spoilt = numpy.full(28800, 185.0), numpy.full(28800, 185.0)
-    spoilt[9600:] = math.nan
-    assert numpy.array_equal(*(play(["-preset", "clarinet"], 2000, f_b=f_b, seconds=0.6)["p_b"] for f_b in (good, spoilt)))
 
 
 def test_dump_tells_what_follows_from_the_parameters_and_the_type_turns_the_rest_angle():

@@ -1,6 +1,5 @@
 """[modal_impact~] in Pd: a plate from a closed form, struck, pushed, exchanged, reshaped and misused."""
 import json
-import subprocess
 
 import numpy
 import pytest
@@ -86,25 +85,6 @@ def test_loads_while_it_sounds_and_in_the_background(tmp_path):
     assert "loaded" in [atoms[0] for _, atoms in patch.render(1e6, path=[tmp_path], timeout=120).logs["info"]]
 
 
-BAD_TABLES = [({"freq": numpy.array([400.0, 300.0, 1600.0])}, "'freq' must ascend"), ({"freq": None}, "'freq' is missing"),
-              ({"freq": numpy.array([400.0, numpy.nan, 1600.0])}, "not finite"),
-              ({"phi": numpy.zeros((3, 81, 3), "f4")}, "'phi' is all zero"), ({"mass": numpy.array(-1.0)}, "mass"),
-              ({"tri": numpy.full((4, 3), 81, "i4")}, "a corner 81 of 81"),
-              ({"meta": numpy.frombuffer(b"{", dtype=numpy.uint8)}, "not JSON")]
-
-
-def test_bad_tables_are_refused_with_a_sentence_each_and_the_old_body_goes_on(tmp_path):
-    for i, (changes, _) in enumerate(BAD_TABLES):
-        table(tmp_path / f"bad{i}.modal.npz", **changes)
-    with open(tmp_path / "small.modal.npz", "wb") as file:
-        numpy.savez_compressed(file, **numpy.load(table(tmp_path / "square.modal.npz")))
-    sentences = [f"load bad{i}.modal.npz: .*{sentence}" for i, (_, sentence) in enumerate(BAD_TABLES)]
-    messages = [(10 + 10 * i, f"load bad{i}.modal.npz") for i in range(len(BAD_TABLES))]
-    result = play(tmp_path, [*messages, (90, "load small.modal.npz"), (100, "hit 30 40 0 1")], 0.3,
-                  errors=[*sentences, "small.modal.npz: .*compressed"])
-    assert len(result.errors) == len(BAD_TABLES) + 1 and abs(result["left"]).max() > 0
-
-
 def test_a_gain_of_creation_holds_from_the_first_strike(tmp_path):
     loud, quiet = (play(tmp_path, [(1.4, "hit 30 40 0 1")], 0.1, "-gain", gain)["left"] for gain in (0.1, 0.001))
     assert abs(100 * quiet - loud).max() < 1e-5 * abs(loud).max()
@@ -144,12 +124,6 @@ def test_force_at_the_inlet_rings_the_body_and_a_pressed_hand_feels_it(tmp_path)
     # 0.1 mm against the spring of 1e5 N/m and the body's own compliance behind it.
     assert 5 < result["contact"][int(0.7 * RATE):int(0.85 * RATE)].mean() < 10
     assert result["contact"][:int(0.45 * RATE)].max() == 0
-
-
-def test_the_module_needs_neither_finite_elements_nor_meshers_nor_hdf5():
-    module = next(stage_folder().glob("modal_impact~.l_*"))
-    needs = subprocess.run(["ldd", module], check=True, capture_output=True, text=True).stdout
-    assert not [name for name in ("fem", "gmsh", "hdf5", "cholmod", "blas", "faust") if name in needs]
 
 
 def test_a_dropped_ball_bounces_until_it_lies(tmp_path):

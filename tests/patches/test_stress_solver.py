@@ -202,27 +202,6 @@ def is_gone(pid):
         return True
 
 
-def test_a_child_that_is_killed_is_one_sentence_and_another_can_be_started(live, beam):
-    child = live.the_child()
-    mm = " ".join(f"{1e3 * x:g}" for x in moved(numpy.load(beam)))
-    os.kill(child, signal.SIGSTOP)  # in the middle of a solve, however fast that is
-    live.say(f"object list {mm}")
-    live.wait_for("^info: outside 1")
-    os.kill(child, signal.SIGKILL)
-    live.wait_for("stress_haptic: resolve: the solver ended: signal 9; Taylor's series goes on until load or solver")
-    live.wait_for("^info: solver none")
-    assert live.children() == {}
-    since = len(live.text)
-    live.say("object reset")
-    live.wait_for("^gamma: ", since=since)  # the series goes on
-    live.say(f"object list {mm}")
-    since = len(live.text)
-    live.say("object solver auto")
-    live.wait_for("^info: method (pcg|full)", since=since)
-    assert len(live.children()) == 1
-    assert live.read().count("the solver ended") == 1
-
-
 def test_no_child_outlives_its_object(live):
     child = live.the_child()
     assert sorted(os.listdir(f"/proc/{child}/fd")) == ["0", "1", "2"]  # none of Pd's files
