@@ -7,7 +7,6 @@
 #include <cstring>
 #include <functional>
 #include <initializer_list>
-#include <random>
 #include <span>
 #include <string>
 #include <string_view>
@@ -157,50 +156,6 @@ inline void mentions(const std::string& sentence, std::initializer_list<std::str
     CAPTURE(word);
     CHECK(sentence.find(word) != std::string::npos);
   }
-}
-
-/// One to four random changes: bytes replaced, a bit flipped, bytes erased or put in. Never empty.
-inline std::string damaged(std::string file, std::mt19937& random) {
-  for (unsigned n = 1 + random() % 4; n-- > 0;) {
-    const std::size_t at = random() % file.size();
-    switch (random() % 4) {
-    case 0:
-      file[at] = static_cast<char>(random());
-      break;
-    case 1:
-      file[at] = static_cast<char>(file[at] ^ 1 << random() % 8);
-      break;
-    case 2:
-      file.erase(at, random() % 9);
-      break;
-    default:
-      file.insert(at, std::string(random() % 9, static_cast<char>(random())));
-      break;
-    }
-    if (file.empty())
-      file = "x";
-  }
-  return file;
-}
-
-/// Gives `read` so many damaged files, in every second of which the damage stands behind right
-/// checksums; it says whether it took one. Most files of the first sort are refused.
-template <class Read>
-void read_damaged(const std::vector<Member>& sound, int rounds, const Read& read) {
-  const std::string good = archive(sound);
-  std::mt19937 random(3);
-  int refused = 0;
-  for (int round = 0; round < rounds; ++round) {
-    refused += !read(damaged(good, random));
-    auto members = sound;
-    Member& m = members[random() % members.size()];
-    for (unsigned n = 1 + random() % 8; n-- > 0 && !m.data.empty();)
-      m.data[random() % m.data.size()] = static_cast<char>(random());
-    if (random() % 3 == 0 && !m.shape.empty())
-      m.shape[random() % m.shape.size()] = random() % 6;
-    static_cast<void>(read(archive(members)));
-  }
-  CHECK(refused > 0.7 * rounds);
 }
 
 } // namespace tactus::test

@@ -6,7 +6,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -376,32 +375,4 @@ TEST_CASE("a table's shape parameters are read, and refused by name and shape") 
     for (const std::string& word : one.words)
       mentions(refusal, {word});
   }
-}
-
-namespace {
-
-void check_damaged_tables(int rounds) {
-  read_damaged(small_table(), rounds, [](const std::string& file) {
-    ModalTable table;
-    if (!read_modal_table(bytes_of(file), table).empty())
-      return false;
-    const auto vertices = static_cast<std::int32_t>(table.vertices());
-    CHECK(std::all_of(table.frequency_hz.begin(), table.frequency_hz.end(),
-                      [](double f) { return f > 0 && std::isfinite(f); }));
-    CHECK(std::all_of(table.shape.begin(), table.shape.end(),
-                      [](float x) { return std::isfinite(x); }));
-    for (const auto& t : table.triangle)
-      for (const std::int32_t v : t)
-        CHECK((v >= 0 && v < vertices));
-    return true;
-  });
-}
-
-} // namespace
-
-TEST_CASE("a damaged table crashes nothing, and behind right checksums is refused or sound") {
-  check_damaged_tables(700);
-}
-TEST_CASE("20000 damaged tables crash nothing" * doctest::test_suite("slow")) {
-  check_damaged_tables(20000);
 }

@@ -163,33 +163,3 @@ TEST_CASE("a table's description says what it is and in which units") {
 TEST_CASE("too many control points are refused before they are read") {
   mentions(refusal_with("control_points", D(3 * 4097), {4097, 3}), {"4097 points", "at most 4096"});
 }
-
-namespace {
-
-void check_damaged_tables(int rounds) {
-  read_damaged(small_stress_table(), rounds, [](const std::string& file) {
-    StressTable read;
-    if (!read_stress_table(bytes_of(file), read).empty())
-      return false;
-    CHECK(stress::check_base(read, read.base) == "");
-    CHECK(read.trust_m > 0);
-    for (const auto& p : read.parameters)
-      CHECK((p.control_point < read.control_point_m.size() && p.low_m <= 0 && p.high_m >= 0));
-    for (const auto& t : read.surface_triangle)
-      for (const std::int32_t v : t)
-        CHECK((v >= 0 && static_cast<std::size_t>(v) < read.surface_node_m.size()));
-    for (const std::int32_t e : read.surface_node_element)
-      CHECK((e >= 0 && static_cast<std::size_t>(e) < read.elements()));
-    return true;
-  });
-}
-
-} // namespace
-
-TEST_CASE(
-    "a damaged table of stress crashes nothing, and behind right checksums is refused or sound") {
-  check_damaged_tables(700);
-}
-TEST_CASE("10000 damaged tables of stress crash nothing" * doctest::test_suite("slow")) {
-  check_damaged_tables(10000);
-}

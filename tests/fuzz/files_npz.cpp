@@ -6,7 +6,9 @@
 #include "tests/fuzz/fuzz.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 using namespace tactus::files;
@@ -38,6 +40,33 @@ void correct_checksums(std::vector<std::byte>& file) {
   }
 }
 
+bool below(std::int32_t index, std::size_t count) {
+  return index >= 0 && static_cast<std::size_t>(index) < count;
+}
+
+void check_table(const tactus::modal::ModalTable& table) {
+  for (const double f : table.frequency_hz)
+    check(f > 0 && std::isfinite(f), "a frequency");
+  for (const float x : table.shape)
+    check(std::isfinite(x), "a mode's shape");
+  for (const auto& triangle : table.triangle)
+    for (const std::int32_t v : triangle)
+      check(below(v, table.vertices()), "a corner of a body's triangle");
+}
+
+void check_table(const tactus::stress::StressTable& table) {
+  check(tactus::stress::check_base(table, table.base).empty(), "the base of a table of stress");
+  check(table.trust_m > 0, "its trust");
+  for (const auto& p : table.parameters)
+    check(p.control_point < table.control_point_m.size() && p.low_m <= 0 && p.high_m >= 0,
+          "a parameter");
+  for (const auto& triangle : table.surface_triangle)
+    for (const std::int32_t v : triangle)
+      check(below(v, table.surface_node_m.size()), "a corner of a part's triangle");
+  for (const std::int32_t e : table.surface_node_element)
+    check(below(e, table.elements()), "a node's element");
+}
+
 } // namespace
 
 void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
@@ -60,7 +89,9 @@ void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
   }
   check(total <= file.size(), "the arrays are longer than the file");
   tactus::modal::ModalTable modal;
-  static_cast<void>(read_modal_table(file, modal));
+  if (read_modal_table(file, modal).empty())
+    check_table(modal);
   tactus::stress::StressTable stress;
-  static_cast<void>(read_stress_table(file, stress));
+  if (read_stress_table(file, stress).empty())
+    check_table(stress);
 }
