@@ -3,7 +3,6 @@ recover by themselves. Lines are IP packets between two network namespaces (scri
 import re
 import socket
 import threading
-import time
 
 import pytest
 
@@ -70,36 +69,6 @@ def test_no_event_is_lost_on_a_line_that_delays_loses_and_reorders(line, delay_m
     assert lost == 0 or loss > 0.1
     for one in (listener, caller):
         assert gaps(one) <= lost
-
-
-@pytest.mark.parametrize("hesitation", ["held", pytest.param("cut", marks=pytest.mark.slow)])
-def test_a_line_that_hesitates_loses_nothing_and_is_told_as_late(line, hesitation):
-    network, listener, caller = line
-    network.set_line(**{hesitation: True})
-    wait_until(lambda: "status late" in listener.read())
-    network.set_line(**{hesitation: False})
-    flowing(listener, caller)
-    assert not gaps(listener) and not gaps(caller) and not ends(listener) and not ends(caller)
-    assert "status back" in listener.text
-    assert re.search(r"^info: late \d+$", listener.text, re.M)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("end", ["half open", "known to its computer"])
-def test_a_line_that_ends_is_taken_up_again(line, end):
-    network, listener, caller = line
-    if end == "half open":
-        network.set_line(cut=True)
-        wait_until(lambda: ends(listener) and ends(caller))
-        network.set_line(cut=False)
-    else:
-        network.set_link("far", up=False)
-        time.sleep(1.5)
-        network.set_link("far", up=True)
-    flowing(listener, caller)
-    assert gaps(listener) <= ends(caller) + ends(listener)
-    for one in (listener, caller):  # what ended, and that nobody answers
-        assert len(re.findall(r"^(?:error|verbose\(\d\)): ioa_link: ", one.text, re.M)) <= 6
 
 
 @pytest.fixture

@@ -57,9 +57,3 @@ def test_neither_level_nor_silence_before_it_changes_a_sound():
     assert len(vector) == 45
     assert features(0.01 * burst)[0] == pytest.approx(vector, abs=1e-6)
     assert features(numpy.r_[numpy.zeros(3000), burst])[0] == pytest.approx(vector, abs=0.01)
-
-
-@pytest.mark.parametrize("sound", [numpy.zeros(RATE), numpy.zeros(10), numpy.ones(500),
-                                   numpy.full(800, numpy.nan)])
-def test_what_is_no_sound_has_finite_features(sound):
-    assert numpy.isfinite(features(sound)[0]).all()

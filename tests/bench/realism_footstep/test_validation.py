@@ -1,8 +1,8 @@
 """The band classifiers, and cross-validation by collection."""
 import numpy
 import pytest
-from band_classifiers import discriminant, classifiers, shrunk_covariance
-from validation import Recorded, all_classifiers, left_out, lines, named, shares
+from band_classifiers import discriminant, shrunk_covariance
+from validation import all_classifiers, left_out, shares
 
 RANDOM = numpy.random.RandomState(7)
 
@@ -59,25 +59,3 @@ def test_a_label_of_one_collection_only_is_not_classified():
     ranked = left_out(discriminant, vectors, labels, collections)
     assert all((r is None) == (c != "a") for r, c in zip(ranked, labels))
     assert shares(ranked, labels)[2] == 20
-
-
-def test_shares_are_means_over_labels_not_over_sounds():
-    ranked = [["a", "b"]] * 9 + [["a", "b"]]
-    assert shares(ranked, ["a"] * 9 + ["b"])[:2] == (0.5, 1.0)
-    assert numpy.isnan(shares([None], ["a"])[0])
-
-
-def test_steps_of_a_material_unknown_to_the_classifier_are_left_out():
-    vectors, labels, _ = collections_of_two_labels(5.0)
-    ranked, truth = named(discriminant, vectors, labels, {"b": vectors[:2], "z": vectors[:3]})
-    assert truth == ["b", "b"] and len(ranked) == 2
-
-
-def test_the_report_has_a_row_for_every_classifier_and_material():
-    vectors, labels, collections = (v[::5] for v in collections_of_two_labels(5.0))
-    recorded = Recorded(vectors, vectors, labels, collections)
-    made = {"a": vectors[:2], "b": vectors[2:4]}
-    text = "\n".join(lines(recorded, made, made))
-    assert all(f"| {name} |" in text for name in all_classifiers())
-    assert "| a |" in text and "| b |" in text
-    assert ("python3-sklearn" in text) == (len(classifiers()) < 2)
