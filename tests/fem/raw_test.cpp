@@ -53,7 +53,7 @@ struct Body {
 };
 
 const Body& body() {
-  static const Body one({}, true);
+  static const Body one({.h = .01}, true);
   return one;
 }
 
