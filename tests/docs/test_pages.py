@@ -67,15 +67,6 @@ def test_a_small_site_without_faults(tmp_path):
     assert '<audio controls preload="none" src="out/walk/s.wav">' in page and "makes it" not in page
 
 
-def test_the_page_of_play_is_named_and_not_copied(tmp_path):
-    """Its own links lead into the checkout."""
-    small_site(tmp_path)
-    (tmp_path / "in" / "out").mkdir()
-    (tmp_path / "in" / "out" / "index.html").write_text('<a href="../README.md">tactus</a>')
-    assert faults(tmp_path, "[all](out/index.html)") == []
-    assert "all <small>(./play makes it)" in (tmp_path / "out" / "README.html").read_text()
-
-
 @pytest.mark.parametrize("text, said", [
     ("[a](nothing.md)", "leads to no file"), ("[a](sub/nothing.txt)", "leads to no file"),
     ("[a](b.md#nothing)", "b.md has no heading #nothing"), ("[a](#two)", "README.md has no heading #two"),
@@ -85,14 +76,6 @@ def test_the_page_of_play_is_named_and_not_copied(tmp_path):
 def test_a_broken_link_is_one_line_with_its_page(tmp_path, text, said):
     found = faults(tmp_path, text)
     assert len(found) == 1 and found[0].startswith("README.md: (") and said in found[0]
-
-
-def test_what_a_scene_was_said_to_make_and_did_not_is_a_fault(tmp_path):
-    small_site(tmp_path)
-    scene = tmp_path / "in" / "out" / "walk"
-    scene.mkdir(parents=True)
-    (scene / "scene.json").write_text("{}")
-    assert faults(tmp_path, "[a](out/walk/s.wav)") == ["README.md: (out/walk/s.wav) ./play walk has not made it"]
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 """The checker finds each kind of mistake, and nothing in a patcher without one."""
 import copy
-import json
 
 import pytest
 
@@ -51,49 +50,31 @@ def change(text, /, **values):
     return lambda document: box(document, text).update(values)
 
 
-def remove(text, key):
-    return lambda document: box(document, text).pop(key)
-
-
 def move(text, *rectangle):
     return change(text, patching_rect=list(rectangle))
 
 
 MISTAKES = {
     "no lines": (lambda d: d["patcher"].pop("lines"), "has no lines"),
-    "no class name space": (lambda d: d["patcher"].pop("classnamespace"), "has no classnamespace"),
-    "no rectangle": (remove("print a", "patching_rect"), "has no patching_rect"),
-    "no text": (remove("print a", "text"), "has no text"),
     "one id twice": (lambda d: box(d, "print a").update(id=box(d, "print b")["id"]), "two boxes have the id"),
     "outlet types": (change("t b b", outlettype=["bang"]), "1 outlet types"),
     "an unknown object": (change("print a", text="prynt a"), "none of our objects"),
-    "an unknown interface object": (change("button", maxclass="buton"), "none of our objects"),
     "too few inlets": (change("greed~ @type closed", numinlets=2), "expected 3 and 5"),
-    "too many outlets of [t]": (change("t b b", numoutlets=3, outlettype=["bang"] * 3), "expected 1 and 2"),
-    "inlets of a subpatcher": (change("p through", numinlets=2), "expected 1 and 1"),
     "a signal outlet declared as messages": (
         change("greed~ @type closed", outlettype=["", "signal", "signal", "signal", ""]), "has outlet types"),
     "a cord to no box": (lambda d: lines(d)[0].update(destination=["obj-99", 0]), "no such box"),
-    "a cord from no outlet": (lambda d: lines(d)[5].update(source=[box(d, "t b b")["id"], 2]),
-                              "they have 2 outlets"),
-    "a cord to no inlet": (lambda d: lines(d)[5].update(destination=[box(d, "print a")["id"], 1]), "1 inlets"),
     "a signal into a message inlet": (lambda d: add_cord(d, "greed~ @type closed", 1, "print a", 0),
                                       "which takes none"),
     "a fan-out": (lambda d: add_cord(d, "button", 0, "print b", 0), "has 2 cords"),
     "an unknown attribute": (change("greed~ @type closed", text="greed~ @tipe closed"), "no attribute tipe"),
-    "an unknown flag": (change("greed~ @type closed", text="greed~ -presett x"), "no attribute presett"),
     "an attrui of nothing": (change("attrui", attr="tipe"), "no such parameter"),
     "an unknown message": (change("type open", text="tipe open"), "no message tipe"),
-    "an unknown choice": (change("type open", text="type opened"), "type is one of"),
     "too many arguments": (change("type open", text="preset a b c d e f g"), "takes"),
     "a whole number beyond 32 bits": (change("type open", text="mass 206000000000, gain -2147483647"),
                                       "206000000000 is beyond 32 bits: expected 206000000000."),
-    "a negative one": (change("print a", text="print -2147483648"), "-2147483648 is beyond 32 bits"),
     "an overlap": (move("print b", 250.0, 125.0, 52.0, 22.0), "overlap"),
     "a box outside": (move("comment", -20.0, 200.0, 60.0, 20.0), "outside of the window"),
     "text cut at the right": (move("print a", 240.0, 120.0, 30.0, 22.0), "pixels wide"),
-    "text cut below": (change("comment", text="a remark of so many words that it takes two lines",
-                              patching_rect=[240.0, 200.0, 160.0, 20.0]), "pixels high"),
     "a cord that goes up": (move("print a", 240.0, 20.0, 52.0, 22.0), "goes up"),
     "a cord through a box": (move("comment", 235.0, 95.0, 60.0, 20.0), "runs through"),
 }
@@ -109,26 +90,3 @@ def test_a_mistake_is_found(name):
     document = copy.deepcopy(good())
     spoil(document)
     assert any(expected in finding for finding in check_patcher.check(document)), check_patcher.check(document)
-
-
-def test_a_mistake_in_a_subpatcher_is_found_and_placed():
-    document = good()
-    inner = box(document, "p through")["patcher"]
-    inner["boxes"][0]["box"]["id"] = inner["boxes"][1]["box"]["id"]
-    assert any("patcher/through" in finding for finding in check_patcher.check(document))
-
-
-def test_a_loop_may_go_up():
-    p = Patcher(300, 300)
-    store, plus = p.object("f 0.", 20, 20), p.object("+ 1.", 20, 80)
-    p.connect(store, 0, plus, 0)
-    p.connect(plus, 0, store, 1)
-    assert check_patcher.check({"patcher": p.as_json()}) == []
-
-
-def test_a_file_that_is_not_json_is_a_finding(tmp_path):
-    path = tmp_path / "broken.maxpat"
-    path.write_text(json.dumps(good())[:-2])
-    assert "not JSON" in check_patcher.check_file(path)[0]
-    path.write_text("[]")
-    assert check_patcher.check_file(path) == ["the file has no patcher"]

@@ -111,14 +111,6 @@ def test_a_wrong_page_is_found(declarations, spoil, expected):
     assert any(expected in f for f in check_reference.check_page(xml.tostring(root, "unicode"), d))
 
 
-def test_a_page_that_is_not_xml_or_missing_is_found(tmp_path, declarations):
-    d = declarations[0]
-    assert "not well-formed" in check_reference.check_page("<c74object>", d)[0]
-    (tmp_path / "none.maxref.xml").write_text("<c74object/>")
-    findings = check_reference.check_folder(tmp_path, [d])
-    assert findings == [f"{d['name']}: no {d['name']}.maxref.xml", "none.maxref.xml: no such object"]
-
-
 def test_the_folder_holds_what_was_given_and_says_what_was_not_run(package):
     assert [p.name for p in (package / "externals").iterdir()] == ["greed~.mxe64"]
     assert (package / "media/disk.modal.npz").exists() and (package / "media/networks/drop.txt").exists()
