@@ -5,19 +5,6 @@
 using namespace tactus::devices::falcon;
 using tactus::haptic::State;
 
-TEST_CASE("the simulated hand yields to the force in its direction") {
-  Rig rig;
-  rig.ready(true);
-  REQUIRE(rig.settle());
-  for (int axis = 0; axis < 3; ++axis) {
-    const double rest = rig.state.position[axis];
-    tactus::haptic::Vec3 force;
-    force[axis] = 2;
-    CHECK(rig.until([&] { return rig.state.position[axis] - rest > 2e-3; }, 30000, force));
-    CHECK(rig.until([&] { return std::abs(rig.state.position[axis] - rest) < 0.5e-3; }));
-  }
-}
-
 TEST_CASE("noise on the line, lost bytes and split packets cost frames and nothing else") {
   Rig rig;
   rig.ready();
@@ -124,16 +111,6 @@ TEST_CASE("pulled out, the driver fails at once; plugged in, it opens again") {
   rig.control.ask("forget");
   REQUIRE(rig.open() == "");
   CHECK(rig.home());
-}
-
-TEST_CASE("closing leaves no force in the motors") {
-  Rig rig;
-  rig.ready();
-  rig.run(700, {0, 0, 3});
-  REQUIRE(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
-  rig.falcon.close();
-  for (const char* motor : {"motor0", "motor1", "motor2"})
-    CHECK(rig.control.value(motor) == 0);
 }
 
 TEST_CASE("one wild answer is not believed, and changes neither position nor force") {
