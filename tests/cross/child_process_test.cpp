@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdio>
 #include <string>
-#include <thread>
 
 #ifdef _WIN32
 #include <fcntl.h>

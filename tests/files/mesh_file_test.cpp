@@ -7,7 +7,6 @@
 #include <bit>
 #include <cctype>
 #include <cstdint>
-#include <initializer_list>
 #include <string>
 #include <vector>
 

@@ -10,7 +10,6 @@
 #include <set>
 #include <sstream>
 #include <string>
-#include <vector>
 
 // The text of a recipe, from every key to the number that it sets.
 

@@ -5,7 +5,6 @@
 #include "files/stress_table.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

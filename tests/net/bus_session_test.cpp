@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <functional>
 
 /// Both ends of a bus link in a time of their own, over a line that can hesitate and be cut.
 using namespace tactus;

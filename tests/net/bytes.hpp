@@ -3,7 +3,6 @@
 #include "net/framing.hpp"
 
 #include <algorithm>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>

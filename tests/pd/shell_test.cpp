@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <utility>
 
 // The shell itself, through the probe: a class with one of everything.

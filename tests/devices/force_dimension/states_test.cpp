@@ -2,10 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 // What the device says of itself, and what the driver does about it.

@@ -2,7 +2,6 @@
 #include "tests/devices/haply/mock.hpp"
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <thread>

@@ -1,13 +1,10 @@
 #include "devices/haply/connection.hpp"
 #include "tests/devices/haply/mock.hpp"
 
-#include <array>
 #include <chrono>
-#include <cmath>
 #include <ctime>
 #include <string>
 #include <thread>
-#include <vector>
 
 // What a session asks of the service, which device it takes, and what it leaves alone.
 

@@ -3,7 +3,6 @@
 #include "core/object.hpp"
 
 #include <array>
-#include <cmath>
 #include <new>
 #include <stdexcept>
 #include <string>
