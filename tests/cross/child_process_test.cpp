@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <string>
 
-#ifdef _WIN32
 #include <fcntl.h>
+#ifdef _WIN32
 #include <io.h>
+#else
+#include <unistd.h>
 #endif
 
 // A program and its child, which is the same program: what both systems' halves must do.
@@ -22,7 +24,7 @@ namespace {
 
 std::string own_path;
 
-/// Answers every byte of stdin, then says its arguments on stderr.
+/// Answers every byte of stdin, then says its arguments and what else it has open on stderr.
 int be_child(int count, char** words) {
 #ifdef _WIN32
   _setmode(_fileno(stdin), _O_BINARY);
@@ -33,13 +35,21 @@ int be_child(int count, char** words) {
   std::fflush(stdout);
   for (int i = 2; i < count; ++i)
     std::fprintf(stderr, "[%s]", words[i]);
+#ifndef _WIN32
+  for (int number = STDERR_FILENO + 1; number < 256; ++number)
+    if (::fcntl(number, F_GETFD) >= 0)
+      std::fprintf(stderr, "[descriptor %d]", number);
+#endif
   std::fprintf(stderr, "\n");
   return 3;
 }
 
 } // namespace
 
-TEST_CASE("a child answers a megabyte, ends, and its words arrive as they were") {
+TEST_CASE("a child answers a megabyte, ends, and has its words and none of our files") {
+#ifndef _WIN32
+  const int ours = ::dup(STDERR_FILENO); // not closed on exec
+#endif
   std::string refusal;
   const std::vector<std::string> words{own_path, "child", "two words", "a\"b\\", ""};
   auto child = ChildProcess::start(words, refusal);
@@ -60,6 +70,9 @@ TEST_CASE("a child answers a megabyte, ends, and its words arrive as they were")
   sent.pop_back();
   CHECK(back == sent);
   CHECK(child->end(1) == "[two words][a\"b\\][]");
+#ifndef _WIN32
+  ::close(ours);
+#endif
 }
 
 TEST_CASE("a child that waits is killed, and one that is not there is refused") {

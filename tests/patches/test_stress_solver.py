@@ -1,20 +1,13 @@
-"""[stress_haptic] solves its part again by the program part_stress: in a render, whose results repeat, and
-live, where the child may die, Pd may die and the object may be deleted. Live tests wait for events."""
+"""[stress_haptic] solves its part again by the program part_stress, in a render, whose results repeat. How a
+child dies, and that none outlives its object: tests/externals/part_solver_test.cpp."""
 import json
-import os
-import pathlib
-import re
-import signal
-import socket
 import struct
 import subprocess
-import time
 
 import numpy
 import pytest
 
 from harness import Patch, stage_folder
-from harness.live import WAIT_S, LivePd, free_port, patch_text
 
 PROGRAM = stage_folder() / "part_stress"
 if not PROGRAM.exists():
@@ -64,7 +57,7 @@ def test_gradients_on_the_old_factor_find_the_stress_of_a_full_solve(beam):
     assert 0.01 < abs(taylor / mean - 1) < 0.05
 
 
-def render(beam, resolve, seconds=1.0, solver=None, fails=()):
+def render(beam, resolve, fails=()):
     """The points move down at 300 ms; a handle 40 mm from its anchor feels k = 500 N/m times gamma."""
     table = numpy.load(beam)
     mm = " ".join(f"{1e3 * x:g}" for x in moved(table))
@@ -72,13 +65,11 @@ def render(beam, resolve, seconds=1.0, solver=None, fails=()):
     box = patch.obj("stress_haptic", str(beam), "-resolve", resolve)
     for ms, message in [(1, "range fixed 0 8e+06"), (2, "gains 0 500 0 0"), (3, "anchor 0 0 0"), (300, f"list {mm}")]:
         patch.at(ms, box, message)
-    if solver:
-        patch.at(4, box, f"solver {solver}")
     patch.at(250, box[1], "40 0 0 0 0 0")
     patch.at(900, box, "bang")
     for i, name in enumerate(("gamma", "force", "info", "protocol")):
         patch.log(name, box[i])
-    return patch.render(seconds, expect_errors=fails)
+    return patch.render(1, expect_errors=fails)
 
 
 def told(result, word):
@@ -115,15 +106,7 @@ def test_auto_solves_by_gradients_then_finds_new_sensitivities_at_rest_and_repea
         assert told(first, word) == told(second, word)
 
 
-def test_a_solver_that_is_not_there_or_of_another_table_is_one_sentence(beam, tmp_path):
-    result = render(beam, "auto", solver="/nowhere/part_stress", fails=["solver /nowhere/part_stress: there is no"])
-    assert told(result, "method")[-1][1] == "full"  # the one before goes on
-    fake = tmp_path / "part_stress"
-    fake.write_text("#!/bin/sh\necho 'part_stress: I am ill' >&2\nexit 1\n")
-    fake.chmod(0o755)
-    result = render(beam, "auto", solver=fake, fails=["resolve: the solver ended: part_stress: I am ill; Taylor"])
-    assert len(result.errors) == 1
-    assert set(method for _, method in told(result, "method")) == {"taylor"}
+def test_a_solver_of_another_table_is_one_sentence(beam, tmp_path):
     arrays = dict(numpy.load(beam))
     meta = json.loads(bytes(arrays["meta"]))
     del meta["command"]
@@ -136,87 +119,3 @@ def test_a_solver_that_is_not_there_or_of_another_table_is_one_sentence(beam, tm
         numpy.savez(other, **{k: v for k, v in {**arrays, **changes}.items() if v is not None})
         result = render(other, resolve, fails=[sentence] if sentence else [])
         assert len(result.errors) == bool(sentence)
-
-
-class Live(LivePd):
-    """With the object in a subpatch and a socket to its inlet."""
-
-    def __init__(self, folder, beam):
-        port, patch = free_port(), folder / "live.pd"
-        patch.write_text(patch_text(
-            ["obj 10 10 pd part", f"obj 10 100 netreceive {port}", "obj 10 130 route object canvas", "obj 10 160 s live-in",
-             "obj 200 160 s pd-part"], ["1 0 2 0", "2 0 3 0", "2 1 4 0"]).replace("#X obj 10 10 pd part", f"""\
-#N canvas 0 0 400 300 part 0;
-#X obj 10 10 r live-in;
-#X obj 10 40 stress_haptic {beam} -resolve auto;
-#X obj 10 80 print gamma;
-#X obj 200 80 print info;
-#X connect 0 0 1 0;
-#X connect 1 0 2 0;
-#X connect 1 2 3 0;
-#X restore 10 10 pd part"""))
-        super().__init__(patch)
-        self.socket = None
-        self.wait_until(lambda: self.connects(port), "a socket")
-
-    def connects(self, port):
-        try:
-            self.socket = socket.create_connection(("127.0.0.1", port), 5)
-        except OSError:
-            return False
-        return True
-
-    def say(self, message):
-        self.socket.sendall((message + ";\n").encode())
-
-    def children(self):
-        """{pid: state} of part_stress; Z is one that nobody has reaped."""
-        found = {}
-        for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-            try:
-                name, fields = re.match(r"\d+ \((.*)\) (.*)", stat.read_text(), re.S).groups()
-            except (OSError, AttributeError):
-                continue
-            if name == "part_stress" and int(fields.split()[1]) == self.process.pid:
-                found[int(stat.parent.name)] = fields[0]
-        return found
-
-    def the_child(self):
-        self.wait_for("^info: solver ready")
-        (child, state), = self.children().items()
-        assert state != "Z"
-        return child
-
-
-@pytest.fixture
-def live(tmp_path, beam):
-    with Live(tmp_path, beam) as pd, pd.socket:
-        yield pd
-
-
-def is_gone(pid):
-    """Ended; a process whose parent has died is reaped by another."""
-    try:
-        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
-    except OSError:
-        return True
-
-
-def test_no_child_outlives_its_object(live):
-    child = live.the_child()
-    assert sorted(os.listdir(f"/proc/{child}/fd")) == ["0", "1", "2"]  # none of Pd's files
-    assert any(int(fd) > 2 for fd in os.listdir(f"/proc/{live.process.pid}/fd"))
-    live.say("canvas clear")
-    live.wait_until(lambda: live.children() == {}, "the child's end")  # reaped too
-    assert is_gone(child) and live.process.poll() is None
-
-
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_no_child_outlives_pd(live, number):
-    child = live.the_child()
-    live.process.send_signal(number)
-    live.process.wait(WAIT_S)
-    end = time.monotonic() + WAIT_S
-    while not is_gone(child):
-        assert time.monotonic() < end
-        time.sleep(0.02)
