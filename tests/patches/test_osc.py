@@ -4,6 +4,7 @@ import pathlib
 import random
 import socket
 import struct
+import sys
 
 import pytest
 
@@ -11,18 +12,11 @@ from harness import Patch
 from harness.live import LivePd, free_port, patch_text
 from harness.run import ROOT
 
+sys.path.insert(0, str(ROOT / "tests" / "net"))
+
+from peer import osc as message, parse  # noqa: E402
+
 LIVE = ROOT / "patches" / "live"
-
-
-def padded(text):
-    return text.encode() + b"\0" * (4 - len(text.encode()) % 4)
-
-
-def message(address, *values):
-    kinds = "".join("s" if isinstance(v, str) else "i" if isinstance(v, int) else "f" for v in values)
-    packed = b"".join(padded(v) if isinstance(v, str) else struct.pack(">i" if isinstance(v, int) else ">f", v)
-                      for v in values)
-    return padded(address) + padded("," + kinds) + packed
 
 
 def bundle(*messages):
@@ -30,19 +24,8 @@ def bundle(*messages):
 
 
 def unpacked(packet):
-    """(address, values) of a message, read by the OSC 1.0 specification."""
-    def text(at):
-        end = packet.index(b"\0", at)
-        return packet[at:end].decode(), end + 4 - end % 4
-    address, at = text(0)
-    kinds, at = text(at)
-    values = []
-    for kind in kinds[1:]:
-        assert kind in "fs"
-        value, at = (struct.unpack(">f", packet[at:at + 4])[0], at + 4) if kind == "f" else text(at)
-        values.append(value)
-    assert at == len(packet) and at % 4 == 0
-    return address, values
+    """[address, values...] of a message in a list of bytes."""
+    return parse(bytes(map(int, packet)))
 
 
 def exchange(packets, spacing=10, errors=(), name="greed"):
@@ -66,9 +49,8 @@ def test_addresses_become_messages_and_answers_come_back():
         message("/greed/get", "bore", "seed"), bundle(message("/greed/seed", 17), message("/greed/get", "seed")),
         message("/greed/reset")])
     assert [m for i, m in messages if i == 0] == [["theta0", pytest.approx(-0.0371)]]
-    assert [unpacked(bytes(map(int, p))) for i, p in packets] == [
-        ("/greed/theta0", [pytest.approx(-0.0371)]), ("/greed/bore", ["cone"]), ("/greed/seed", [1]),
-        ("/greed/seed", [17])]
+    assert [unpacked(p) for i, p in packets] == [
+        ["/greed/theta0", pytest.approx(-0.0371)], ["/greed/bore", "cone"], ["/greed/seed", 1], ["/greed/seed", 17]]
     assert messages[-1][1] == ["reset"] and not status
 
 
@@ -122,7 +104,7 @@ def test_random_packets_do_nothing_and_the_next_good_one_works(count):
         packets.append(bytes(packet[:generator.randrange(1, len(packet) + 1)] if generator.random() < 0.5 else packet))
     packets.append(message("/greed/get", "os"))
     _, answers, _, result = exchange(packets, spacing=1, errors=["."])
-    assert unpacked(bytes(map(int, answers[-1][1]))) == ("/greed/os", [0])
+    assert unpacked(answers[-1][1]) == ["/greed/os", 0]
     # A flood does not fill the console: at most two lines a second of our own.
     assert len([line for line in result.errors if line.startswith("tactus_osc")]) <= 2 * (count / 1000 + 0.1) + 1
 
@@ -146,5 +128,5 @@ def test_packets_go_through_udp_of_this_machine(tmp_path):
                 return packet
             pd.wait_until(answered, "an answer")
             listening = pathlib.Path("/proc/net/udp").read_text()
-    assert unpacked(packet) == ("/greed/os", [0])
+    assert parse(packet) == ["/greed/os", 0]
     assert f"0100007F:{port:04X}" in listening  # of this machine only, where nobody says otherwise
