@@ -5,7 +5,6 @@ import math
 import numpy
 import pytest
 import scipy.signal
-import scipy.stats
 
 from harness import Patch
 from harness.sound import RATE
@@ -42,14 +41,21 @@ def test_the_energy_of_a_shake_comes_with_the_attack_and_goes_with_the_decay(dec
 
 
 @pytest.mark.parametrize("kind", ["grains", "bubbles", "rustle"])
-def test_the_level_is_that_of_the_equation(kind):
+def test_collisions_number_and_energies_and_the_level_are_those_of_the_equations(kind):
     # rms = level E sqrt((direct^2 + sum g^2) / decay): modes far from each other add their powers.
-    level, power, decay, direct = 0.002, 20, 0.05, 0.6
-    result = render(("-kind", kind, "-level", level, "-decay", decay, "-direct", direct, "-count", 200,
-                     "-largest", 2, "-frequency", 6000, "-length", 0.001, "-quality", 3, "-rise", 0),
+    level, power, decay, direct, count = 0.002, 20, 0.05, 0.6, 200
+    result = render(("-kind", kind, "-level", level, "-decay", decay, "-direct", direct, "-count", count,
+                     "-exponent", 0.5, "-largest", 3, "-frequency", 6000, "-length", 0.001, "-quality", 3, "-rise", 0),
                     [(0, "modes 400 0.05 0.5 1300 0.05 1")], power=power, seconds=8)
     expected = level * power * decay * math.sqrt((direct ** 2 + 0.5 ** 2 + 1) / decay)
     assert math.sqrt(numpy.mean(result["sound"][int(0.5 * RATE):] ** 2)) == pytest.approx(expected, rel=0.05)
+    collisions = result["collisions"][int(0.5 * RATE):]
+    energy = collisions[collisions != 0] ** 2
+    if kind == "rustle":  # is a noise
+        assert not len(energy)
+    else:  # within four standard deviations, as samples may hold two
+        assert len(energy) / len(collisions) == pytest.approx(1 - math.exp(-count * power / RATE), rel=0.025)
+        assert numpy.median(energy) / energy.min() == pytest.approx((0.5 + 0.5 * 3 ** -0.5) ** -2, rel=0.05)
 
 
 def bands(sound):
