@@ -149,6 +149,17 @@ def test_an_interrupt_leaves_nothing_behind(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_every_fault_of_a_surface_is_named_with_its_position(tmp_path):
+    write_stl(tmp_path / "hole.stl", box()[1:-1])
+    said = refusal("hole.stl", folder=tmp_path)
+    assert "open at triangle" in said and "mm" in said and "6 such edges" in said
+    pushed = np.array(box())
+    pushed[(pushed == 0).all(axis=2)] = (30, 4, 4)  # a corner, through the face opposite
+    write_stl(tmp_path / "crossed.stl", pushed)
+    said = refusal("crossed.stl", folder=tmp_path)
+    assert "crosses itself: triangle" in said and "cuts triangle" in said and "mm" in said
+
+
 def test_a_cube_from_stl_obj_and_inp_is_the_cube_of_the_plate(tmp_path):
     plate = ["plate", "--length", 20, "--width", 20, "--thickness", 20]
     exact = table(*plate, "--h", 4, "--modes", 4, folder=tmp_path)[0]["freq"]

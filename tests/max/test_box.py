@@ -52,6 +52,18 @@ def test_a_list_to_the_left_inlet_gives_the_right_one_its_number_first():
     pytest.fail("the map is not computed: " + "; ".join(result.lines[:20]))
 
 
+def test_lists_and_bangs_that_mean_nothing_are_one_error_that_names_what_there_is():
+    result = run([load("greed_gradient~"), "new b greed_gradient~", "send b 0 bang", "send b 0 list 1. word",
+                  "send b 0 list 1. 2. 3. 4.", "send b 0 list 1. 2. 3.", load("ioa_link"), "new c ioa_link",
+                  "send c 0 float 5.", "send c 0 list 5. 6.", "send c 0 bang"])
+    errors = result.of("error")
+    assert len(errors) == 6, errors
+    assert "no message 'bang'; there are preset, range and reset" in errors[0]
+    assert "list: 'word' is no number: expected one for each inlet: y, z, f_b (Hz)" in errors[1]
+    assert "list: 4 numbers: expected at most 3" in errors[2]
+    assert "no message 'float'; there are send" in errors[3] and "no message 'list'" in errors[4]
+
+
 def test_a_symbol_is_a_message_and_a_message_an_attribute_argument():
     gets = [f"get b {p['name']}" for p in declarations()["greed~"]["parameters"]]
     trumpet = run([load("greed~"), "new b greed~ -preset trumpet", *gets])

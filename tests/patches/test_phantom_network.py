@@ -85,6 +85,17 @@ def test_a_network_that_another_servo_rate_cannot_step_rests_and_says_so(tmp_pat
     assert len(answer.errors) == 1
 
 
+def test_deleting_one_string_leaves_the_others_their_links_pickups_and_motion():
+    """Two strings of other pitches; the first is taken away while the second sounds."""
+    build = [(0, "network touch 0"), (0, "network string a 9 -50 0 0 50 0 0 0.001 3"),
+             (0, "network string b 9 -50 20 0 50 20 0 0.001 12"), (0, "network listen b-2 z"),
+             (50, "network pluck b-3 0 0 1 2")]
+    whole = heard(build, 0.5)["left"]
+    cut = heard(build + [(200, "network del a")], 0.5)["left"]
+    assert numpy.abs(whole[-4800:]).max() > 0.1
+    assert cut == pytest.approx(whole, abs=1e-5)
+
+
 def test_everything_can_be_deleted_while_it_sounds_and_built_again():
     left = heard([(0, STRING), (0, "network listen s-4 z"), (50, "network pluck s-4 0 0 1 2"), (150, "network del s"),
                   (300, STRING), (310, "network listen s-4 z"), (320, "network pluck s-4 0 0 1 2"),

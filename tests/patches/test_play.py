@@ -112,6 +112,20 @@ def test_a_scene_names_the_sound_that_stops_in_mid_sound(tmp_path, capsys):
     assert "cut: hum.wav: ends at" in capsys.readouterr().out
 
 
+def test_fade_out_leaves_what_comes_before_as_it_was_and_ends_in_silence():
+    sound = numpy.random.default_rng(1).standard_normal((RATE, 2))
+    faded = make_scene.fade_out(sound, RATE, 0.25)
+    begin = RATE - round(0.27 * RATE)
+    assert (faded[:begin] == sound[:begin]).all() and not faded[-round(0.02 * RATE):].any()
+    gain = faded[begin:-960] / sound[begin:-960]
+    assert (numpy.diff(gain[:, 0]) <= 0).all() and gain[len(gain) // 2, 0] == pytest.approx(0.5, abs=1e-3)
+    whole = numpy.concatenate([numpy.ones(3), gain[:, 0], numpy.zeros(3)])
+    assert abs(numpy.diff(whole, 2)).max() < 1e-6  # no bend at either end: nothing to be heard
+    assert (make_scene.fade_out(sound[:, 0], RATE, 0.25) == faded[:, 0]).all()
+    assert make_scene.fade_out(sound.astype(numpy.float32), RATE, 0.25).dtype == numpy.float32
+    assert not make_scene.fade_out(sound[:100], RATE, 0.25).any()  # shorter than its fade
+
+
 def scene(name, sounds=("tune",)):
     return {"name": name, "title": f"what {name} is", "description": "First `-sync`.\n\nSecond & last.",
             "took_seconds": 3.2, "faults": [],
