@@ -13,7 +13,6 @@ from harness import read_trace
 from harness.live import LivePd, patch_text
 from harness.run import ROOT
 
-sys.path.insert(0, str(ROOT / "tests" / "net"))
 sys.dont_write_bytecode = True
 
 if not os.environ.get("HAPTIC_SERVER"):

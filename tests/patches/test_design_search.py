@@ -1,17 +1,13 @@
 """The search by feel of ./play design: equal volume and limits, forces of Pd, and moves that follow these alone."""
-import sys
 import types
 
+import _design_search as search
 import numpy
 import pytest
 import scipy.optimize
+from _design import Part
 
 from harness import stage_folder
-from harness.run import ROOT
-
-sys.path.insert(0, str(ROOT / "scripts" / "scenes"))
-from _design import Part  # noqa: E402
-import _design_search as search  # noqa: E402
 
 if not (stage_folder() / "lift_arm.stress.npz").is_file():
     pytest.skip("the table of the arm is not made in this build", allow_module_level=True)

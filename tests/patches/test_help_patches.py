@@ -1,17 +1,13 @@
 """Help patches: what a graph draws stays within its frame, is large enough to be seen and is drawn anew at any
 sample rate; and, of patches/live, no message box that is clicked makes an error."""
 import re
-import sys
 from collections import defaultdict
 
+import pd_file
 import pytest
 
 from harness import Patch, stage_folder
 from harness.run import ROOT
-
-sys.path.insert(0, str(ROOT / "max" / "tools"))
-
-import pd_file  # noqa: E402
 
 slow = pytest.mark.slow
 LIVE = ROOT / "patches" / "live"

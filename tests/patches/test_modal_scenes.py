@@ -1,13 +1,10 @@
 """modal_fem's tables in modal_impact~, and what the struck bodies' scenes claim."""
 import json
-import sys
 
 import numpy
 import pytest
 from harness import Patch, stage_folder
-from harness.run import ROOT
 
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "scenes")]
 if not (stage_folder().parent / "programs" / "modal_fem" / "modal_fem").is_file():
     pytest.skip("modal_fem was not built", allow_module_level=True)
 

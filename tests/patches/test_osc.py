@@ -4,17 +4,13 @@ import pathlib
 import random
 import socket
 import struct
-import sys
 
 import pytest
+from peer import osc as message, parse
 
 from harness import Patch
 from harness.live import LivePd, free_port, patch_text
 from harness.run import ROOT
-
-sys.path.insert(0, str(ROOT / "tests" / "net"))
-
-from peer import osc as message, parse  # noqa: E402
 
 LIVE = ROOT / "patches" / "live"
 

@@ -8,18 +8,16 @@ import subprocess
 import sys
 import threading
 
+import contents
+import make_scene
+import make_scenes
 import numpy
 import pytest
+import report
 import scipy.io.wavfile
+import sound_check
 from harness import stage_folder
 from harness.run import ROOT
-
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "scenes")]
-import contents  # noqa: E402
-import make_scene  # noqa: E402
-import make_scenes  # noqa: E402
-import report  # noqa: E402
-import sound_check  # noqa: E402
 
 RATE = 48000
 QUICK = ("board", "finger", "spring")

@@ -1,10 +1,14 @@
 """patches/reed played headless: its arithmetic on known playabilities, its direction, and the tune of
 ./play reed; the lips and the syrinx of ./play fanfare."""
 import math
-import sys
 
+import _birds
+import _brass
+import _reed_patch
+import listening
 import numpy
 import pytest
+import score
 
 from harness import Patch, stage_folder
 from harness.run import ROOT
@@ -12,13 +16,6 @@ from harness.sound import RATE
 
 slow = pytest.mark.slow
 REED = ROOT / "patches" / "reed"
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "scenes")]
-
-import _birds  # noqa: E402
-import _brass  # noqa: E402
-import _reed_patch  # noqa: E402
-import listening  # noqa: E402
-import score  # noqa: E402
 
 
 # ---- arithmetic on known numbers -----------------------------------------------------------

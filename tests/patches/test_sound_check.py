@@ -4,10 +4,7 @@ import sys
 import numpy
 import pytest
 import scipy.io.wavfile
-from harness.run import ROOT
-
-sys.path.insert(0, str(ROOT / "scripts"))
-import sound_check  # noqa: E402
+import sound_check
 
 RATE = 48000
 T = numpy.arange(RATE) / RATE
