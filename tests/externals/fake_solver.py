@@ -27,7 +27,7 @@ def begin(program, kind):
     if MODE == "dies":
         sys.exit(f"{program}: a\x07 reason")
     if MODE == "garbage":
-        out.write(os.urandom(5000))
+        out.write(struct.pack("<IIQ", 0x31525355, READY, 40) + bytes(40))  # right but for its first word
         out.flush()
     if MODE == "huge":
         send(kind, b"", 1 << 60)
