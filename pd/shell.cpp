@@ -244,6 +244,7 @@ private:
       voices_.push_back(std::move(copy));
     }
     voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
+    silence_.assign(frames, 0);
     in_.resize(voices_.size() * signal_inlets_);
     out_.resize(voices_.size() * signal_outlets_);
     for (auto& voice : voices_)
@@ -268,7 +269,7 @@ private:
       for (std::size_t i = 0; i < signal_inlets_; ++i) {
         const auto has = static_cast<std::size_t>(channel_count(signals[i]));
         in_[v * signal_inlets_ + i] =
-            signals[i]->s_vec + (v % std::max<std::size_t>(has, 1)) * frames;
+            has == 0 ? silence_.data() : signals[i]->s_vec + (v % has) * frames;
       }
       for (std::size_t i = 0; i < signal_outlets_; ++i)
         out_[v * signal_outlets_ + i] = signals[signal_inlets_ + i]->s_vec + v * frames;
@@ -481,6 +482,7 @@ private:
   std::atomic<bool> posted_{false};
   std::map<std::string, std::unique_ptr<PublishedObject>> published_;
   std::vector<const t_sample*> in_;
+  std::vector<t_sample> silence_; // of an inlet whose signal has no channels
   std::vector<t_sample*> out_;
   bool prepared_ = false;
 };

@@ -254,3 +254,11 @@ TEST_CASE("every channel of a newer Pd's signal is heard") {
     CHECK(out[i] == 2 * a[i]);
   CHECK(errors().empty());
 }
+
+TEST_CASE("a signal of no channels is silence") {
+  Box box("probe~");
+  box.dsp(48000, 8, is_newer() ? 0 : 1);
+  for (const double sample : box.run({}, 8)[0])
+    CHECK(sample == 0);
+  CHECK(errors().empty());
+}

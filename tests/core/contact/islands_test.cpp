@@ -296,3 +296,35 @@ TEST_CASE("many contacts at different levels, struck and rubbed, never gain ener
     }
   CHECK(impact_count > 100);
 }
+
+TEST_CASE("a copy goes on as its original, on arrays of its own, alone, struck or in islands") {
+  std::mt19937 source(7);
+  const std::vector<Part> parts = mixed(source, 1e5, 1e9);
+  for (std::size_t p = 0; p <= parts.size(); ++p) {
+    CAPTURE(p);
+    const auto make = [&] {
+      return p < parts.size() ? body_of(parts[p])
+                              : combined_body(parts, true, in_order(strikers(parts)));
+    };
+    for (const int before : {0, 30, 200, 3000}) { // in flight, in contact, ringing
+      const auto expected = make();
+      auto original = make();
+      for (int n = 0; n < before; ++n) {
+        expected->step();
+        original->step();
+      }
+      ExcitedBody copy(*original);
+      copy.prepare(48000);          // as every copy is, before its first sample
+      for (int n = 0; n < 300; ++n) // what the original does meanwhile is not the copy's
+        original->step();
+      original.reset();
+      double largest = 0;
+      for (int n = 0; n < 300; ++n) {
+        expected->step();
+        copy.step();
+        largest = std::max(largest, std::abs(copy.pickup_velocity() - expected->pickup_velocity()));
+      }
+      CHECK(largest <= 1e-9 * std::max(1e-3, std::abs(expected->pickup_velocity())));
+    }
+  }
+}
