@@ -23,6 +23,7 @@ struct WallRig {
   SignalPlayer player;
   std::uint64_t tick = 0;
   std::vector<Vec3> forces;
+  double velocity = 0; ///< last played, m/s
 
   WallRig() {
     link->set_workspace({{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}});
@@ -31,19 +32,26 @@ struct WallRig {
     player.attach(link.get());
   }
   static double x_m(double time_s) { return 0.01 * std::sin(kTwoPi * 2 * time_s); }
+  static double v_m_per_s(double time_s) {
+    return 0.01 * kTwoPi * 2 * std::cos(kTwoPi * 2 * time_s);
+  }
   void tick_until(double time_s) {
     for (; static_cast<double>(tick) * 1e-3 <= time_s; ++tick) {
       State state;
       const double now_s = static_cast<double>(tick) * 1e-3;
       state.position.x = x_m(now_s);
+      state.velocity.x = v_m_per_s(now_s);
       forces.push_back(link->force({tick, now_s, 1e-3}, state));
     }
   }
   std::vector<double> block(double wall_s, double force = 0) {
     std::vector<double> x;
     player.begin_block(64);
-    for (int i = 0; i < 64; ++i)
-      x.push_back((player.process({{force, 0, 0}, 0}).position.x - 0.5) * 0.1);
+    for (int i = 0; i < 64; ++i) {
+      const auto played = player.process({{force, 0, 0}, 0});
+      x.push_back((played.position.x - 0.5) * 0.1);
+      velocity = played.velocity.x;
+    }
     player.end_block(wall_s);
     return x;
   }
@@ -115,10 +123,10 @@ TEST_CASE("a steady stream is played the set delay behind the newest reading, in
   CHECK(lag_s == approx(3e-3 + 0.5e-3 + 32 / 48000.0).epsilon(0.05));
 }
 
-TEST_CASE("in wall time positions are played smoothly, late by the set delay") {
+TEST_CASE("in wall time positions and velocities are played smoothly, late by the set delay") {
   WallRig rig;
   // Blocks of 64 in bursts of four, as behind an audio buffer.
-  double worst = 0, largest_step = 0, last = 0;
+  double worst = 0, worst_velocity = 0, largest_step = 0, last = 0;
   for (int burst = 0; burst < 800; ++burst) {
     const double wall_s = (burst + 1) * 256 / 48000.0;
     rig.tick_until(wall_s);
@@ -132,11 +140,16 @@ TEST_CASE("in wall time positions are played smoothly, late by the set delay") {
         }
         last = x[i];
       }
+      const double late_s = wall_s + (b * 64 + 63 - 256) / 48000.0 - 3e-3;
+      if (burst > 200)
+        worst_velocity =
+            std::max(worst_velocity, std::abs(rig.velocity - WallRig::v_m_per_s(late_s)));
     }
   }
-  // 10 mm at 2 Hz moves at most 0.126 m/s; the play head wanders by half a burst of 5.3 ms, and
-  // stays the milliseconds more behind that this needs.
+  // 10 mm at 2 Hz moves at most 0.126 m/s and 1.58 m/s^2; the play head wanders by half a burst
+  // of 5.3 ms, and stays the milliseconds more behind that this needs.
   CHECK(worst < 0.126 * 5.4e-3);
+  CHECK(worst_velocity < 1.58 * 5.4e-3);
   CHECK(largest_step < 1.05 * 0.126 / 48000);
 }
 

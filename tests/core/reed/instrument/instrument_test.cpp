@@ -171,6 +171,22 @@ TEST_CASE("the same rate again goes on with the sound; another, or reset, plays 
   }
 }
 
+TEST_CASE(
+    "a number that is changed while a note sounds plays as if it had been there from the start") {
+  const Parameters from = find_preset("clarinet").value();
+  Parameters to = from;
+  to.rest_angle *= 0.6;
+  const auto level = [](const Recording& r, double begin) {
+    return rms(part(r, r.bore_pressure, begin, begin + 0.5));
+  };
+  Instrument changed = make_instrument(from);
+  const double before = level(play(changed, ramp(2000, 1, 48000), 48000), 0.5);
+  changed.set(to);
+  const double after = level(play(changed, std::vector<double>(48000, 2000.0), 48000), 0.5);
+  CHECK(after == doctest::Approx(level(play(to, 2000, 1.5), 1)).epsilon(1e-3));
+  CHECK(std::abs(after / before - 1) > 0.02);
+}
+
 TEST_CASE("no number on any inlet, and no absurd value, breaks the sound or stays in it") {
   const std::array bad{kNan, kInfinity, -kInfinity, 1e300, -1e300, 1e-310, 0.0, -1.0};
   for (const char* name : {"clarinet", "trumpet", "syrinx"}) {
