@@ -139,7 +139,7 @@ TEST_CASE("a wrap closes holes; a gap as large as the body is refused") {
   for (const Vector3& at : {Vector3{1, 0, 0}, Vector3{-.6, -.6, .5}})
     std::erase_if(ball, [&](const Corners& c) { return length(c[0] - at) < .1; });
   const double round = 4 * std::numbers::pi / 3;
-  const Resurfaced wrapped = shrink_wrapped(surface(ball), .4);
+  const Resurfaced wrapped = shrink_wrapped(surface(ball), .8);
   CHECK(wrapped.volume == doctest::Approx(round).epsilon(.02));
   CHECK(separate_bodies(wrapped.surface).size() == 1);
   // A gap is refused from 1.5 times the ball's diameter on, and the error says so.
