@@ -119,6 +119,13 @@ def test_vibration_acts_along_the_normal_of_what_is_touched_and_only_then(tmp_pa
     assert free.std() * 2 ** 0.5 == pytest.approx(0.4, rel=0.02)
 
 
+@pytest.mark.parametrize("hertz, decibel, tolerance", [(400, -3.01, 0.2), (800, -48.2, 0.7)])
+def test_vibration_beyond_the_servo_s_rate_does_not_alias(tmp_path, hertz, decibel, tolerance):
+    """Butterworth of the eighth order at 400 Hz: 800 Hz, heard as 200, is 48 dB down."""
+    level = 20 * numpy.log10((shaken(tmp_path, -2, hertz, 0.5) - 1).std() * 2 ** 0.5 / 0.5)
+    assert level == pytest.approx(decibel, abs=tolerance)
+
+
 # ---- how the two find each other -------------------------------------------------------------
 
 def test_the_two_find_each_other_and_part_in_either_order():
