@@ -172,6 +172,19 @@ def test_a_slope_s_force_is_the_patch_s_law():
         assert abs(by_patch[300:]).max() > 0.05
 
 
+def test_a_bore_frequency_that_is_no_number_leaves_the_last_good_one():
+    def played(*strange):
+        patch = Patch()
+        reed = gradient(patch, 0.6, 0.42)
+        patch.at(10, reed[2], 233)
+        for ms, value in strange:
+            patch.at(ms, reed[2], value)
+        return patch.render(0.6)["sound"]
+    steady = played()
+    assert numpy.array_equal(steady, played((200, math.nan), (300, math.inf), (400, -math.inf)))
+    assert not numpy.array_equal(steady, played((200, 0)))
+
+
 def map_box(patch, *flags):
     box = patch.obj("playability_map", *TRUMPET, "-columns", 11, "-rows", 11, "-background", 0,
                     *flags)
