@@ -89,31 +89,6 @@ TEST_CASE("bristles that have been released bend from nothing, and stiffer ones 
   CHECK(used.stored_j() == 0);
 }
 
-TEST_CASE("a force from outside moves the body as if nothing were near, or two masses that do not "
-          "touch") {
-  ExcitedBody alone = make_body(2), beside = make_body(2);
-  for (const std::size_t slot : {0UL, 1UL}) {
-    beside.set_impact(slot, {1e7, 1.5, 0}, .02);
-    beside.launch_mass(slot, 2e-6,
-                       0); // near: within two samples of a moving surface, and never reached
-  }
-  double apart = 0, size = 0;
-  for (int n = 0; n < 400; ++n) {
-    const double force = 1e-3 * std::sin(.05 * n);
-    alone.apply_force(0, force);
-    beside.apply_force(0, force);
-    alone.apply_force(1, -.5 * force);
-    beside.apply_force(1, -.5 * force);
-    alone.step();
-    beside.step();
-    apart = std::max(apart, std::abs(alone.pickup_velocity() - beside.pickup_velocity()));
-    size = std::max(size, std::abs(alone.pickup_velocity()));
-  }
-  CHECK(beside.force(0) == 0);
-  CHECK(size > 1e-7);
-  CHECK(apart < 1e-12 * size);
-}
-
 TEST_CASE("a mass flies no further than a kilometre, and falls back from there") {
   ExcitedBody body = make_body(1);
   body.set_impact(0, {1e6, 1.5, 0}, .1);

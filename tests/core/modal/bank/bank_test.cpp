@@ -149,22 +149,6 @@ TEST_CASE("a bank under continuous forces follows its equation, in every instruc
   }
 }
 
-TEST_CASE("the same force gives the same bits in blocks of any size") {
-  Random random;
-  const Modes modes(random, 77);
-  std::vector<float> force = random.force(8192, 1);
-  for (std::size_t n = 0; n < force.size(); ++n)
-    if (n % 700 >= 300)
-      force[n] = 0;
-  check_same_bits(
-      [&](std::size_t block) {
-        ModeBank bank = make_bank({modes.rate, modes.gain}, modes.weight);
-        bank.set_weight(0, modes.weight); // a fade under way
-        return play(bank, force, block);
-      },
-      {1, 3, 16, 63, 65, 128, 1000, 4096});
-}
-
 TEST_CASE("forces at several points add up in each pick-up, in any order") {
   Random random;
   constexpr std::size_t kPoints = 3, kFrames = 640;
