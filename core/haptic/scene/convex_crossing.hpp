@@ -6,9 +6,9 @@
 
 namespace tactus::haptic {
 
-/// Where a sphere of that radius (> 0) on a straight motion first touches a convex set, up to the
-/// fraction `limit` of the motion. `nearest(p)` returns the point of the set nearest to p, p itself
-/// inside.
+/// Where a sphere of that radius (> 0) on a straight motion first touches a convex set, between the
+/// fractions `begin`, before which it does not, and `limit` of the motion. `nearest(p)` returns the
+/// point of the set nearest to p, p itself inside.
 ///
 /// The distance d to a convex set is a convex function of the position, with the unit gradient
 /// (p - nearest)/d outside of the set (Rockafellar, Convex Analysis, 1970). The tangent of a convex
@@ -20,12 +20,12 @@ namespace tactus::haptic {
 /// none. With the sphere's centre inside the set there is no crossing.
 template <class Nearest>
 [[nodiscard]] std::optional<Crossing>
-convex_crossing(double radius, const Vec3& from, const Vec3& to, double limit,
+convex_crossing(double radius, const Vec3& from, const Vec3& to, double begin, double limit,
                 const Nearest& nearest, WorkLimit& work) noexcept {
   constexpr int kMaxIterations = 40;
   constexpr double kTouching_m = 1e-13; // a tenth of Proxy::kSkin_m
   const Vec3 motion = to - from;
-  double fraction = 0;
+  double fraction = begin;
   Vec3 normal;
   for (int i = 0; i < kMaxIterations; ++i) {
     work.spend(kIterationWork);

@@ -140,7 +140,7 @@ struct Entry {
     if (radius == 0.0)
       return enters(solid, from, to);
     return convex_crossing(
-        radius, from, to, 1.0, [&](const Vec3& p) { return nearest_point(solid, p); }, work);
+        radius, from, to, 0.0, 1.0, [&](const Vec3& p) { return nearest_point(solid, p); }, work);
   }
   Found operator()(const MeshSurface& surface) const noexcept {
     return radius == 0.0 ? surface.mesh->crossing(from, to, work)

@@ -57,6 +57,8 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> corners, std::span<const Triang
       bounds_ = {lesser(bounds_.low, corners_[corner]), greater(bounds_.high, corners_[corner])};
   nodes_.reserve(triangles_.size());
   nodes_.emplace_back();
+  plates_.reserve(triangles_.size());
+  plates_.emplace_back();
   build(0, order, centroids, 0, 0);
   sort(order);
 }
@@ -104,6 +106,46 @@ void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle>
   }
 }
 
+TriangleMesh::Plate TriangleMesh::plate_around(std::span<const std::uint32_t> order) const {
+  const auto single = [](const Vec3& v) {
+    return std::array{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  };
+  const auto double_of = [](const std::array<float, 3>& v) { return Vec3{v[0], v[1], v[2]}; };
+  Vec3 area, low = corners_[triangles_[order[0]][0]], high = low;
+  for (const std::uint32_t t : order) {
+    const Corners at = corners_of(t);
+    area += cross(at.b - at.a, at.c - at.a);
+    for (const Vec3& corner : {at.a, at.b, at.c}) {
+      low = lesser(low, corner);
+      high = greater(high, corner);
+    }
+  }
+  Plate plate;
+  const double length = norm(area);
+  plate.axis = single(length > 0.0 ? area * (1.0 / length) : Vec3{0, 0, 1});
+  const Vec3 axis = double_of(plate.axis), middle = (low + high) * 0.5;
+  double below = 0, above = 0;
+  for (const std::uint32_t t : order)
+    for (const std::uint32_t corner : triangles_[t]) {
+      const double height = dot(corners_[corner] - middle, axis);
+      below = std::min(below, height);
+      above = std::max(above, height);
+    }
+  plate.centre = single(middle + axis * (0.5 * (below + above)));
+  const Vec3 centre = double_of(plate.centre);
+  double half_thickness = 0, radius = 0;
+  for (const std::uint32_t t : order)
+    for (const std::uint32_t corner : triangles_[t]) {
+      const Vec3 from_centre = corners_[corner] - centre;
+      const double height = dot(from_centre, axis);
+      half_thickness = std::max(half_thickness, std::abs(height));
+      radius = std::max(radius, norm(from_centre - axis * height));
+    }
+  plate.half_thickness = rounded(half_thickness, kHuge);
+  plate.radius = rounded(radius, kHuge);
+  return plate;
+}
+
 /// Builds a node of the hierarchy over the triangles `order`: splits them at the median of their
 /// centroids along the longest extent of these. first: index of order[0] among all triangles.
 void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
@@ -123,6 +165,7 @@ void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
     nodes_[node].low[i] = rounded(low[axis], -kHuge);
     nodes_[node].high[i] = rounded(high[axis], kHuge);
   }
+  plates_[node] = plate_around(order);
   const Vec3 extent = centroid_high - centroid_low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   if (order.size() <= kMaxLeafTriangles || depth >= kMaxDepth) {
@@ -137,6 +180,7 @@ void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
   const std::size_t child = nodes_.size();
   nodes_[node].first = static_cast<std::uint32_t>(child);
   nodes_.resize(child + 2);
+  plates_.resize(child + 2);
   build(child, order.first(half), centroids, first, depth + 1);
   build(child + 1, order.subspan(half), centroids, first + static_cast<std::uint32_t>(half),
         depth + 1);

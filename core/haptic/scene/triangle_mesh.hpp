@@ -14,9 +14,10 @@ namespace tactus::haptic {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A triangle mesh with a bounding volume hierarchy of axis-aligned boxes, for collision tests in
-/// the servo. The constructor allocates; afterwards the mesh is constant and any thread may read
-/// it. Every query counts its work (WorkLimit). Units m. triangle_mesh_queries.cpp has the queries.
+/// A triangle mesh with a bounding volume hierarchy of axis-aligned boxes (for a point) and flat
+/// cylinders (for a sphere), for collision tests in the servo. The constructor allocates;
+/// afterwards the mesh is constant and any thread may read it. Every query counts its work
+/// (WorkLimit). Units m. triangle_mesh_queries.cpp has the queries.
 class TriangleMesh {
 public:
   /// Grid on which corners are merged; a triangle that then has no area is left out.
@@ -56,8 +57,21 @@ private:
       return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
     }
   };
+  /// A lower bound of the distance from a convex set, and its derivative along a motion.
+  struct Approach {
+    double distance, slope;
+  };
+  /// A flat cylinder around the triangles of a node: much closer to a smooth surface that lies at
+  /// an angle than the box, and so for a sphere that touches it. Single precision, rounded
+  /// outwards.
+  struct Plate {
+    std::array<float, 3> centre{}, axis{};
+    float half_thickness = 0, radius = 0;
+    [[nodiscard]] Approach approach(const Vec3& p, const Vec3& motion,
+                                    double length) const noexcept;
+  };
   static constexpr int kMaxDepth = 62; ///< of the hierarchy; halving 2^32 triangles needs 32
-  static constexpr int kNodeWork = 5, kTriangleWork = 4;
+  static constexpr int kNodeWork = 5, kTriangleWork = 4, kStepWork = 4;
   struct Corners {
     Vec3 a, b, c;
   };
@@ -72,10 +86,12 @@ private:
   void build(std::size_t node, std::span<std::uint32_t> order, std::span<const Vec3> centroids,
              std::uint32_t first, int depth);
   void sort(std::span<const std::uint32_t> order);
+  [[nodiscard]] Plate plate_around(std::span<const std::uint32_t> order) const;
 
   std::vector<Vec3> corners_;
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;
+  std::vector<Plate> plates_; ///< of each node
   Bounds bounds_{};
 };
 

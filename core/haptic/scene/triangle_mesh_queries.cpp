@@ -42,6 +42,29 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 
 } // namespace
 
+TriangleMesh::Approach TriangleMesh::Plate::approach(const Vec3& p, const Vec3& motion,
+                                                     double length) const noexcept {
+  // Single precision makes the axis a little longer or shorter than 1: the distance is wrong by
+  // less than that part of the distance from the centre, the slope of the motion's length.
+  constexpr double kRounding = 3e-7;
+  const Vec3 n{axis[0], axis[1], axis[2]}, from_centre = p - Vec3{centre[0], centre[1], centre[2]};
+  const double height = dot(from_centre, n);
+  const Vec3 lateral = from_centre - n * height;
+  const double squared = dot(lateral, lateral), above = std::abs(height) - half_thickness;
+  const double rise = height < 0.0 ? -dot(motion, n) : dot(motion, n), slack = kRounding * length;
+  const auto shortened = [&](double distance) {
+    return distance - kRounding * (distance + half_thickness + radius);
+  };
+  if (squared <= static_cast<double>(radius) * radius)
+    return {shortened(above), rise - slack};
+  const double distance = std::sqrt(squared), outside = distance - radius;
+  const double drift = dot(motion, lateral) / distance;
+  if (above <= 0.0)
+    return {shortened(outside), drift - slack};
+  const double gap = std::sqrt(above * above + outside * outside);
+  return {shortened(gap), (above * rise + outside * drift) / gap - slack};
+}
+
 /// Visits the triangles of all leaves that a sphere (radius 0: a point) may reach on a straight
 /// motion before the fraction `limit`, which the visitor lowers as it finds contacts. The nearer
 /// child comes first, so that most of the tree is skipped.
@@ -51,30 +74,44 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
   if (nodes_.empty())
     return;
   const Segment segment(from, to);
-  const double length = radius > 0.0 ? norm(to - from) : 0.0;
+  const Vec3 motion = to - from;
+  const double length = std::sqrt(dot(motion, motion));
   struct PendingNode {
     std::uint32_t node;
-    double entry, squared_distance; ///< fraction; m^2 from where the motion begins
+    double entry;    ///< lower bound of the fraction
+    double distance; ///< m, from where the motion begins, of a sphere
   };
-  const auto make_pending = [&](std::uint32_t node) {
-    const Bounds bounds = nodes_[node].bounds();
-    if (radius == 0.0)
-      return PendingNode{node, segment.entry(bounds, 0.0, limit), 0.0};
-    // A sphere reaches less than the box grown by its radius, which has corners.
-    const double reach = (radius + limit * length) * (1.0 + 1e-12);
-    const double squared = squared_distance(bounds, from);
-    return PendingNode{
-        node, squared > reach * reach ? Segment::kNever : segment.entry(bounds, radius, limit),
-        squared};
+  const auto make_pending = [&](std::uint32_t node, double parent_entry) {
+    PendingNode pending{node, parent_entry, 0.0};
+    if (radius == 0.0) {
+      pending.entry = segment.entry(nodes_[node].bounds(), 0.0, limit);
+      return pending;
+    }
+    // The first steps of convex_crossing() with the plate.
+    constexpr int kSteps = 3;
+    constexpr double kSlack_m = 1e-12; // far above its tolerance and rounding
+    for (int step = 0; step < kSteps && pending.entry <= limit; ++step) {
+      work.spend(kStepWork);
+      const Approach at = plates_[node].approach(from + motion * pending.entry, motion, length);
+      const double gap = at.distance - (radius + kSlack_m);
+      if (step == 0)
+        pending.distance = at.distance;
+      if (gap <= 0.0)
+        break;
+      pending.entry = at.slope < 0.0 ? pending.entry + gap / -at.slope : Segment::kNever;
+    }
+    if (pending.entry > limit)
+      pending.entry = Segment::kNever;
+    return pending;
   };
-  // Many boxes lie within one radius of a sphere, all entered at 0: of these the nearest first.
+  // Many plates lie within one radius of a sphere, all entered at 0: of these the nearest first.
   const auto visited_later = [](const PendingNode& a, const PendingNode& b) {
-    return a.entry > b.entry || (a.entry == b.entry && a.squared_distance > b.squared_distance);
+    return a.entry > b.entry || (a.entry == b.entry && a.distance > b.distance);
   };
   std::array<PendingNode, kMaxDepth + 2> stack;
   std::size_t count = 0;
   work.spend(kNodeWork);
-  stack[count++] = make_pending(0);
+  stack[count++] = make_pending(0, 0.0);
   while (count > 0) {
     const PendingNode next = stack[--count];
     if (next.entry > limit)
@@ -85,12 +122,13 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
         if (!work.spend(kTriangleWork))
           return;
         else
-          visit(t);
+          visit(t, next.entry);
       continue;
     }
     if (!work.spend(kNodeWork))
       return;
-    PendingNode near = make_pending(node.first), far = make_pending(node.first + 1);
+    PendingNode near = make_pending(node.first, next.entry),
+                far = make_pending(node.first + 1, next.entry);
     if (visited_later(near, far))
       std::swap(near, far);
     if (far.entry != Segment::kNever)
@@ -106,7 +144,7 @@ std::optional<Crossing> TriangleMesh::crossing(const Vec3& from, const Vec3& to,
   double fraction = 1.0;
   std::optional<Crossing> first;
   std::uint32_t triangle = 0;
-  traverse(from, to, 0.0, fraction, work, [&](std::uint32_t t) {
+  traverse(from, to, 0.0, fraction, work, [&](std::uint32_t t, double) {
     const Corners at = corners_of(t);
     const Vec3 a = at.a - from, b = at.b - from, c = at.c - from;
     const double u = signed_volume(motion, a, b), v = signed_volume(motion, b, c),
@@ -135,10 +173,10 @@ std::optional<Crossing> TriangleMesh::crossing(double radius, const Vec3& from, 
   double fraction = 1.0;
   std::optional<Crossing> first;
   std::uint32_t triangle = 0;
-  traverse(from, to, radius, fraction, work, [&](std::uint32_t t) {
+  traverse(from, to, radius, fraction, work, [&](std::uint32_t t, double entry) {
     const Corners at = corners_of(t);
     const auto found = convex_crossing(
-        radius, from, to, fraction,
+        radius, from, to, entry, fraction,
         [&](const Vec3& p) { return nearest_on_triangle(p, at.a, at.b, at.c); }, work);
     if (!found || (first && found->fraction == fraction && t < triangle))
       return;
