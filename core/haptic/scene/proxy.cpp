@@ -1,12 +1,18 @@
 #include "core/haptic/scene/proxy.hpp"
 
+#include <limits>
+#include <utility>
+
 namespace tactus::haptic {
 namespace {
 
 constexpr int kMaxPasses =
-    12;                      // each follows a curved or finely meshed surface by one tangent plane
+    32;                      // each follows a curved or finely meshed surface by one tangent plane
 constexpr int kMaxFaces = 6; // faces found in one pass
 constexpr double kConverged_m = 1e-13;
+constexpr double kSlipTolerance = 1e-7; // of the friction force, where the proxy slips no further
+constexpr double kLastPart = 0.01, kMaxFactor = 0.7; // of the slip: see settle()
+constexpr double kResting_m = 1e-9;      // distance within which the proxy lies on a face
 constexpr double kBoundsMargin_m = 1e-9; // far above the rounding of a rotated box
 
 // Costs in units of WorkLimit.
@@ -25,6 +31,12 @@ struct Faces {
   void add(const Touch& hit) noexcept {
     touch[count] = hit;
     half[count++] = half_space(hit);
+  }
+  [[nodiscard]] double penetration_m() const noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      sum += touch[i].penetration_m;
+    return sum;
   }
   void keep_active(const NearestPoint& nearest) noexcept {
     std::size_t active = 0;
@@ -76,6 +88,18 @@ void follow_curve(Vec3& proxy, const Vec3& goal, Faces& faces,
 
 } // namespace
 
+void Touches::add(const Touch& face) noexcept {
+  constexpr double kSameNormal = 1e-9;
+  std::size_t i = 0;
+  while (i < count &&
+         (touch[i].slot != face.slot || dot(touch[i].normal, face.normal) < 1.0 - kSameNormal))
+    ++i;
+  if (i == touch.size())
+    return;
+  touch[i] = face;
+  count = std::max(count, i + 1);
+}
+
 bool Touches::solve_penetration(const Vec3& goal) noexcept {
   std::array<HalfSpace, 3> faces{};
   for (std::size_t i = 0; i < count; ++i)
@@ -86,6 +110,18 @@ bool Touches::solve_penetration(const Vec3& goal) noexcept {
   for (std::size_t i = 0; i < count; ++i)
     touch[i].penetration_m = nearest->multiplier[i];
   return true;
+}
+
+double friction_of(std::span<const Touch> faces, std::span<const Obstacle> obstacles) noexcept {
+  double weight = 0, sum = 0;
+  for (const Touch& face : faces)
+    if (const Obstacle* obstacle = find(obstacles, face.slot)) {
+      const Material& material = obstacle->body->material;
+      const double normal_force = material.stiffness_n_per_m * face.penetration_m;
+      weight += normal_force;
+      sum += normal_force * material.friction;
+    }
+  return weight > 0.0 ? sum / weight : 0.0;
 }
 
 Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, const Surroundings& surroundings,
@@ -121,22 +157,58 @@ Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, const Surroundings& s
   return stop;
 }
 
-Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal,
-                            const Surroundings& surroundings) noexcept {
+Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal, const Surroundings& surroundings,
+                            const Touches& held) noexcept {
   Result result;
   Vec3 proxy = start;
   Faces faces, before_faces;
-  for (int pass = 0; pass < kMaxPasses && result.complete; ++pass) {
+  for (const Touch& touch : held.all())
+    if (std::abs(dot(touch.normal, start - touch.point)) < kResting_m) {
+      faces.add(touch);
+      faces.half[faces.count - 1].offset = dot(touch.normal, start);
+    }
+  Vec3 press; // the part of proxy - goal along the faces' normals, with friction
+  double excess_before = std::numeric_limits<double>::infinity();
+  bool stuck = false;
+  for (int pass = 0; pass < kMaxPasses && result.complete && !stuck; ++pass) {
     const Vec3 before = proxy;
     before_faces = faces;
-    faces.count = 0;
+    if (pass > 0)
+      faces.count = 0;
+    double friction = 0;
     for (int step = 0; step < kMaxFaces; ++step) {
-      surroundings.work.spend(kNearestWork << faces.count);
-      const auto nearest = nearest_point({faces.half.data(), faces.count}, goal);
-      if (!nearest)
-        break;
-      faces.keep_active(*nearest);
-      const Vec3 target = nearest->point;
+      Vec3 target = goal;
+      // Along a curved surface a rough proxy is now above the face: down to it, and not aside.
+      const bool down = faces.count == 0 && (press.x != 0.0 || press.y != 0.0 || press.z != 0.0);
+      if (down) {
+        target = proxy - std::exchange(press, Vec3{});
+      } else {
+        surroundings.work.spend(kNearestWork << faces.count);
+        const auto nearest = nearest_point({faces.half.data(), faces.count}, goal);
+        if (!nearest)
+          break;
+        faces.keep_active(*nearest);
+        target = nearest->point;
+        friction = friction_of({faces.touch.data(), faces.count}, surroundings.obstacles);
+        if (friction > 0.0) {
+          press = target - goal;
+          const Vec3 along = target - proxy;
+          const double length = norm(along), held_back = friction * faces.penetration_m();
+          stuck = length <= held_back * (1.0 + kSlipTolerance);
+          if (stuck)
+            break;
+          // On a curved surface the rest of the slip changes by one factor from pass to pass. Its
+          // last part is the sum of that geometric series; where it grows there is no end nearby.
+          double excess = length - held_back;
+          const double factor = excess / excess_before, last_part = kLastPart * held_back;
+          excess_before = excess;
+          if (excess < last_part && factor < kMaxFactor)
+            excess /= 1.0 - factor;
+          else if (factor >= 1.0)
+            excess = std::max(excess, std::min(last_part, length));
+          target = proxy + along * (excess / length);
+        }
+      }
       const Stop stop = sweep(proxy, target, surroundings);
       if (!stop.complete) {
         result.complete = false;
@@ -144,12 +216,11 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal,
       }
       if (!stop.hit) {
         proxy = target;
+        if (down)
+          continue; // past an edge
         break;
       }
-      if (!result.hit) {
-        result.hit = true;
-        result.first = stop.touch;
-      }
+      result.hit = true;
       // Back along the motion to the distance kSkin_m above the face.
       const Vec3 motion = target - proxy;
       const double approach = -dot(motion, stop.touch.normal);
@@ -159,15 +230,17 @@ Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal,
         break;
       faces.add(stop.touch);
     }
-    if (!result.complete)
+    if (!result.complete || stuck)
       break;
-    if (faces.count == 1)
+    if (faces.count == 1 && !(friction > 0.0))
       follow_curve(proxy, goal, faces, surroundings);
     if (faces.count == 0 || norm(proxy - before) <= kConverged_m)
       break;
   }
-  if (faces.count == 0 && !result.complete)
-    faces = before_faces; // of the last pass: they still lie between proxy and goal
+  if (faces.count == 0 && !result.complete) // those of the last pass that the proxy has not left
+    for (const Touch& touch : std::span(before_faces.touch.data(), before_faces.count))
+      if (dot(touch.normal, proxy - touch.point) > -kResting_m)
+        faces.add(touch);
   result.end = proxy;
   for (std::size_t i = 0; i < faces.count && result.touches.count < 3; ++i)
     if (faces.touch[i].penetration_m > kSkin_m)

@@ -37,6 +37,8 @@ struct Touches {
       sum += one.normal * one.penetration_m;
     return sum;
   }
+  /// Adds a face, in place of one of the same body with the same normal; not a fourth one.
+  void add(const Touch& face) noexcept;
   /// Sets the penetrations of these faces for that goal. False, with nothing changed, where
   /// nearest_point() finds no solution.
   bool solve_penetration(const Vec3& goal) noexcept;
@@ -49,6 +51,11 @@ struct Surroundings {
   WorkLimit& work;
 };
 
+/// Coefficient of friction of those faces together: the mean of their bodies' weighted by the
+/// normal forces.
+[[nodiscard]] double friction_of(std::span<const Touch> faces,
+                                 std::span<const Obstacle> obstacles) noexcept;
+
 /// The proxy of a haptic tool: the position on the surface of the bodies that is nearest to the
 /// handle (the goal) while the handle is inside. The god-object method of Zilles & Salisbury
 /// (IEEE/RSJ Intelligent Robots and Systems 1995) for the centre of a sphere. Each step moves
@@ -56,6 +63,11 @@ struct Surroundings {
 /// enters another face, and adds that face; at most three faces are active. Every step shortens the
 /// distance to the goal and none passes through a surface. Therefore the spring between goal and
 /// proxy never gains energy, and the proxy never passes through a thin body.
+///
+/// With friction the proxy itself is the anchor, one for all that it touches (the friction cone of
+/// Melder & Harwin, HAPTICS 2004). Of the way t along the faces it goes the part |t| - mu D, to
+/// where the goal lies on the edge of the cone, D being the sum of the depths; within the cone it
+/// stays. docs/scene.md has the steps.
 ///
 /// A motion is made only when its test against every obstacle is complete. When the work is
 /// exhausted the proxy stays at the end of the last such motion, outside of every body.
@@ -68,14 +80,14 @@ public:
   struct Result {
     Vec3 end{};
     Touches touches{};
-    Touch first{}; ///< the first face that was entered
-    bool hit = false;
+    bool hit = false;     ///< a face was entered
     bool complete = true; ///< false: the work was exhausted before the nearest point was found
   };
-  /// Moves from a position outside of the obstacles towards the goal as far as they allow. Bounded
-  /// time.
+  /// Moves from a position outside of the obstacles towards the goal as far as they and their
+  /// friction allow. `held`: faces on which the start lies. Bounded time.
   [[nodiscard]] static Result settle(const Vec3& start, const Vec3& goal,
-                                     const Surroundings& surroundings) noexcept;
+                                     const Surroundings& surroundings,
+                                     const Touches& held = {}) noexcept;
 
   /// The first contact of a straight motion.
   struct Stop {

@@ -6,7 +6,6 @@ namespace {
 
 constexpr double kMaxPosition_m = 1e3;
 constexpr double kMaxSpeed_m_per_s = 1e4;
-constexpr int kFrictionRounds = 6;
 
 } // namespace
 
@@ -37,8 +36,8 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
     touches_.count = 0;
     complete_ = true;
     max_motion_m_ = kUnlimitedMotion;
-  } else if (!sticks(goal)) {
-    slide(goal, work);
+  } else {
+    follow(goal, work);
   }
   const Vec3 force = render(tick, goal, velocity);
   push_events(tick);
@@ -72,17 +71,6 @@ void SceneModel::find_near_bodies(const Vec3& goal) noexcept {
     add(i);
 }
 
-double SceneModel::friction_of(const Touches& touches) const noexcept {
-  double weight = 0, sum = 0;
-  for (const Touch& touch : touches.all()) {
-    const Material& material = slots_[touch.slot].body->material;
-    const double normal_force = material.stiffness_n_per_m * touch.penetration_m;
-    weight += normal_force;
-    sum += normal_force * material.friction;
-  }
-  return weight > 0.0 ? sum / weight : 0.0;
-}
-
 /// The faces that held the proxy in the last tick, moved with their bodies.
 Touches SceneModel::moved_touches() const noexcept {
   Touches result = touches_;
@@ -98,40 +86,18 @@ Touches SceneModel::moved_touches() const noexcept {
   return result;
 }
 
-/// Whether the handle is within the friction cone of the faces that hold the proxy. The proxy then
-/// does not move.
-bool SceneModel::sticks(const Vec3& goal) noexcept {
-  if (touches_.count == 0 || !complete_)
-    return false;
-  Touches held = moved_touches();
-  std::array<HalfSpace, 3> faces{};
-  for (std::size_t i = 0; i < held.count; ++i)
-    faces[i] = {held.touch[i].normal, dot(held.touch[i].normal, proxy_)};
-  const auto nearest = nearest_point({faces.data(), held.count}, goal);
-  if (!nearest)
-    return false;
-  for (std::size_t i = 0; i < held.count; ++i)
-    held.touch[i].penetration_m = nearest->multiplier[i];
-  const double friction = friction_of(held);
-  if (!(friction > 0.0) || !(norm(proxy_ - nearest->point) <= friction * norm(held.normal_part())))
-    return false;
-  touches_ = held;
-  return true;
-}
-
-/// Moves the proxy to the nearest point to the handle that the faces allow, less the distance that
-/// friction holds it back.
-void SceneModel::slide(const Vec3& goal, WorkLimit& work) noexcept {
-  const Surroundings surroundings{{near_bodies_.data(), near_body_count_}, tool_radius_m_, work};
+/// Moves the proxy to the nearest point to the handle that the faces and their friction allow.
+void SceneModel::follow(const Vec3& goal, WorkLimit& work) noexcept {
+  const Surroundings surroundings{near_bodies(), tool_radius_m_, work};
   const double distance = norm(goal - proxy_);
   const bool shortened = distance > max_motion_m_;
   const Vec3 target = shortened ? proxy_ + (goal - proxy_) * (max_motion_m_ / distance) : goal;
-  const Proxy::Result smooth = Proxy::settle(proxy_, target, surroundings);
-  complete_ = smooth.complete && !shortened;
+  const Proxy::Result found =
+      Proxy::settle(proxy_, target, surroundings, complete_ ? moved_touches() : Touches{});
+  complete_ = found.complete && !shortened;
   if (!complete_)
-    return keep_incomplete(smooth, goal, shortened ? max_motion_m_ : distance);
+    return keep_incomplete(found, goal, shortened ? max_motion_m_ : distance);
   max_motion_m_ = kUnlimitedMotion;
-  const Proxy::Result found = apply_friction(smooth, goal, surroundings);
   proxy_ = found.end;
   touches_ = found.touches;
 }
@@ -146,47 +112,12 @@ void SceneModel::keep_incomplete(const Proxy::Result& result, const Vec3& goal,
     max_motion_m_ *= 4.0;
   else if (norm(result.end - proxy_) < attempted_m / 8)
     max_motion_m_ = std::max(attempted_m / 4, kMinMotion_m);
-  // Without a new face the old ones still hold the proxy.
-  Touches faces = result.complete || result.hit ? result.touches : moved_touches();
+  // Without a motion the old faces still hold the proxy.
+  Touches faces =
+      result.complete || result.hit || !(result.end == proxy_) ? result.touches : moved_touches();
   if (faces.solve_penetration(goal))
     touches_ = faces;
   proxy_ = result.end;
-}
-
-/// The same with friction: the goal is shifted towards the proxy's last position until the
-/// tangential force is mu times the normal force. On flat faces one round is exact. On curved faces
-/// the normal turns along the path, and the length of the shift is found by iteration. When the
-/// work is exhausted the last complete round counts.
-Proxy::Result SceneModel::apply_friction(const Proxy::Result& smooth, const Vec3& goal,
-                                         const Surroundings& surroundings) const noexcept {
-  Proxy::Result found = smooth;
-  const double friction = friction_of(found.touches);
-  if (!(friction > 0.0))
-    return found;
-  const Vec3 normal_part = found.touches.normal_part();
-  const Vec3 anchor = touches_.count > 0 ? proxy_ : found.first.point;
-  const Vec3 back = without_component(anchor - found.end, normal_part);
-  const double max_length = norm(back);
-  double length = std::min(max_length, friction * norm(normal_part));
-  for (int round = 0; round < kFrictionRounds && length > 0.0; ++round) {
-    const Vec3 friction_offset = back * (length / max_length);
-    const Proxy::Result slid = Proxy::settle(proxy_, goal + friction_offset, surroundings);
-    if (!slid.complete || slid.touches.count == 0)
-      break; // without touches the proxy has left over an edge
-    found = slid;
-    // The resulting tangential force against the one that the cone allows, at the new normal.
-    const Vec3 spring = slid.end - goal, along = slid.touches.normal_part();
-    const double drag = norm(without_component(spring, along));
-    const double normal_force = dot(spring, along) / norm(along); // both over k
-    if (!(drag > 0.0) || !(normal_force > 0.0))
-      break;
-    const double next =
-        std::min(max_length, length * friction_of(slid.touches) * normal_force / drag);
-    if (std::abs(next - length) <= 1e-9 * length)
-      break;
-    length = next;
-  }
-  return found;
 }
 
 } // namespace tactus::haptic

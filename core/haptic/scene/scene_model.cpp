@@ -145,6 +145,26 @@ void SceneModel::resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept {
   }
 }
 
+/// The body that holds the proxy with the largest friction. Of several bodies that rub on it in
+/// different directions a proxy without mass follows that one.
+std::size_t SceneModel::holding_body() const noexcept {
+  std::size_t holder = Proxy::kNoSlot;
+  double largest = -1;
+  for (const Touch& touch : touches_.all()) {
+    double friction_n = 0;
+    for (const Touch& other : touches_.all())
+      if (other.slot == touch.slot) {
+        const Material& material = slots_[other.slot].body->material;
+        friction_n += material.friction * material.stiffness_n_per_m * other.penetration_m;
+      }
+    if (friction_n > largest) {
+      largest = friction_n;
+      holder = touch.slot;
+    }
+  }
+  return holder;
+}
+
 /// Moves the bodies by one tick. The body that holds the proxy takes it along; another body pushes
 /// a proxy in its way. Bodies move one after another, so that the proxy is outside of all of them
 /// after each motion. A body for which the work does not suffice keeps its pose until the next
@@ -157,7 +177,7 @@ void SceneModel::move_bodies(WorkLimit& work) noexcept {
       obstacle.bounds = bounds_of(slot.body->shape, slot.before);
     }
   }
-  const std::size_t holder = touches_.count > 0 ? touches_.touch[0].slot : Proxy::kNoSlot;
+  const std::size_t holder = holding_body();
   const std::size_t first = std::exchange(first_moving_, 0);
   bool postponed = false, any_moved = false;
   for (std::size_t n = 0; n < count_; ++n) {
@@ -183,6 +203,7 @@ bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexc
   const Slot& slot = slots_[index];
   const Vec3 local_before = slot.before.to_local(proxy_);
   Vec3 target = proxy_;
+  Touch face; // that pushes, in the pose before
   bool pushed = holds;
   if (holds) {
     target = slot.pose.to_world(local_before);
@@ -194,6 +215,7 @@ bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexc
     if (hit) {
       const Vec3 point = local_before + (local_after - local_before) * hit->fraction;
       target = slot.pose.to_world(point + hit->normal * Proxy::kSkin_m);
+      face = {index, slot.before.to_world(point), slot.before.rotation.rotated(hit->normal), 0};
     }
   }
   if (pushed) {
@@ -205,6 +227,8 @@ bool SceneModel::move_body(std::size_t index, bool holds, WorkLimit& work) noexc
   }
   if (work.exhausted())
     return false;
+  if (pushed && !holds)
+    touches_.add(face);
   Obstacle& obstacle = near_bodies_[near_body_index_[index]];
   obstacle.pose = slot.pose;
   obstacle.bounds = bounds_of(slot.body->shape, slot.pose);

@@ -17,8 +17,8 @@ namespace tactus::haptic {
 ///   F = sum_i (k_i d_i + b_i max(0, -v . n_i)) n_i + k t
 /// over the faces i that hold the proxy. n_i, k_i, b_i: normal, stiffness and damping of a face;
 /// the vector from handle to proxy is sum_i d_i n_i + t, where d_i >= 0 is the depth along n_i and
-/// t the tangential rest, held by friction and no longer than mu times the normal part; v: velocity
-/// of the handle relative to the body; k: mean of the k_i weighted by d_i.
+/// t the tangential rest, held by friction, k |t| <= sum_i mu_i k_i d_i; v: velocity of the handle
+/// relative to the body; k: mean of the k_i weighted by d_i.
 ///
 /// The host publishes whole scenes. The servo takes the newest at the start of a tick and returns
 /// the old one, so that it neither allocates nor frees memory. A body that keeps its key keeps its
@@ -36,7 +36,7 @@ public:
   static constexpr double kRearm_m = 2e-4,
                           kRearm_s = 0.01; ///< distance and time before the next hit
   static constexpr double kContactEvery_s = 4e-3;
-  static constexpr std::int64_t kWorkPerTick = 24000; ///< 0.1 to 0.2 ms; see docs/scene.md
+  static constexpr std::int64_t kWorkPerTick = 16000; ///< some 0.1 ms; see docs/scene.md
 
   explicit SceneModel(std::int64_t work_per_tick = kWorkPerTick) noexcept
       : work_per_tick_(work_per_tick) {}
@@ -89,21 +89,21 @@ private:
   void glide(Slot& slot) noexcept;
   void resolve_overlaps(const Tick& tick, WorkLimit& work) noexcept;
   void find_near_bodies(const Vec3& goal) noexcept;
+  [[nodiscard]] std::size_t holding_body() const noexcept;
   void move_bodies(WorkLimit& work) noexcept;
   [[nodiscard]] bool move_body(std::size_t index, bool holds, WorkLimit& work) noexcept;
   [[nodiscard]] Touches moved_touches() const noexcept;
-  [[nodiscard]] bool sticks(const Vec3& goal) noexcept;
-  void slide(const Vec3& goal, WorkLimit& work) noexcept;
-  [[nodiscard]] Proxy::Result apply_friction(const Proxy::Result& smooth, const Vec3& goal,
-                                             const Surroundings& surroundings) const noexcept;
+  void follow(const Vec3& goal, WorkLimit& work) noexcept;
   void keep_incomplete(const Proxy::Result& result, const Vec3& goal, double attempted_m) noexcept;
-  [[nodiscard]] double friction_of(const Touches& touches) const noexcept;
   [[nodiscard]] Vec3 render(const Tick& tick, const Vec3& goal, const Vec3& velocity) noexcept;
   [[nodiscard]] Vec3 limit_overlap_force(const Tick& tick) noexcept;
   void push_events(const Tick& tick) noexcept;
   void rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept;
   [[nodiscard]] Vec3 velocity_of(const Slot& slot, const Vec3& point,
                                  double period_s) const noexcept;
+  [[nodiscard]] std::span<const Obstacle> near_bodies() const noexcept {
+    return {near_bodies_.data(), near_body_count_};
+  }
   [[nodiscard]] std::span<const Slot> slots() const noexcept { return {slots_.data(), count_}; }
 
   std::atomic<const Scene*> pending_{nullptr};

@@ -100,7 +100,7 @@ void check_never_inside(Limits limits, std::uint64_t seeds, int ticks) {
         }
       }
       if (limit <= 1000)
-        CHECK(3 * incomplete > seeds * static_cast<std::uint64_t>(ticks));
+        CHECK(8 * incomplete > seeds * static_cast<std::uint64_t>(ticks));
     }
 }
 
@@ -236,9 +236,10 @@ TEST_CASE("without work for a single motion the known faces hold, at the full de
     for (int i = 0; i < 71; ++i) // more bodies close by than one motion can be tested against
       rig.add(Sphere{0.004}, {{0.0001 * i, 0.006, 0.005}, {}});
     int incomplete = 0;
-    for (int n = 0; n <= 200; ++n) {
-      const double depth = 1 + 0.01 * n;
-      CHECK(norm(rig.touch({0, 0, -depth}) - Vec3{0, 0, 0.5 * depth}) < 1e-9);
+    for (int n = 1; n <= 200; ++n) {
+      const double depth = 1 + 0.01 * n, aside = 0.001 * n;
+      const double held = friction > 0 ? 0.5 * aside : 0;
+      CHECK(norm(rig.touch({aside, 0, -depth}) - Vec3{-held, 0, 0.5 * depth}) < 1e-9);
       incomplete += !rig.model.complete();
     }
     CHECK((friction > 0 ? incomplete == 0 : incomplete > 100)); // what sticks needs no search
@@ -291,7 +292,7 @@ TEST_CASE("for any work limit friction stays within its cone") {
     }
   }
   CHECK(completed > 500);
-  CHECK(cut > 500);
+  CHECK(cut > 300);
 }
 
 TEST_CASE("for any work limit the proxy follows a rounded body without passing another") {
