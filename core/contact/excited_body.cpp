@@ -48,7 +48,7 @@ ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_
 }
 
 /// What is kept of the body's arrays points into this object, and in a copy into another.
-void ExcitedBody::renew_views() noexcept {
+void ExcitedBody::update_views() noexcept {
   all_modes_ = view(0, 0, body_.padded());
   order_stale_ = true;
   coupled_ = predicted_ = islands_predicted_ = false;
@@ -56,7 +56,7 @@ void ExcitedBody::renew_views() noexcept {
 
 void ExcitedBody::prepare(double sample_rate) noexcept {
   if (sample_rate == body_.sample_rate())
-    return renew_views();
+    return update_views();
   store_depths();
   body_.prepare(sample_rate);
   compute_step_lengths();
@@ -121,7 +121,7 @@ void ExcitedBody::restore_depths() noexcept {
     compute_point(i);
   for (std::size_t pickup = 0; pickup < pickup_shape_.size(); ++pickup)
     compute_pickup(pickup);
-  renew_views();
+  update_views();
   active_modes_ = 0;
   for (std::size_t i = 0; i < body_.modes(); ++i)
     active_modes_ += body_.inverse_sqrt_mass(i) > 0;

@@ -215,7 +215,7 @@ private:
   void check_state() noexcept;
   /// To be called when the modes have changed other than by a step.
   void invalidate_prediction() noexcept { predicted_ = islands_predicted_ = output_known_ = false; }
-  void renew_views() noexcept;
+  void update_views() noexcept;
   void prepare_single_contact(std::size_t exciter) noexcept;
   struct PointArrays;
   [[nodiscard]] static PointView make_point_view(const ModesView& modes, const double* shape,
