@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/background_thread.hpp"
 #include "devices/force_dimension/dhd_library.hpp"
+#include "files/background_thread.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/background_thread.hpp"
 #include "core/modal/table/loaded_table.hpp"
 #include "externals/served_program.hpp"
+#include "files/background_thread.hpp"
 
 #include <atomic>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/background_thread.hpp"
 #include "core/modal/body/body_model.hpp"
+#include "files/background_thread.hpp"
 
 #include <atomic>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/background_thread.hpp"
+#include "files/background_thread.hpp"
 
 #include <atomic>
 #include <cstddef>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "core/background_thread.hpp"
 #include "core/haptic/servo/mailbox.hpp"
 #include "core/stress/stress_session.hpp"
 #include "externals/stress_haptic/part_solver.hpp"
+#include "files/background_thread.hpp"
 
 #include <cstdint>
 #include <functional>

@@ -66,7 +66,7 @@ string_view: string_view wstring_view
 system_error: errc error_code system_error generic_category system_category
 thread: jthread this_thread thread
 tuple: tie tuple tuple_size_v
-type_traits: conditional_t decay_t enable_if_t false_type is_floating_point_v is_same_v is_signed_v is_trivially_copyable_v remove_cvref_t
+type_traits: conditional_t decay_t enable_if_t false_type is_constant_evaluated is_floating_point_v is_same_v is_signed_v is_trivially_copyable_v remove_cvref_t
   remove_reference_t true_type
 unordered_map: unordered_map unordered_multimap
 utility: as_const exchange forward in_place index_sequence make_index_sequence make_pair move pair swap tuple_size_v

@@ -1,9 +1,9 @@
-#include "core/background_thread.hpp"
 #include "devices/wake_count.hpp"
 #include "externals/modal_impact~/mode_solver.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
 #include "externals/playability_map/map_worker.hpp"
 #include "externals/stress_haptic/stress_worker.hpp"
+#include "files/background_thread.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -1,5 +1,7 @@
 #include "tests/net/rig.hpp"
 
+#include <cstdio>
+
 using namespace tactus;
 using namespace tactus::net;
 using haptic::Vec3;
