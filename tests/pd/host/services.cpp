@@ -133,7 +133,9 @@ void canvas_makefilename(const t_glist*, const char* file, char* result, int siz
   const std::string path = absolute ? file : folder + "/" + file;
   std::snprintf(result, static_cast<std::size_t>(size), "%s", path.c_str());
 }
-int canvas_path_iterate(const t_canvas*, int (*)(const char*, void*), void*) { return 0; }
+extern "C" int canvas_path_iterate(const t_canvas*, int (*)(const char*, void*), void*) {
+  return 0;
+}
 
 t_pd* pd_findbyclass(t_symbol* s, const t_class*) {
   const auto found = arrays.find(s->s_name);
