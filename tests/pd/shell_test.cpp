@@ -258,7 +258,8 @@ TEST_CASE("every channel of a newer Pd's signal is heard") {
 TEST_CASE("a signal of no channels is silence") {
   Box box("probe~");
   box.dsp(48000, 8, is_newer() ? 0 : 1);
-  for (const double sample : box.run({}, 8)[0])
+  const auto out = box.run({}, 8)[0];
+  for (const double sample : out)
     CHECK(sample == 0);
   CHECK(errors().empty());
 }
