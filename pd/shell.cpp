@@ -12,11 +12,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <cstring>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -53,6 +54,12 @@ std::size_t count_signals(std::span<const Port> ports) {
   return static_cast<std::size_t>(std::count_if(ports.begin(), ports.end(), [](const Port& port) {
     return port.kind == Port::Kind::kSignal;
   }));
+}
+
+/// A name that begins with ~/ in the user's home folder, as Pd opens it.
+std::string with_home(std::string_view name) {
+  const char* home = name.starts_with("~/") ? std::getenv("HOME") : nullptr;
+  return home ? home + std::string(name.substr(1)) : std::string(name);
 }
 
 /// The C++ part of an instance: the object, its voices and its outlets.
@@ -146,7 +153,7 @@ public:
   }
   double now_ms() const override { return clock_gettimesince(creation_time_); }
   std::string find_file(std::string_view name) const override {
-    const std::string text(name);
+    const std::string text = with_home(name);
     if (std::string found = open_in_path(text); !found.empty() || is_absolute(text))
       return found;
     if (const std::string folder = module_folder(); !folder.empty())
@@ -156,7 +163,7 @@ public:
   }
   std::string new_file(std::string_view name) const override {
     char path[MAXPDSTRING];
-    canvas_makefilename(canvas_, std::string(name).c_str(), path, MAXPDSTRING);
+    canvas_makefilename(canvas_, with_home(name).c_str(), path, MAXPDSTRING);
     return path;
   }
   bool read_array(std::string_view name, std::vector<double>& values) const override {
@@ -387,7 +394,7 @@ private:
           canvas_,
           [](const char* folder, void* data) {
             auto* const one = static_cast<Search*>(data);
-            return one->look(std::string(folder) + "/" + one->name);
+            return one->look(with_home(folder) + "/" + one->name);
           },
           &search);
     return search.found;

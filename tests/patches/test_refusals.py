@@ -258,6 +258,15 @@ def test_a_fifo_in_a_folder_of_pds_path_gives_way_to_a_file_in_a_later_one(tmp_p
     assert len(patch.render(0.1, path=[tmp_path / "first", tmp_path / "second"], expect_errors=["nowhere.txt"]).errors) == 1
 
 
+def test_a_name_with_a_tilde_is_in_the_users_home(tmp_path):
+    (tmp_path / "hand.txt").write_text("0 1 2 3\n")
+    patch = Patch()
+    patch.at(10, patch.obj("phantom", "sim"), "path ~/hand.txt")
+    patch.at(10, patch.obj("playability_map"), "write ~/maps.txt")
+    patch.render(0.1, environment={"HOME": str(tmp_path)})
+    assert (tmp_path / "maps.txt").is_file()
+
+
 def test_a_path_longer_than_memory_is_refused_by_its_size(tmp_path):
     with open(tmp_path / "long.txt", "w") as sparse:
         sparse.truncate(1 << 40)
