@@ -25,7 +25,8 @@ public:
     kEnded    ///< it has ended just now, see failed()
   };
 
-  /// With each opening, before there is a servo: whether this library and this device have it.
+  /// With each opening, before there is a servo: whether this library and this device have it. All
+  /// but turn() under one lock of the caller's.
   [[nodiscard]] bool prepare(const DhdLibrary& library, char id) {
     shared_ = std::make_shared<Shared>(library, id);
     return library.auto_init && library.robot_stop && library.robot_supported &&
@@ -57,20 +58,27 @@ public:
     return shared_->stage.compare_exchange_strong(stage, Stage::kNone) ? Turn::kEnded
                                                                        : Turn::kServo;
   }
-  /// Without a servo. If it runs, ends it and leaves the closing of the device to its thread, so
-  /// that nobody waits; false: the caller closes the device.
+  /// Without a servo. If it runs, ends it and leaves the closing of the device to its thread, which
+  /// is waited for some 20 ms at most; false: the caller closes the device.
   [[nodiscard]] bool stop_and_close() noexcept {
-    const std::lock_guard lock(shared_->closing);
-    if (shared_->stage != Stage::kRunning || shared_->over)
-      return false;
-    shared_->close_it = true;
-    static_cast<void>(shared_->robot_stop(false, shared_->id));
-    thread_.end();
-    return true;
+    Shared& s = *shared_;
+    std::unique_lock lock(s.closing);
+    s.close_it = s.stage == Stage::kRunning && !s.over;
+    const bool left = s.close_it;
+    // Again and again: a first call may come before the library has begun, and be lost.
+    for (int tries = 0; left && !s.over && tries < kMostStops; ++tries) {
+      static_cast<void>(s.robot_stop(false, s.id));
+      lock.unlock();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      lock.lock();
+    }
+    thread_.end(); // also one that has not begun
+    return left;
   }
 
 private:
   enum class Stage { kNone, kAsked, kRunning, kEnded };
+  static constexpr int kMostStops = 20;
 
   struct Shared {
     Shared(const DhdLibrary& library, char device)
@@ -98,8 +106,8 @@ private:
       s.failed = s.auto_init(s.id) < 0;
       if (s.failed)
         s.reason = s.last_error();
-      static_cast<void>(s.robot_stop(true, s.id)); // ends its regulation; the motors stay on
       const std::lock_guard lock(s.closing);
+      static_cast<void>(s.robot_stop(!s.close_it, s.id)); // ends its regulation
       s.over = true;
       s.stage = Stage::kEnded;
       if (s.close_it)

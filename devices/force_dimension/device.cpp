@@ -47,7 +47,8 @@ const char* meaning(int cause) noexcept {
 
 std::string Device::configure(std::span<const std::string> words) {
   if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
-    if (id_ >= 0 && leads_itself_) {
+    const std::lock_guard lock(settings_mutex_);
+    if (leads_itself_) {
       const std::string reason = auto_init_.start();
       return reason.empty() ? reason : "dhd: " + reason;
     }
@@ -144,7 +145,10 @@ std::string Device::open() {
   open_.set("dhd", requested < kSerialsFrom ? requested : id_, identity_, std::to_string(id_));
   caps_.has_buttons = library_.button_mask != nullptr;
   detect_wrist();
-  leads_itself_ = auto_init_.prepare(library_, id);
+  {
+    const std::lock_guard lock(settings_mutex_);
+    leads_itself_ = auto_init_.prepare(library_, id);
+  }
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
   // It begins with the first force: until then nobody feeds it. 0 switches it off
@@ -170,7 +174,8 @@ std::string Device::open() {
     return {};
   const auto end_force = [](void* self) noexcept {
     auto& device = *static_cast<Device*>(self);
-    static_cast<void>(device.send({}, {}));
+    if (!device.leading_)
+      static_cast<void>(device.send({}, {}));
   };
   std::string problem = stall_guard_.start(end_force, this);
   if (!problem.empty())
@@ -182,7 +187,13 @@ void Device::close() noexcept {
   stall_guard_.stop();
   if (id_ >= 0) {
     const auto id = static_cast<char>(id_);
-    if (!auto_init_.stop_and_close()) {
+    bool closed = false;
+    {
+      const std::lock_guard lock(settings_mutex_);
+      leads_itself_ = false;
+      closed = auto_init_.stop_and_close();
+    }
+    if (!closed) {
       static_cast<void>(send({}, {}));
       library_.enable_force(0, id);
       library_.close(id);
@@ -333,7 +344,8 @@ std::string Device::trouble() const {
            "): check its cable and power, then open it again";
   if (broken_)
     return "dhd: the device reports a fault: switch it off and on and open it again";
-  if (auto_init_.failed())
+  const std::lock_guard lock(settings_mutex_);
+  if (leads_itself_ && auto_init_.failed())
     return std::string("dhd: the device did not initialise itself (") + auto_init_.why() +
            "): free its way and send home again";
   if (needs_reset_ && leads_itself_)

@@ -56,10 +56,11 @@ private:
   int id_ = -1;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
-  bool wrist_ = false, leads_itself_ = false;
+  bool wrist_ = false;
 
-  std::mutex settings_mutex_;
+  mutable std::mutex settings_mutex_;
   int requested_ = 0;
+  bool leads_itself_ = false; ///< an open device that auto_init_ can initialise
 
   // The servo's thread
   std::array<int, kMaxStatus> status_{};

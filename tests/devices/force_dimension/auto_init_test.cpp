@@ -89,19 +89,38 @@ TEST_CASE("a way that is not free is told with the library's reason, and home tr
   CHECK(device->configure(kHome) == "");
 }
 
-TEST_CASE("a device that drives itself is closed at once, and the motors stop") {
-  const Robot robot;
-  {
-    const auto device = make();
-    REQUIRE(device->open() == "");
-    REQUIRE(robot.counts()[0] == 1);
-    REQUIRE(device->configure(kHome) == "");
-    drive_until(*device, [&] { return robot.driven()[0] == 1; });
+TEST_CASE("a device that drives itself, or is about to, is closed at once, and the motors stop") {
+  for (const char* mode : {"sigma.7", "slow"}) {
+    CAPTURE(mode);
+    const Robot robot(mode);
+    {
+      const auto device = make();
+      REQUIRE(device->open() == "");
+      REQUIRE(robot.counts()[0] == 1);
+      REQUIRE(device->configure(kHome) == "");
+      if (std::string(mode) == "slow")
+        drive(*device, {}, 2);
+      else
+        drive_until(*device, [&] { return robot.driven()[0] == 1; });
+    }
+    for (int i = 0; i < 10000 && robot.counts()[0] > 0; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    CHECK(robot.counts()[0] == 0);
+    CHECK(robot.driven()[1] == 1);
   }
-  for (int i = 0; i < 10000 && robot.counts()[0] > 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST_CASE("a home that no servo has begun ends with the closing") {
+  const Robot robot;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  REQUIRE(device->configure(kHome) == "");
+  device->close();
   CHECK(robot.counts()[0] == 0);
-  CHECK(robot.driven()[1] == 1);
+  REQUIRE(device->open() == "");
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  drive(*device, {}, 10);
+  CHECK(robot.driven()[0] == 0);
 }
 
 TEST_CASE("a device that cannot do that waits for its calibration") {

@@ -181,7 +181,7 @@ int dhdSetMaxForce(double newton, char id) {
   return 0;
 }
 #ifdef FAKE_DRD
-/* The robotic part. In mode "stuck" the way is not free. */
+/* The robotic part. In mode "stuck" the way is not free; "slow" begins after 5 ms. */
 int drdOpenID(char index) {
   leading = arrived = interrupted = calls_meanwhile = 0;
   return dhdOpenID(index);
@@ -190,6 +190,8 @@ int drdClose(char id) { return dhdClose(id); }
 bool drdIsSupported(char id) { return (void)id, !mode("plain"); }
 int drdAutoInit(char id) {
   (void)id;
+  if (mode("slow"))
+    nanosleep(&(struct timespec){0, 5000000}, NULL);
   leading = 1;
   while (!arrived && !interrupted)
     nanosleep(&(struct timespec){0, 1000000}, NULL);
