@@ -1,7 +1,5 @@
 #include "net/server.hpp"
 
-#include <cstdio>
-
 namespace tactus::net {
 
 using Outcome = FrameReader::Outcome;
@@ -121,24 +119,18 @@ void Server::broadcast(const Message& message) {
 }
 
 /// To every client: who observes sees less force than was asked for, too.
-void Server::tell_clipping(bool clipping, double asked_n) {
-  const double limit_n = servo_command_.force_limit_n;
+void Server::tell_clipping(const Clipping& clipping) {
+  clipping_ = clipping;
   broadcast(Message(Address::kStatus)
                 .string("clipped")
-                .integer(clipping ? 1 : 0)
-                .real(asked_n)
-                .real(limit_n));
-  if (!clipping)
-    return;
-  char line[96];
-  std::snprintf(line, sizeof line, "the force is clipped: %.3g N asked for, %.3g N at most",
-                asked_n, limit_n);
-  add_notice(line);
+                .integer(clipping.on ? 1 : 0)
+                .real(clipping.asked_n)
+                .real(clipping.limit_n));
 }
 
 void Server::advance(const DeviceReport& report, double now_s) {
   if (report.clipping != report_.clipping)
-    tell_clipping(report.clipping, report.asked_n);
+    tell_clipping({report.clipping, report.asked_n, servo_command_.force_limit_n});
   report_ = report;
   for (const auto& session : sessions_)
     if (session)

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace tactus::net {
@@ -31,6 +32,12 @@ struct DeviceReport {
   std::uint32_t faults = 0;       ///< counts those it reported, and its silences
   bool clipping = false;          ///< of the force, by a noticeable part
   double asked_n = 0;             ///< the force before its limit
+};
+
+/// A change of whether the force is clipped.
+struct Clipping {
+  bool on = false;
+  double asked_n = 0, limit_n = 0;
 };
 
 /// The command for the servo.
@@ -91,6 +98,10 @@ public:
   /// Events since the last call for the log of the server, one line each; the oldest ones are
   /// dropped when it is not called for long.
   [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
+  /// The newest change since the last call, which every client has been told.
+  [[nodiscard]] std::optional<Clipping> take_clipping() noexcept {
+    return std::exchange(clipping_, std::nullopt);
+  }
   /// Name of the client in control; empty when there is none.
   [[nodiscard]] std::string_view controller_name() const noexcept {
     return controller_ ? std::string_view(controller_->name) : std::string_view{};
@@ -106,7 +117,7 @@ private:
 
   // server.cpp: connections and time
   void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
-  void tell_clipping(bool clipping, double asked_n);
+  void tell_clipping(const Clipping& clipping);
   [[nodiscard]] static bool is_recent(const Session& session, double now_s) noexcept;
   void release_control(std::string_view why);
   void broadcast(const Message& message);
@@ -155,6 +166,7 @@ private:
   haptic::Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
   std::vector<std::string> notices_{};
+  std::optional<Clipping> clipping_{};
   std::uint64_t connections_made_ = 0, ignored_datagrams_ = 0;
 };
 

@@ -124,6 +124,9 @@ void HapticServerObject::send_notices(Host& host) {
     }
     host.info(words);
   }
+  if (const auto clipping = service_->server.take_clipping())
+    host.info(
+        {"status", "clipped", clipping->on ? 1.0 : 0.0, clipping->asked_n, clipping->limit_n});
 }
 
 bool HapticServerObject::stopped() noexcept { return servo_.exchange().motors.request().stopped; }

@@ -134,6 +134,12 @@ void Station::tick(double now_s) {
   link_->exchange(*server_, now_s);
   all_clients_left_ = server_->connections_made() > 0 && server_->clients() == 0;
   std::vector<std::string> fresh = server_->take_notices();
+  if (const auto clipping = server_->take_clipping(); clipping && clipping->on) {
+    char line[96];
+    std::snprintf(line, sizeof line, "the force is clipped: %.3g N asked for, %.3g N at most",
+                  clipping->asked_n, clipping->limit_n);
+    fresh.emplace_back(line);
+  }
   if (fresh.empty())
     return;
   const std::lock_guard lock(mutex_);

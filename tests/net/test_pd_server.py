@@ -32,6 +32,7 @@ def test_a_client_gets_positions_and_gives_forces_which_end_with_it(pd):
         wait_until(lambda: peer.send("force", *asked) or
                    forces(running) and forces(running)[-1] == pytest.approx(felt, abs=1e-3))
     assert max(sum(c * c for c in force) for force in forces(running)) <= 9 * (1 + 1e-5)
+    running.wait_for(r"^info: status clipped 1 \S+ 3$")
     wait_until(lambda: forces(running)[-1] == (0, 0, 0))  # silent
     peer.close()
     running.wait_for(r"^info: client .* left$")
