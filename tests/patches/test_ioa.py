@@ -114,6 +114,21 @@ def test_osc_positions_that_come_in_bursts_strike_as_hard_as_they_were_sent(tmp_
     assert [hit[8] for hit in found] == pytest.approx([0.25] * 11, rel=error)
 
 
+@pytest.mark.parametrize("stall", [0, 300])
+def test_positions_found_together_at_first_set_no_time_ahead_of_now(tmp_path, stall):
+    """A stall just as the sender begins: the first of a burst is late, the last is not."""
+    patch = Patch()
+    sensor = patch.obj("ioa_sdd_osc", "lab")
+    patch.log("raw", sensor)
+    for ms in range(0, 600, 4):
+        packet = b"/raw\0\0\0\0,ffff\0\0\0" + struct.pack(">4f", ms, 0, 0, 7000 + ms)
+        patch.at(max(20 + ms, 20 + stall), sensor, list(packet))
+    found = [(atoms[2], atoms[1]) for _, atoms in patch.render(0.7).logs["raw"]]
+    assert [x for x, _ in found] == list(range(0, 600, 4))
+    late = [t - (20 + x) for x, t in found if 20 + x > stall + 20]
+    assert len(late) > 60 and max(map(abs, late)) < 2  # ms
+
+
 def test_a_position_that_overtook_another_counts_and_a_clock_that_is_set_begins_anew(tmp_path):
     patch = Patch()
     sensor = patch.obj("ioa_sdd_osc", "lab")
