@@ -66,7 +66,7 @@ public:
     s.close_it = s.stage == Stage::kRunning && !s.over;
     const bool left = s.close_it;
     // Again and again: a first call may come before the library has begun, and be lost.
-    for (int tries = 0; left && !s.over && tries < kMostStops; ++tries) {
+    for (int tries = 0; left && !s.over && tries < kMaxStops; ++tries) {
       static_cast<void>(s.robot_stop(false, s.id));
       lock.unlock();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -78,7 +78,7 @@ public:
 
 private:
   enum class Stage { kNone, kAsked, kRunning, kEnded };
-  static constexpr int kMostStops = 20;
+  static constexpr int kMaxStops = 20;
 
   struct Shared {
     Shared(const DhdLibrary& library, char device)
