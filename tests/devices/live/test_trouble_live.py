@@ -55,7 +55,7 @@ def test_a_device_that_homes_while_the_host_stands_still_is_reported_homed(tmp_p
     boxes = ("route status", "route open", "t b", "delay 0", "t b b b", "until", "f", "realtime",
              "print stood_ms")
     route, opened, bang, begun, order, until, number, clock, stood = (patch.obj(box) for box in boxes)
-    count = patch.obj("20000000", "msg")
+    count = patch.obj("80000000", "msg")
     for cord in ((patch.box, 3, route, 0), (route, 0, opened, 0), (opened, 0, bang, 0),
                  (bang, 0, begun, 0), (begun, 0, order, 0), (order, 2, clock, 0), (order, 1, count, 0), (count, 0, until, 0),
                  (until, 0, number, 0), (order, 0, clock, 1), (clock, 0, stood, 0)):
