@@ -49,7 +49,13 @@ public:
   /// step. Clamped to 0.1..10, 0.1..10 and 0..100.
   void vary(double frequency, double decay, double level) noexcept;
   void reset() noexcept;
-  void seed(std::uint64_t value) noexcept { random_.seed(value); }
+  /// The next event and the rustle's noise are drawn anew, too: what follows depends on the seed
+  /// alone.
+  void seed(std::uint64_t value) noexcept {
+    random_.seed(value);
+    clock_.reset();
+    rustle_.draw_anew();
+  }
 
   /// EnergyStore::add_energy().
   void add_energy(double energy) noexcept { store_.add_energy(energy); }

@@ -31,6 +31,7 @@ void ParticleSystem::set_body(std::span<const RingingMode> modes, double direct)
 }
 
 void ParticleSystem::seed(std::uint64_t value) noexcept {
+  seed_ = value;
   cloud_.seed(value);
   random_.seed(~value);
 }
@@ -54,6 +55,7 @@ void ParticleSystem::silence() noexcept {
   fade_left_ = 0;
   cloud_.reset();
   body_.reset();
+  seed(seed_);
   cloud_.add_energy(pending_energy_);
   pending_energy_ = 0;
 }

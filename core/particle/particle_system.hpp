@@ -37,7 +37,8 @@ public:
   void seed(std::uint64_t value) noexcept;
   /// Adds energy, clamped to 0..1000, that arrives with the attack's time constant.
   void shake(double energy) noexcept;
-  /// Fades all sound out within 5 ms. Energy of shakes meanwhile is added after the fade.
+  /// Fades all sound out within 5 ms; then chance begins anew. Energy of shakes meanwhile is added
+  /// after the fade.
   void reset() noexcept;
   /// One sample, while energy arrives with this power, 1/s. NaN and negative power count as 0.
   Sample next(double power) noexcept;
@@ -55,6 +56,7 @@ private:
   CloudSettings settings_;
   Cloud cloud_;
   RingingBody body_;
+  std::uint64_t seed_ = 1;
   Random random_; ///< signs of the collisions, and the noise by which a rustle excites the body
   double sample_rate_ = 48000;
   double direct_ = 1, smooth_direct_ = 1, gain_ = 1, smooth_gain_ = 1, smoothing_step_ = 1;

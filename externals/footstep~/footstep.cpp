@@ -136,7 +136,7 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
       side.foot.reset();
       side.sensor.reset();
     }
-    return;
+    return set(kSeed, value_[kSeed]);
   default:
     return;
   }
