@@ -44,7 +44,7 @@ public:
   static constexpr std::array kInlets{
       Port{Port::Kind::kSignal, "y", "", "the hand's height 0..1: mouth pressure"},
       Port{Port::Kind::kSignal, "z", "", "the hand's depth 0..1: reed frequency"},
-      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the preset's own length"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
   };
   static constexpr std::array kOutlets{
       Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
@@ -89,10 +89,7 @@ public:
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void report(Host& host);
   void tick(std::size_t timer, Host& host);
-  void dump_first(Host& host) {
-    if (!preset_.empty())
-      host.info({"preset", preset_});
-  }
+  void dump_first(Host& host) { greed::dump_preset(parameters_, host); }
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -133,7 +130,6 @@ private:
   static constexpr std::size_t kPlayabilityOutlet = 1, kGradientOutlet = 2, kForceOutlet = 4;
 
   reed::ReedGradient gradient_;
-  std::string_view preset_; // the last one chosen; empty: none
   reed::Parameters parameters_{.breath_noise = kBreathNoise};
   reed::PlayabilityParameters estimator_{};
   double sample_rate_ = 48000;
@@ -215,7 +211,6 @@ inline void GreedGradient::message(std::size_t index, std::span<const Atom> argu
   if (index == 0) {
     if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
       parameters_ = *preset;
-      preset_ = reed::preset_name(arguments[0].word);
       gradient_.set(parameters_);
       gradient_.set_range(reed::range_for(parameters_));
     }

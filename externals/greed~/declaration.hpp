@@ -62,6 +62,8 @@ inline constexpr std::array kParameters{
     Parameter{"theta0", "rad", kInitial.rest_angle, -1.2, 1.2, "rest angle; its sign follows type"},
     Parameter{"arm", "m", kInitial.arm_length, 1e-4, 0.1, "arm length l, from hinge to tip"},
     Parameter{"mass", "kg", kInitial.mass, 1e-9, 0.1, "moving mass m"},
+    Parameter{"f_r", "Hz", kInitial.reed_frequency, 1, 20000,
+              "reed frequency while the signal f_r is 0"},
     Parameter{"q", "", kInitial.quality, 0.1, 1000, "quality factor Q of the valve"},
     Parameter{"width", "m", kInitial.width, 1e-4, 0.1, "width w of the channel"},
     Parameter{"lambda_m", "m", kInitial.mouth_length, 0, 0.1,
@@ -75,6 +77,8 @@ inline constexpr std::array kParameters{
     Parameter{"sweep", "", 1, 0, 1, "1: the moving valve's own volume flow enters the bore"},
     Parameter{"bore", "", 0, 0, 1, "cylinder or cone", kBores},
     Parameter{"length", "m", 0, 0, 20, "bore length; above 0 it stands above the bore frequency"},
+    Parameter{"own_length", "m", kInitial.length, 0.005, 20,
+              "bore length while neither length nor the signal f_b sets it"},
     Parameter{"radius", "m", kInitial.input_radius, 5e-4, 0.1, "radius at the input"},
     Parameter{"radius_end", "m", kInitial.end_radius, 5e-4, 0.3,
               "radius of the radiating opening; larger imitates a bell"},
@@ -158,6 +162,7 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::rest_angle>(),
     number<&Parameters::arm_length>(),
     number<&Parameters::mass>(),
+    number<&Parameters::reed_frequency>(),
     number<&Parameters::quality>(),
     number<&Parameters::width>(),
     number<&Parameters::mouth_length>(),
@@ -170,6 +175,7 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     whole<&Parameters::sweep>(),
     whole<&Parameters::shape>(),
     number<&Parameters::length_override>(),
+    number<&Parameters::length>(),
     number<&Parameters::input_radius>(),
     number<&Parameters::end_radius>(),
     number<&Parameters::apex_distance>(),
@@ -234,8 +240,8 @@ inline constexpr std::array kArguments{CreationArgument{"preset"}};
 
 inline constexpr std::array kInlets{
     Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},
-    Port{Port::Kind::kSignal, "f_r", "Hz", "reed frequency; 0: the preset's own"},
-    Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the preset's own length"},
+    Port{Port::Kind::kSignal, "f_r", "Hz", "reed frequency; 0: the parameter f_r"},
+    Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
 };
 inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "sound", "", "radiated pressure times gain, within +-1"},

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <span>
 #include <string>
-#include <string_view>
 
 namespace tactus {
 
@@ -58,10 +57,8 @@ public:
       return finger(arguments, host);
     if (index == greed::kValves)
       return set_valves(arguments, host);
-    if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host)) {
+    if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
       instrument_.set(*preset);
-      preset_ = reed::preset_name(arguments[0].word);
-    }
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -79,10 +76,7 @@ public:
     host.info({"range", refusal.note, now.lowest_note, now.highest_note});
   }
 
-  void dump_first(Host& host) {
-    if (!preset_.empty())
-      host.info({"preset", preset_});
-  }
+  void dump_first(Host& host) { greed::dump_preset(instrument_.parameters(), host); }
   void dump(Host& host) {
     const reed::Parameters& now = instrument_.parameters();
     host.info({"P_M", reed::closing_pressure(now)});
@@ -143,7 +137,6 @@ private:
   }
 
   reed::Instrument instrument_;
-  std::string_view preset_;        // the last one chosen; empty: none
   unsigned reported_refusals_ = 0; // Refusal::count at the last report
 };
 

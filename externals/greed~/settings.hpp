@@ -40,11 +40,37 @@ template <std::size_t count>
   return all;
 }
 
-/// Valve and bore of the preset with the numerics, player and air of `now`. Reports an error and
-/// returns nothing when there is no preset of that name.
+/// Valve and bore of the preset with the numerics, player and air of `now`.
+[[nodiscard]] inline Parameters with_numerics(Parameters preset, const Parameters& now) {
+  preset.flow = now.flow;
+  preset.oversampling = now.oversampling;
+  preset.breath_noise = now.breath_noise;
+  preset.seed = now.seed;
+  preset.tune = now.tune;
+  preset.correct_pitch = now.correct_pitch;
+  preset.temperature = now.temperature;
+  return preset;
+}
+
+/// Sends the name of the preset that the parameters are, apart from numerics, gain and note.
+inline void dump_preset(const Parameters& now, Host& host) {
+  for (const reed::Preset& preset : reed::presets()) {
+    Parameters same = with_numerics(preset.parameters, now);
+    same.gain = now.gain;
+    same.fingering = now.fingering;
+    same.valves = now.valves;
+    same.slide = now.slide;
+    same.length_override = now.length_override;
+    if (same == now)
+      host.info({"preset", preset.name});
+  }
+}
+
+/// with_numerics() of the preset of that name. Reports an error and returns nothing when there is
+/// none.
 [[nodiscard]] inline std::optional<Parameters> preset_of(const Atom& name, const Parameters& now,
                                                          Host& host) {
-  auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
+  const auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
   if (!preset) {
     std::string sentence = "preset " +
                            (name.is_word ? std::string(name.word) : number_text(name.number)) +
@@ -58,14 +84,7 @@ template <std::size_t count>
     host.error(sentence);
     return std::nullopt;
   }
-  preset->flow = now.flow;
-  preset->oversampling = now.oversampling;
-  preset->breath_noise = now.breath_noise;
-  preset->seed = now.seed;
-  preset->tune = now.tune;
-  preset->correct_pitch = now.correct_pitch;
-  preset->temperature = now.temperature;
-  return preset;
+  return with_numerics(*preset, now);
 }
 
 /// The range p_lo p_hi (Pa) f_lo f_hi (Hz) of the message `range`. Reports an error and returns

@@ -213,7 +213,6 @@ void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> argu
   case kPreset:
     if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
       parameters_ = *preset;
-      preset_ = preset_name(arguments[0].word);
       range_ = range_for(parameters_);
     }
     break;
@@ -262,10 +261,7 @@ void PlayabilityMapObject::scalar(std::size_t inlet, double value, Host& host) {
   host.send(0, {field_.value(value, z_)});
 }
 
-void PlayabilityMapObject::dump_first(Host& host) {
-  if (!preset_.empty())
-    host.info({"preset", preset_});
-}
+void PlayabilityMapObject::dump_first(Host& host) { greed::dump_preset(parameters_, host); }
 
 void PlayabilityMapObject::dump(Host& host) {
   host.info({"range", range_.lowest_pressure, range_.highest_pressure, range_.lowest_frequency,

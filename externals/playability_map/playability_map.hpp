@@ -27,7 +27,7 @@ public:
                 "playability by playing every node, or growth rate by theory", kQuantities},
       Parameter{"columns", "", 41, 2, 101, "nodes along y, mouth pressure"},
       Parameter{"rows", "", 41, 2, 101, "nodes along z, reed frequency"},
-      Parameter{"f_b", "Hz", 0, 0, 4000, "bore frequency; 0: the preset's own length"},
+      Parameter{"f_b", "Hz", 0, 0, 4000, "bore frequency; 0: the parameter own_length"},
       Parameter{"settle", "ms", 500, 0, 2000, "time a node is given to speak"},
       Parameter{"listen", "ms", 200, 1, 1000, "time over which its f_p is averaged"},
       Parameter{"rate", "Hz", 48000, 8000, 96000, "sample rate at which nodes are played"},
@@ -107,7 +107,6 @@ private:
   [[nodiscard]] MapWorker::Portion portion() const;
 
   Parameters parameters_{};
-  std::string_view preset_; ///< the last one chosen; empty: none
   ControlRange range_{};
   std::array<double, kOwnCount> own_{};
   double z_ = 0;

@@ -138,6 +138,50 @@ def test_everything_that_can_be_set_comes_back_exactly(name, tmp_path):
     assert not [line for line in report if line[0] == "error"]
 
 
+# How each sounds: constants of its signal inlets, two states, and what plays it.
+PLAYED = {
+    "greed~": ((2500, 0, 220), [["preset", "clarinet"], ["tune", 1], ["gain", 1.5]], [["preset", "trombone"], ["q", 4]], []),
+    "greed~ without a player": ((2500, 0, 0), [["preset", "sax"]], [["preset", "syrinx"]], []),
+    "greed_gradient~": ((0.5, 0.4, 220), [["preset", "sax"], ["tune", 1]], [["preset", "oboe"]], []),
+    "footstep~": ((), [["surface", "snow", "gravel", 0.4], ["seed", 7]], [["surface", "wood"], ["seed", 3]], [["step"]]),
+    "particle~": ((), [["preset", "maraca"], ["count", 20]], [["preset", "tambourine"]], [["shake", 1]]),
+    "modal_impact~": ((), [["material", 7e10, 2700], ["size", 1.2]], [["material", 1e10, 1200], ["size", 0.7]],
+                      [["hit", 0.05, 0.02, 0, 1]]),
+    "contact_impact~": ((), [["modes", 331, 0.6, 1, 912, 0.3, 0.7]], [["modes", 500, 0.1, 1]], [["strike", 1]]),
+    "contact_friction~": ((0.1, 1), [["modes", 331, 0.6, 1]], [["modes", 500, 0.1, 1]], []),
+}
+
+
+@pytest.mark.parametrize("how", PLAYED)
+def test_a_recalled_state_sounds_as_one_never_changed(how):
+    constants, first, second, strikes = PLAYED[how]
+    rig = Rig(how.split()[0])
+    other = rig.patch.obj(rig.name, *ARGUMENTS.get(rig.name, []))
+    for inlet, value in enumerate(constants):
+        source = rig.patch.obj("sig~", value)
+        for box in (rig.object, other):
+            source >> box[inlet]
+    for message in first:
+        rig.patch.at(10, other, message)
+        rig.patch.at(10, rig.object, message)
+    rig.time = 20
+    rig.ask("store 1")
+    rig.time = 100
+    rig.set(second + strikes)
+    rig.time = 500
+    rig.ask("recall 1")
+    for box in (other, rig.object):
+        for time, messages in ((900, [["reset"]]), (1250, strikes)):
+            for message in messages:
+                rig.patch.at(time, box, message)
+    rig.patch.record("recalled", rig.object[0])
+    rig.patch.record("unchanged", other[0])
+    result = rig.patch.render(2, path=[LIVE])
+    recalled, unchanged = (numpy.asarray(result[name])[48000 * 6 // 5:] for name in ("recalled", "unchanged"))
+    # A preset goes through Pd's numbers of 24 bits.
+    assert abs(unchanged).max() > 1e-4 and abs(recalled - unchanged).max() < 1e-4 * abs(unchanged).max()
+
+
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name == "modal_impact~" else ())
                                   for name in OBJECTS])  # which finds its modes anew for each setting
 def test_between_two_presets_numbers_glide_and_switches_switch(name):

@@ -16,10 +16,11 @@ constexpr double kMinTurnRatio = 0.3, kMaxTurnRatioCylinder = 2.5, kMaxTurnRatio
 
 } // namespace
 
-void LengthTable::set(const Parameters& parameters) noexcept {
+void LengthTable::set(const Parameters& parameters, bool same_mode) noexcept {
   parameters_ = parameters;
   steps_ = {};
-  turns_ = 0;
+  if (!same_mode)
+    turns_.reset();
 }
 
 double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexcept {
@@ -55,7 +56,7 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
     const double nominal_turns = round_trip_turns(
         parameters_, bore_frequency, nominal_length(parameters_, bore_frequency, fingering.end));
     const double nearest = turns + std::round(nominal_turns - turns);
-    turns += std::round(turns_ - turns);
+    turns += std::round(turns_.value_or(nearest) - turns);
     const double max_ratio =
         parameters_.shape == BoreShape::kCone ? kMaxTurnRatioCone : kMaxTurnRatioCylinder;
     const bool beyond =

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 namespace tactus::reed {
 
@@ -21,8 +22,9 @@ namespace tactus::reed {
 /// Fixed size, no allocation; at most two searches per call of length(), 6 to 16 us each.
 class LengthTable {
 public:
-  /// Sets the instrument and clears the table.
-  void set(const Parameters& parameters) noexcept;
+  /// Sets the instrument and clears the table. same_mode: the next note stays on the mode of the
+  /// last one, as in a glide.
+  void set(const Parameters& parameters, bool same_mode) noexcept;
   /// L, m, for a note bore_frequency at that f_r, both in Hz, with that fingering.
   /// leap: the note was not reached by gliding.
   [[nodiscard]] double length(double bore_frequency, double reed_frequency, bool leap,
@@ -43,7 +45,7 @@ private:
   Parameters parameters_{};
   double reed_frequency_ = 0; // f_r for which the steps were computed, Hz
   std::array<Step, kCount> steps_{};
-  double turns_ = 0; // of the last note
+  std::optional<double> turns_{}; // of the last note
 };
 
 } // namespace tactus::reed

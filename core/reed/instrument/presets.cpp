@@ -277,11 +277,4 @@ std::optional<Parameters> find_preset(std::string_view name) noexcept {
   return std::nullopt;
 }
 
-std::string_view preset_name(std::string_view name) noexcept {
-  for (const Preset& preset : kPresets)
-    if (preset.name == name)
-      return preset.name;
-  return {};
-}
-
 } // namespace tactus::reed

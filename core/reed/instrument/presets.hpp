@@ -18,7 +18,5 @@ struct Preset {
 [[nodiscard]] std::span<const Preset> presets() noexcept;
 
 [[nodiscard]] std::optional<Parameters> find_preset(std::string_view name) noexcept;
-/// The preset's name, valid for ever; empty if there is none of that name.
-[[nodiscard]] std::string_view preset_name(std::string_view name) noexcept;
 
 } // namespace tactus::reed

@@ -224,10 +224,10 @@ private:
 
   void change_in_silence() noexcept {
     const bool restarted = glide_.restarts() || !can_continue(glide_.parameters(), parameters_);
-    if (glide_.restarts()) {
+    if (glide_.restarts())
       random_.seed(parameters_.seed);
+    if (restarted)
       player_.reset();
-    }
     apply(parameters_);
     if (restarted) {
       valve_.reset();

@@ -12,6 +12,10 @@ namespace {
 constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, smoothing of the breath ratio r
 constexpr double kAboveNatural = 1.012;  // pitch of blown-open lips relative to the tube's mode
 constexpr double kRetryStopTime = 50e-3; // s without air before a retry
+constexpr double kSoftStopTime = 0.12;   // that before a soft one: the other register has to fade
+// Periods that every other retry begins softly. At a third of the pressure the lowest register of
+// an oboe's lowest keys grows alone, at a high pressure the next one is faster.
+constexpr double kSoftPeriods = 40;
 
 constexpr double kNoBreath = 10;        // Pa
 constexpr double kBurstNote = 220;      // Hz, reference note of Parameters::tongue
@@ -47,7 +51,7 @@ void Player::prepare(double sample_rate) noexcept {
 
 void Player::set(const Parameters& parameters, const BoreDesign& bore) noexcept {
   if (!same_note_parameters(parameters_, parameters)) {
-    lengths_.set(parameters);
+    lengths_.set(parameters, can_interpolate(parameters_, parameters));
     tuning_controller_.clear_corrections();
   }
   parameters_ = parameters;
@@ -204,8 +208,10 @@ void Player::use_open_holes() noexcept {
 /// Starts the note again from silence, as after a leap.
 void Player::retry_note(double reed_frequency) noexcept {
   ++attempts_;
-  tongue_.articulate(kRetryStopTime);
-  tuning_controller_.restart_note();
+  const double soft = attempts_ % 2 == 1 ? kSoftPeriods / note_ : 0;
+  const double stop = soft > 0 ? kSoftStopTime : kRetryStopTime;
+  tongue_.articulate(stop, soft);
+  tuning_controller_.restart_note(stop + (soft > 0 ? soft + Tongue::kSoftRise : 0));
   finger(note_, true);
   configuration_.length = std::clamp(lengths_.length(note_, reed_frequency, true, fingering_), 5e-3,
                                      bore_.max_length());

@@ -6,7 +6,8 @@ namespace tactus::reed {
 
 bool Tongue::factors(const double* mouth_pressure, double* factor, int count) noexcept {
   int i = 0;
-  if (state_ == State::kOpen && opening_ == 1 && burst_excess_ == 0 && !articulation_due_)
+  if (state_ == State::kOpen && opening_ == 1 && burst_excess_ == 0 && share_ == 1 &&
+      !articulation_due_)
     while (i < count && mouth_pressure[i] >= kMinPressure)
       ++i;
   if (i > 0)
@@ -29,6 +30,7 @@ double Tongue::next_factor(double pressure) noexcept {
     if (samples_in_state_ >= 0) {
       articulation_due_ = false; // there is nothing to stop
       min_stop_samples_ = 0;
+      soft_samples_ = 0;
       return 1;
     }
     begin_hold();
@@ -68,7 +70,8 @@ double Tongue::process_blocked(double pressure) noexcept {
     return 0;
   if (slow || rise < 0.05 * pressure || samples_in_state_ >= samples(kMaxHoldTime)) {
     state_ = State::kOpen;
-    burst_excess_ = slow ? 0 : burst_;
+    burst_excess_ = slow || soft_samples_ > 0 ? 0 : burst_;
+    share_ = soft_samples_ > 0 ? kSoftShare : 1;
     samples_in_state_ = min_stop_samples_ = 0;
     articulation_due_ = false;
   }
@@ -77,6 +80,10 @@ double Tongue::process_blocked(double pressure) noexcept {
 
 double Tongue::process_open(double pressure) noexcept {
   opening_ = std::min(1.0, opening_ + 1 / (kOpeningTime * sample_rate_));
+  if (soft_samples_ > 0)
+    --soft_samples_;
+  else
+    share_ = std::min(1.0, share_ + (1 - kSoftShare) / (kSoftRise * sample_rate_));
   burst_excess_ = burst_excess_ > kNegligible ? burst_excess_ * decay_ : 0;
   samples_in_state_ = pressure < kMinPressure ? samples_in_state_ + 1 : 0;
   if (samples_in_state_ >= samples(kRestTime)) {
@@ -85,7 +92,7 @@ double Tongue::process_open(double pressure) noexcept {
     articulation_due_ = false;
     state_ = State::kClosing;
   }
-  return opening_gain() * (1 + burst_excess_);
+  return share_ * opening_gain() * (1 + burst_excess_);
 }
 
 double Tongue::opening_gain() const noexcept {

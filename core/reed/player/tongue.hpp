@@ -18,6 +18,8 @@ namespace tactus::reed {
 /// in 2 ms, at most 12 ms. articulate() requests it within a breath. No allocation.
 class Tongue {
 public:
+  static constexpr double kSoftShare = 0.3, kSoftRise = 0.05; ///< s
+
   /// sample_rate in Hz; another rate resets.
   void prepare(double sample_rate) noexcept {
     if (sample_rate == sample_rate_)
@@ -34,11 +36,15 @@ public:
     previous_pressure_ = burst_excess_ = opening_ = 0;
     articulation_due_ = false;
     min_stop_samples_ = 0;
+    soft_samples_ = 0;
+    share_ = 1;
   }
   /// Blocks the breath for at least `seconds` (some 5 ms, up to 14 while it rises), then releases
-  /// it.
-  void articulate(double seconds = 0) noexcept {
+  /// it. soft: so long (s) it is kSoftShare of the pressure, without a burst, before it rises
+  /// within kSoftRise.
+  void articulate(double seconds = 0, double soft = 0) noexcept {
     articulation_due_ = true;
+    soft_samples_ = samples(soft);
     min_stop_samples_ = std::max(min_stop_samples_, samples(seconds));
   }
 
@@ -68,7 +74,9 @@ private:
   State state_ = State::kNoBreath;
   int samples_in_state_ = 0;
   int min_stop_samples_ = 0; // for which the breath is blocked at least
+  int soft_samples_ = 0;     // left of a soft beginning
   double previous_pressure_ = 0, burst_excess_ = 0, opening_ = 0;
+  double share_ = 1; // of the pressure, in a soft beginning
   bool articulation_due_ = false;
 };
 

@@ -25,18 +25,19 @@ void TuningController::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
   power_pole_ = std::exp(-kPeriod / (0.02 * sample_rate));
   const double frequency = frequency_;
-  frequency_ = 0;
+  reset();
   if (frequency > 0)
     set_target(frequency);
-  reset();
 }
 
 void TuningController::reset() noexcept {
+  frequency_ = 0;
+  fast_count_ = 0;
   phase_ = 1;
   smoothed_ = twice_smoothed_ = 0;
   pitch_rate_ = smoothed_pitch_rate_ = twice_smoothed_pitch_rate_ = 0;
   correction_ = smoothed_correction_ = twice_smoothed_correction_ = sounded_correction_ = 0;
-  settling_count_ = off_target_count_ = 0;
+  settling_count_ = off_target_count_ = silence_count_ = 0;
   even_ = odd_ = {};
   mean_power_ = trim_ = 0;
   sample_count_ = 0;
@@ -65,16 +66,18 @@ void TuningController::select_note(double frequency_hz, bool leap) noexcept {
       corrections_[note].trim + fraction_ * (corrections_[note + 1].trim - corrections_[note].trim);
 }
 
-void TuningController::restart_note() noexcept {
+void TuningController::restart_note(double silence) noexcept {
   for (std::size_t i = note_; i <= note_ + 1; ++i)
     corrections_[i] = {};
   trim_ = 0;
   restart_smoothing();
+  silence_count_ = static_cast<int>(silence * sample_rate_ / kPeriod);
 }
 
 /// Counts measurements off target; two good ones outweigh one.
 void TuningController::count_off_target(bool off_target) noexcept {
-  off_target_count_ = std::max(0, off_target_count_ + (off_target ? 2 : -1));
+  if (silence_count_ == 0)
+    off_target_count_ = std::max(0, off_target_count_ + (off_target ? 2 : -1));
 }
 
 /// Discards the measurement so far, after a leap.
@@ -182,6 +185,7 @@ void TuningController::smooth_period() noexcept {
 void TuningController::update() noexcept {
   if (sample_count_ == 0)
     return;
+  silence_count_ = std::max(0, silence_count_ - 1);
   const std::complex<double> before = twice_smoothed_;
   smooth_period();
   const double amplitude = 2 * std::sqrt(std::norm(twice_smoothed_));

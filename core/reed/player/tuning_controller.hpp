@@ -2,6 +2,7 @@
 
 #include "core/reed/instrument/control_period.hpp"
 
+#include <algorithm>
 #include <array>
 #include <complex>
 #include <cstddef>
@@ -32,7 +33,7 @@ public:
 
   TuningController() noexcept { clear_corrections(); }
   void prepare(double sample_rate) noexcept;
-  /// Clears measurements, trim and memory.
+  /// Clears target, measurements, trim and memory.
   void reset() noexcept;
   /// Clears the memory of notes: the instrument has changed. The trim stays.
   void clear_corrections() noexcept;
@@ -45,20 +46,23 @@ public:
   void update() noexcept;
   /// ln of the factor by which the pitch is to change from that of linear theory (tuned()).
   [[nodiscard]] double trim() const noexcept { return trim_; }
-  /// Whether another register than the target's has sounded for kWrongRegisterTime: no trim reaches
+  /// Whether another register than the target's has sounded for some time: no trim reaches
   /// the target from there.
   [[nodiscard]] bool wrong_register() const noexcept {
-    return off_target_count_ * kPeriod > 2 * kWrongRegisterTime * sample_rate_;
+    const double wait = std::max(kShortestWait, kWaitConstants * time_constant_);
+    return off_target_count_ * kPeriod > 2 * wait * sample_rate_;
   }
   /// Resets the detection of wrong_register(), for instance because the breath has ended.
   void clear_off_target() noexcept { off_target_count_ = 0; }
-  /// Starts the present note again with trim 0.
-  void restart_note() noexcept;
+  /// Starts the present note again with trim 0, after `silence` (s) during which nothing counts as
+  /// another register.
+  void restart_note(double silence) noexcept;
   /// tau at the target pitch, s.
   [[nodiscard]] double time_constant() const noexcept { return time_constant_; }
 
-  static constexpr double kWrongRegisterTime = 0.3; // s
-  static constexpr double kLeap = 0.03;             // half a semitone within kPeriod samples
+  /// How long another register must sound: s, and in time constants.
+  static constexpr double kShortestWait = 0.1, kWaitConstants = 6;
+  static constexpr double kLeap = 0.03; // half a semitone within kPeriod samples
 
 private:
   struct Sums {
@@ -90,6 +94,7 @@ private:
          twice_smoothed_correction_ = 0, response_pole_ = 0;
   int settling_count_ = 0;   // measurements until the filters have settled
   int fast_count_ = 0;       // measurements left of the faster correction after a leap
+  int silence_count_ = 0;    // measurements until another register counts
   int off_target_count_ = 0; // +2 per measurement off target, -1 per other
   std::array<Correction, kCount> corrections_{};
   std::size_t note_ = 0; // index of the remembered note below the target
