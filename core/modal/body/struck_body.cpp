@@ -55,6 +55,7 @@ void StruckBody::prepare(double sample_rate) {
   strike_count_ = 1;
   events_.expire_all();
   direct_.prepare(sample_rate);
+  hand_steps_.prepare(sample_rate);
   for (DelayLine& line : delay_) {
     line.prepare(static_cast<std::size_t>(0.1 * sample_rate) + 1); // 34 m
     if (model_)
@@ -420,10 +421,14 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
       count = static_cast<std::size_t>(next - clock_);
     clock_ += static_cast<std::int64_t>(count);
     limit_inputs(force.subspan(begin, count), kMaxForce, chunk_.force.data());
-    if (options_.driven)
+    if (options_.driven) {
       limit_inputs(height.subspan(begin, count), kMaxHeight, chunk_.height.data());
-    else
+      if (!(options_.spring_n_per_m > 0))
+        hand_steps_.run(std::span(chunk_.height).first(count));
+    } else {
       chunk_.height.fill(0); // a hand begins at the surface
+      hand_steps_.reset();
+    }
     if (rubbing.normal_force.empty() || (model_ && model_->uses_recordings)) {
       chunk_.normal.fill(0);
     } else {

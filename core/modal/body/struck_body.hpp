@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/joined_steps.hpp"
 #include "core/modal/body/body_model.hpp"
 #include "core/modal/body/timed_queue.hpp"
 #include "core/modal/contact/pulse.hpp"
@@ -141,9 +142,9 @@ public:
     std::span<S> friction;
   };
   /// Computes a block of force_out.size() samples. `force`: N, at the force point. `height`: of the
-  /// driven striker above it, m. `out`: up to kMaxListeners spans, overwritten. `force_out`: the
-  /// force of strikers and hands, N. Input and output may share memory. Any input is safe: NaN
-  /// counts as 0, forces are limited to 1e6 N.
+  /// driven striker above it, m; held readings are joined (JoinedSteps). `out`: up to kMaxListeners
+  /// spans, overwritten. `force_out`: the force of strikers and hands, N. Input and output may
+  /// share memory. Any input is safe: NaN counts as 0, forces are limited to 1e6 N.
   template <class S>
   void process(std::span<const S> force, std::span<const S> height,
                std::span<const std::span<S>> out, std::span<S> force_out,
@@ -311,6 +312,7 @@ private:
   std::size_t culled_ = 0;
   std::uint64_t strike_count_ = 0;
   std::array<std::uint64_t, kMaxContacts> strike_order_{};
+  JoinedSteps hand_steps_{}; // of the height
   double last_height_ = 0;
   double last_force_ = 0; ///< of the inlet
   Chunk chunk_;

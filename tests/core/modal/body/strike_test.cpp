@@ -138,6 +138,35 @@ TEST_CASE("a hand on a spring feels k times its depth, to ten metres") {
   CHECK(loudest(output.left) == 0);
 }
 
+TEST_CASE("steps of an encoder under a resting hand are no strikes, and a hand that comes in steps "
+          "strikes as one "
+          "that glides") {
+  // Heights in m by time in s; every: readings in samples; step: of the encoder, m.
+  const auto play = [](const std::function<double(double)>& height_at, std::size_t every,
+                       double step) {
+    Rig rig(kRate, mode_table({300, 900}));
+    rig.options.driven = true;
+    rig.body.set_options(rig.options);
+    std::vector<float> height(48000);
+    for (std::size_t n = 0; n < height.size(); ++n) {
+      const double x = height_at(static_cast<double>(n / every * every) / kRate);
+      height[n] = static_cast<float>(step > 0 ? std::round(x / step) * step : x);
+    }
+    return loudest(rig.run(height.size(), 64, {}, height).left);
+  };
+  const auto strike_at = [](double speed) {
+    return
+        [speed](double t) { return .004 - speed * std::min(std::max(t - .1, 0.0), .005 / speed); };
+  };
+  const auto resting = [](double t) { return 20e-6 * std::sin(2 * std::numbers::pi * 9 * t); };
+  const double strike = play(strike_at(1), 1, 0);
+  CHECK(play(strike_at(1), 48, 0) == approx(strike).epsilon(.02));
+  CHECK(play(strike_at(.1), 48, 0) == approx(play(strike_at(.1), 1, 0)).epsilon(.02));
+  CHECK(strike > 0);
+  CHECK(play(resting, 48, 35e-6) < 2e-3 * strike);
+  CHECK(play(resting, 384, 35e-6) < 2e-3 * strike); // seen by Pd's messages, every 8 ms
+}
+
 TEST_CASE("an external force is limited to a million newtons, and NaN is 0") {
   const auto peak = [](float force) {
     Rig rig(kRate, mode_table({1000}));
