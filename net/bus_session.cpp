@@ -61,6 +61,8 @@ void BusSession::take(FrameReader::Outcome outcome, const Message& message, doub
     return;
   }
   flooding = false;
+  if (outcome == FrameReader::Outcome::kRefused)
+    return send_error("bad", reader.reason(), now_s);
   const Refusal refusal = outcome == FrameReader::Outcome::kBad ? Refusal{"bad", reader.reason()}
                                                                 : handle(message, now_s, receiver);
   if (!refusal.code.empty())
@@ -189,15 +191,9 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
   const BusTopic topic = bus_topic(message.name());
   if (topic.has_time && !message.number_at(kTopicHead))
     return {"arguments", "the first field of this topic is its time, ms after the message's"};
-  // Events are numbered from 1 on; 0 is from a sender that does not count.
-  if (*sequence != 0 && topic.is_event) {
-    const auto gap = static_cast<std::uint32_t>(*sequence) - events_taken_ - 1;
-    if (gap != 0) {
-      lost_events_ += gap;
-      send_error("sequence", "events are missing: they are numbered from 1 on", now_s);
-    }
-    events_taken_ = static_cast<std::uint32_t>(*sequence);
-  }
+  // 0 is from a sender that does not count.
+  if (*sequence != 0 && topic.is_event)
+    count_event(message[0], now_s);
   const auto stamp = static_cast<std::uint32_t>(*clock_us);
   clock_.add(stamp, now_s);
   const double delay_s = clock_.delay_s(stamp, now_s);
@@ -211,6 +207,19 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
   return {};
 }
 
+/// Events are numbered from 1 on, and may begin again there.
+void BusSession::count_event(const Argument& number, double now_s) {
+  if (may_be_rounded(number))
+    return send_error("sequence", "numbers of six digits: begin again at 1 before 1000000", now_s);
+  const auto event = static_cast<std::uint32_t>(static_cast<std::int32_t>(number.number));
+  const std::uint32_t gap = event == 1 ? 0 : event - events_taken_ - 1;
+  if (gap != 0) {
+    lost_events_ += gap;
+    send_error("sequence", "events are missing: they are numbered from 1 on", now_s);
+  }
+  events_taken_ = event;
+}
+
 void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
   if (!ready())
     return;
@@ -221,7 +230,9 @@ void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
     return;
   }
   Message message(Address::kTopic, topic.name());
-  message.integer(wire_integer(event ? ++events_sent_ : events_sent_)).integer(wire_integer(sent));
+  if (event)
+    events_sent_ = events_sent_ < static_cast<std::uint32_t>(last_count()) ? events_sent_ + 1 : 1;
+  message.integer(wire_integer(events_sent_)).integer(wire_integer(sent));
   for (std::size_t i = 0; i < topic.size(); ++i)
     message.add(topic[i]);
   if (!event)

@@ -9,6 +9,16 @@ namespace {
 constexpr std::uint8_t kEnd = 0xC0, kEscape = 0xDB, kEscapedEnd = 0xDC, kEscapedEscape = 0xDD;
 constexpr std::string_view kTooLong = "a packet is longer than 65536 bytes";
 
+std::optional<Framing> framing_of(std::uint8_t first) noexcept {
+  if (first == kEnd || first == '/' || first == '#')
+    return Framing::kSlip;
+  if (first == 0)
+    return Framing::kLength;
+  if (first >= 0x20 && first < 0x7f)
+    return Framing::kFudi;
+  return {};
+}
+
 } // namespace
 
 void FrameReader::begin_frame() noexcept {
@@ -40,9 +50,22 @@ bool FrameReader::append_byte(std::uint8_t byte) noexcept {
 }
 
 FrameReader::Outcome FrameReader::decode_packet(Message& message) noexcept {
-  const std::string_view reason = decode_osc({packet_.data(), size_}, message);
+  const std::string_view reason = check_osc({packet_.data(), size_});
+  elements_begin_ = 0;
+  elements_end_ = reason.empty() ? size_ : 0;
   begin_frame();
-  return reason.empty() ? Outcome::kMessage : bad(reason);
+  if (reason.empty())
+    return take_element(message) ? Outcome::kMessage : Outcome::kNeedMore;
+  reason_ = reason;
+  return reason == kOtherType ? Outcome::kRefused : Outcome::kBad;
+}
+
+/// The next message of the packet that came last.
+bool FrameReader::take_element(Message& message) noexcept {
+  auto rest = std::span<const std::uint8_t>(packet_).first(elements_end_).subspan(elements_begin_);
+  const auto element = next_message(rest);
+  elements_begin_ = elements_end_ - rest.size();
+  return !element.empty() && decode_osc(element, message).empty();
 }
 
 /// RFC 1055; an END that ends nothing separates.
@@ -128,20 +151,22 @@ FrameReader::Outcome FrameReader::next(std::span<const std::uint8_t>& input,
                                        Message& message) noexcept {
   if (broken_)
     return Outcome::kBroken;
+  if (take_element(message))
+    return Outcome::kMessage;
   while (!input.empty()) {
     const std::uint8_t byte = input.front();
     input = input.subspan(1);
     if (!framing_) {
-      if (byte == kEnd)
-        framing_ = Framing::kSlip;
-      else if (byte == 0)
-        framing_ = Framing::kLength;
-      else if (byte >= 0x20 && byte < 0x7f)
-        framing_ = Framing::kFudi;
-      else
+      framing_ = framing_of(byte);
+      if (!framing_)
         return broken("the first byte begins no known framing: expected 0xC0 (SLIP), 0x00 (a "
                       "length) or text");
+      may_be_text_ = framing_ == Framing::kSlip && byte != kEnd;
     }
+    // A line of text may begin with a slash, too; an address of OSC ends with a zero.
+    if (may_be_text_ && byte == ';')
+      framing_ = Framing::kFudi;
+    may_be_text_ = may_be_text_ && byte != 0 && byte != kEnd && byte != ';';
     Outcome outcome = Outcome::kNeedMore;
     switch (*framing_) {
     case Framing::kSlip:

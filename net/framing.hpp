@@ -11,9 +11,10 @@ namespace tactus::net {
 
 /// How messages are delimited on a stream; the first byte of a connection chooses.
 enum class Framing : std::uint8_t {
-  kSlip,   ///< 0xC0: OSC packets by RFC 1055, an END on both sides, as OSC 1.1 has it
+  kSlip,   ///< 0xC0: OSC packets by RFC 1055, an END on both sides, as OSC 1.1 has it; `/` and `#`
+           ///< too, as RFC 1055 asks for the END behind a packet alone
   kLength, ///< 0x00: OSC packets behind their length in 4 bytes, big-endian, as OSC 1.0 has it
-  kFudi,   ///< a printable byte: text, messages ended by a semicolon
+  kFudi,   ///< another printable byte: text, messages ended by a semicolon
 };
 
 /// An OSC packet or a message of text may have this many bytes.
@@ -25,14 +26,15 @@ public:
   enum class Outcome {
     kNeedMore, ///< the input is used up
     kMessage,
-    kBad,    ///< a packet that is dropped; reason() says why; the next one is read as usual
-    kBroken, ///< the stream has no frames any more: reason(); nothing else will come
+    kRefused, ///< a good packet that asks for what is not taken here: reason()
+    kBad,     ///< a packet that is dropped; reason() says why; the next one is read as usual
+    kBroken,  ///< the stream has no frames any more: reason(); nothing else will come
   };
 
   /// Consumes input up to the end of the next frame. The message's strings are valid until the next
   /// call.
   [[nodiscard]] Outcome next(std::span<const std::uint8_t>& input, Message& message) noexcept;
-  /// One sentence after kBad and kBroken.
+  /// One sentence after kRefused, kBad and kBroken.
   [[nodiscard]] std::string_view reason() const noexcept { return reason_; }
   /// Nothing before the first byte.
   [[nodiscard]] std::optional<Framing> framing() const noexcept { return framing_; }
@@ -44,6 +46,7 @@ private:
   [[nodiscard]] Outcome take_length(std::uint8_t byte, Message& message) noexcept;
   [[nodiscard]] Outcome take_text(std::uint8_t byte, Message& message) noexcept;
   [[nodiscard]] Outcome decode_packet(Message& message) noexcept;
+  [[nodiscard]] bool take_element(Message& message) noexcept;
   [[nodiscard]] Outcome bad(std::string_view reason) noexcept;
   [[nodiscard]] Outcome broken(std::string_view reason) noexcept;
   [[nodiscard]] bool append_byte(std::uint8_t byte) noexcept;
@@ -52,7 +55,9 @@ private:
   std::optional<Framing> framing_{};
   std::array<std::uint8_t, kMaxPacket> packet_{};
   std::size_t size_ = 0;
+  std::size_t elements_begin_ = 0, elements_end_ = 0; ///< what is left of a bundle, in packet_
   bool in_frame_ = false, discarding_ = false, escaping_ = false, broken_ = false;
+  bool may_be_text_ = false; ///< kSlip whose first packet had neither an END nor a zero yet
   std::uint32_t length_ = 0; ///< of the packet, kLength
   int length_bytes_ = 0;     ///< that have come
   std::uint32_t discarded_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 /// Rate and time limits for one client, and the counters that enforce them. Times in s by any one
 /// clock.
@@ -33,6 +34,9 @@ inline constexpr double kHello_s = 2;
 inline constexpr double kFrameTimeout_s = 2;
 /// How far a sequence number may go back and be merely old.
 inline constexpr int kSequenceWindow = 1000;
+/// The last number of a count, after which it begins again: where integers are exact, and for a
+/// peer that may be Pd, whose text has six digits.
+inline constexpr std::int32_t kLongCount = 0x7fffffff, kShortCount = 0x7ffff;
 
 /// Limits events to a number per second, of which all may come at once (a token bucket).
 class RateLimit {

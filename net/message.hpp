@@ -19,6 +19,12 @@ struct Argument {
   friend bool operator==(const Argument&, const Argument&) = default;
 };
 
+/// A count that came as a float of a million or more: Pd's text writes six digits, so that it may
+/// stand for the counts beside it.
+[[nodiscard]] constexpr bool may_be_rounded(const Argument& count) noexcept {
+  return count.type == Argument::Type::kFloat && (count.number >= 1e6 || count.number <= -1e6);
+}
+
 /// One message of the protocol, whatever its framing. Strings are views into the bytes it was
 /// decoded from, or into what its maker keeps. Has a fixed capacity and allocates nothing.
 class Message {

@@ -9,12 +9,15 @@ namespace tactus::net {
 namespace {
 
 constexpr std::string_view kPrefix = "/hap/", kBusPrefix = "/bus/";
+constexpr std::size_t kBundleHead = 16; ///< #bundle and the time tag
+constexpr int kMaxDepth = 8;            ///< of bundles within bundles
 
 class OscReader {
 public:
   explicit OscReader(std::span<const std::uint8_t> packet) noexcept : packet_(packet) {}
 
   [[nodiscard]] std::size_t left() const noexcept { return packet_.size() - at_; }
+  void skip(std::size_t bytes) noexcept { at_ += bytes; }
 
   bool string(std::string_view& text) noexcept {
     const auto remaining = packet_.subspan(at_);
@@ -38,6 +41,14 @@ public:
     value = 0;
     for (int i = 0; i < 4; ++i)
       value = value << 8 | packet_[at_++];
+    return true;
+  }
+
+  bool long_word(std::uint64_t& value) noexcept {
+    std::uint32_t high = 0, low = 0;
+    if (!word(high) || !word(low))
+      return false;
+    value = std::uint64_t{high} << 32 | low;
     return true;
   }
 
@@ -77,9 +88,23 @@ private:
   std::size_t size_ = 0;
 };
 
+bool is_bundle(std::span<const std::uint8_t> packet) noexcept {
+  constexpr std::string_view kName("#bundle\0", 8);
+  return packet.size() >= kName.size() && std::equal(kName.begin(), kName.end(), packet.begin());
+}
+
+/// Rounded to 32 bits.
+std::string_view add_real(double value, Message& message) noexcept {
+  if (!std::isfinite(static_cast<float>(value)))
+    return std::isfinite(value) ? "a number is out of range" : "a number is not finite";
+  message.real(value);
+  return {};
+}
+
 std::string_view decode_argument(char tag, OscReader& reader, Message& message) noexcept {
   constexpr std::string_view kMissing = "the packet ends inside its arguments";
   std::uint32_t word = 0;
+  std::uint64_t long_word = 0;
   std::string_view text;
   switch (tag) {
   case 'i':
@@ -87,26 +112,81 @@ std::string_view decode_argument(char tag, OscReader& reader, Message& message) 
       return kMissing;
     message.integer(std::bit_cast<std::int32_t>(word));
     return {};
-  case 'f': {
-    if (!reader.word(word))
+  case 'f':
+    return reader.word(word) ? add_real(std::bit_cast<float>(word), message) : kMissing;
+  case 'd':
+    return reader.long_word(long_word) ? add_real(std::bit_cast<double>(long_word), message)
+                                       : kMissing;
+  case 'h': {
+    if (!reader.long_word(long_word))
       return kMissing;
-    const auto number = static_cast<double>(std::bit_cast<float>(word));
-    if (!std::isfinite(number))
-      return "a number is not finite";
-    message.real(number);
+    const auto integer = std::bit_cast<std::int64_t>(long_word);
+    if (integer != static_cast<std::int32_t>(integer))
+      return add_real(static_cast<double>(integer), message);
+    message.integer(static_cast<std::int32_t>(integer));
     return {};
   }
+  case 'T':
+  case 'F':
+    message.integer(tag == 'T' ? 1 : 0);
+    return {};
   case 's':
+  case 'S':
     if (!reader.string(text))
       return "a string is not terminated";
     message.string(text);
     return {};
   default:
-    return "unknown type tag: expected i, f or s";
+    return kOtherType;
   }
 }
 
+std::string_view check_packet(std::span<const std::uint8_t> packet, int depth) noexcept {
+  Message message;
+  if (!is_bundle(packet))
+    return decode_osc(packet, message);
+  if (depth == kMaxDepth)
+    return "bundles within bundles deeper than 8";
+  if (packet.size() < kBundleHead)
+    return "a bundle ends inside its time tag";
+  OscReader reader(packet.subspan(kBundleHead));
+  while (reader.left() > 0) {
+    std::uint32_t size = 0;
+    if (!reader.word(size) || size > reader.left())
+      return "a bundle ends inside a message";
+    const auto element = packet.last(reader.left()).first(size);
+    if (const std::string_view reason = check_packet(element, depth + 1); !reason.empty())
+      return reason;
+    reader.skip(size);
+  }
+  return {};
+}
+
 } // namespace
+
+std::string_view check_osc(std::span<const std::uint8_t> packet) noexcept {
+  return check_packet(packet, 0);
+}
+
+std::span<const std::uint8_t> next_message(std::span<const std::uint8_t>& rest) noexcept {
+  while (!rest.empty()) {
+    if (is_bundle(rest)) { // its elements follow, each behind its size
+      rest = rest.subspan(kBundleHead);
+      continue;
+    }
+    std::uint32_t size = static_cast<std::uint32_t>(rest.size());
+    if (rest.front() == 0) { // of a size; a message begins with its slash
+      static_cast<void>(OscReader(rest).word(size));
+      rest = rest.subspan(4);
+    }
+    if (is_bundle(rest))
+      continue;
+    const auto message = rest.first(size);
+    rest = rest.subspan(size);
+    return message;
+  }
+  return {};
+}
 
 std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& message) noexcept {
   message = Message{};
@@ -115,7 +195,7 @@ std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& messa
   if (!reader.string(address))
     return "the address is not terminated";
   if (address == "#bundle")
-    return "bundles are not taken: send the messages one by one";
+    return "bundles are not taken here: send the messages one by one";
   if (!address.starts_with('/'))
     return "the address does not begin with a slash";
   if (!reader.string(tags) || !tags.starts_with(','))

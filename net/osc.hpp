@@ -7,13 +7,24 @@
 namespace tactus::net {
 
 /// OSC 1.0 (Wright 2002): an address, a comma and type tags, then the arguments, each string ended
-/// and filled up to four bytes with zeros, numbers big-endian. The protocol uses the tags i f s.
+/// and filled up to four bytes with zeros, numbers big-endian. The protocol uses the tags i f s; of
+/// others d, h and S are taken as these, T as 1, F as 0.
 ///
-/// Decodes one packet. Empty, or one sentence when the packet is bad: a string without an end, an
-/// unknown tag, bytes missing or left over, a number that is not finite, a bundle. Strings of the
+/// Decodes one message. Empty, or one sentence when it is bad: a string without an end, another tag
+/// (kOtherType), bytes missing or left over, a number that is not finite, a bundle. Strings of the
 /// message are views into the packet.
 [[nodiscard]] std::string_view decode_osc(std::span<const std::uint8_t> packet,
                                           Message& message) noexcept;
+inline constexpr std::string_view kOtherType =
+    "a type tag that is not taken: expected i, f, s, d, h, T or F";
+
+/// Checks a packet with all messages of its bundle, and of bundles within that, so that one with a
+/// bad message does nothing at all. Empty, or one sentence as of decode_osc().
+[[nodiscard]] std::string_view check_osc(std::span<const std::uint8_t> packet) noexcept;
+/// Cuts the next message off what is left of a packet that check_osc() found good; empty when there
+/// is none. Time tags are not read.
+[[nodiscard]] std::span<const std::uint8_t>
+next_message(std::span<const std::uint8_t>& rest) noexcept;
 
 /// Writes a message of a known address; returns the bytes written, 0 when they do not fit. A string
 /// is cut at a zero byte.

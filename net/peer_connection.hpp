@@ -31,6 +31,11 @@ struct PeerConnection {
   BadPackets bad_packets{};
   bool flooding = false; ///< and has been sent the error
 
+  /// The last number of this side's counts. Pd speaks text or SLIP.
+  [[nodiscard]] std::int32_t last_count() const noexcept {
+    return reader.framing() == Framing::kLength ? kLongCount : kShortCount;
+  }
+
   /// Cannot be said in words before the first byte has chosen the framing.
   void send_event(const Message& message);
   /// False when the sample was left out.

@@ -70,6 +70,8 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
     return;
   }
   session.flooding = false;
+  if (outcome == Outcome::kRefused) // no sign of life: an old force would go on beside the error
+    return session.send_error("bad", session.reader.reason(), now_s);
   if (outcome == Outcome::kBad)
     return session.count_bad_packet("bad", session.reader.reason(), now_s);
   const Refusal refusal = handle(session, message, now_s);

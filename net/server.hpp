@@ -132,7 +132,7 @@ private:
   [[nodiscard]] Refusal on_feedback(Session& session, Words message);
   [[nodiscard]] Refusal on_ping(Session& session, Words message, double now_s);
   void welcome(Session& session);
-  [[nodiscard]] std::int32_t milliseconds(double now_s) noexcept;
+  [[nodiscard]] std::int32_t milliseconds(const Session& session, double now_s) noexcept;
 
   // server_setup.cpp: what they set up
   [[nodiscard]] Refusal on_workspace(Session& session, Words message);

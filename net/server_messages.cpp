@@ -26,15 +26,23 @@ std::optional<Vec3> vector_at(const Message& message, std::size_t first) noexcep
   return x && y && z ? std::optional(Vec3{*x, *y, *z}) : std::nullopt;
 }
 
+constexpr std::string_view kSequenceText =
+    "the sequence number went back by more than 1000: count on, or begin again at 0";
+
 enum class Order { kNewer, kOld, kJump };
 
-/// By difference in 32 bits, so that the count may run over.
-Order order_of(const std::optional<std::int32_t>& last, std::int32_t sequence) noexcept {
+/// By difference in 32 bits, so that the count may run over. It may begin again at 0 or 1, and what
+/// Pd rounds may stay for a while.
+Order order_of(const std::optional<std::int32_t>& last, const Argument& count) noexcept {
   if (!last)
     return Order::kNewer;
+  const auto sequence = static_cast<std::int32_t>(count.number);
   const auto ahead = static_cast<std::int32_t>(static_cast<std::uint32_t>(sequence) -
                                                static_cast<std::uint32_t>(*last));
-  return ahead > 0 ? Order::kNewer : ahead < -kSequenceWindow ? Order::kJump : Order::kOld;
+  const bool begins = ahead < 0 && (sequence == 0 || sequence == 1);
+  if (ahead > 0 || begins || (ahead == 0 && may_be_rounded(count)))
+    return Order::kNewer;
+  return ahead < -kSequenceWindow ? Order::kJump : Order::kOld;
 }
 
 } // namespace
@@ -176,9 +184,9 @@ Server::Refusal Server::on_force(Session& session, Words message) {
   if (controller_ != &session || servo_command_.render.mode != RenderMode::kForce)
     return {"stopped", "send start force first"};
   if (numbered) {
-    const Order order = order_of(session.force_sequence, *sequence);
+    const Order order = order_of(session.force_sequence, message[0]);
     if (order == Order::kJump)
-      return {"sequence", "the sequence number went back by more than 1000", true};
+      return {"sequence", kSequenceText, true};
     if (order == Order::kOld)
       return {};
     session.force_sequence = sequence;
@@ -202,9 +210,9 @@ Server::Refusal Server::on_feedback(Session& session, Words message) {
   const RenderMode mode = servo_command_.render.mode;
   if (controller_ != &session || (mode != RenderMode::kSpring && mode != RenderMode::kDamper))
     return {"stopped", "send start spring or start damper first"};
-  const Order order = order_of(session.feedback_sequence, *sequence);
+  const Order order = order_of(session.feedback_sequence, message[0]);
   if (order == Order::kJump)
-    return {"sequence", "the sequence number went back by more than 1000", true};
+    return {"sequence", kSequenceText, true};
   if (order == Order::kOld)
     return {};
   session.feedback_sequence = sequence;
@@ -218,22 +226,23 @@ Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
   if (!sequence || message.size() > 2 || (message.size() == 2 && !echo))
     return {"arguments", "expected ping sequence, or ping sequence ms", true};
   if (echo) {
-    const std::int32_t age_ms = *echo >= 0 ? milliseconds(now_s) - *echo : -1;
-    if (age_ms < 0)
+    const std::int32_t last_ms = session.last_count(); // a power of 2 less 1
+    const std::int32_t age_ms = (milliseconds(session, now_s) - *echo) & last_ms;
+    if (*echo < 0 || *echo > last_ms || age_ms > last_ms / 2)
       return {"range", "that time has not come yet", true};
     session.echoed_s = std::max(session.echoed_s.value_or(-1e9), now_s - 1e-3 * age_ms);
   }
-  session.send_event(Message(Address::kPong).integer(*sequence).integer(milliseconds(now_s)));
+  session.send_event(
+      Message(Address::kPong).integer(*sequence).integer(milliseconds(session, now_s)));
   return {};
 }
 
-/// Time since the first call, ms. Begins again at 0 after 24 days; a client that then sends an old
-/// time back gets an error, as for a time in the future, until it has received a new one.
-std::int32_t Server::milliseconds(double now_s) noexcept {
+/// Time since the first call, ms, as this client counts: it begins again at 0.
+std::int32_t Server::milliseconds(const Session& session, double now_s) noexcept {
   if (!origin_s_)
     origin_s_ = now_s;
-  return static_cast<std::int32_t>(
-      static_cast<std::uint64_t>(std::max(0.0, now_s - *origin_s_) * 1e3) & 0x7fffffffu);
+  const auto total_ms = static_cast<std::uint64_t>(std::max(0.0, now_s - *origin_s_) * 1e3);
+  return static_cast<std::int32_t>(total_ms) & session.last_count();
 }
 
 } // namespace tactus::net

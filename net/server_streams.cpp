@@ -13,7 +13,7 @@ void Server::send_streams(Session& session, double now_s) {
   const auto sample = [&](Address address, const Vec3& v) {
     const Message message = Message(address)
                                 .integer(session.sample)
-                                .integer(milliseconds(now_s))
+                                .integer(milliseconds(session, now_s))
                                 .real(v.x)
                                 .real(v.y)
                                 .real(v.z);
@@ -21,7 +21,7 @@ void Server::send_streams(Session& session, double now_s) {
       session.datagrams.add(message);
     if (!session.datagrams.confirmed(now_s))
       session.send_sample(message);
-    session.sample = (session.sample + 1) & 0x7fffffff;
+    session.sample = (session.sample + 1) & session.last_count();
   };
   if (session.position.due(now_s))
     sample(Address::kPosition, report_.state.position * kMm_per_m);

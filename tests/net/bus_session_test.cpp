@@ -450,6 +450,10 @@ TEST_CASE("a gap in the numbers of events is counted and said") {
   raw_peer.say(topic("hit", 5, 0));
   CHECK(raw_peer.end.node.session(0).lost_events() == 2);
   CHECK(raw_peer.answer().find("error 'sequence'") != std::string::npos);
+  raw_peer.say(topic("hit", 1, 0)); // begins again
+  raw_peer.say(Message(Address::kTopic, "hit").real(1e6).integer(0).real(0).string("disk"));
+  CHECK(raw_peer.end.node.session(0).lost_events() == 2);
+  CHECK(raw_peer.answer().find("begin again at 1") != std::string::npos);
 }
 
 TEST_CASE("whatever time a message claims, it was sent before it came") {

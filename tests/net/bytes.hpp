@@ -40,6 +40,15 @@ inline Bytes with_length(const Bytes& packet) {
   return bytes;
 }
 
+inline Bytes bundle(const std::vector<Bytes>& elements) {
+  Bytes bytes = bytes_of(std::string_view("#bundle\0\0\0\0\0\0\0\0\1", 16));
+  for (const Bytes& element : elements) {
+    const Bytes sized = with_length(element);
+    bytes.insert(bytes.end(), sized.begin(), sized.end());
+  }
+  return bytes;
+}
+
 /// What a message looks like, kept after its bytes are gone.
 inline std::string to_text(const Message& message) {
   std::string text(message.name());
@@ -63,7 +72,9 @@ inline std::vector<std::string> read_all(const Bytes& bytes, std::size_t piece =
       if (outcome == FrameReader::Outcome::kMessage)
         found.push_back(to_text(message));
       else
-        found.push_back((outcome == FrameReader::Outcome::kBad ? "bad: " : "broken: ") +
+        found.push_back((outcome == FrameReader::Outcome::kBad       ? "bad: "
+                         : outcome == FrameReader::Outcome::kRefused ? "refused: "
+                                                                     : "broken: ") +
                         std::string(reader->reason()));
       if (outcome == FrameReader::Outcome::kBroken)
         return found;

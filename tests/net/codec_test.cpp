@@ -138,8 +138,13 @@ TEST_CASE("bad OSC packets are refused with the reason") {
     CHECK(osc_reason({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)}) != "");
   CHECK(osc_reason(good + Bytes{0, 0, 0, 0}) == "bytes are left after the arguments");
   CHECK(osc_reason(packet_of("/hap/force", ",ffd")) == "the packet ends inside its arguments");
-  CHECK(osc_reason(packet_of("/hap/force", ",d", Bytes(8))) ==
-        "unknown type tag: expected i, f or s");
+  CHECK(osc_reason(packet_of("/hap/force", ",b", Bytes(4))) == kOtherType);
+  CHECK(osc_reason(packet_of("/hap/force", ",d", {0x7F, 0xF0, 0, 0, 0, 0, 0, 0})) ==
+        "a number is not finite");
+  CHECK(osc_reason(packet_of("/hap/force", ",d", {0x7F, 0xE0, 0, 0, 0, 0, 0, 0})) ==
+        "a number is out of range");
+  CHECK(osc_reason(packet_of("/hap/force", ",h", Bytes(4))) ==
+        "the packet ends inside its arguments");
   CHECK(osc_reason(packet_of("/hap/force", "fff", Bytes(12))) == "there are no type tags");
   CHECK(osc_reason(packet_of("hap/force", ",fff", Bytes(12))) != "");
   CHECK(osc_reason(packet_of("#bundle", "", Bytes(8))).find("bundles") == 0);
@@ -155,6 +160,59 @@ TEST_CASE("bad OSC packets are refused with the reason") {
   CHECK(decode_osc(elsewhere, message) == "");
   CHECK(message.address() == Address::kUnknown);
   CHECK(message.name() == "/elsewhere/force");
+}
+
+TEST_CASE("types that mean one thing are taken as it") {
+  const Bytes arguments{0x3F, 0xE0, 0,    0,    0,    0, 0, 0,                    // d 0.5
+                        0,    0,    0,    0,    0,    0, 0, 5,                    // h 5
+                        0xFF, 0xFF, 0xFF, 0xFF, 0x80, 0, 0, 0,                    // h -2^31
+                        0,    0,    0,    1,    0,    0, 0, 0, 'w', 'o', 'r', 0}; // h 2^32, S wor
+  Message message;
+  const Bytes packet = packet_of("/hap/start", ",dhhhTFS", arguments);
+  REQUIRE(decode_osc(packet, message) == "");
+  CHECK(to_text(message) == "start 0.500000 5.000000 -2147483648.000000 4294967296.000000 1.000000 "
+                            "0.000000 'wor'");
+  CHECK(message.integer_at(2) == std::numeric_limits<std::int32_t>::min());
+}
+
+TEST_CASE("a bundle is its messages, one within another too; a damaged one is none of them") {
+  const std::string one = "force 1.000000 -2.000000 0.500000";
+  const Bytes force = force_packet(), stop = packet_of("/hap/stop", ",");
+  const auto all = [](const Bytes& packet, std::size_t piece = 1000) {
+    return read_all(with_length(packet) + with_length(force_packet()), piece);
+  };
+  using Lines = std::vector<std::string>;
+  CHECK(all(bundle({force})) == Lines{one, one});
+  for (const std::size_t piece : {1u, 5u, 1000u})
+    CHECK(all(bundle({bundle({bundle({}), stop, force}), stop}), piece) ==
+          Lines{"stop", one, "stop", one});
+  CHECK(all(bundle({})) == Lines{one});
+  Bytes damaged = bundle({force, stop}), deep = force;
+  damaged[damaged.size() - 1] = 1;
+  for (int depth = 0; depth < 9; ++depth)
+    deep = bundle({deep});
+  for (const Bytes& bad : {damaged, deep, Bytes(deep.begin(), deep.begin() + 12),
+                           bundle({force, Bytes{}}), bundle({force}) + Bytes(4)}) {
+    const Lines lines = all(bad);
+    REQUIRE(lines.size() == 2);
+    CHECK(lines[0].starts_with("bad: "));
+  }
+  CHECK(all(bundle({force, packet_of("/hap/stop", ",N")})) ==
+        Lines{"refused: " + std::string(kOtherType), one});
+}
+
+TEST_CASE("SLIP may have its END behind a packet alone, and text may begin with a slash") {
+  const std::string one = "force 1.000000 -2.000000 0.500000";
+  const Bytes slip = frame(Framing::kSlip, force()), behind(slip.begin() + 1, slip.end());
+  for (const std::size_t piece : {1u, 7u, 1000u})
+    CHECK(read_all(behind + behind, piece) == std::vector<std::string>{one, one});
+  CHECK(read_all(bytes_of("/hap/force 1; hap force 1 -2 0.5;")) ==
+        std::vector<std::string>{"/hap/force", one});
+  Bytes bundled = bundle({force_packet()}); // -2 is C0 00 00 00
+  const auto end = std::find(bundled.begin(), bundled.end(), 0xC0);
+  *end = 0xDB;
+  bundled.insert(end + 1, 0xDC);
+  CHECK(read_all(bundled + Bytes{0xC0}) == std::vector<std::string>{one});
 }
 
 TEST_CASE("a bad packet is dropped and the next is read") {

@@ -325,6 +325,9 @@ TEST_CASE("sequence numbers: older ones are ignored, a jump back is bad") {
   CHECK(force(5001, 2) == 2);
   CHECK(force(2147483647, 1) == 1);
   CHECK(force(-2147483647, 2) == 2); // runs over
+  CHECK(force(0, 1) == 1);
+  CHECK(force(500, 2) == 2);
+  CHECK(force(1, 1) == 1); // begins again
   p.client.send_text("hap start force");
   CHECK(force(1, 1) == 1);
   p.client.send_text("hap start spring");
@@ -339,6 +342,33 @@ TEST_CASE("sequence numbers: older ones are ignored, a jump back is bad") {
   CHECK(p.client.has_received("error 'sequence'"));
   CHECK(feedback(2001, 1.5) == doctest::Approx(0.5));
   CHECK(p.client.has_received("error 'range'"));
+}
+
+TEST_CASE("a count in Pd's six digits goes on, and what goes to Pd has six digits") {
+  Rig rig(usual());
+  TestClient client(rig, Framing::kFudi);
+  client.hello();
+  const auto say = [&](const std::string& line) { client.send_bytes(bytes_of(line + ";")); };
+  say("hap start force");
+  for (const double x : {1., 2., 1.5}) {
+    say("hap force 1e+06 " + std::to_string(x) + " 0 0");
+    CHECK(rig.server.servo_command().force_n.x == x);
+  }
+  say("hap start spring");
+  for (const double gamma : {0.25, 0.75, 0.5}) {
+    say("hap feedback 1.67772e+07 " + std::to_string(gamma));
+    CHECK(rig.server.servo_command().render.gamma.y == gamma);
+  }
+  client.received();
+  say("hap ping 1");
+  rig.now_s += 1000.001;
+  for (const char* echo : {"", " 475000", " 475713"})
+    say("hap ping 2" + std::string(echo));
+  CHECK(client.received() ==
+        std::vector<std::string>{"pong 1.000000 0.000000", "pong 2.000000 475713.000000",
+                                 "pong 2.000000 475713.000000", "pong 2.000000 475713.000000"});
+  say("hap ping 3 475813");
+  CHECK(client.has_received("error 'range'"));
 }
 
 TEST_CASE("wrong arguments are bad packets, and what is not of the mode is refused") {

@@ -71,6 +71,24 @@ TEST_CASE("an observer receives everything and changes nothing") {
   CHECK(lines.front() == "status 'started' 'force' 'test'");
 }
 
+TEST_CASE("a type that is not taken is an error, no bad packet and no sign of life") {
+  auto [rig, client] = Served();
+  client.send_text("hap start force");
+  client.send_text("hap force 1 0 0");
+  client.received();
+  Bytes refused = force_packet();
+  refused[14] = 'N'; // of ,fff
+  for (int i = 0; i < 100; ++i) {
+    client.send_bytes(with_length(refused));
+    rig.run(0.01);
+  }
+  CHECK(client.has_received("error 'bad' 'a type tag that is not taken"));
+  CHECK(!client.closing());
+  CHECK(rig.force_n == haptic::Vec3{});
+  client.send_bytes(with_length(bundle({force_packet()})));
+  CHECK(rig.server.servo_command().force_n.y == -2);
+}
+
 TEST_CASE("before hello everything else is refused, but for ping where no token is needed") {
   Rig rig(usual());
   TestClient client(rig);
