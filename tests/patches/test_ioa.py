@@ -135,7 +135,7 @@ def test_a_position_that_overtook_another_counts_and_a_clock_that_is_set_begins_
     patch.log("raw", sensor)
     sent = (100, 102, 108, 104, 110, 90000, 90002)
     for k, ms in enumerate(sent):
-        packet = b"/raw\0\0\0\0,ffff\0\0\0" + struct.pack(">4f", k, 0, 0, ms)
+        packet = b"/raw\0\0\0\0,dfih\0\0\0" + struct.pack(">dfiq", k, 0, 0, ms)
         patch.at(20 + 10 * k, sensor, list(packet))
     found = [(atoms[2], atoms[1]) for _, atoms in patch.render(0.2).logs["raw"]]
     assert [x for x, _ in found] == [0, 1, 2, 4, 5, 6]

@@ -5,6 +5,7 @@ import random
 import socket
 import struct
 
+import numpy
 import pytest
 from peer import osc as message, parse
 
@@ -50,6 +51,28 @@ def test_addresses_become_messages_and_answers_come_back():
     assert messages[-1][1] == ["reset"] and not status
 
 
+def typed(address, tags, data=b""):
+    return message(address)[:-4] + tags.encode() + bytes(4 - len(tags) % 4) + data
+
+
+TAKEN = [
+    (typed("/greed/x", ",df", struct.pack(">df", 1 / 3, 0.5)), ["x", float(numpy.float32(1 / 3)), 0.5]),
+    (typed("/greed/x", ",ddd", struct.pack(">ddd", -1e-5, 1e-300, 3e38)),
+     ["x", float(numpy.float32(-1e-5)), 0, float(numpy.float32(3e38))]),
+    (typed("/greed/x", ",sdhhT", b"word\0\0\0\0" + struct.pack(">dqq", -2.5, 5, -7)), ["x", "word", -2.5, 5, -7, 1]),
+    (typed("/greed/tune", ",T"), ["tune", 1]), (typed("/greed/tune", ",F"), ["tune", 0]),
+    (typed("/greed/preset", ",S", b"oboe\0\0\0\0"), ["preset", "oboe"]),
+    (bundle(typed("/greed/seed", ",h", struct.pack(">q", 3))), ["seed", 3]),
+    # A phone's button: pressed, let go.
+    (message("/greed/tongue", 1.0), ["tongue"]), (message("/greed/tongue", 0.0), None), (typed("/greed/reset", ",T"), ["reset"]),
+]
+
+
+def test_types_that_mean_one_thing_are_taken_as_it():
+    messages, _, status, _ = exchange([packet for packet, _ in TAKEN], errors=["no message 'x'"])
+    assert messages == [(i, atoms) for i, (_, atoms) in enumerate(TAKEN) if atoms] and not status
+
+
 def test_signal_inlets_are_played_by_names():
     """What the help patch does: /greed/mouth_pressure is routed to a ramp of the first inlet."""
     patch = Patch()
@@ -77,6 +100,10 @@ DAMAGED = {
     "the second message damaged": bundle(message("/greed/seed", 3), b"xyz\0,\0\0\0abcd"),
     "another name": message("/bell/seed", 3), "a number alone": message("/greed", 2000.0),
     "a program": message("/greed/solver", "/bin/true"), "a file written": message("/greed/write", "x"),
+    "a type that is not taken": typed("/greed/seed", ",b", bytes(4)), "an endless double": typed("/greed/seed", ",d", b"\x7f\xf0" + bytes(6)),
+    "an int64 beyond 32 bits": typed("/greed/seed", ",h", struct.pack(">q", 1 << 32)),
+    "a good message, then another type": bundle(message("/greed/seed", 3), typed("/greed/mass", ",N")),
+    "half a double": typed("/greed/seed", ",d", bytes(4)), "more than its types": message("/greed/seed", 3) + bytes(4),
     "no types": b"/greed/seed\0abcd", "the numbers missing": message("/greed/seed", 3)[:-4],
 }
 
@@ -105,24 +132,30 @@ def test_random_packets_do_nothing_and_the_next_good_one_works(count):
     assert len([line for line in result.errors if line.startswith("tactus_osc")]) <= 2 * (count / 1000 + 0.1) + 1
 
 
-def test_packets_go_through_udp_of_this_machine(tmp_path):
-    """In real time: Pd reads no sockets in batch mode."""
-    port, patch, packet = free_port(socket.SOCK_DGRAM), tmp_path / "reed.pd", None
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as answers:
-        answers.bind(("127.0.0.1", 0))
-        answers.settimeout(0.3)
-        patch.write_text(patch_text([f"obj 20 20 tactus_osc greed {port} 127.0.0.1 {answers.getsockname()[1]}",
-                                     "obj 20 80 greed~ -preset clarinet"], ["0 0 1 0", "1 4 0 1"]))
+def test_packets_go_through_udp_of_this_machine_to_all_who_want_answers(tmp_path):
+    """In real time: Pd reads no sockets in batch mode. `localhost` may be either address."""
+    port, patch, packets = free_port(socket.SOCK_DGRAM), tmp_path / "reed.pd", {}
+    with (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as first, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as second,
+          socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as sixth):
+        for answers in (first, second):
+            answers.bind(("127.0.0.1", 0))
+            answers.settimeout(0.3)
+        patch.write_text(patch_text([
+            f"obj 20 20 tactus_osc greed {port} 127.0.0.1 {first.getsockname()[1]}", "obj 20 80 greed~ -preset clarinet",
+            "obj 20 120 loadbang", "msg 20 160 " + " ".join(["reply"] + [f"127.0.0.1 {s.getsockname()[1]}" for s in (first, second)])],
+            ["0 0 1 0", "1 4 0 1", "2 0 3 0", "3 0 0 0"]))
         with LivePd(patch, path=[LIVE]) as pd:
-            def answered():
-                nonlocal packet
-                answers.sendto(message("/greed/get", "os"), ("127.0.0.1", port))
+            def answered(sender, host):
+                sender.sendto(message("/greed/get", "os"), (host, port))
                 try:
-                    packet = answers.recv(1000)
+                    packets[host] = [answers.recv(1000) for answers in (first, second)]
                 except OSError:
-                    pass  # Pd has not opened its port yet
-                return packet
-            pd.wait_until(answered, "an answer")
-            listening = pathlib.Path("/proc/net/udp").read_text()
-    assert parse(packet) == ["/greed/os", 0]
-    assert f"0100007F:{port:04X}" in listening  # of this machine only, where nobody says otherwise
+                    return False  # Pd has not opened its port yet
+                return True
+            pd.wait_until(lambda: answered(first, "127.0.0.1"), "an answer")
+            pd.wait_until(lambda: answered(sixth, "::1"), "an answer to ::1")
+            listening = [pathlib.Path(f"/proc/net/{name}").read_text() for name in ("udp", "udp6")]
+    assert [[parse(one) for one in two] for two in packets.values()] == [[["/greed/os", 0]] * 2] * 2
+    # Of this machine only, where nobody says otherwise.
+    assert f"0100007F:{port:04X}" in listening[0] and f"00000000:{port:04X}" not in listening[0]
+    assert f"{'0' * 24}01000000:{port:04X}" in listening[1] and f"{'0' * 32}:{port:04X}" not in listening[1]
