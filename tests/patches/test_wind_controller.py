@@ -199,6 +199,45 @@ def test_detached_and_repeated_notes_are_tongued_and_slurred_ones_are_not():
     assert [ms for ms, _ in result.logs["tongue"]] == pytest.approx([100, 300, 600, 800], abs=2)
 
 
+def test_a_key_let_go_gives_back_the_one_before_it_that_is_still_down():
+    result = player((10, "control 2 100"), (100, "note 62 90"), (200, "note 69 90"), (208, "note 69 0"),
+                    (300, "note 64 90"), (310, "note 62 0"), (400, "note 64 0"))
+    assert [(round(ms), key) for ms, (key,) in result.logs["key"]] == [(100, 62), (200, 69), (208, 62), (300, 64)]
+    assert len(result.logs["tongue"]) == 1 and min(part(result["p_m"], 0.12, 0.4)) > 2000
+    assert pressures(result, 450) == [0]
+
+
+@pytest.mark.parametrize("control, pressure, key_again", [(120, 0, 0), (123, 0, 3000), (127, 0, 3000), (121, 0, 3000), (7, 3000, 3000)])
+def test_channel_mode_messages_act_on_a_held_note(control, pressure, key_again):
+    result = player((10, "control 2 127"), (20, "note 69 90"), (30, "bend 8191"), (100, f"control {control} 0"),
+                    (200, "note 69 0"), (300, "note 69 127"))
+    assert pressures(result, 90, 150, 450) == [3000, pressure, key_again]
+    assert result.logs["f_b"][-1][1][0] == pytest.approx(440 if control == 121 else frequency(71), rel=1e-3)
+
+
+def test_an_idle_sensor_that_flickers_is_silent_and_a_soft_breath_sounds():
+    flicker = [(20 + 10 * i, f"control 2 {i % 2}") for i in range(40)]
+    result = player((10, "note 60 90"), *flicker, (420, "control 2 3"), (500, "control 2 1"), (600, "control 2 0"),
+                    (610, "control 2 2"))
+    low, high = 1500, 3000
+    assert not part(result["p_m"], 0.06, 0.42).any()
+    assert pressures(result, 450, 550, 620, 700, 790) == pytest.approx(
+        [low * (high / low) ** (2 / 126), low, 0, 0, low * (high / low) ** (1 / 126)], rel=1e-4)
+    result = player((10, "control 2 0"), (20, "pressure 0"), (30, "note 60 127"))
+    assert pressures(result, 100) == [3000]  # a stray 0 is no breath
+
+
+def test_another_instrument_takes_over_a_held_note_and_a_note_beyond_its_compass_is_told():
+    patch = Patch(opens=REED / "wind_controller.pd")
+    for ms, receiver, message in ((0, "wind-instrument-set", 0), (100, "wind-event", "control 2 80"), (100, "wind-event", "note 62 90"),
+                                  (500, "wind-instrument-set", 2), (900, "wind-event", "note 50 90")):
+        patch.send(ms, receiver, message)
+    patch.record("sound", patch.dac(1))
+    result = patch.render(1, path=[REED])
+    assert level(part(result["sound"], 0.75, 0.9)) > -40 and abs(off(result["sound"], 0.7, 0.9, 62)) <= 10
+    assert "wind_controller: 146.832 Hz is beyond this instrument: 233 to 1046.5 Hz" in result.output
+
+
 def test_velocity_plays_until_breath_is_seen_and_again_once_it_is_forgotten():
     result = player((10, "note 60 127"), (100, "note 60 0"), (200, "control 11 64"),
                     (220, "note 60 127"), (300, "note 60 0"), (310, "control 11 0"),
