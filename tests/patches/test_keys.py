@@ -183,6 +183,24 @@ def test_of_a_thousand_random_messages_no_voice_is_left_over(seed):
     assert not sounding
 
 
+def test_controllers_are_put_back_a_stray_breath_mutes_nothing_and_one_channel_is_heard():
+    stray = [(20 + 10 * i, f"control 2 {i % 2}") for i in range(9)]
+    log = [(round(ms), atoms) for ms, atoms in voices(
+        [(10, "note 60 90"), *stray, (200, "control 64 127"), (210, "note 60 0"), (220, "control 121 0"), (230, "control 2 9"),
+         (240, "note 62 90"), (250, "control 125 0")], 4)]
+    back = [["all", "mod", 0], ["all", "bend", 0], ["all", "breath", -1]]
+    assert log == [(10, [1, "note", 60, 90]), (220, [1, "note", 60, 0]), *((220, one) for one in back), (230, ["all", "breath", 9]),
+                   (240, [2, "note", 62, 90]), (250, ["all", "breath", -1]), (250, [2, "note", 62, 0])]
+    patch = Patch()
+    keys = patch.obj("tactus_keys", 4, 2)
+    for ms, channel in ((10, 1), (20, 2)):
+        patch.send(ms, "#notein", [60 + channel, 90, channel])
+    patch.at(30, keys, "channel 0")
+    patch.send(40, "#notein", [67, 90, 7])
+    patch.log("out", keys)
+    assert [atoms[2] for _, atoms in patch.render(0.1, path=[LIVE]).logs["out"]] == [62, 67]
+
+
 def test_impossible_keys_do_nothing():
     assert not voices([(10, "note -1 90"), (20, "note 128 90"), (30, "note 500 90"), (40, "note 60 0")], 4)
 
