@@ -1,5 +1,6 @@
 """The ioa modules under wrong messages and doubled or deleted modules: one line each, and they go on."""
 import re
+import struct
 
 import pytest
 
@@ -64,12 +65,13 @@ def test_a_wrong_message_is_one_line_and_nothing_stops(role, tmp_path):
 def test_packets_that_are_no_osc_are_told_once_and_counted(tmp_path):
     patch = Patch()
     system = System(patch, sdd=["ioa_sdd_osc"])
-    packets = ("foo", "1 2 3", "1e20 5", "47 114 97 119", "47 98 99 100 0 0 0", "300 300 1 1 1 1 1 1", "47 98 0 0 44 78 0 0")
+    packets = ("foo", "1 2 3", "1e20 5", "47 114 97 119", "47 98 99 100 0 0 0", "300 300 1 1 1 1 1 1", "47 98 0 0 44 78 0 0",
+               " ".join(map(str, b"/raw\0\0\0\0,fffi\0\0\0" + struct.pack(">fffi", 1, 2, 3, 1 << 24))))
     for k, packet in enumerate(packets):
         patch.at(10 + k, system.box["sdd"], packet)
     result = patch.render(1, expect_errors=["ioa_sdd_osc foo expected listen", "5 more wrong messages",
-                                             "ioa_sdd_osc type N is not taken"])
-    assert len(result.errors) == 3
+                                             "ioa_sdd_osc type N is not taken", "raw: expected ms below 16777216"])
+    assert len(result.errors) == 4
 
 
 @pytest.mark.parametrize("module, more, kind", [("ioa_re", (1,), "recognition-engine"),
