@@ -108,3 +108,11 @@ def test_the_patch_sounds_by_one_click_and_not_before():
 def test_unknown_keys_and_programs_do_nothing():
     result = render([(100, "note 12 90"), (150, "program 15"), (200, "program -1"), (250, "note 99 1")], 0.5)
     assert not result.logs["info"] and not result.logs["messages"]
+
+
+@pytest.mark.parametrize("message", ["silence", "control 120 0", "control 123 0"])
+def test_what_ends_all_notes_lifts_the_pads(message):
+    result = render([(START_MS, "note 36 127"), (START_MS, "note 41 127"), (400, message)], 0.7)
+    heel, ball = result["force 0"], result["force 3"]
+    assert min(heel[int(0.39 * RATE)], ball[int(0.39 * RATE)]) > 500
+    assert not heel[int(0.65 * RATE):].any() and not ball[int(0.65 * RATE):].any()
