@@ -227,6 +227,13 @@ def test_an_idle_sensor_that_flickers_is_silent_and_a_soft_breath_sounds():
     assert pressures(result, 100) == [3000]  # a stray 0 is no breath
 
 
+def test_a_dip_of_breath_behind_a_slur_is_not_heard_and_an_end_is():
+    result = player((10, "control 2 100"), (20, "note 60 90"), (200, "note 62 90"), (200, "note 60 0"), (205, "control 2 0"),
+                    (215, "control 2 100"), (400, "note 64 90"), (405, "note 62 0"), (410, "control 2 0"))
+    assert numpy.ptp(part(result["p_m"], 0.1, 0.41)) == 0 and len(result.logs["tongue"]) == 1
+    assert pressures(result, 445) == [0]
+
+
 def test_another_instrument_takes_over_a_held_note_and_a_note_beyond_its_compass_is_told():
     patch = Patch(opens=REED / "wind_controller.pd")
     for ms, receiver, message in ((0, "wind-instrument-set", 0), (100, "wind-event", "control 2 80"), (100, "wind-event", "note 62 90"),
