@@ -75,6 +75,7 @@ public:
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
       voices_[0]->set(i, declaration_.parameters[i].initial);
     make_ports();
+    flood_clock_ = clock_new(this, method(&on_flood));
     timers_.resize(record.traits().timers);
     for (std::size_t i = 0; i < timers_.size(); ++i) {
       timers_[i] = {this, i, nullptr};
@@ -92,6 +93,7 @@ public:
     voices_.clear(); // joins worker threads, after which none calls wake_from_thread
     if (record_.traits().posts && host_features().queue_message)
       host_features().queue_cancel(&instance_.object.ob_pd);
+    clock_free(flood_clock_);
     for (Timer& timer : timers_)
       clock_free(timer.clock);
     if (report_clock_)
@@ -136,8 +138,18 @@ public:
   }
   void info(std::span<const Atom> atoms) override { send_to(info_, atoms); }
   void error(std::string_view sentence) override {
-    pd_error(&instance_.object, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
-             declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
+    const std::string_view kind = sentence.substr(0, sentence.find_first_of(" :"));
+    if (kind != error_kind_) {
+      print_held_errors();
+      error_kind_ = kind;
+      errors_ = 0;
+    }
+    if (errors_++ == 0)
+      clock_delay(flood_clock_, kFloodMilliseconds);
+    if (errors_ > kMaxErrors)
+      ++held_errors_;
+    else
+      print_error(sentence);
   }
   void log(std::string_view sentence) override {
     logpost(&instance_.object, PD_NORMAL, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
@@ -197,6 +209,9 @@ public:
 
 private:
   static constexpr double kPollMilliseconds = 5;
+  /// Of a flood of errors about one message these are printed, then each half second their number.
+  static constexpr int kMaxErrors = 100;
+  static constexpr double kFloodMilliseconds = 500;
   static constexpr std::string_view kLibrary = "tactus"; // its folder, in a folder of Pd's path
   static constexpr HostPrecision kPrecision =
       sizeof(t_float) == sizeof(float) ? HostPrecision::kSingle : HostPrecision::kDouble;
@@ -212,6 +227,23 @@ private:
                               static_cast<int>(declaration_.name.size()), declaration_.name.data(),
                               event, why);
                    });
+  }
+
+  void print_error(std::string_view sentence) {
+    pd_error(&instance_.object, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
+             declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
+  }
+  void print_held_errors() {
+    if (held_errors_ > 0)
+      print_error(error_kind_ + ": " + std::to_string(held_errors_) + " more errors");
+    held_errors_ = 0;
+  }
+  /// Half a second after the first of them: a flood that goes on stays a number.
+  void end_half_second() {
+    errors_ = held_errors_ > 0 ? kMaxErrors : 0;
+    if (held_errors_ > 0)
+      clock_delay(flood_clock_, kFloodMilliseconds);
+    print_held_errors();
   }
 
   void receive(const t_symbol* selector, int count, const t_atom* atoms) {
@@ -457,6 +489,7 @@ private:
     reinterpret_cast<PdObject*>(words[1])->perform(static_cast<std::size_t>(words[2]));
     return words + 3;
   }
+  static void on_flood(PdObject* self) { self->enter("error", &PdObject::end_half_second); }
   static void on_report(PdObject* self) { self->enter("report", &PdObject::report); }
   static void on_timer(Timer* timer) {
     timer->owner->enter("timer", &PdObject::tick, timer->index);
@@ -484,6 +517,10 @@ private:
   std::vector<t_outlet*> outlets_;
   t_outlet* info_ = nullptr;
   std::vector<Timer> timers_;
+  t_clock* flood_clock_ = nullptr;
+  std::string error_kind_{}; ///< the message that the last error was about
+  int errors_ = 0;           ///< about it in this half second
+  int held_errors_ = 0;      ///< of these not printed
   t_clock* report_clock_ = nullptr;
   t_clock* post_clock_ = nullptr;
   std::atomic<bool> posted_{false};

@@ -72,6 +72,35 @@ TEST_CASE("malformed creation arguments make no object and one sentence") {
   }
 }
 
+TEST_CASE("of a flood of errors about one message the first are printed, then their number") {
+  Box box("probe~");
+  std::vector<std::string> said;
+  const auto flood = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      box.send("gain", {1e6 + i});
+      for (std::string& sentence : errors())
+        said.push_back(std::move(sentence));
+    }
+  };
+  const auto after = [&](double milliseconds) {
+    advance(milliseconds);
+    return errors();
+  };
+  using Lines = std::vector<std::string>;
+  flood(1000);
+  CHECK(said.size() == 100);
+  CHECK(after(501) == Lines{"probe~: gain: 900 more errors"});
+  flood(3);
+  CHECK(said.size() == 100);
+  box.send("nothing");
+  const Lines other = errors();
+  REQUIRE(other.size() == 2);
+  CHECK(other[0] == "probe~: gain: 3 more errors");
+  CHECK(after(501).empty());
+  flood(1);
+  CHECK(said.size() == 101);
+}
+
 TEST_CASE("an inlet's number is the signal while nothing is connected") {
   Box box("probe~");
   box.dsp(48000, 64);
