@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <functional>
+
 using namespace tactus::modal;
 using namespace tactus::test;
 
