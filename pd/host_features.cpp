@@ -44,6 +44,11 @@ bool runs_in_batch() noexcept {
   return batch;
 }
 
+t_pdinstance* current_instance() noexcept {
+  auto* const of_thread = reinterpret_cast<t_pdinstance**>(host_symbol("pd_this"));
+  return of_thread ? *of_thread : &pd_maininstance;
+}
+
 int channel_count(const t_signal* signal) noexcept {
   if (!host_features().signal_setmultiout)
     return 1;

@@ -23,6 +23,10 @@ struct HostFeatures {
 /// command line tells.
 [[nodiscard]] bool runs_in_batch() noexcept;
 
+/// The instance of Pd that this thread works for. A libpd built for many (MULTI, as in plugdata)
+/// has one for each thread, and no symbols like s_list.
+[[nodiscard]] t_pdinstance* current_instance() noexcept;
+
 /// The class flag of multichannel objects (CLASS_MULTICHANNEL since 0.54).
 inline constexpr int kMultichannelFlag = 0x10;
 

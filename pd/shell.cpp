@@ -320,18 +320,19 @@ private:
 
   void make_ports() {
     t_object* object = &instance_.object;
+    t_symbol* const signal = gensym("signal");
     inlets_.resize(declaration_.inlets.size());
     for (std::size_t i = 1; i < declaration_.inlets.size(); ++i) {
       if (declaration_.inlets[i].kind == Port::Kind::kSignal)
-        inlets_[i] = inlet_new(object, &object->ob_pd, &s_signal, &s_signal);
+        inlets_[i] = inlet_new(object, &object->ob_pd, signal, signal);
       else if (declaration_.inlets[i].kind == Port::Kind::kList)
-        inlet_new(object, &object->ob_pd, &s_list, gensym(("_list" + std::to_string(i)).c_str()));
+        inlet_new(object, &object->ob_pd, list_, gensym(("_list" + std::to_string(i)).c_str()));
       else
-        inlet_new(object, &object->ob_pd, &s_float, gensym(("_inlet" + std::to_string(i)).c_str()));
+        inlet_new(object, &object->ob_pd, gensym("float"),
+                  gensym(("_inlet" + std::to_string(i)).c_str()));
     }
     for (const Port& port : declaration_.outlets) {
-      outlets_.push_back(
-          outlet_new(object, port.kind == Port::Kind::kSignal ? &s_signal : nullptr));
+      outlets_.push_back(outlet_new(object, port.kind == Port::Kind::kSignal ? signal : nullptr));
       if (port.name == kInfoOutlet)
         info_ = outlets_.back();
     }
@@ -442,7 +443,7 @@ private:
     else if (count == 1)
       outlet_float(outlet, list[0].a_w.w_float);
     else
-      outlet_list(outlet, &s_list, count, list.data());
+      outlet_list(outlet, list_, count, list.data());
   }
 
   void perform(std::size_t frames) noexcept {
@@ -507,7 +508,8 @@ private:
   const PdClass& record_;
   const Declaration& declaration_;
   t_canvas* canvas_;
-  t_pdinstance* pd_ = pd_this; // a worker thread has no pd_this of its own
+  t_pdinstance* pd_ = current_instance(); // a worker thread has none of its own
+  t_symbol* list_ = gensym("list");       // not s_list: of each instance its own
   double creation_time_;
   double block_ms_ = 0, tick_ms_ = 0; // lengths
   double performed_ms_ = -1, next_block_ms_ = 0;

@@ -242,9 +242,10 @@ TEST_CASE("the first argument of a box is what one would guess, before and after
         std::find_if(std::begin(guesses), std::end(guesses),
                      [&](const Guess& one) { return declaration.name == one.object; });
     REQUIRE(guess != std::end(guesses));
-    MessageAtoms flag; // any other parameter, at its initial value
+    MessageAtoms
+        flag; // another parameter, at its initial value: the last, which is part of no preset
     for (const Parameter& parameter : declaration.parameters)
-      if (flag.empty() && parameter.name != guess->get)
+      if (parameter.name != guess->get)
         flag = {"-" + std::string(parameter.name), atom_of(parameter, parameter.initial)};
     for (const bool after : {false, true}) {
       CAPTURE(after);

@@ -33,7 +33,7 @@ struct _inlet {
   t_pd* target;
   t_symbol *from, *to;
   t_float value = 0;
-  [[nodiscard]] bool takes_signal() const { return to == &s_signal; }
+  [[nodiscard]] bool takes_signal() const { return to == gensym("signal"); }
 };
 
 struct _outlet {

@@ -7,8 +7,6 @@
 #include <cstdlib>
 #include <map>
 
-t_symbol s_float{"float", nullptr, nullptr}, s_list{"list", nullptr, nullptr},
-    s_signal{"signal", nullptr, nullptr};
 t_pdinstance pd_maininstance;
 
 namespace tactus::test {
@@ -80,11 +78,11 @@ void Box::send(std::size_t inlet, std::string_view selector, const MessageAtoms&
   if (inlet == 0)
     return pd_typedmess(object_->pd, s, count, given.data());
   t_inlet& i = *object_->inlets[inlet - 1];
-  if (s == &s_list && count == 1 && given[0].a_type == A_FLOAT)
-    s = &s_float;
-  if (i.takes_signal() && s == &s_float)
+  if (s == gensym("list") && count == 1 && given[0].a_type == A_FLOAT)
+    s = gensym("float");
+  if (i.takes_signal() && s == gensym("float"))
     i.value = given[0].a_w.w_float;
-  else if (s == i.from || (i.from == &s_list && s == &s_float))
+  else if (s == i.from || (i.from == gensym("list") && s == gensym("float")))
     pd_typedmess(i.target, i.to, count, given.data());
   else
     record_error("inlet: expected another type of message");
@@ -102,9 +100,6 @@ const _class::Method* _class::method(std::string_view selector) const {
 }
 
 t_symbol* gensym(const char* name) {
-  for (t_symbol* s : {&s_float, &s_list, &s_signal})
-    if (std::string_view(s->s_name) == name)
-      return s;
   const auto [found, added] = symbols.try_emplace(name);
   if (added)
     found->second.s_name = found->first.c_str();
@@ -157,9 +152,10 @@ void pd_typedmess(t_pd* pd, t_symbol* selector, int count, t_atom* atoms) {
   const t_class& c = **pd;
   // As Pd's default method for lists: a class without a method for what a short list stands for
   // gets the list as it is.
-  if (selector == &s_list && count == 1 && atoms[0].a_type == A_FLOAT && c.main_signal_offset)
-    selector = &s_float;
-  if (selector == &s_float && c.main_signal_offset) {
+  if (selector == gensym("list") && count == 1 && atoms[0].a_type == A_FLOAT &&
+      c.main_signal_offset)
+    selector = gensym("float");
+  if (selector == gensym("float") && c.main_signal_offset) {
     *reinterpret_cast<t_float*>(reinterpret_cast<char*>(pd) + c.main_signal_offset) =
         count ? atoms[0].a_w.w_float : 0;
     return;

@@ -1,11 +1,15 @@
-// What Pd 0.54 to 0.57 add: multichannel signals and posting from threads.
+// What Pd 0.54 to 0.57 add: multichannel signals and posting from threads. Built for many
+// instances, as libpd's MULTI is: each thread has its own.
 #include "tests/pd/host/internal.hpp"
 
 #include <list>
 #include <mutex>
 
+#undef pd_this
+
 namespace {
 
+t_pdinstance instance_of_thread;
 using Function = void (*)(t_pd*, void*);
 struct Entry {
   t_pd* object;
@@ -18,6 +22,9 @@ std::list<Entry> queue;
 } // namespace
 
 extern "C" {
+#ifndef _WIN32 // a DLL exports none
+thread_local t_pdinstance* pd_this = &instance_of_thread;
+#endif
 void signal_setmultiout(t_signal** signal, int channels);
 void pd_queue_mess(t_pdinstance* instance, t_pd* object, void* argument, Function function);
 void pd_queue_cancel(t_pd* object);
@@ -28,7 +35,11 @@ void signal_setmultiout(t_signal** signal, int channels) {
 }
 
 void pd_queue_mess(t_pdinstance* instance, t_pd* object, void* argument, Function function) {
+#ifdef _WIN32
   if (instance != &pd_maininstance)
+#else
+  if (instance != &instance_of_thread)
+#endif
     tactus::test::die("pd_queue_mess for another instance");
   const std::lock_guard held(lock);
   queue.push_back({object, argument, function});

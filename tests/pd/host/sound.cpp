@@ -39,7 +39,7 @@ void HostSignal::set_channels(int count) {
 std::size_t HostObject::signal_inlets() const { return inlet_values(*this).size(); }
 std::size_t HostObject::signal_outlets() const {
   return static_cast<std::size_t>(std::count_if(
-      outlets.begin(), outlets.end(), [](const auto& o) { return o->type == &s_signal; }));
+      outlets.begin(), outlets.end(), [](const auto& o) { return o->type == gensym("signal"); }));
 }
 
 void Box::dsp(double rate, int frames, int channels, bool alias) {
