@@ -3,6 +3,9 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 /// [phantom]'s output: positions, events, statistics and trace.
 namespace tactus {
 
@@ -19,6 +22,7 @@ void Phantom::collect(Host& host) {
   const double now_s = devices::ServoThread::now_s();
   const bool stalled =
       now_s - collected_s_ > kMaxHostStall_s; // then the servo may have stalled, too
+  follow_clock(host.now_ms(), now_s);
   collected_s_ = now_s;
   const bool is_new = exchange().reports.read();
   has_report_ = has_report_ || is_new;
@@ -57,10 +61,25 @@ void Phantom::collect(Host& host) {
     send_timing(host);
 }
 
+/// Relates the servo's clock to the patch's. The host's time jumps by blocks about the true one,
+/// and the two drift apart by up to 100 ppm.
+void Phantom::follow_clock(double patch_ms, double servo_s) noexcept {
+  constexpr double kMaxDrift = 2e-4, kJump_ms = 50;
+  const double difference = patch_ms - servo_s * 1e3 - clock_offset_ms_;
+  const double step_ms = kMaxDrift * 1e3 * std::max(0.0, servo_s - collected_s_);
+  clock_offset_ms_ +=
+      std::abs(difference) > kJump_ms ? difference : std::clamp(difference, -step_ms, step_ms);
+}
+
+/// The patch's time of a moment of the servo's clock, ms.
+double Phantom::patch_ms(double servo_s) const noexcept {
+  return servo_s * 1e3 + (wall_ ? clock_offset_ms_ : 0);
+}
+
 void Phantom::drain_trace() {
   haptic::Report report;
   for (int taken = 0; taken < 1024 && exchange().trace.pop(report); ++taken)
-    trace_.write(report);
+    trace_.write(report, patch_ms(report.tick.time_s));
 }
 
 /// Reports entries that full queues have dropped, once a second.
@@ -92,9 +111,7 @@ void Phantom::send_event(const haptic::Event& event, Host& host) {
 void Phantom::send_contact(const haptic::ContactEvent& event, Host& host) {
   using Kind = haptic::ContactEvent::Kind;
   const Atom body = scene_.name_of(event.key);
-  // Converted to the patch's time.
-  const double ms = wall_ ? host.now_ms() - (devices::ServoThread::now_s() - event.time_s) * 1e3
-                          : event.time_s * 1e3;
+  const double ms = patch_ms(event.time_s);
   const haptic::Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;
   switch (event.kind) {
   case Kind::kHit:

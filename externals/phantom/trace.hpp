@@ -2,6 +2,7 @@
 
 #include "core/haptic/servo/servo.hpp"
 
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -16,13 +17,17 @@ public:
   /// Empty when every row has reached the file.
   std::string close();
   [[nodiscard]] bool is_open() const noexcept { return file_ != nullptr; }
-  void write(const haptic::Report& report);
+  /// ms: the tick's time on the clock that the file has. Ticks are counted on where the servo
+  /// begins again.
+  void write(const haptic::Report& report, double ms);
 
 private:
   struct Close {
     void operator()(std::FILE* file) const noexcept { std::fclose(file); }
   };
   std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t next_index_ = 0;                // of the servo's ticks
+  std::uint64_t number_ = 0, first_number_ = 0; // of the next row, and of the servo's first tick
 };
 
 } // namespace tactus::phantom
