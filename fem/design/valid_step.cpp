@@ -15,10 +15,10 @@ double scaled(Shape shape, const Jacobian& j) {
   const double ab = length(b - a), ac = length(c - a), bc = length(c - b);
   const double la = length(a), lb = length(b), lc = length(c);
   double edges = la * lb * lc, ideal = 1;
-  if (shape == Shape::tet4 || shape == Shape::tet10) {
+  if (corner_count(shape) == 4) {
     edges = std::max({edges, la * ab * ac, lb * ab * bc, lc * ac * bc});
     ideal = std::numbers::sqrt2;
-  } else if (shape == Shape::wedge15) {
+  } else if (corner_count(shape) == 6) {
     edges = std::max({la * lb, la * ab, lb * ab}) * lc;
     ideal = 2 / std::numbers::sqrt3;
   }
@@ -26,16 +26,12 @@ double scaled(Shape shape, const Jacobian& j) {
 }
 
 const Tabulated& at_corners(Shape shape) {
-  static const auto all = [] {
-    std::vector<Tabulated> tables;
-    for (const Shape s : {Shape::tet4, Shape::tet10, Shape::hex8, Shape::hex20, Shape::wedge15}) {
-      std::vector<QuadraturePoint> corners;
-      for (const Vector3& p : reference_nodes(s).first(static_cast<std::size_t>(corner_count(s))))
-        corners.push_back({p, 1});
-      tables.emplace_back(s, corners);
-    }
-    return tables;
-  }();
+  static const auto all = for_shapes([](Shape s) {
+    std::vector<QuadraturePoint> corners;
+    for (const Vector3& p : reference_nodes(s).first(static_cast<std::size_t>(corner_count(s))))
+      corners.push_back({p, 1});
+    return Tabulated(s, corners);
+  });
   return all[static_cast<std::size_t>(shape)];
 }
 

@@ -67,12 +67,24 @@ Points wedge() {
   return points;
 }
 
+/// Those of the hexahedron, whose upper face is collapsed to the apex: t = (1 + z) / 2, and r and s
+/// shrink with 1 - t.
+Points pyramid(int count) {
+  Points points = hexahedron(count);
+  for (QuadraturePoint& q : points) {
+    const double t = .5 * (1 + q.at.z), h = 1 - t;
+    q = {{h * q.at.x, h * q.at.y, t}, .5 * h * h * q.weight};
+  }
+  return points;
+}
+
 } // namespace
 
 std::span<const QuadraturePoint> stiffness_points(Shape shape) {
   static const Points one{{{.25, .25, .25}, 1.0 / 6}};
   static const Points four = tetrahedron_4();
   static const Points eight = hexahedron(2);
+  static const Points collapsed = pyramid(2);
   switch (shape) {
   case Shape::tet4:
     return one;
@@ -80,8 +92,11 @@ std::span<const QuadraturePoint> stiffness_points(Shape shape) {
     return four;
   case Shape::hex8:
     return eight;
+  case Shape::pyramid5:
+    return collapsed;
   case Shape::hex20:
   case Shape::wedge15:
+  case Shape::wedge6:
     break;
   }
   return mass_points(shape);
@@ -92,6 +107,7 @@ std::span<const QuadraturePoint> mass_points(Shape shape) {
   static const Points fifteen = tetrahedron_15();
   static const Points twenty_seven = hexahedron(3);
   static const Points eighteen = wedge();
+  static const Points collapsed = pyramid(3);
   switch (shape) {
   case Shape::tet4:
     return four;
@@ -100,7 +116,10 @@ std::span<const QuadraturePoint> mass_points(Shape shape) {
   case Shape::hex8:
   case Shape::hex20:
     return twenty_seven;
+  case Shape::pyramid5:
+    return collapsed;
   case Shape::wedge15:
+  case Shape::wedge6:
     break;
   }
   return eighteen;

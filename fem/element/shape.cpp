@@ -33,6 +33,9 @@ constexpr std::array<Vector3, 20> kHex{
      {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
      {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}}};
 
+constexpr std::array<Vector3, 5> kPyramid{
+    {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}};
+
 constexpr std::array<Face, 4> kTet4Faces{{{3, {0, 2, 1, -1, -1, -1, -1, -1}},
                                           {3, {0, 1, 3, -1, -1, -1, -1, -1}},
                                           {3, {1, 2, 3, -1, -1, -1, -1, -1}},
@@ -58,6 +61,16 @@ constexpr std::array<Face, 5> kWedgeFaces{{{3, {0, 2, 1, 8, 7, 6, -1, -1}},
                                            {4, {0, 1, 4, 3, 6, 13, 9, 12}},
                                            {4, {1, 2, 5, 4, 7, 14, 10, 13}},
                                            {4, {2, 0, 3, 5, 8, 12, 11, 14}}}};
+constexpr std::array<Face, 5> kWedge6Faces{{{3, {0, 2, 1, -1, -1, -1, -1, -1}},
+                                            {3, {3, 4, 5, -1, -1, -1, -1, -1}},
+                                            {4, {0, 1, 4, 3, -1, -1, -1, -1}},
+                                            {4, {1, 2, 5, 4, -1, -1, -1, -1}},
+                                            {4, {2, 0, 3, 5, -1, -1, -1, -1}}}};
+constexpr std::array<Face, 5> kPyramidFaces{{{4, {0, 3, 2, 1, -1, -1, -1, -1}},
+                                             {3, {0, 1, 4, -1, -1, -1, -1, -1}},
+                                             {3, {1, 2, 4, -1, -1, -1, -1, -1}},
+                                             {3, {2, 3, 4, -1, -1, -1, -1, -1}},
+                                             {3, {3, 0, 4, -1, -1, -1, -1, -1}}}};
 
 constexpr std::array<Vector3, 4> kBarycentricSlopes{
     {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -80,9 +93,34 @@ void tetrahedron(const Vector3& p, bool quadratic, ShapeValues& out) noexcept {
   }
 }
 
+constexpr std::array<Vector3, 3> kWedgeSlopes{{{-1, -1, 0}, {1, 0, 0}, {0, 1, 0}}};
+
+void linear_wedge(const Vector3& p, ShapeValues& out) noexcept {
+  const std::array<double, 3> l{1 - p.x - p.y, p.x, p.y};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double sign = i < 3 ? -1 : 1, h = .5 * (1 + sign * p.z);
+    out.value[i] = l[i % 3] * h;
+    out.derivative[i] = h * kWedgeSlopes[i % 3];
+    out.derivative[i].z = .5 * sign * l[i % 3];
+  }
+}
+
+/// Bilinear on the base and linear on the sides, so that hexahedra and tetrahedra fit to it; the
+/// quotients have their limits along the axis at the apex (Bedrosian 1992).
+void pyramid(const Vector3& p, ShapeValues& out) noexcept {
+  const double h = 1 - p.z, u = h > 0 ? p.x / h : 0, v = h > 0 ? p.y / h : 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double a = kPyramid[i].x, b = kPyramid[i].y;
+    out.value[i] = .25 * h * (1 + a * u) * (1 + b * v);
+    out.derivative[i] = .25 * Vector3{a * (1 + b * v), b * (1 + a * u), a * b * u * v - 1};
+  }
+  out.value[4] = p.z;
+  out.derivative[4] = {0, 0, 1};
+}
+
 void wedge(const Vector3& p, ShapeValues& out) noexcept {
   const std::array<double, 3> l{1 - p.x - p.y, p.x, p.y};
-  const std::array<Vector3, 3> slope{{{-1, -1, 0}, {1, 0, 0}, {0, 1, 0}}};
+  const std::array<Vector3, 3>& slope = kWedgeSlopes;
   const double t = p.z, q = 1 - t * t;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t level = 0; level < 2; ++level) {
@@ -134,24 +172,25 @@ void hexahedron(const Vector3& x, bool quadratic, ShapeValues& out) noexcept {
 } // namespace
 
 int node_count(Shape shape) noexcept {
-  constexpr std::array<int, 5> counts{4, 10, 8, 20, 15};
+  constexpr std::array<int, kShapes> counts{4, 10, 8, 20, 15, 6, 5};
   return counts[static_cast<std::size_t>(shape)];
 }
 
 int corner_count(Shape shape) noexcept {
-  constexpr std::array<int, 5> counts{4, 4, 8, 8, 6};
+  constexpr std::array<int, kShapes> counts{4, 4, 8, 8, 6, 6, 5};
   return counts[static_cast<std::size_t>(shape)];
 }
 
-bool is_linear(Shape shape) noexcept { return shape == Shape::tet4 || shape == Shape::hex8; }
+bool is_linear(Shape shape) noexcept { return node_count(shape) == corner_count(shape); }
 
 std::string_view name(Shape shape) noexcept {
-  constexpr std::array<std::string_view, 5> names{"tet4", "tet10", "hex8", "hex20", "wedge15"};
+  constexpr std::array<std::string_view, kShapes> names{"tet4",    "tet10",  "hex8",    "hex20",
+                                                        "wedge15", "wedge6", "pyramid5"};
   return names[static_cast<std::size_t>(shape)];
 }
 
 int vtk_type(Shape shape) noexcept {
-  constexpr std::array<int, 5> types{10, 24, 12, 25, 26};
+  constexpr std::array<int, kShapes> types{10, 24, 12, 25, 26, 13, 14};
   return types[static_cast<std::size_t>(shape)];
 }
 
@@ -167,6 +206,10 @@ void evaluate(Shape shape, const Vector3& at, ShapeValues& out) noexcept {
     return hexahedron(at, true, out);
   case Shape::wedge15:
     return wedge(at, out);
+  case Shape::wedge6:
+    return linear_wedge(at, out);
+  case Shape::pyramid5:
+    return pyramid(at, out);
   }
 }
 
@@ -179,10 +222,13 @@ std::span<const Vector3> reference_nodes(Shape shape) noexcept {
   case Shape::hex8:
   case Shape::hex20:
     return std::span(kHex).first(count);
+  case Shape::pyramid5:
+    return kPyramid;
+  case Shape::wedge6:
   case Shape::wedge15:
     break;
   }
-  return kWedge;
+  return std::span(kWedge).first(count);
 }
 
 std::span<const Face> faces(Shape shape) noexcept {
@@ -195,6 +241,10 @@ std::span<const Face> faces(Shape shape) noexcept {
     return kHex8Faces;
   case Shape::hex20:
     return kHex20Faces;
+  case Shape::wedge6:
+    return kWedge6Faces;
+  case Shape::pyramid5:
+    return kPyramidFaces;
   case Shape::wedge15:
     break;
   }

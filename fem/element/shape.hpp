@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace tactus::fem {
 
@@ -18,10 +19,19 @@ namespace tactus::fem {
 ///                     1                       \ | /               |/      |/
 ///                                               1                 0-------1
 ///
-/// The linear ones, tet4 and hex8, are far too stiff for frequencies and are only read.
-enum class Shape : std::uint8_t { tet4, tet10, hex8, hex20, wedge15 };
+/// The linear ones are far too stiff for frequencies and are only read. pyramid5 has its apex last.
+enum class Shape : std::uint8_t { tet4, tet10, hex8, hex20, wedge15, wedge6, pyramid5 };
 
+inline constexpr std::size_t kShapes = 7;
 inline constexpr int kMaxNodes = 20;
+
+/// What `make` returns for each shape, in the order of the enumeration.
+template <class Make> auto for_shapes(Make&& make) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    return std::array{make(static_cast<Shape>(i))...};
+  }
+  (std::make_index_sequence<kShapes>{});
+}
 
 [[nodiscard]] int node_count(Shape) noexcept;
 [[nodiscard]] int corner_count(Shape) noexcept;
@@ -37,7 +47,7 @@ struct ShapeValues {
 };
 
 /// Reference element: tetrahedron r,s,t >= 0, r+s+t <= 1; wedge r,s >= 0, r+s <= 1, |t| <= 1;
-/// hexahedron |r|,|s|,|t| <= 1.
+/// hexahedron |r|,|s|,|t| <= 1; pyramid |r|,|s| <= 1 - t, t >= 0.
 void evaluate(Shape, const Vector3& at, ShapeValues& out) noexcept;
 
 /// Reference coordinates of each node.

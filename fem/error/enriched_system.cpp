@@ -24,9 +24,7 @@ struct EnrichedShape {
 };
 
 const EnrichedShape& enriched_shape(Shape shape) {
-  static const std::array<EnrichedShape, 5> tables{
-      EnrichedShape(Shape::tet4), EnrichedShape(Shape::tet10), EnrichedShape(Shape::hex8),
-      EnrichedShape(Shape::hex20), EnrichedShape(Shape::wedge15)};
+  static const auto tables = for_shapes([](Shape s) { return EnrichedShape(s); });
   return tables[static_cast<std::size_t>(shape)];
 }
 

@@ -33,11 +33,20 @@ constexpr std::array<Edge, 12> kHexEdges{{{0, 1, 0},
                                           {1, 5, 2},
                                           {2, 6, 2},
                                           {3, 7, 2}}};
+constexpr std::array<Edge, 8> kPyramidEdges{
+    {{0, 1, 0}, {1, 2, 0}, {2, 3, 0}, {3, 0, 0}, {0, 4, 0}, {1, 4, 0}, {2, 4, 0}, {3, 4, 0}}};
 
 std::span<const Edge> edges(Shape shape) noexcept {
-  if (shape == Shape::wedge15)
+  switch (corner_count(shape)) {
+  case 4:
+    return kTetEdges;
+  case 5:
+    return kPyramidEdges;
+  case 6:
     return kWedgeEdges;
-  return corner_count(shape) == 4 ? std::span<const Edge>(kTetEdges) : kHexEdges;
+  default:
+    return kHexEdges;
+  }
 }
 
 std::vector<EnrichingFunction> list(Shape shape) {
@@ -47,9 +56,9 @@ std::vector<EnrichingFunction> list(Shape shape) {
     f.share[static_cast<std::size_t>(e.axis)] = 1;
     functions.push_back(f);
   }
-  if (shape == Shape::tet4)
-    return functions;
   for (const Face& face : faces(shape)) {
+    if (is_linear(shape) && face.corners == 3) // the triangle's quadratics are its edges' already
+      continue;
     EnrichingFunction f{EntityKind::face, {-1, -1, -1, -1}, {}};
     std::copy_n(face.node.begin(), face.corners, f.corner.begin());
     for (const Edge& e : edges(shape)) { // a face varies along the axes of its edges
@@ -96,17 +105,19 @@ void tetrahedron(const Vector3& p, bool linear, std::span<Factor> out) noexcept 
                  l[static_cast<std::size_t>(f.node[1])] * l[static_cast<std::size_t>(f.node[2])];
 }
 
-void wedge(const Vector3& p, std::span<Factor> out) noexcept {
+void wedge(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
   const std::array<Factor, 3> l{{{1 - p.x - p.y, {-1, -1, 0}}, {p.x, {1, 0, 0}}, {p.y, {0, 1, 0}}}};
   const std::array<Factor, 2> level{{{.5 * (1 - p.z), {0, 0, -.5}}, {.5 * (1 + p.z), {0, 0, .5}}}};
   const auto at = [&](int node) { return l[static_cast<std::size_t>(node % 3)]; };
   std::size_t i = 0;
   for (const Edge& e : kWedgeEdges)
-    out[i++] = e.axis == 2 ? along_edge(level[0], level[1], false) * at(e.from)
-                           : along_edge(at(e.from), at(e.to), false) *
+    out[i++] = e.axis == 2 ? along_edge(level[0], level[1], linear) * at(e.from)
+                           : along_edge(at(e.from), at(e.to), linear) *
                                  level[static_cast<std::size_t>(e.from / 3)];
   for (const Face& f : faces(Shape::wedge15)) {
     if (f.corners == 3) {
+      if (linear)
+        continue;
       out[i++] =
           Factor{27, {}} * l[0] * l[1] * l[2] * level[static_cast<std::size_t>(f.node[0] / 3)];
       continue;
@@ -117,6 +128,30 @@ void wedge(const Vector3& p, std::span<Factor> out) noexcept {
         (a < 0 ? a : b) = n;
     out[i++] = along_edge(at(a), at(b), true) * along_edge(level[0], level[1], true);
   }
+}
+
+/// On the base as a linear hexahedron's, on the sides as a linear tetrahedron's functions, with
+/// u = r / (1 - t) and v = s / (1 - t).
+void pyramid(const Vector3& p, std::span<Factor> out) noexcept {
+  const double h = std::max(1 - p.z, 1e-12), u = p.x / h, v = p.y / h;
+  const Factor up{p.z, {0, 0, 1}}, down{h, {0, 0, -1}};
+  const auto toward = [&](int axis, double side) { // (1 + side u) / 2
+    Factor f{.5 * (1 + side * (axis == 0 ? u : v)), {}};
+    f.slope[axis] = .5 * side / h;
+    f.slope.z = .5 * side * (axis == 0 ? u : v) / h;
+    return f;
+  };
+  const auto even = [&](int axis) { return along_edge(toward(axis, -1), toward(axis, 1), true); };
+  const auto corners = reference_nodes(Shape::pyramid5);
+  const auto at = [&](int node) { return corners[static_cast<std::size_t>(node)]; };
+  std::size_t i = 0;
+  for (const Edge& e : kPyramidEdges) {
+    const Vector3 from = at(e.from);
+    const int along = from.x == at(e.to).x ? 1 : 0, across = 1 - along;
+    out[i++] = e.to == 4 ? Factor{4, {}} * up * down * toward(0, from.x) * toward(1, from.y)
+                         : down * down * even(along) * toward(across, from[across]);
+  }
+  out[i] = down * down * even(0) * even(1);
 }
 
 void hexahedron(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
@@ -181,9 +216,7 @@ std::vector<int> nodes_of_entity(Shape shape, const EnrichingFunction& f) {
 } // namespace
 
 std::span<const EnrichingFunction> enriching_functions(Shape shape) noexcept {
-  static const std::array<std::vector<EnrichingFunction>, 5> lists{
-      list(Shape::tet4), list(Shape::tet10), list(Shape::hex8), list(Shape::hex20),
-      list(Shape::wedge15)};
+  static const auto lists = for_shapes(list);
   return lists[static_cast<std::size_t>(shape)];
 }
 
@@ -194,8 +227,12 @@ void evaluate_enrichment(Shape shape, const Vector3& at, ShapeValues& out) noexc
   case Shape::tet10:
     tetrahedron(at, is_linear(shape), f);
     break;
+  case Shape::wedge6:
   case Shape::wedge15:
-    wedge(at, f);
+    wedge(at, is_linear(shape), f);
+    break;
+  case Shape::pyramid5:
+    pyramid(at, f);
     break;
   case Shape::hex8:
   case Shape::hex20:

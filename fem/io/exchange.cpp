@@ -1,6 +1,7 @@
 #include "fem/io/exchange.hpp"
 
 #include "fem/io/file_bytes.hpp"
+#include "fem/io/inp.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/modes/rigid.hpp"
@@ -14,22 +15,6 @@
 
 namespace tactus::fem {
 namespace {
-
-const char* abaqus_name(Shape shape) {
-  switch (shape) {
-  case Shape::tet4:
-    return "C3D4";
-  case Shape::tet10:
-    return "C3D10";
-  case Shape::hex8:
-    return "C3D8";
-  case Shape::hex20:
-    return "C3D20";
-  case Shape::wedge15:
-    break;
-  }
-  return "C3D15";
-}
 
 std::string ids(std::span<const int> nodes, std::size_t a_line) {
   std::string text;
@@ -57,11 +42,14 @@ void put_big(std::string& out, std::uint64_t value, int bytes) {
 constexpr std::uint32_t kMatrixClass = 1211216, kVectorClass = 1211214;
 
 void write_body(SafeFile& file, const Mesh& mesh, std::span<const Material> materials) {
+  for (const Element& e : mesh.elements)
+    if (e.shape == Shape::pyramid5)
+      throw InputError("pyramids cannot be written: CalculiX has no such element");
   file.write("*NODE,NSET=NALL\n");
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
     file.write(format("%zu,%.13e,%.13e,%.13e\n", i + 1, mesh.nodes[i].x, mesh.nodes[i].y,
                       mesh.nodes[i].z));
-  for (int shape = 0; shape < 5; ++shape)
+  for (int shape = 0; shape < static_cast<int>(kShapes); ++shape)
     for (std::size_t r = 0; r < mesh.regions.size(); ++r) {
       bool first = true;
       for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
@@ -69,7 +57,8 @@ void write_body(SafeFile& file, const Mesh& mesh, std::span<const Material> mate
         if (static_cast<int>(element.shape) != shape || element.region != static_cast<int>(r))
           continue;
         if (first)
-          file.write(format("*ELEMENT,TYPE=%s,ELSET=R%zu\n", abaqus_name(element.shape), r));
+          file.write("*ELEMENT,TYPE=" + std::string(inp_type(element.shape)) +
+                     format(",ELSET=R%zu\n", r));
         first = false;
         std::vector<int> line{static_cast<int>(e)};
         for (const int n : mesh.nodes_of(element))
@@ -80,7 +69,10 @@ void write_body(SafeFile& file, const Mesh& mesh, std::span<const Material> mate
   for (std::size_t r = 0; r < mesh.regions.size(); ++r) {
     const Material& m = materials[r];
     file.write(format("*MATERIAL,NAME=M%zu\n", r) + elastic(m) +
-               format("*DENSITY\n%.12g\n", m.density));
+               format("*DENSITY\n%.12g\n", m.density) +
+               (m.loss_factor > 0
+                    ? format("*DAMPING,STRUCTURAL=%.12g\n", m.loss_factor)
+                    : format("*DAMPING,ALPHA=%.12g,BETA=%.12g\n", m.rayleigh_a, m.rayleigh_b)));
     if (!m.isotropic())
       file.write(format("*ORIENTATION,NAME=O%zu\n%.12g,%.12g,%.12g,%.12g,%.12g,%.12g\n", r,
                         m.axis_1.x, m.axis_1.y, m.axis_1.z, m.axis_2.x, m.axis_2.y, m.axis_2.z));

@@ -1,187 +1,448 @@
 #include "fem/io/inp.hpp"
 
+#include "fem/io/inp_materials.hpp"
 #include "fem/io/text.hpp"
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <map>
+#include <set>
 
 namespace tactus::fem {
 namespace {
 
-/// C3D10 and its variants (C3D10M, C3D20R, ...) by their first letters and number.
-std::optional<Shape> shape_of(const std::string& type) {
-  static constexpr std::pair<const char*, Shape> kTypes[]{{"c3d10", Shape::tet10},
-                                                          {"c3d20", Shape::hex20},
-                                                          {"c3d15", Shape::wedge15},
-                                                          {"c3d4", Shape::tet4},
-                                                          {"c3d8", Shape::hex8}};
-  for (const auto& [name, shape] : kTypes)
-    if (type.starts_with(name))
-      return shape;
+constexpr std::array<std::string_view, kShapes> kInpTypes{"C3D4",  "C3D10", "C3D8", "C3D20",
+                                                          "C3D15", "C3D6",  "C3D5"};
+
+/// By its number of nodes; letters behind it choose an integration, which is ours here (C3D8R).
+std::optional<Shape> shape_of(std::string_view type) {
+  for (std::size_t i = 0; i < kShapes; ++i) {
+    const std::string name = lower(kInpTypes[i]);
+    if (type.starts_with(name) &&
+        type.find_first_not_of("rimhtsx", name.size()) == std::string_view::npos)
+      return static_cast<Shape>(i);
+  }
   return std::nullopt;
 }
 
-std::string option(const std::vector<std::string>& cells, const std::string& key) {
-  for (const std::string& cell : cells)
-    if (lower(cell).starts_with(key + "="))
-      return cell.substr(key.size() + 1);
-  return "";
+/// Plane, shell, membrane and line elements. Meshers write those of the skin beside the solids.
+bool carries_no_volume(std::string_view type) {
+  constexpr std::array<std::string_view, 14> kNames{
+      "cps", "cpe", "cax", "s3", "s4", "s6", "s8", "m3d", "sfm", "t2d", "t3d", "b21", "b31", "b32"};
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&](std::string_view name) { return type.starts_with(name); });
 }
 
-/// Reads the file line by line into a mesh. The last line with `*` says what data lines mean.
+/// What an analysis does with a body and asks of it, but for the steps, and what linear modes and
+/// stresses do not have.
+bool is_of_analysis(const std::string& keyword) {
+  static const std::set<std::string> kNames{
+      "amplitude",       "boundary",          "conductivity", "creep",      "elementoutput",
+      "elfile",          "elprint",           "expansion",    "fileformat", "filter",
+      "heading",         "initialconditions", "nodefile",     "nodeoutput", "nodeprint",
+      "output",          "physicalconstants", "plastic",      "preprint",   "restart",
+      "sectioncontrols", "specificheat",      "surface",      "timepoints", "transform"};
+  return kNames.contains(keyword);
+}
+
+/// A set by its first spelling; files compare names without regard to case.
+struct InpSet {
+  std::string name;
+  std::vector<int> members; ///< indices; -1: an element without volume
+};
+using InpSets = std::map<std::string, InpSet>;
+
+InpSet& set_named(InpSets& sets, const std::string& name) {
+  InpSet& set = sets[lower(name)];
+  if (set.name.empty())
+    set.name = name;
+  return set;
+}
+
+/// Reads the file line by line into a mesh. The last keyword says what data lines mean.
 class InpReader {
 public:
-  InpReader(const std::string& path, double unit) : path_(path), unit_(unit) {
+  InpReader(const std::string& path, double unit)
+      : lines_(path), materials_(lines_, unit), unit_(unit) {
     mesh_.regions.clear();
   }
-  [[nodiscard]] Mesh read() {
-    std::ifstream file(path_);
-    if (!file)
-      throw InputError("cannot read " + path_);
-    for (std::string line; std::getline(file, line);) {
-      ++line_number_;
-      auto cells = split(line, ',');
-      if (line.starts_with("**") || (cells.size() == 1 && cells[0].empty()))
-        continue;
-      if (line.starts_with("*"))
-        read_keyword(cells);
-      else if (block_ != Block::none)
-        read_data(line, cells);
+
+  [[nodiscard]] Mesh read(const std::function<void(const std::string&)>& notify) {
+    while (lines_.next()) {
+      if (lines_.is_keyword())
+        begin(lines_.keyword());
+      else if (!block_)
+        lines_.refuse(printable(lines_.text(), 60) + ", expected a keyword such as *NODE");
+      else if (block_->add)
+        (this->*block_->add)();
+      else if (block_ != &kPassedOver)
+        lines_.refuse(printable(lines_.text(), 60) + ": expected no data of " + keyword_.words);
     }
+    end_element();
     if (mesh_.elements.empty())
-      throw InputError(path_ + " holds no volume element: expected C3D10, C3D15 or C3D20");
+      throw InputError(lines_.path() + " holds no volume element: expected C3D10, C3D15 or C3D20");
+    assign_regions();
+    for (auto& [key, set] : node_sets_)
+      mesh_.node_sets[set.name] = std::move(set.members);
     drop_unused_nodes(mesh_);
+    if (notify)
+      report(notify);
     return std::move(mesh_);
   }
 
 private:
-  enum class Block { none, nodes, elements, set };
-
-  [[nodiscard]] std::string location() const {
-    return path_ + " line " + std::to_string(line_number_);
+  /// How a keyword is read: what it may say, and what it and each of its data lines do.
+  struct Block {
+    std::vector<std::string> parameters;
+    void (InpReader::*begin)() = nullptr;
+    void (InpReader::*add)() = nullptr;
+  };
+  static const Block kPassedOver; ///< of the analysis
+  static const std::map<std::string, Block>& blocks() {
+    static const std::map<std::string, Block> all{
+        {"node", {{"nset"}, nullptr, &InpReader::add_node}},
+        {"element", {{"type", "elset"}, &InpReader::begin_elements, &InpReader::add_to_element}},
+        {"nset",
+         {{"nset", "elset", "generate", "unsorted", "internal"},
+          &InpReader::begin_node_set,
+          &InpReader::add_to_node_set}},
+        {"elset",
+         {{"elset", "generate", "unsorted", "internal"},
+          &InpReader::begin_element_set,
+          &InpReader::add_to_element_set}},
+        {"material", {{"name"}, &InpReader::begin_material, nullptr}},
+        {"elastic", {{"type"}, &InpReader::begin_elastic, &InpReader::add_elastic}},
+        {"density", {{}, nullptr, &InpReader::add_density}},
+        {"damping", {{"alpha", "beta", "structural"}, &InpReader::begin_damping, nullptr}},
+        {"orientation",
+         {{"name", "system", "definition"},
+          &InpReader::begin_orientation,
+          &InpReader::add_orientation}},
+        {"solidsection",
+         {{"elset", "material", "orientation", "controls"},
+          &InpReader::begin_section,
+          &InpReader::add_thickness}}};
+    return all;
   }
+
+  void begin(InpKeyword keyword) {
+    end_element();
+    keyword_ = std::move(keyword);
+    if (keyword_.name == "step")
+      in_step_ = true;
+    const auto known = blocks().find(keyword_.name);
+    if ((in_step_ && keyword_.name != "include" && keyword_.name != "modelchange") ||
+        is_of_analysis(keyword_.name)) {
+      block_ = &kPassedOver;
+      if (keyword_.name != "heading" && keyword_.name != "endstep")
+        passed_over_.try_emplace(keyword_.name, Counted{keyword_.words, keyword_.line});
+      in_step_ = in_step_ && keyword_.name != "endstep";
+      return;
+    }
+    if (known == blocks().end())
+      lines_.refuse(keyword_.words +
+                        " is not read: expected one flat file (no *PART, *INSTANCE or *INCLUDE) of "
+                        "nodes, elements, sets, materials and *SOLID SECTION",
+                    keyword_.line);
+    block_ = &known->second;
+    for (const auto& [name, value] : keyword_.parameters)
+      if (std::find(block_->parameters.begin(), block_->parameters.end(), name) ==
+          block_->parameters.end())
+        lines_.refuse(keyword_.words + ": " + printable(name, 40) + " is not read", keyword_.line);
+    if (block_->begin)
+      (this->*block_->begin)();
+  }
+
   [[nodiscard]] int node(int id) const {
-    const auto at = number_of_.find(id);
-    if (at == number_of_.end())
-      throw InputError(location() + ": node " + std::to_string(id) + " is not defined");
+    const auto at = node_of_.find(id);
+    if (at == node_of_.end())
+      lines_.refuse("node " + std::to_string(id) + " is not defined");
     return at->second;
   }
-  void read_keyword(const std::vector<std::string>& cells) {
-    if (!pending_.empty())
-      throw InputError(location() + ": element " + std::to_string(pending_[0]) + " ends early");
-    const std::string key = lower(cells[0]);
-    block_ = Block::none;
-    if (key == "*node") {
-      block_ = Block::nodes;
-    } else if (key == "*element") {
-      begin_elements(cells);
-    } else if (key == "*nset") {
-      block_ = Block::set;
-      set_ = option(cells, "nset");
-      generate_ = std::any_of(cells.begin(), cells.end(),
-                              [](const std::string& c) { return lower(c) == "generate"; });
-    }
+  [[nodiscard]] int element(int id) const {
+    const auto at = element_of_.find(id);
+    if (at == element_of_.end())
+      lines_.refuse("element " + std::to_string(id) + " is not defined");
+    return at->second;
   }
-  void begin_elements(const std::vector<std::string>& cells) {
-    const auto known = shape_of(lower(option(cells, "type")));
-    if (!known) // surface and line elements carry no volume
-      return;
-    shape_ = *known;
-    block_ = Block::elements;
-    const std::string name = option(cells, "elset").empty() ? "body" : option(cells, "elset");
-    const auto at = std::find(mesh_.regions.begin(), mesh_.regions.end(), name);
-    region_ = static_cast<int>(at - mesh_.regions.begin());
-    if (at == mesh_.regions.end())
-      mesh_.regions.push_back(name);
+  [[nodiscard]] int id(const std::string& cell) const {
+    const auto value = to_integer(cell);
+    if (!value)
+      lines_.refuse(printable(cell, 60) + " is no number");
+    return *value;
   }
-  void read_data(const std::string& line, std::vector<std::string>& cells) {
-    if (!cells.empty() && cells.back().empty())
-      cells.pop_back();
-    if (block_ == Block::nodes)
-      add_node(line, cells);
-    else if (const std::vector<int> ids = integers(cells); block_ == Block::set)
-      add_to_set(ids);
-    else
-      add_to_element(ids);
-  }
-  void add_node(const std::string& line, const std::vector<std::string>& cells) {
-    const auto id = to_integer(cells[0]);
+
+  void add_node() {
+    const auto cells = lines_.cells();
+    if (cells.size() != 4)
+      lines_.refuse(printable(lines_.text(), 60) + ", expected number,x,y,z");
     Vector3 p;
-    bool good = id && cells.size() >= 4;
-    for (int k = 0; good && k < 3; ++k) {
-      const auto value = to_number(cells[static_cast<std::size_t>(k) + 1]);
-      good = value.has_value();
-      p[k] = unit_ * value.value_or(0);
-    }
-    if (!good)
-      throw InputError(location() + ": " + printable(line, 60) + ", expected number,x,y,z");
-    if (!number_of_.try_emplace(*id, static_cast<int>(mesh_.nodes.size())).second)
-      throw InputError(location() + ": node " + cells[0] + " is defined twice");
+    for (int k = 0; k < 3; ++k)
+      p[k] = unit_ * lines_.number(cells[static_cast<std::size_t>(k) + 1]);
+    if (!node_of_.try_emplace(id(cells[0]), static_cast<int>(mesh_.nodes.size())).second)
+      lines_.refuse("node " + cells[0] + " is defined twice");
+    if (keyword_.has("nset"))
+      set_named(node_sets_, keyword_.value("nset"))
+          .members.push_back(static_cast<int>(mesh_.nodes.size()));
     mesh_.nodes.push_back(p);
   }
-  [[nodiscard]] std::vector<int> integers(const std::vector<std::string>& cells) const {
-    std::vector<int> ids;
-    for (const std::string& cell : cells) {
-      const auto id = to_integer(cell);
-      if (!id && block_ == Block::set) // a set of sets
-        continue;
-      if (!id)
-        throw InputError(location() + ": " + printable(cell, 60) + " is no number");
-      ids.push_back(*id);
-    }
-    return ids;
+
+  void begin_elements() {
+    const std::string type = lower(keyword_.value("type"));
+    shape_ = shape_of(type);
+    if (!shape_ && !carries_no_volume(type))
+      lines_.refuse(keyword_.words + " TYPE=" + printable(keyword_.value("type"), 40) +
+                        ": expected C3D4, C3D5, C3D6, C3D8, C3D10, C3D15, C3D20 or a variant",
+                    keyword_.line);
+    if (!shape_)
+      flat_.try_emplace(type, Counted{keyword_.value("type"), keyword_.line});
+    continued_ = false;
   }
-  void add_to_set(const std::vector<int>& ids) {
-    auto& nodes = mesh_.node_sets[set_];
-    const std::size_t before = nodes.size();
-    if (generate_ && ids.size() >= 2) {
-      const std::int64_t step = ids.size() > 2 ? std::max(1, ids[2]) : 1;
-      for (std::int64_t i = ids[0]; i <= ids[1]; i += step)
-        nodes.push_back(node(static_cast<int>(i)));
-    } else {
-      for (const int id : ids)
-        nodes.push_back(node(id));
+  void add_to_element() {
+    for (const std::string& cell : lines_.cells())
+      pending_.push_back(id(cell));
+    if (!shape_) { // a comma at the end says that the next line goes on
+      continued_ = lines_.text().ends_with(',');
+      if (!continued_)
+        end_flat_element();
+      return;
     }
-    // A line that names a range is short: without a limit a small file could ask for any amount.
-    in_sets_ += nodes.size() - before;
-    if (in_sets_ > 1000 + 100 * mesh_.nodes.size())
-      throw InputError(
-          location() + ": " + std::to_string(in_sets_) + " entries in sets, expected " +
-          std::to_string(1000 + 100 * mesh_.nodes.size()) + " at most (a hundred for each node)");
-  }
-  void add_to_element(const std::vector<int>& ids) {
-    pending_.insert(pending_.end(), ids.begin(), ids.end());
-    const auto needed = static_cast<std::size_t>(node_count(shape_)) + 1;
+    const auto needed = static_cast<std::size_t>(node_count(*shape_)) + 1;
     if (pending_.size() > needed)
-      throw InputError(location() + ": element " + std::to_string(pending_[0]) + " has more than " +
-                       std::to_string(needed - 1) + " nodes");
+      lines_.refuse("element " + std::to_string(pending_[0]) + " has more than " +
+                    std::to_string(needed - 1) + " nodes");
     if (pending_.size() < needed)
       return;
     std::vector<int> nodes;
-    for (std::size_t i = 1; i < pending_.size(); ++i)
+    for (std::size_t i = 1; i < needed; ++i)
       nodes.push_back(node(pending_[i]));
-    mesh_.add(shape_, nodes, region_);
+    define_element(static_cast<int>(mesh_.elements.size()));
+    mesh_.add(*shape_, nodes);
+  }
+  void end_flat_element() {
+    ++flat_.at(lower(keyword_.value("type"))).count;
+    define_element(-1);
+  }
+  void define_element(int index) {
+    const int number = pending_[0];
     pending_.clear();
+    if (!element_of_.try_emplace(number, index).second)
+      lines_.refuse("element " + std::to_string(number) + " is defined twice");
+    const std::string set = keyword_.value("elset");
+    if (!set.empty())
+      set_named(element_sets_, set).members.push_back(index);
+    if (index >= 0)
+      elements_.push_back({number, set});
+  }
+  void end_element() {
+    if (!pending_.empty())
+      lines_.refuse("element " + std::to_string(pending_[0]) + " ends early");
   }
 
-  const std::string& path_;
+  void begin_node_set() {
+    members_ = &begin_set(node_sets_, "nset");
+    const std::string elements = keyword_.value("elset");
+    if (elements.empty())
+      return;
+    for (const int e : members_of(element_sets_, elements))
+      if (e >= 0)
+        for (const int n : mesh_.nodes_of(mesh_.elements[static_cast<std::size_t>(e)]))
+          members_->push_back(n);
+    limit_sets(members_->size());
+  }
+  void begin_element_set() { members_ = &begin_set(element_sets_, "elset"); }
+  std::vector<int>& begin_set(InpSets& sets, const char* parameter) {
+    if (keyword_.value(parameter).empty())
+      lines_.refuse(keyword_.words + ": expected a name, " + parameter + "=", keyword_.line);
+    return set_named(sets, keyword_.value(parameter)).members;
+  }
+  void add_to_node_set() {
+    add_to_set(node_sets_, [this](int number) { return node(number); });
+  }
+  void add_to_element_set() {
+    add_to_set(element_sets_, [this](int number) { return element(number); });
+  }
+  /// Numbers, names of sets, or with GENERATE the first, the last and a step.
+  template <class Find> void add_to_set(const InpSets& sets, Find&& find) {
+    const auto cells = lines_.cells();
+    const std::size_t before = members_->size();
+    if (keyword_.has("generate")) {
+      const int step = cells.size() == 3 ? id(cells[2]) : 1;
+      if (cells.size() < 2 || cells.size() > 3 || step < 1)
+        lines_.refuse(printable(lines_.text(), 60) + ", expected first,last,step");
+      for (std::int64_t i = id(cells[0]), last = id(cells[1]); i <= last; i += step)
+        members_->push_back(find(static_cast<int>(i)));
+    } else {
+      for (const std::string& cell : cells)
+        if (to_integer(cell)) {
+          members_->push_back(find(id(cell)));
+        } else {
+          const std::vector<int> named = members_of(sets, cell); // a copy: of the set itself, too
+          members_->insert(members_->end(), named.begin(), named.end());
+        }
+    }
+    limit_sets(members_->size() - before);
+  }
+  [[nodiscard]] std::vector<int> members_of(const InpSets& sets, const std::string& name) const {
+    const auto at = sets.find(lower(name));
+    if (at == sets.end())
+      lines_.refuse("no set before it is called " + printable(name, 60));
+    return at->second.members;
+  }
+  /// A line that names a range or a set is short: without a limit a small file could ask for any
+  /// amount.
+  void limit_sets(std::size_t added) {
+    in_sets_ += added;
+    if (in_sets_ > 1000 + 100 * mesh_.nodes.size())
+      lines_.refuse(std::to_string(in_sets_) + " entries in sets, expected " +
+                    std::to_string(1000 + 100 * mesh_.nodes.size()) +
+                    " at most (a hundred for each node)");
+  }
+
+  void begin_material() { materials_.begin_material(keyword_); }
+  void begin_elastic() { materials_.begin_elastic(keyword_); }
+  void add_elastic() { materials_.add_elastic(); }
+  void add_density() { materials_.add_density(); }
+  void begin_damping() { materials_.begin_damping(keyword_); }
+  void begin_orientation() { materials_.begin_orientation(keyword_); }
+  void add_orientation() { materials_.add_orientation(); }
+  void begin_section() { materials_.begin_section(keyword_); }
+  void add_thickness() { materials_.add_thickness(); }
+
+  /// The section of each element; -1 where it has none.
+  [[nodiscard]] std::vector<int> sections_of_elements() const {
+    std::vector<int> sections(mesh_.elements.size(), -1);
+    int number = 0;
+    for (const InpMaterials::Section& section : materials_.sections()) {
+      const auto set = element_sets_.find(lower(section.elements));
+      if (set == element_sets_.end())
+        lines_.refuse("no element set is called " + printable(section.elements, 60), section.line);
+      for (const int e : set->second.members) {
+        if (e < 0)
+          lines_.refuse("the section of elements without volume, expected C3D elements in " +
+                            section.elements,
+                        section.line);
+        int& of = sections[static_cast<std::size_t>(e)];
+        if (of >= 0 && of != number)
+          lines_.refuse("element " + std::to_string(elements_[static_cast<std::size_t>(e)].number) +
+                            " has a section already",
+                        section.line);
+        of = number;
+      }
+      ++number;
+    }
+    return sections;
+  }
+
+  /// An element that *ELEMENT gives no ELSET is of the smallest one that names it.
+  void take_sets_as_names() {
+    std::vector<const InpSet*> smallest_last;
+    for (const auto& [key, set] : element_sets_)
+      smallest_last.push_back(&set);
+    std::stable_sort(smallest_last.begin(), smallest_last.end(),
+                     [](auto* a, auto* b) { return a->members.size() > b->members.size(); });
+    std::vector<const InpSet*> named(elements_.size(), nullptr);
+    for (const InpSet* set : smallest_last)
+      for (const int e : set->members)
+        if (e >= 0)
+          named[static_cast<std::size_t>(e)] = set;
+    for (std::size_t e = 0; e < elements_.size(); ++e)
+      if (elements_[e].set.empty() && named[e])
+        elements_[e].set = named[e]->name;
+  }
+
+  void assign_regions() {
+    take_sets_as_names();
+    const std::vector<int> section = sections_of_elements();
+    std::map<std::string, std::set<int>> sections_in;
+    for (std::size_t e = 0; e < elements_.size(); ++e)
+      sections_in[lower(elements_[e].set)].insert(section[e]);
+    std::map<std::pair<std::string, int>, int> region_of;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      const std::string key = lower(elements_[e].set);
+      const auto [at, added] =
+          region_of.try_emplace({key, section[e]}, static_cast<int>(mesh_.regions.size()));
+      mesh_.elements[e].region = at->second;
+      if (added)
+        add_region(elements_[e].set, section[e], sections_in[key].size() > 1);
+    }
+    if (materials_.sections().empty())
+      mesh_.materials.clear();
+  }
+  /// Named by its ELSET, or by its section's where that is divided into several.
+  void add_region(const std::string& set, int section, bool divided) {
+    const bool has_section = section >= 0;
+    const auto& all = materials_.sections();
+    std::string name = set;
+    if (has_section && (divided || set.empty()))
+      name = all[static_cast<std::size_t>(section)].elements;
+    if (name.empty())
+      name = "body";
+    const std::string stem = name;
+    for (int copy = 2;
+         std::find(mesh_.regions.begin(), mesh_.regions.end(), name) != mesh_.regions.end(); ++copy)
+      name = stem + "_" + std::to_string(copy);
+    mesh_.regions.push_back(name);
+    mesh_.materials.emplace_back();
+    if (has_section)
+      mesh_.materials.back() = materials_.material_of(all[static_cast<std::size_t>(section)]);
+  }
+
+  /// Names what is taken from the file beside its mesh, and what is not.
+  void report(const std::function<void(const std::string&)>& notify) const {
+    for (std::size_t r = 0; r < mesh_.materials.size(); ++r)
+      if (const auto& m = mesh_.materials[r])
+        notify("region " + mesh_.regions[r] + ": material " + m->name +
+               format(" of the file, %.4g Pa, %.4g kg/m^3, ", m->young_pa[0], m->density) +
+               (m->loss_factor > 0
+                    ? format("loss factor %g", m->loss_factor)
+                    : format("damping %g 1/s and %g s", m->rayleigh_a, m->rayleigh_b)));
+    for (const auto& [type, flat] : flat_)
+      notify(format("%d elements of %s (line %d) have no volume and are left out", flat.count,
+                    flat.words.c_str(), flat.line));
+    std::string names;
+    for (const auto& [name, at] : passed_over_)
+      names += (names.empty() ? "" : ", ") + at.words + " (line " + std::to_string(at.line) + ")";
+    if (!names.empty())
+      notify("not read of the file, as options say how the body is held and loaded: " + names);
+  }
+
+  struct Numbered {
+    int number;
+    std::string set; ///< of *ELEMENT
+  };
+  struct Counted {
+    std::string words;
+    int line = 0, count = 0;
+  };
+
+  InpLines lines_;
+  InpMaterials materials_;
   double unit_; ///< metres a unit of the file
   Mesh mesh_;
-  std::map<int, int> number_of_; ///< not hashed: a file chooses its numbers
-  int line_number_ = 0;
-  Block block_ = Block::none;
-  Shape shape_ = Shape::tet10; ///< of *ELEMENT
-  int region_ = 0;
-  std::vector<int> pending_; ///< an element's numbers may run over several lines
-  std::string set_;          ///< of *NSET
-  bool generate_ = false;
+  std::map<int, int> node_of_, element_of_; ///< not hashed: a file chooses its numbers
+  std::vector<Numbered> elements_;          ///< those with volume
+  InpSets node_sets_, element_sets_;
+  InpKeyword keyword_;
+  const Block* block_ = nullptr;
+  bool in_step_ = false, continued_ = false;
+  std::optional<Shape> shape_;          ///< of *ELEMENT; none: without volume
+  std::vector<int> pending_;            ///< an element's numbers may run over several lines
+  std::vector<int>* members_ = nullptr; ///< of the set being read
   std::size_t in_sets_ = 0;
+  std::map<std::string, Counted> flat_, passed_over_; ///< by type, by keyword
 };
+
+const InpReader::Block InpReader::kPassedOver{};
 
 } // namespace
 
-Mesh read_inp(const std::string& path, double unit) { return InpReader(path, unit).read(); }
+std::string_view inp_type(Shape shape) noexcept {
+  return kInpTypes[static_cast<std::size_t>(shape)];
+}
+
+Mesh read_inp(const std::string& path, double unit,
+              const std::function<void(const std::string&)>& notify) {
+  return InpReader(path, unit).read(notify);
+}
 
 } // namespace tactus::fem

@@ -1,10 +1,19 @@
 #pragma once
 #include "fem/mesh/mesh.hpp"
 
+#include <functional>
+
 namespace tactus::fem {
 
-/// Nodes, volume elements (C3D4, C3D8, C3D10, C3D15, C3D20 and variants), element sets as regions
-/// and node sets of a CalculiX / Abaqus file. Refuses a malformed line, naming it.
-[[nodiscard]] Mesh read_inp(const std::string& path, double unit);
+/// The type of a shape's elements in CalculiX' and Abaqus' files, such as "C3D10".
+[[nodiscard]] std::string_view inp_type(Shape) noexcept;
+
+/// Nodes, volume elements (C3D4, C3D5, C3D6, C3D8, C3D10, C3D15, C3D20 and variants), sets, and
+/// materials with their sections of a CalculiX / Abaqus file. A region is what one ELSET and one
+/// section have in common. `unit` is metres a unit of length; constants are in its system
+/// (InpMaterials). The keywords of the analysis, such as *BOUNDARY and *STEP, are passed over and
+/// `notify` names them. Every other keyword, parameter or type of element is refused by its line.
+[[nodiscard]] Mesh read_inp(const std::string& path, double unit,
+                            const std::function<void(const std::string&)>& notify = {});
 
 } // namespace tactus::fem

@@ -16,20 +16,49 @@ bool is_cad(const std::string& ending) {
   return ending == ".step" || ending == ".stp" || ending == ".brep" || ending == ".brp";
 }
 
+std::string ending_of(const std::string& path) {
+  return lower(std::filesystem::path(path).extension().string());
+}
+
 Mesh load_in_process(const std::string& path, const std::string& ending, const LoadChoice& choice) {
-  const auto unit = [&](double default_unit) {
-    return choice.unit > 0 ? choice.unit : default_unit;
-  };
+  const double unit = choice.unit > 0 ? choice.unit : default_unit(path);
   if (ending == ".msh")
-    return read_msh(path, unit(1));
+    return read_msh(path, unit);
   if (ending == ".inp")
-    return read_inp(path, unit(1));
+    return read_inp(path, unit, choice.notify);
   if (is_cad(ending))
     return mesh_cad(path, choice);
-  return mesh_surface_file(path, unit(1e-3), choice);
+  return mesh_surface_file(path, unit, choice);
+}
+
+/// Refuses what a kind of file has no use for.
+void check_options(const std::string& path, const std::string& ending, const LoadChoice& choice) {
+  const bool surface = ending == ".stl" || ending == ".obj";
+  const auto refuse = [&](const char* option, const char* kinds) {
+    throw InputError(std::string(option) + " is for " + kinds + " bodies, not for " + path);
+  };
+  if (choice.fillet > 0 && !is_cad(ending))
+    refuse("--fillet", ".step and .brep");
+  if (choice.shrink_wrap != 0 && !surface)
+    refuse("--shrink-wrap", ".stl and .obj");
+  if (choice.remesh && !surface)
+    refuse("--remesh", ".stl and .obj");
+  if (!choice.part.empty() && is_volume_mesh(path))
+    refuse("--only", ".step, .brep, .stl and .obj");
+  if (choice.h > 0 && is_volume_mesh(path) && choice.notify)
+    choice.notify("warning: --h changes nothing, as " + path + " is a mesh already");
 }
 
 } // namespace
+
+double default_unit(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return ending == ".step" || ending == ".stp" ? 0 : is_volume_mesh(path) ? 1 : 1e-3;
+}
+
+bool is_volume_mesh(const std::string& path) {
+  return ending_of(path) == ".msh" || ending_of(path) == ".inp";
+}
 
 std::string face_set(int number) { return "face " + std::to_string(number); }
 
@@ -37,13 +66,11 @@ Mesh load_body(const std::string& path, const LoadChoice& choice) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw InputError("cannot read " + path + ": no such file");
-  const std::string ending = lower(std::filesystem::path(path).extension().string());
+  const std::string ending = ending_of(path);
   if (!is_cad(ending) && ending != ".stl" && ending != ".obj" && ending != ".msh" &&
       ending != ".inp")
     throw InputError(path + ": expected a .step, .stp, .brep, .stl, .obj, .msh or .inp file");
-  if (choice.fillet > 0 && !is_cad(ending))
-    throw InputError("--fillet rounds edges of .step and .brep bodies, " + path +
-                     " has none to round");
+  check_options(path, ending, choice);
   Mesh mesh = run_isolated(path, choice.limits, {choice.notify, choice.report},
                            [&](const ChildProgress& progress) {
                              LoadChoice in_child = choice;

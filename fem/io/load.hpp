@@ -10,9 +10,8 @@ namespace tactus::fem {
 
 /// How a body's file is read and meshed.
 struct LoadChoice {
-  double unit =
-      0;        ///< metres a unit of the file; 0: the format's usual unit (mm; m for .inp and .msh)
-  double h = 0; ///< element size, m; 0: by `size_for`
+  double unit = 0;        ///< metres a unit of the file; 0: default_unit(). STEP says its own
+  double h = 0;           ///< element size, m; 0: by `size_for`
   double fillet = 0;      ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
@@ -37,6 +36,13 @@ struct LoadChoice {
   std::function<void(const std::string& stage, double share)> report{};
   ChildLimits limits{}; ///< of the process that reads and meshes
 };
+
+/// Whether a file is a mesh already, by its ending: .msh or .inp.
+[[nodiscard]] bool is_volume_mesh(const std::string& path);
+
+/// Metres a unit of length in a file that does not say it: a metre in .msh and .inp, else a
+/// millimetre. 0 for STEP, which says it.
+[[nodiscard]] double default_unit(const std::string& path);
 
 /// The name of the node set of a CAD body's face, by its number from one.
 [[nodiscard]] std::string face_set(int number);

@@ -23,6 +23,23 @@ void put_text(std::string& out, const std::string& text) {
   out += text;
 }
 
+/// A material's numbers, one after the other.
+template <class Material> auto constants_of(Material& m) {
+  return std::array{&m.density,    &m.young_pa[0], &m.young_pa[1], &m.young_pa[2], &m.poisson[0],
+                    &m.poisson[1], &m.poisson[2],  &m.shear_pa[0], &m.shear_pa[1], &m.shear_pa[2],
+                    &m.axis_1.x,   &m.axis_1.y,    &m.axis_1.z,    &m.axis_2.x,    &m.axis_2.y,
+                    &m.axis_2.z,   &m.loss_factor, &m.rayleigh_a,  &m.rayleigh_b};
+}
+void put_material(std::string& out, const std::optional<Material>& material) {
+  put_size(out, material ? 1 : 0);
+  if (!material)
+    return;
+  put_text(out, material->name);
+  put_text(out, material->source);
+  for (const double* value : constants_of(*material))
+    put(out, value, 1);
+}
+
 class Cursor {
 public:
   explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
@@ -68,6 +85,22 @@ private:
   std::string_view bytes_;
 };
 
+std::optional<Material> material_from(Cursor& cursor) {
+  std::uint64_t present = 0;
+  cursor.take(&present, 1);
+  cursor.require(present <= 1);
+  if (present == 0)
+    return std::nullopt;
+  Material m;
+  m.name = cursor.text();
+  m.source = cursor.text();
+  for (double* value : constants_of(m)) {
+    cursor.take(value, 1);
+    cursor.require(std::isfinite(*value));
+  }
+  return m;
+}
+
 } // namespace
 
 std::string to_bytes(const Mesh& mesh) {
@@ -93,6 +126,9 @@ std::string to_bytes(const Mesh& mesh) {
     put_size(out, set.size());
     put(out, set.data(), set.size());
   }
+  if (!mesh.materials.empty()) // tables of before have none
+    for (const auto& material : mesh.materials)
+      put_material(out, material);
   return out;
 }
 
@@ -113,7 +149,7 @@ Mesh mesh_from_bytes(std::string_view bytes) {
   for (Element& e : mesh.elements) {
     std::array<int, 5> words{};
     cursor.take(words.data(), words.size());
-    cursor.require(words[0] >= 0 && words[0] <= static_cast<int>(Shape::wedge15) && words[1] >= 0 &&
+    cursor.require(words[0] >= 0 && words[0] < static_cast<int>(kShapes) && words[1] >= 0 &&
                    static_cast<std::size_t>(words[1]) < mesh.regions.size());
     // Intervals are indices of elements later, at most three an element.
     for (std::size_t axis = 2; axis < words.size(); ++axis)
@@ -130,7 +166,9 @@ Mesh mesh_from_bytes(std::string_view bytes) {
     const std::string name = cursor.text();
     mesh.node_sets[name] = cursor.indices(mesh.nodes.size());
   }
-  cursor.require(cursor.at_end());
+  while (!cursor.at_end())
+    mesh.materials.push_back(material_from(cursor));
+  cursor.require(mesh.materials.empty() || mesh.materials.size() == mesh.regions.size());
   return mesh;
 }
 

@@ -186,8 +186,9 @@ private:
     if (!type)
       file_.refuse("element type " + std::to_string(number), "a type of gmsh's elements");
     if (type->dimension == 3 && !type->shape)
-      file_.refuse(std::string("a ") + type->name + " (gmsh's type " + std::to_string(number) + ")",
-                   "tetrahedra of 4 or 10 nodes, hexahedra of 8 or 20, or prisms of 15");
+      file_.refuse(
+          std::string("a ") + type->name + " (gmsh's type " + std::to_string(number) + ")",
+          "tetrahedra of 4 or 10 nodes, hexahedra of 8 or 20, prisms of 6 or 15, or pyramids of 5");
     return *type;
   }
 

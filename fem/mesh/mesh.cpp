@@ -20,7 +20,7 @@ void Mesh::add(Shape shape, std::span<const int> element_nodes, int region) {
 }
 
 std::string Mesh::element_names() const {
-  std::array<bool, 5> present{};
+  std::array<bool, kShapes> present{};
   for (const Element& e : elements)
     present[static_cast<std::size_t>(e.shape)] = true;
   std::string names;

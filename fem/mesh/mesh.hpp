@@ -1,8 +1,10 @@
 #pragma once
 #include "fem/element/shape.hpp"
+#include "fem/material/material.hpp"
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -38,6 +40,7 @@ struct Mesh {
   std::vector<int> connectivity;
   std::vector<Element> elements;
   std::vector<std::string> regions{"body"};
+  std::vector<std::optional<Material>> materials; ///< of regions, by their file; none: empty
   std::map<std::string, std::vector<int>> node_sets;
 
   void add(Shape shape, std::span<const int> element_nodes, int region = 0);

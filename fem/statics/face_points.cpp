@@ -64,13 +64,12 @@ FaceTable tabulate(Shape shape, const Face& face) {
 }
 
 const FaceTable& table_of(Shape shape, std::size_t face) {
-  static const auto tables = [] {
-    std::array<std::vector<FaceTable>, 5> all;
-    for (const Shape s : {Shape::tet4, Shape::tet10, Shape::hex8, Shape::hex20, Shape::wedge15})
-      for (const Face& f : faces(s))
-        all[static_cast<std::size_t>(s)].push_back(tabulate(s, f));
+  static const auto tables = for_shapes([](Shape s) {
+    std::vector<FaceTable> all;
+    for (const Face& f : faces(s))
+      all.push_back(tabulate(s, f));
     return all;
-  }();
+  });
   return tables[static_cast<std::size_t>(shape)][face];
 }
 

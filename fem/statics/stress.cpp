@@ -47,6 +47,8 @@ std::vector<QuadraturePoint> best_points(Shape shape) {
   switch (shape) {
   case Shape::tet4:
   case Shape::hex8:
+  case Shape::wedge6:
+  case Shape::pyramid5:
     return {{centroid_of(shape), 1}};
   case Shape::tet10: {
     const auto four = stiffness_points(shape);
@@ -68,11 +70,7 @@ std::vector<QuadraturePoint> best_points(Shape shape) {
 }
 
 const Smoothing& smoothing(Shape shape) {
-  static const std::array<Smoothing, 5> all{Smoothing(Shape::tet4, best_points(Shape::tet4)),
-                                            {Shape::tet10, best_points(Shape::tet10)},
-                                            {Shape::hex8, best_points(Shape::hex8)},
-                                            {Shape::hex20, best_points(Shape::hex20)},
-                                            {Shape::wedge15, best_points(Shape::wedge15)}};
+  static const auto all = for_shapes([](Shape s) { return Smoothing(s, best_points(s)); });
   return all[static_cast<std::size_t>(shape)];
 }
 
@@ -131,12 +129,11 @@ Vector3 centroid_of(Shape shape) noexcept {
 }
 
 const ShapeValues& at_centroid(Shape shape) {
-  static const auto all = [] {
-    std::array<ShapeValues, 5> values;
-    for (const Shape s : {Shape::tet4, Shape::tet10, Shape::hex8, Shape::hex20, Shape::wedge15})
-      evaluate(s, centroid_of(s), values[static_cast<std::size_t>(s)]);
+  static const auto all = for_shapes([](Shape s) {
+    ShapeValues values;
+    evaluate(s, centroid_of(s), values);
     return values;
-  }();
+  });
   return all[static_cast<std::size_t>(shape)];
 }
 

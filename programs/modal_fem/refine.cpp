@@ -22,11 +22,6 @@ constexpr double kFirstPhase = 1.0;
 /// Where nothing is refined the first mesh is the last.
 constexpr double kOnlyPhase = .6;
 
-bool is_volume_mesh(const std::string& path) {
-  const std::string ending = lower(std::filesystem::path(path).extension().string());
-  return ending == ".msh" || ending == ".inp";
-}
-
 /// The area of a mesh's skin, m^2.
 double outer_area(const Mesh& mesh) {
   const Surface skin = surface_of(mesh);

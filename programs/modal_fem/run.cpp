@@ -4,6 +4,7 @@
 #include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/residual_compliance.hpp"
+#include "fem/modes/rigid.hpp"
 #include "programs/modal_fem/refine.hpp"
 #include "programs/modal_fem/slepc_engine.hpp"
 
@@ -164,8 +165,10 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
 void export_files(const ModalOptions& options, const Solved& body, ProgressLine& progress) {
   if (!options.inp.empty()) {
     progress.stage("writing " + options.inp, 0);
+    const std::size_t rigid =
+        rigid_motions(body.mesh, *body.matrices).size() / body.mesh.dofs(); // modes there
     write_inp(options.inp, body.mesh, body.materials, supports_of(options, body.mesh),
-              options.modes);
+              options.modes + rigid);
   }
   if (!options.petsc.empty()) {
     progress.stage("writing " + options.petsc, 0);
@@ -194,6 +197,13 @@ void refine(Solved& body, const ModalOptions& options, Refinement& refinement, E
   body.relative_error = std::move(error.relative);
 }
 
+std::string names_of_sets(const Mesh& mesh) {
+  std::string names;
+  for (const auto& [name, nodes] : mesh.node_sets)
+    names += (names.empty() ? ": expected " : ", ") + printable(name, 60);
+  return names;
+}
+
 } // namespace
 
 std::vector<Support> supports_of(const ModalOptions& options, const Mesh& mesh) {
@@ -207,7 +217,8 @@ std::vector<Support> supports_of(const ModalOptions& options, const Mesh& mesh) 
     if (!fixed_region.set.empty()) {
       const auto at = mesh.node_sets.find(fixed_region.set);
       if (at == mesh.node_sets.end())
-        throw InputError("--" + fixed_region.words + ": the mesh has no node set of that name");
+        throw InputError("--" + fixed_region.words + ": the mesh has no node set of that name" +
+                         names_of_sets(mesh));
       support.nodes = at->second;
     } else {
       for (const int node : skin.node) {

@@ -10,7 +10,8 @@
 using namespace tactus::fem;
 
 namespace {
-constexpr std::array kShapes{Shape::tet4, Shape::tet10, Shape::hex8, Shape::hex20, Shape::wedge15};
+constexpr std::array kAllShapes{Shape::tet4,    Shape::tet10,  Shape::hex8,    Shape::hex20,
+                                Shape::wedge15, Shape::wedge6, Shape::pyramid5};
 
 /// A point inside every reference element.
 constexpr Vector3 kInside{.21, .17, .23};
@@ -31,7 +32,7 @@ TEST_CASE(
     "their differences") {
   ShapeValues at, above, below;
   constexpr double kStep = 1e-5;
-  for (const Shape shape : kShapes) {
+  for (const Shape shape : kAllShapes) {
     const auto nodes = reference_nodes(shape);
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       evaluate(shape, nodes[a], at);
@@ -74,13 +75,15 @@ TEST_CASE("mass points integrate every monomial up to their degree, weights sum 
                                       {Shape::tet10, 1. / 6},
                                       {Shape::hex8, 8.},
                                       {Shape::hex20, 8.},
-                                      {Shape::wedge15, 1.}})
+                                      {Shape::wedge15, 1.},
+                                      {Shape::wedge6, 1.},
+                                      {Shape::pyramid5, 4. / 3}})
     for (const auto& points : {mass_points(shape), stiffness_points(shape)})
       CHECK(integral(points, 0, 0, 0) == doctest::Approx(volume).epsilon(1e-14));
 }
 
 TEST_CASE("every face's normal points out of the element") {
-  for (const Shape shape : kShapes) {
+  for (const Shape shape : kAllShapes) {
     const auto nodes = reference_nodes(shape);
     Vector3 middle;
     for (const Vector3& p : nodes)

@@ -1,5 +1,6 @@
 // The estimated errors of frequencies against true ones: meshes of another layout that are much
 // finer, and the axisymmetric solution of the disks.
+#include "fem/element/jacobian.hpp"
 #include "fem/error/enrichment.hpp"
 #include "fem/error/error_estimate.hpp"
 #include "fem/error/refined_sizes.hpp"
@@ -59,44 +60,60 @@ Mesh hexahedra(const Vector3& size, std::array<int, 3> cells) {
 } // namespace
 
 TEST_CASE("enriching functions of neighbours agree on what they share") {
-  // On the shared face of two elements with arbitrary node numbers.
-  Mesh mesh = tetrahedral_block(2, true);
-  const Enrichment functions(mesh, std::vector<std::uint8_t>(mesh.dofs(), 0));
-  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> owners(functions.count);
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-    for (std::size_t i = functions.first[e]; i < functions.first[e + 1]; ++i)
-      owners[static_cast<std::size_t>(functions.number[i])].push_back({e, i});
-  ShapeValues nodal, own;
-  const auto value = [&](std::size_t e, std::size_t i, const Vector3& x) {
-    // Straight tetrahedra: reference coordinates from the corners.
-    const auto n = mesh.nodes_of(mesh.elements[e]);
-    const auto at = [&](std::size_t c) { return mesh.nodes[static_cast<std::size_t>(n[c])]; };
-    const Vector3 a = at(1) - at(0), b = at(2) - at(0), c = at(3) - at(0), d = x - at(0);
-    const double whole = dot(a, cross(b, c));
-    evaluate_enrichment(
-        Shape::tet10,
-        {dot(d, cross(b, c)) / whole, dot(a, cross(d, c)) / whole, dot(a, cross(b, d)) / whole},
-        own);
-    return functions.sign[i] * own.value[i - functions.first[e]];
-  };
-  for (const auto& of : owners)
-    for (const auto& [e, i] : of) {
-      const auto n = mesh.nodes_of(mesh.elements[of[0].first]);
-      const auto& f =
-          enriching_functions(Shape::tet10)[of[0].second - functions.first[of[0].first]];
-      Vector3 x; // off the middle of the shared edge or face
-      double sum = 0;
-      for (std::size_t c = 0; c < 4; ++c)
-        if (f.corner[c] >= 0) {
-          const double weight = 1 + .7 * static_cast<double>(c);
-          x += weight *
-               mesh.nodes[static_cast<std::size_t>(n[static_cast<std::size_t>(f.corner[c])])];
-          sum += weight;
-        }
-      x = (1 / sum) * x;
-      CHECK(value(e, i, x) == doctest::Approx(value(of[0].first, of[0].second, x)));
-      CHECK(std::abs(value(e, i, x)) > .05);
-    }
+  Mesh linear; // a cube under a pyramid, beside a wedge; a tetrahedron on a side of the pyramid
+  linear.nodes = {{-1, -1, -2}, {1, -1, -2}, {1, 1, -2}, {-1, 1, -2}, {-1, -1, 0}, {1, -1, 0},
+                  {1, 1, 0},    {-1, 1, 0},  {0, 0, 1},  {2, 0, 1},   {2, -1, -1}, {2, 1, -1}};
+  linear.add(Shape::tet4, std::array{5, 6, 8, 9});
+  linear.add(Shape::hex8, std::array{0, 1, 2, 3, 4, 5, 6, 7});
+  linear.add(Shape::pyramid5, std::array{4, 5, 6, 7, 8});
+  linear.add(Shape::wedge6, std::array{1, 5, 10, 2, 6, 11});
+  check(linear);
+  for (const Mesh& mesh : {tetrahedral_block(2, true), linear}) {
+    const Enrichment functions(mesh, std::vector<std::uint8_t>(mesh.dofs(), 0));
+    std::vector<std::vector<std::pair<std::size_t, std::size_t>>> owners(functions.count);
+    for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+      for (std::size_t i = functions.first[e]; i < functions.first[e + 1]; ++i)
+        owners[static_cast<std::size_t>(functions.number[i])].push_back({e, i});
+    ShapeValues nodal, own;
+    const auto value = [&](std::size_t e, std::size_t i, const Vector3& x) {
+      const Element& element = mesh.elements[e];
+      Vector3 at{.3, .2, .2};
+      for (int newton = 0; newton < 30; ++newton) {
+        evaluate(element.shape, at, nodal);
+        Vector3 gap = x;
+        for (std::size_t a = 0; a < mesh.nodes_of(element).size(); ++a)
+          gap = gap -
+                nodal.value[a] * mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(element)[a])];
+        const auto [row, determinant] = jacobian(mesh, element, nodal);
+        at += (1 / determinant) * Vector3{dot(gap, cross(row[1], row[2])),
+                                          dot(gap, cross(row[2], row[0])),
+                                          dot(gap, cross(row[0], row[1]))};
+      }
+      evaluate_enrichment(element.shape, at, own);
+      return functions.sign[i] * own.value[i - functions.first[e]];
+    };
+    for (const auto& of : owners)
+      for (const auto& [e, i] : of) {
+        const Element& first = mesh.elements[of[0].first];
+        const auto n = mesh.nodes_of(first);
+        const auto& f =
+            enriching_functions(first.shape)[of[0].second - functions.first[of[0].first]];
+        if (f.kind == EntityKind::interior)
+          continue;
+        Vector3 x; // off the middle of the shared edge or face
+        double sum = 0;
+        for (std::size_t c = 0; c < 4; ++c)
+          if (f.corner[c] >= 0) {
+            const double weight = 1 + .7 * static_cast<double>(c);
+            x += weight *
+                 mesh.nodes[static_cast<std::size_t>(n[static_cast<std::size_t>(f.corner[c])])];
+            sum += weight;
+          }
+        x = (1 / sum) * x;
+        CHECK(value(e, i, x) == doctest::Approx(value(of[0].first, of[0].second, x)));
+        CHECK(std::abs(value(e, i, x)) > .05);
+      }
+  }
 }
 
 TEST_CASE("the estimate of a bar is its error, where bending shears, twists and stretches it") {

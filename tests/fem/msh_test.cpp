@@ -335,7 +335,7 @@ TEST_CASE("what is damaged is refused by place, value and expectation") {
   mentions(changed(kText2, "2 1 0 0", "1 1 0 0"), {"node 1", "twice"});
   mentions(changed(kText2, "1 2 3 4\n$", "1 2 3 9\n$"), {"element 1", "node 9"});
   mentions(changed(kText2, "1 4 2", "1 5 2"), {"$EndElements", "node's number"});
-  mentions(changed(kText2, "1 4 2", "1 7 2"), {"5-node pyramid", "type 7"});
+  mentions(changed(kText2, "1 4 2", "1 19 2"), {"13-node pyramid", "type 19"});
   mentions(changed(kText2, "1 4 2", "1 777 2"), {"777"});
   mentions(changed(kText2, "1 4 2 0 1", "1 4 -2 0 1"), {"-2", "number of tags"});
   mentions(changed(kText2, "1 4 2 0 1 1 2 3 4", "1 2 2 0 1 1 2 3"), {"no volume element"});

@@ -40,6 +40,37 @@ void distort(Mesh& mesh, double by) {
   }
 }
 
+/// The unit cube: columns of bricks and of pairs of wedges by turns, a brick in the middle of its
+/// column as six pyramids.
+Mesh mixed_linear_block() {
+  Mesh mesh;
+  for (int n = 0; n < 64; ++n)
+    mesh.nodes.push_back((1. / 3) * Vector3{double(n % 4), double(n / 4 % 4), double(n / 16)});
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        const int a = i + 4 * j + 16 * k;
+        const std::array cell{a, a + 1, a + 5, a + 4, a + 16, a + 17, a + 21, a + 20};
+        if ((i + j) % 2) {
+          for (const auto& [p, q] : {std::array<std::size_t, 2>{1, 2}, {2, 3}})
+            mesh.add(Shape::wedge6,
+                     std::array{cell[0], cell[p], cell[q], cell[4], cell[p + 4], cell[q + 4]});
+        } else if (k != 1) {
+          mesh.add(Shape::hex8, cell);
+        } else {
+          const int apex = static_cast<int>(mesh.nodes.size());
+          mesh.nodes.push_back(mesh.nodes[static_cast<std::size_t>(a)] + Vector3{.15, .17, .18});
+          for (const Face& f : faces(Shape::hex8)) {
+            const auto at = [&](std::size_t c) {
+              return cell[static_cast<std::size_t>(f.node[c])];
+            };
+            mesh.add(Shape::pyramid5, std::array{at(3), at(2), at(1), at(0), apex});
+          }
+        }
+      }
+  return mesh;
+}
+
 void check_constant_strain(const Mesh& mesh, const Material& material) {
   check(mesh);
   StaticModel model;
@@ -78,10 +109,13 @@ TEST_CASE("constant strain is exact on distorted elements of every shape") {
   distort(linear, .07);
   Mesh bricks = block(even(0, 1, 3), even(0, 1, 3), even(0, 1, 3));
   distort(bricks, .07);
+  Mesh mixed = mixed_linear_block();
+  distort(mixed, .04);
   for (const Material& m : {steel(), oblique_spruce()}) {
     check_constant_strain(tets, m);
     check_constant_strain(linear, m);
     check_constant_strain(bricks, m);
+    check_constant_strain(mixed, m);
     // Wedges about the axis and curved bricks around them.
     check_constant_strain(make_shape("disk", {{"diameter", .1}, {"thickness", .03}}, {}, {.02}), m);
   }

@@ -1,0 +1,107 @@
+#include "fem/io/inp_lines.hpp"
+
+#include "fem/io/text.hpp"
+#include "fem/mesh/mesh.hpp"
+
+#include <algorithm>
+
+namespace tactus::fem {
+namespace {
+
+/// Like split() at commas, but not at those within quotation marks.
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells;
+  std::size_t first = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    quoted ^= i < line.size() && line[i] == '"';
+    if (i < line.size() && (quoted || line[i] != ','))
+      continue;
+    cells.emplace_back(files::trimmed(line.substr(first, i - first)));
+    first = i + 1;
+  }
+  return cells;
+}
+
+std::string without_blanks(std::string text) {
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\t'; });
+  return lower(text);
+}
+
+std::string unquoted(const std::string& text) {
+  return text.size() > 1 && text.front() == '"' && text.back() == '"'
+             ? text.substr(1, text.size() - 2)
+             : text;
+}
+
+} // namespace
+
+std::string InpKeyword::value(const std::string& parameter) const {
+  const auto at = parameters.find(parameter);
+  return at == parameters.end() ? "" : at->second;
+}
+
+InpLines::InpLines(const std::string& path) : path_(path), file_(path) {
+  if (!file_)
+    throw InputError("cannot read " + path);
+}
+
+bool InpLines::next() {
+  for (std::string line; std::getline(file_, line);) {
+    ++number_;
+    std::string_view text = line;
+    if (number_ == 1 && text.starts_with("\xEF\xBB\xBF"))
+      text.remove_prefix(3);
+    text_ = files::trimmed(text);
+    if (text_.find('\0') != std::string::npos)
+      refuse("a byte of 0, expected text in ASCII or UTF-8");
+    if (!text_.empty() && !text_.starts_with("**"))
+      return true;
+  }
+  return false;
+}
+
+InpKeyword InpLines::keyword() {
+  InpKeyword keyword;
+  keyword.line = number_;
+  std::string all = text_;
+  while (all.ends_with(',')) {
+    if (!next() || is_keyword())
+      refuse("expected the rest of the line that ends with a comma", keyword.line);
+    all += text_;
+  }
+  const auto cells = cells_of(all);
+  keyword.words = printable(cells[0], 60);
+  keyword.name = without_blanks(cells[0].substr(1));
+  for (std::size_t i = 1; i < cells.size(); ++i) {
+    const auto equals = cells[i].find('=');
+    const std::string value =
+        equals == std::string::npos ? "" : std::string(files::trimmed(cells[i].substr(equals + 1)));
+    keyword.parameters[without_blanks(cells[i].substr(0, equals))] = unquoted(value);
+  }
+  return keyword;
+}
+
+std::vector<std::string> InpLines::cells() const {
+  auto cells = cells_of(text_);
+  if (cells.back().empty())
+    cells.pop_back();
+  std::transform(cells.begin(), cells.end(), cells.begin(), unquoted);
+  return cells;
+}
+
+void InpLines::refuse(const std::string& sentence, int line) const {
+  throw InputError(path_ + " line " + std::to_string(line > 0 ? line : number_) + ": " + sentence);
+}
+
+double InpLines::number(const std::string& cell) const {
+  std::string text = cell;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
+  const auto value = to_number(text);
+  if (!value)
+    refuse(printable(cell, 60) + " is no number");
+  return *value;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,51 @@
+#pragma once
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// A line that begins with `*`, and those it is continued on.
+struct InpKeyword {
+  std::string name;  ///< in lower case and without blanks, as CalculiX compares it: "solidsection"
+  std::string words; ///< as it is written, for messages: "*SOLID SECTION"
+  std::map<std::string, std::string> parameters; ///< by their names in lower case
+  int line = 0;
+
+  [[nodiscard]] bool has(const std::string& parameter) const {
+    return parameters.contains(parameter);
+  }
+  /// Empty where it is not given.
+  [[nodiscard]] std::string value(const std::string& parameter) const;
+};
+
+/// The lines of a CalculiX / Abaqus file, comments (`**`) and empty lines left out.
+class InpLines {
+public:
+  explicit InpLines(const std::string& path);
+
+  /// Goes on to the next line; false at the end.
+  bool next();
+  [[nodiscard]] bool is_keyword() const noexcept { return text_.front() == '*'; }
+  /// The line as a keyword, with those that continue it: after a comma at its end.
+  InpKeyword keyword();
+  /// The line between its commas; one comma at the end is none.
+  [[nodiscard]] std::vector<std::string> cells() const;
+  [[nodiscard]] const std::string& text() const noexcept { return text_; }
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+  [[nodiscard]] int number() const noexcept { return number_; }
+
+  /// Refuses with file and line; the present one where none is named.
+  [[noreturn]] void refuse(const std::string& sentence, int line = 0) const;
+  /// A number of the line, also with Fortran's exponent (1.5D+03).
+  [[nodiscard]] double number(const std::string& cell) const;
+
+private:
+  const std::string& path_;
+  std::ifstream file_;
+  std::string text_; ///< blanks around it removed
+  int number_ = 0;
+};
+
+} // namespace tactus::fem

@@ -1,0 +1,55 @@
+#pragma once
+#include "fem/io/inp_lines.hpp"
+#include "fem/mesh/mesh.hpp"
+
+#include <optional>
+
+namespace tactus::fem {
+
+/// The materials, orientations and sections of a CalculiX / Abaqus file. Constants are in the unit
+/// system of its lengths: with millimetres N, t and s, so MPa and t/mm^3.
+class InpMaterials {
+public:
+  /// `unit`: metres a unit of length.
+  InpMaterials(const InpLines& lines, double unit) : lines_(lines), unit_(unit) {}
+
+  void begin_material(const InpKeyword&);
+  void begin_elastic(const InpKeyword&);
+  void add_elastic();
+  void add_density();
+  void begin_damping(const InpKeyword&);
+  void begin_orientation(const InpKeyword&);
+  void add_orientation();
+  void begin_section(const InpKeyword&);
+  void add_thickness();
+
+  struct Section {
+    std::string elements, material, orientation;
+    int line = 0;
+  };
+  [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }
+  /// Refuses a material that the file does not define, or one without elastic constants. Its
+  /// density is 0 where the file has none.
+  [[nodiscard]] Material material_of(const Section&) const;
+
+private:
+  struct Definition {
+    Material material;
+    bool elastic = false;
+    int line = 0;
+  };
+  [[nodiscard]] Definition& last_material();
+  [[nodiscard]] double constant(const std::string& cell, double scale, double low, double high,
+                                const char* quantity) const;
+
+  const InpLines& lines_;
+  double unit_;
+  std::map<std::string, Definition> materials_; ///< by their names in lower case
+  std::map<std::string, std::array<Vector3, 2>> orientations_;
+  std::vector<Section> sections_;
+  std::string last_material_, last_orientation_;
+  bool orthotropic_ = false;
+  std::vector<std::string> constants_; ///< of *ELASTIC: nine stand on two lines
+};
+
+} // namespace tactus::fem
