@@ -14,10 +14,9 @@ namespace {
 
 using stress::kMaxElements;
 using stress::kMaxSensitivities;
+using stress::kMaxStress_pa;
 using stress::StressField;
 using stress::StressTable;
-
-constexpr float kMaxStress_pa = 1e15F; // a thousand times the stiffest material's modulus
 
 void read_description(TableArrays& arrays, StressTable& table) {
   const Json json = arrays.description("stress-table");

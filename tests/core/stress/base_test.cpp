@@ -27,6 +27,11 @@ TEST_CASE("a re-solved base must have the table's sizes and finite numbers") {
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
   CHECK(refusal([](Base& base) { base.von_mises.sensitivity[7] = kInfinite; }).find("not finite") !=
         std::string::npos);
+  for (const float impossible : {-1e30F, -1.F, 1e30F, kInfinite}) {
+    Base base = Cantilever::solve(0.001, 0);
+    base.von_mises.stress[3] = impossible;
+    CHECK(check_base(table, base).find("0..1e+15 Pa") != std::string::npos);
+  }
   table.base.max_shear = table.base.von_mises;
   CHECK(refusal([](Base&) {}) != "");
 }
