@@ -4,6 +4,7 @@
 #include "fem/io/text.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tactus::fem {
 namespace {
@@ -189,6 +190,20 @@ DesignSpace design_space_of(const DesignOptions& options, const Mesh& mesh) {
     range.high = valid_bound(mesh, space.velocities[p], range.high);
   }
   return space;
+}
+
+void DesignSpace::check_within_bounds(std::span<const double> values) const {
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const ParameterRange& range = parameters[p];
+    const double rounding = 1e-6 * (range.high - range.low);
+    if (!std::isfinite(values[p]))
+      throw InputError(format("control point %d along %c: the displacement is no finite number",
+                              range.control, 'x' + range.axis));
+    if (!(values[p] >= range.low - rounding && values[p] <= range.high + rounding))
+      throw InputError(format("control point %d along %c: %.6g mm, expected %.6g to %.6g mm",
+                              range.control, 'x' + range.axis, 1e3 * values[p], 1e3 * range.low,
+                              1e3 * range.high));
+  }
 }
 
 std::string usage_of_lattice() {

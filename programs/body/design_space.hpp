@@ -34,6 +34,9 @@ struct DesignSpace {
   std::vector<ParameterRange> parameters;
   std::vector<DesignVelocity> velocities; ///< of the parameters
   double trust = 0;                       ///< m
+
+  /// Refuses parameters beyond their bounds, or that are no numbers, by control point.
+  void check_within_bounds(std::span<const double> values) const;
 };
 
 /// The control lattice around the body or in its box. Control points of a face of the box that the

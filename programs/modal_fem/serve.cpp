@@ -56,9 +56,7 @@ public:
     std::memcpy(requested.data(), request.data(), bytes);
     std::memcpy(matched.data(), request.data() + bytes, bytes);
     for (const auto* shape : {&requested, &matched})
-      for (const double p : *shape)
-        if (!std::isfinite(p))
-          throw InputError("a parameter is no finite number");
+      space_.check_within_bounds(*shape);
     if (!latest_ || latest_->displacement != matched)
       latest_ = solve_at(matched);
     Shape now = solve_at(requested);

@@ -27,7 +27,8 @@ std::vector<float> singles(std::span<const double> values) {
 
 /// Handles one request: moves the nodes, solves, answers. Returns whether a new factorisation
 /// before the next request would save time. Throws InputError when it refuses the request.
-bool answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
+bool answer(Reanalysis& part, std::span<const char> request, const DesignSpace& space) {
+  const std::size_t parameters = space.parameters.size();
   const std::size_t expected = 2 * sizeof(std::uint32_t) + parameters * sizeof(double);
   if (request.size() != expected)
     throw InputError(format("a request to solve has %zu bytes, expected %zu: method, flag and %zu "
@@ -45,6 +46,7 @@ bool answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
   if (parameters > 0)
     std::memcpy(requested.data(), request.data() + 2 * sizeof(std::uint32_t),
                 parameters * sizeof(double));
+  space.check_within_bounds(requested);
   const auto start_time = std::chrono::steady_clock::now();
   const ValidStep step = part.move_to(requested);
   StressUpdate update;
@@ -118,7 +120,7 @@ int serve(const std::vector<std::string>& words) {
     ready.send();
   }
   return serve_requests("part_stress", [&](std::span<const char> request) {
-    if (answer(part, request, parameters) && !request_waits())
+    if (answer(part, request, space) && !request_waits())
       refactor(part);
   });
 }

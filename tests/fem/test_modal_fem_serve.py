@@ -123,7 +123,8 @@ def test_a_moved_shape_has_the_modes_of_a_body_of_its_dimensions(bar):
         again = server.solve(p, zero)
         assert (again[3]["freq"] == now["freq"]).all() and (again[2] == shares).all()
         # A shape that turns elements inside out is solved before it: a twentieth of the height is left.
-        assert server.solve(of_face(t, 2, -30e-3), zero)[1] == pytest.approx(0.95 * 12 / 30, abs=1.5e-3)
+        both_faces = [-5.99e-3 * np.sign(t["control_points"][int(c), 2]) if a == 2 else 0 for c, a, *_ in t["parameters"]]
+        assert server.solve(both_faces, zero)[1] == pytest.approx(0.95 * 6 / 5.99, abs=1.5e-3)
         server.process.stdin.close()
         assert server.process.wait(60) == 0
 
@@ -133,7 +134,8 @@ def test_what_cannot_be_answered_is_refused_and_the_next_request_is_answered(bar
     count = len(t["parameters"])
     with Server(folder) as server:
         server.read()
-        for payload, said in ((b"", "0 bytes"), (bytes(8 * count), "expected"), (np.full(2 * count, np.nan).tobytes(), "finite")):
+        for payload, said in ((b"", "0 bytes"), (bytes(8 * count), "expected"), (np.full(2 * count, np.nan).tobytes(), "finite"),
+                              (np.tile(of_face(t, 2, -30e-3), 2).tobytes(), "along z: -30 mm, expected -6 to 6 mm")):
             assert said in server.refuses(SOLVE, payload)
         assert "kind 77" in server.refuses(77)
         assert server.solve(np.zeros(count), np.zeros(count))[3]["freq"] == pytest.approx(t["freq"], rel=1e-9)

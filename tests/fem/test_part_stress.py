@@ -317,6 +317,7 @@ def test_a_server_solves_the_part_at_other_shapes_and_ends_with_its_stdin(served
         # Bad requests are refused, and the next good one is answered.
         for payload, words in ((b"", "expected"), (struct.pack("<II", 9, 0) + p.tobytes(), "method 9"),
                                (struct.pack("<II", 1, 4) + p.tobytes(), "flags 4"),
+                               (struct.pack("<II", 1, 0) + (p + 0.021).tobytes(), "control point 13 along y: 21 mm, expected -5 to 5 mm"),
                                (struct.pack("<II", 0, 0) + (p * np.nan).tobytes(), "")):
             assert words in server.refuses(SOLVE, payload)
         assert "kind 77" in server.refuses(77)
