@@ -89,6 +89,15 @@ double BodyReader::number(double low, double high) {
   return fem::number(option(), value(), low, high);
 }
 
+int BodyReader::integer(int low, int high) {
+  const std::string& word = value();
+  const auto found = to_integer(word);
+  if (!found || *found < low || *found > high)
+    throw InputError(option() + " " + word +
+                     format(": expected a whole number from %d to %d", low, high));
+  return *found;
+}
+
 /// The path that an option for a file sets; null for other options.
 std::string* BodyReader::output_path() {
   const std::string& name = option();
@@ -131,7 +140,7 @@ void BodyReader::take() {
   } else if (name == "--h") {
     options_.choice.h = length(1e-9, 1e9);
   } else if (name == "--layers") {
-    options_.choice.layers = static_cast<int>(number(1, 200));
+    options_.choice.layers = integer(1, 200);
   } else if (name == "--grade-concave") {
     options_.choice.grade_concave = true;
   } else if (name == "--no-grade") {
@@ -141,7 +150,7 @@ void BodyReader::take() {
   } else if (name == "--memory") {
     options_.memory_bytes = read_memory(name, value());
   } else if (name == "--threads") {
-    options_.threads = static_cast<int>(number(1, 256));
+    options_.threads = integer(1, 256);
   } else if (name == "--time-limit") {
     options_.time_limit_s = number(1, 1e7);
   } else if (name == "--fillet" && options_.is_file) {

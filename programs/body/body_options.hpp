@@ -56,6 +56,7 @@ public:
   const std::string& value();
   /// The next value as a number, and as a length in --unit.
   double number(double low, double high);
+  int integer(int low, int high);
   double length(double low, double high) { return options_.unit * number(low, high); }
   [[nodiscard]] double unit() const { return options_.unit; } ///< m
   /// Reads an option of the body, its material, its mesh or its files, or a dimension of the shape;

@@ -14,8 +14,10 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <sys/prctl.h>
 #include <sys/statvfs.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 namespace tactus::fem {
@@ -65,6 +67,7 @@ pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
   const pid_t child = ::fork();
   if (child == 0) {
     ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     ::dup2(pipe[1], STDOUT_FILENO);
     const int nothing = ::open("/dev/null", O_RDONLY);
     ::dup2(nothing, STDIN_FILENO);
@@ -106,6 +109,18 @@ std::string last_error_line(const MpiEngine& engine, const std::string& path) {
 }
 
 } // namespace
+
+void check_ranks(int ranks, std::size_t nodes) {
+  const std::size_t by_nodes = std::max<std::size_t>(1, nodes / kMinNodesPerProcess);
+  if (static_cast<std::size_t>(ranks) > by_nodes)
+    throw InputError(format("--ranks %d: expected at most %zu processes for %zu nodes, %zu each",
+                            ranks, by_nodes, nodes, kMinNodesPerProcess));
+  const int by_cores = 4 * static_cast<int>(std::max(4U, std::thread::hardware_concurrency()));
+  if (ranks > by_cores && !std::getenv("OMPI_MCA_orte_default_hostfile"))
+    throw InputError(format("--ranks %d: expected at most %d processes on this machine; others are "
+                            "named by OMPI_MCA_orte_default_hostfile",
+                            ranks, by_cores));
+}
 
 void check_engine(const MpiEngine& engine) {
   const std::string option = engine.option;

@@ -14,6 +14,12 @@ struct MpiEngine {
   const char* packages; ///< Debian's, "libslepc-real-dev"
 };
 
+/// A process with fewer nodes of the mesh would only wait for its neighbours.
+inline constexpr std::size_t kMinNodesPerProcess = 50;
+/// Refuses more processes than have so many nodes each, or than four for each core of this machine;
+/// Open MPI's own list of machines lifts the second limit.
+void check_ranks(int ranks, std::size_t nodes);
+
 /// Refuses, naming the Debian packages, when mpirun or the solver program is missing.
 void check_engine(const MpiEngine&);
 

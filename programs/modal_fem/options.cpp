@@ -60,7 +60,7 @@ ModalOptions read_options(const std::vector<std::string>& words) {
       options.import_values = reader.value();
       options.import_vectors = reader.value();
     } else if (option == "--modes") {
-      options.modes = static_cast<std::size_t>(reader.number(1, 20000));
+      options.modes = static_cast<std::size_t>(reader.integer(1, 20000));
     } else if (option == "--fix" || option == "--spring") {
       options.fixed_regions.push_back(read_fixed_region(option, reader.value(), options.unit));
     } else if (option == "--engine") {
@@ -69,14 +69,14 @@ ModalOptions read_options(const std::vector<std::string>& words) {
         throw InputError("--engine " + word + ": expected cholmod or slepc");
       options.slepc = word == "slepc";
     } else if (option == "--ranks") {
-      options.ranks = static_cast<int>(reader.number(1, 4096));
+      options.ranks = reader.integer(1, 4096);
     } else if (option == "--radiation") {
       const std::string& word = reader.value();
       if (word != "body" && word != "none")
         throw InputError("--radiation " + word + ": expected body or none");
       options.radiation = word == "body";
     } else if (option == "--acoustic-triangles") {
-      options.acoustic_triangles = static_cast<std::size_t>(reader.number(20, 20000));
+      options.acoustic_triangles = static_cast<std::size_t>(reader.integer(20, 20000));
     } else if (option == "--ratios") {
       options.ratios.clear();
       for (const std::string& cell : split(reader.value(), ','))

@@ -23,6 +23,7 @@ void check_slepc() { check_engine(kSlepc); }
 Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const Matrices& matrices,
                   std::size_t count, int ranks, ProgressLine& progress) {
   const std::size_t n = matrices.dofs();
+  check_ranks(ranks, mesh.nodes.size());
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
   const std::size_t constrained = static_cast<std::size_t>(
       std::count(matrices.constrained.begin(), matrices.constrained.end(), 1));

@@ -190,7 +190,7 @@ PartOptions read_options(const std::vector<std::string>& words) {
         throw InputError("--engine " + printable(word, 20) + ": expected cholmod or petsc");
       options.petsc = word == "petsc";
     } else if (option == "--ranks") {
-      options.ranks = static_cast<int>(reader.number(1, 4096));
+      options.ranks = reader.integer(1, 4096);
     } else if (option == "--list-faces") {
       options.list_faces = true;
     } else if (option == "--fix" || option == "--spring") {

@@ -2,7 +2,7 @@
 
 #include "fem/io/text.hpp"
 #include "fem/modes/cost.hpp"
-#include "programs/part_stress/petsc_engine.hpp"
+#include "programs/body/mpi_run.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -67,10 +67,7 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
                               std::span<const double> start, int ranks, ProgressLine& progress) {
   const Matrices& m = system.matrices;
   const std::size_t n = m.dofs(), nodes = m.graph.node_count();
-  const std::size_t max_ranks = std::max<std::size_t>(1, nodes / kMinNodesPerProcess);
-  if (static_cast<std::size_t>(ranks) > max_ranks)
-    throw InputError(format("--ranks %d: expected at most %zu processes for %zu nodes, %zu each",
-                            ranks, max_ranks, nodes, kMinNodesPerProcess));
+  check_ranks(ranks, nodes);
   const MpiRun petsc(kPetsc, kFiles);
   // Both triangles, 9 entries of 12 bytes a pair of nodes, and the vectors.
   petsc.require_disk_space(2 * 9 * 12. * static_cast<double>(m.graph.row.size()) +

@@ -6,8 +6,6 @@ namespace tactus::fem {
 
 /// ||f - K u|| / ||f|| at which the processes stop.
 constexpr double kPetscTolerance = 1e-8;
-/// A process with less to do would only wait for its neighbours.
-constexpr std::size_t kMinNodesPerProcess = 50;
 
 /// Refuses, naming the Debian packages, when mpirun or this build's PETSc program is missing.
 void check_petsc();
@@ -15,8 +13,8 @@ void check_petsc();
 /// The same solution as solve_static(), from PETSc on `ranks` processes of mpirun: conjugate
 /// gradients with smoothed aggregation (GAMG), whose coarse spaces hold the six rigid motions. K, f
 /// and the nodes travel through a private folder (MpiRun). `start` is a displacement to begin with
-/// or empty. Memory and time of each process are printed. Refuses in one sentence more processes
-/// than one for kMinNodesPerProcess nodes, and what fails.
+/// or empty. Memory and time of each process are printed. Refuses in one sentence too many
+/// processes (check_ranks()) and what fails.
 [[nodiscard]] StaticSolution petsc_solution(const Mesh&, const StaticSystem&,
                                             std::span<const double> start, int ranks,
                                             ProgressLine&);

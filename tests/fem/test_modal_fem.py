@@ -119,6 +119,8 @@ def test_a_bad_order_of_raw_is_refused_by_name(words, expected, sounding):
     ([*COARSE_DISK, "--poisson", 0.5], "--poisson 0.5"),
     ([*COARSE_DISK, "--fix", "0,0,90,2"], "meets no node"),
     ([*COARSE_DISK, "--unit", "furlong"], "furlong"),
+    ([*COARSE_DISK, "--modes", 2.5], "--modes 2.5: expected a whole number"),
+    ([*COARSE_DISK, "--engine", "slepc", "--ranks", 2.5], "--ranks 2.5: expected a whole number"),
     ([*COARSE_DISK, "--tolerance", -1], "--tolerance -1"),
     (["hollow-disk", "--diameter", 100, "--thickness", 25, "--cavity-diameter", 120, "--cavity-thickness", 13], "cavity"),
     (["nothing.stl"], "nothing.stl"),

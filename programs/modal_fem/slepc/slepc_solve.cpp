@@ -14,9 +14,11 @@
 #include "programs/body/petsc_program.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <slepceps.h>
 #include <string>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <vector>
 
@@ -270,6 +272,7 @@ PetscErrorCode run(char** words) {
 
 int main(int argc, char** argv) {
   tactus::petsc::g_program = "slepc_solve";
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // of mpirun: none outlives it
   if (argc < 8) {
     std::fputs("slepc_solve: run by modal_fem --engine slepc\n", stderr);
     return 2;

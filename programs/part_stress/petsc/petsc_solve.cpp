@@ -14,9 +14,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <petscksp.h>
 #include <string>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <vector>
 
@@ -144,6 +146,7 @@ PetscErrorCode run(char** words) {
 
 int main(int argc, char** argv) {
   tactus::petsc::g_program = "petsc_solve";
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL); // of mpirun: none outlives it
   if (argc < 5) {
     std::fputs("petsc_solve: run by part_stress --engine petsc\n", stderr);
     return 2;
