@@ -199,6 +199,27 @@ Load load_of(const LoadOptions& options, const Mesh& mesh) {
   }
 }
 
+/// Refuses a load whose nodal forces all act on held directions: the supports take all of it.
+void check_loads_act(const PartOptions& options, const Mesh& mesh, const StaticModel& model) {
+  std::vector<std::uint8_t> held(mesh.dofs(), 0);
+  for (const FixedPatch& patch : model.fixed)
+    for (const int node : patch.nodes)
+      for (std::size_t i = 0; i < 3; ++i)
+        held[3 * static_cast<std::size_t>(node) + i] |= patch.directions[i];
+  for (std::size_t k = 0; k < options.loads.size(); ++k) {
+    const auto force = load_vector(mesh, model.materials, std::span(&model.loads[k], 1));
+    double whole = 0, moving = 0;
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      whole += std::abs(force[i]);
+      moving += held[i] ? 0 : std::abs(force[i]);
+    }
+    if (whole > 0 && moving < 1e-9 * whole)
+      throw InputError("--" + options.loads[k].words +
+                       " acts on held nodes alone, so that the support takes it and the part no "
+                       "stress: expected a place that can move");
+  }
+}
+
 } // namespace
 
 Mesh mesh_of(const PartOptions& options, ProgressLine& progress) {
@@ -238,6 +259,7 @@ StaticModel model_of(const PartOptions& options, const Mesh& mesh) {
   }
   for (const LoadOptions& load : options.loads)
     model.loads.push_back(load_of(load, mesh));
+  check_loads_act(options, mesh, model);
   if (!(options.gravity == Vector3{}))
     model.loads.emplace_back(Gravity{options.gravity});
   return model;

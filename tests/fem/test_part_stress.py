@@ -237,6 +237,7 @@ def test_the_sheet_shows_the_part_before_and_after_and_leaves_nothing_else(tmp_p
     ([*BAR, "--fix", "x=-100"], "carries no load"),
     ([*BAR, "--fix", "x=-100:x", "--force", "x=100:0,0,1"], "3 of its 6 rigid motions are free"),
     ([*BAR, "--fix", "x=-101", "--force", "x=100:0,0,1"], "--fix x=-101"),
+    ([*LOADED, "--force", "x=-100:0,0,1"], "--force x=-100:0,0,1 acts on held nodes alone"),
     ([*LOADED, "--force", "x=100:1,2"], "2 numbers, expected 3"),
     ([*LOADED, "--force", "x=100:1,2,nan"], "nan is no number"),
     ([*LOADED, "--force", "x=100:1,2,1e300"], "1e300: expected a number within -1e15..1e15"),
