@@ -124,14 +124,21 @@ constexpr Attempt kAttempts[]{{"", false, 1, 6},
                               {" in smaller elements", false, .6, 5},
                               {" with adapted faces", true, .8, 1}};
 
+/// Metres a unit of the imported model: STEP says its own and comes in millimetres.
+double unit_of_lengths(const std::string& path, double given) {
+  return given > 0 && cad_format(path) != "step" ? given : 1e-3;
+}
+
 /// Meshes the solids of a CAD file.
 class CadMesher {
 public:
   CadMesher(const std::string& path, const LoadChoice& choice)
-      : path_(path), choice_(choice), unit_(choice.unit > 0 ? choice.unit : 1e-3),
+      : path_(path), choice_(choice), unit_(unit_of_lengths(path, choice.unit)),
         facets_allowed_(!choice.sizes || choice.sizes->straight) {
     if (choice.notify)
       notify_ = choice.notify;
+    if (choice.unit > 0 && choice.unit != unit_)
+      notify_("a STEP file says its own unit of length: --unit is that of the options alone");
   }
 
   /// Tries each attempt in turn; the skin's triangles of a single body come before finer elements.

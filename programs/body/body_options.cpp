@@ -4,6 +4,7 @@
 #include "programs/body/budget.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -11,12 +12,11 @@ namespace tactus::fem {
 namespace {
 
 double unit_of(const std::string& word) {
-  static const std::map<std::string, double> units{
-      {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}, {"in", 25.4e-3}, {"um", 1e-6}};
-  const auto at = units.find(word);
-  if (at == units.end())
+  const auto* const at = std::find_if(kUnits.begin(), kUnits.end(),
+                                      [&](const LengthUnit& u) { return u.name == word; });
+  if (at == kUnits.end())
     throw InputError("--unit " + word + ": expected um, mm, cm, m or in");
-  return at->second;
+  return at->metres;
 }
 
 /// --young, --poisson, --density and --loss.
@@ -33,6 +33,44 @@ void apply_changes(const BodyOptions& options, Material& material) {
   }
 }
 
+/// One a region: of --material, first those for all; else of the file; else none.
+std::vector<std::optional<Material>> chosen_materials(const BodyOptions& options,
+                                                      const Mesh& mesh) {
+  std::vector<std::optional<Material>> chosen = mesh.materials;
+  chosen.resize(mesh.regions.size());
+  for (const auto& [region, name] : options.materials)
+    if (region.empty())
+      std::fill(chosen.begin(), chosen.end(), find_material(name));
+  for (const auto& [region, name] : options.materials) {
+    if (region.empty())
+      continue;
+    const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), region);
+    if (at == mesh.regions.end()) {
+      std::string names;
+      for (const std::string& r : mesh.regions)
+        names += " " + r;
+      throw InputError("--material: no region is called " + region + ", the body has" + names);
+    }
+    chosen[static_cast<std::size_t>(at - mesh.regions.begin())] = find_material(name);
+  }
+  return chosen;
+}
+
+/// Names the regions that take the default although others have a material.
+void warn_of_default_materials(const BodyOptions& options, const Mesh& mesh,
+                               ProgressLine& progress) {
+  const auto chosen = chosen_materials(options, mesh);
+  if (std::none_of(chosen.begin(), chosen.end(), [](auto& m) { return m.has_value(); }))
+    return;
+  std::string regions;
+  for (std::size_t r = 0; r < chosen.size(); ++r)
+    if (!chosen[r])
+      regions += (regions.empty() ? "" : ", ") + mesh.regions[r];
+  if (!regions.empty())
+    progress.notify("warning: no --material is for region " + regions + ", which is taken as " +
+                    options.default_material);
+}
+
 std::string underscored(std::string word) {
   std::replace(word.begin(), word.end(), '-', '_');
   return word;
@@ -41,6 +79,13 @@ std::string underscored(std::string word) {
 } // namespace
 
 std::string BodyOptions::name() const { return std::filesystem::path(body).stem().string(); }
+
+double BodyOptions::unit_of_body() const {
+  if (!is_file)
+    return unit;
+  const double usual = default_unit(body);
+  return unit_given && usual > 0 ? unit : usual;
+}
 
 double number(const std::string& option, const std::string& word, double low, double high) {
   const auto value = to_number(word);
@@ -200,7 +245,11 @@ std::string usage_of_shapes(std::span<const ShapeEntry> shapes) {
               (*d.description ? std::string("  ") + d.description : "") + "\n";
     }
   }
-  return text + "\nLengths are in millimetres, or in --unit um|mm|cm|m|in.\n\n";
+  return text + R"(
+Lengths are in millimetres, or in --unit um|mm|cm|m|in, here and in files; but a .step file says
+its own unit, and .msh and .inp are in metres where --unit is not given.
+
+)";
 }
 
 std::string usage_of_material() {
@@ -223,33 +272,69 @@ std::string usage_of_mesh() {
 }
 
 std::vector<Material> materials_of(const BodyOptions& options, const Mesh& mesh) {
-  std::vector<Material> materials(mesh.regions.size(), find_material(options.default_material));
-  for (const auto& [region, name] : options.materials) {
-    const Material m = find_material(name);
-    if (region.empty()) {
-      std::fill(materials.begin(), materials.end(), m);
-      continue;
-    }
-    const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), region);
-    if (at == mesh.regions.end()) {
-      std::string names;
-      for (const std::string& r : mesh.regions)
-        names += " " + r;
-      throw InputError("--material: no region is called " + region + ", the body has" + names);
-    }
-    materials[static_cast<std::size_t>(at - mesh.regions.begin())] = m;
-  }
+  std::vector<Material> materials;
+  for (const auto& material : chosen_materials(options, mesh))
+    materials.push_back(material ? *material : find_material(options.default_material));
   for (const auto& [what, value] : options.changes)
     if (!materials[0].isotropic() && (what == "young" || what == "poisson"))
       throw InputError("--" + what + " changes an isotropic material, " + materials[0].name +
                        " is orthotropic");
   apply_changes(options, materials[0]);
+  if (!options.axes.empty() &&
+      std::all_of(materials.begin(), materials.end(), [](auto& m) { return m.isotropic(); }))
+    throw InputError("--axes are those of an orthotropic material, the body has " +
+                     names_of_materials(materials));
   if (!options.axes.empty())
     for (Material& m : materials) {
       m.axis_1 = {options.axes[0], options.axes[1], options.axes[2]};
       m.axis_2 = {options.axes[3], options.axes[4], options.axes[5]};
     }
   return materials;
+}
+
+std::string names_of_materials(std::span<const Material> materials) {
+  std::vector<std::string> names;
+  for (const Material& m : materials)
+    if (std::find(names.begin(), names.end(), m.name) == names.end())
+      names.push_back(m.name);
+  std::string text;
+  for (const std::string& name : names)
+    text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+void warn_of_unusual_constants(const BodyOptions& options, ProgressLine& progress) {
+  BodyOptions without_changes = options;
+  without_changes.changes.clear();
+  const Material base = first_material(without_changes);
+  const auto warn = [&](const char* what, double usual, const char* unit) {
+    const auto at = options.changes.find(what);
+    if (at != options.changes.end() && std::abs(std::log10(at->second / usual)) > 1.7)
+      progress.notify(format("warning: --%s %g: %s has %g; was it meant in %s?", what, at->second,
+                             base.name.c_str(), usual, unit));
+  };
+  warn("young", base.young_pa[0], "Pa");
+  warn("density", base.density, "kg/m^3");
+}
+
+std::string name_of_unit(double metres) {
+  const auto* const at = std::find_if(kUnits.begin(), kUnits.end(),
+                                      [&](const LengthUnit& u) { return u.metres == metres; });
+  return at == kUnits.end() ? "" : std::string(at->name);
+}
+
+std::string format_length(double metres) {
+  return metres < 1e-3 ? format("%.3g um", 1e6 * metres)
+         : metres < 1  ? format("%.3g mm", 1e3 * metres)
+                       : format("%.4g m", metres);
+}
+
+void warn_of_unusual_length(const BodyOptions& options, double largest,
+                            const std::function<void(const std::string&)>& notify) {
+  const std::string unit = name_of_unit(options.unit_of_body());
+  if (largest > 20 || largest < 1e-4)
+    notify("warning: the body is " + format_length(largest) + " long; are its lengths in " +
+           (unit.empty() ? "the unit that it says?" : unit + "? (--unit um|mm|cm|m|in)"));
 }
 
 Material first_material(const BodyOptions& options) {
@@ -291,7 +376,9 @@ void check_readable(const std::string& path) {
     throw InputError("cannot read " + path + ": permission denied");
 }
 
-void describe(const Mesh& mesh, ProgressLine& progress, const std::string& what) {
+void describe(const BodyOptions& options, const Mesh& mesh, ProgressLine& progress,
+              const std::string& what) {
+  warn_of_default_materials(options, mesh, progress);
   const Vector3 size = bounding_box(mesh.nodes).size();
   progress.notify(
       format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",

@@ -35,6 +35,8 @@ struct BodyOptions {
 
   /// The body's name without folder and ending.
   [[nodiscard]] std::string name() const;
+  /// Metres a unit of the body's lengths; 0 where its file says it.
+  [[nodiscard]] double unit_of_body() const;
 };
 
 /// A number in its range; refuses by the option's name.
@@ -79,9 +81,27 @@ private:
 [[nodiscard]] std::string usage_of_material();
 [[nodiscard]] std::string usage_of_mesh();
 
-/// One material a region of the mesh, as ordered. Refuses unknown names and changes that do not
-/// apply.
+/// One material a region of the mesh: as ordered, else its file's. Refuses unknown names, changes
+/// that do not apply.
 [[nodiscard]] std::vector<Material> materials_of(const BodyOptions&, const Mesh&);
+/// "steel, brass".
+[[nodiscard]] std::string names_of_materials(std::span<const Material>);
+/// Warns of --young and --density that are far from the material that they change.
+void warn_of_unusual_constants(const BodyOptions&, ProgressLine&);
+/// What --unit may say.
+struct LengthUnit {
+  std::string_view name;
+  double metres;
+};
+inline constexpr std::array<LengthUnit, 5> kUnits{
+    {{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 25.4e-3}, {"m", 1}}};
+/// Empty where there is none.
+[[nodiscard]] std::string name_of_unit(double metres);
+/// "12.5 mm".
+[[nodiscard]] std::string format_length(double metres);
+/// Asks for the unit of a body that is larger than a house or smaller than a hair.
+void warn_of_unusual_length(const BodyOptions&, double largest_m,
+                            const std::function<void(const std::string&)>& notify);
 /// The material of the first region.
 [[nodiscard]] Material first_material(const BodyOptions&);
 
@@ -92,7 +112,8 @@ private:
 /// return.
 void check_readable(const std::string& path);
 
-/// Says sizes, and warns of linear elements, which are too stiff for `what`.
-void describe(const Mesh&, ProgressLine&, const std::string& what);
+/// Says sizes, and warns of linear elements, which are too stiff for `what`, and of regions whose
+/// material is the default beside others that have one.
+void describe(const BodyOptions&, const Mesh&, ProgressLine&, const std::string& what);
 
 } // namespace tactus::fem

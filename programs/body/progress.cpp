@@ -95,7 +95,7 @@ void ProgressLine::stage(const std::string& name, double share, double predicted
 }
 
 void ProgressLine::notify(const std::string& sentence) {
-  if (quiet_)
+  if (quiet_ && !sentence.starts_with("warning: "))
     return;
   const std::lock_guard lock(mutex_);
   std::fprintf(stderr, "%s           %s\n", rewriting_ ? "\r\033[K" : "", sentence.c_str());

@@ -14,6 +14,7 @@ namespace tactus::fem {
 /// of this object prints the time during a stage that does not call.
 class ProgressLine {
 public:
+  /// Quiet: only sentences that begin with "warning: " are printed.
   explicit ProgressLine(bool quiet);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;

@@ -14,19 +14,14 @@ namespace {
 
 constexpr double kMinAudible_hz = 20, kMaxAudible_hz = 20000;
 
-std::string format_length(double metres) {
-  return metres < 1e-3 ? format("%.3g um", 1e6 * metres)
-         : metres < 1  ? format("%.3g mm", 1e3 * metres)
-                       : format("%.4g m", metres);
-}
-
 std::string format_frequency(double hz) {
   return hz < 1e3 ? format("%.3g Hz", hz) : format("%.3g kHz", hz / 1e3);
 }
 
 } // namespace
 
-std::string inaudible_text(double lowest_hz, double highest_hz, double largest, bool estimated) {
+std::string inaudible_text(double lowest_hz, double highest_hz, double largest, double unit,
+                           bool estimated) {
   const bool high = lowest_hz > kMaxAudible_hz;
   if (!high && !(highest_hz < kMinAudible_hz))
     return {};
@@ -35,24 +30,17 @@ std::string inaudible_text(double lowest_hz, double highest_hz, double largest, 
           format_frequency(high ? lowest_hz : highest_hz) + ", as the body is " +
           format_length(largest) + " long";
   // Frequencies go as 1 / size. Which other unit of length would make the first mode audible?
-  struct Unit {
-    const char* name;
-    double metres;
-  };
-  constexpr std::array<Unit, 5> kUnits{
-      {{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"in", 25.4e-3}, {"m", 1}}};
   std::string better;
-  for (const Unit& from : kUnits)
-    for (const Unit& to : kUnits) {
-      const double scale = to.metres / from.metres, first = lowest_hz / scale;
-      if (from.metres != 1e-3 || scale == 1 || first < kMinAudible_hz || first > kMaxAudible_hz / 4)
-        continue;
-      better += (better.empty() ? "" : ", ") + std::string("--unit ") + to.name +
-                " would make it " + format_length(largest * scale) + " and " +
-                format_frequency(first);
-    }
+  for (const LengthUnit& to : kUnits) {
+    const double scale = to.metres / unit, first = lowest_hz / scale;
+    if (unit <= 0 || scale == 1 || first < kMinAudible_hz || first > kMaxAudible_hz / 4)
+      continue;
+    better += (better.empty() ? "" : ", ") + std::string("--unit ") + std::string(to.name) +
+              " would make it " + format_length(largest * scale) + " and " +
+              format_frequency(first);
+  }
   if (!better.empty())
-    text += "; if its lengths are not in mm: " + better;
+    text += "; if its lengths are not in " + name_of_unit(unit) + ": " + better;
   return text;
 }
 
@@ -111,13 +99,13 @@ void Forecast::warn_of_unusual_size(const Notify& notify) {
   // An estimate is right within a factor of three; modes lie closer than they are numbered.
   const double last = 3 * first * static_cast<double>(options_.modes);
   const double largest = std::max({size_.box.x, size_.box.y, size_.box.z});
-  const std::string odd = inaudible_text(first / 3 > kMaxAudible_hz ? first : 1e3,
-                                         last < kMinAudible_hz ? last : 1e3, largest, true);
+  const double lowest = first / 3 > kMaxAudible_hz ? first : std::min(first, kMaxAudible_hz);
+  const std::string odd =
+      inaudible_text(lowest, std::max(last, lowest), largest, options_.unit_of_body(), true);
   if (!odd.empty())
     tell("warning: " + odd);
-  else if (largest > 20 || largest < 1e-4)
-    tell("warning: the body is " + format_length(largest) +
-         " long; are its lengths in the unit you meant? (--unit um|mm|cm|m|in)");
+  else
+    warn_of_unusual_length(options_, largest, tell);
 }
 
 void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>& with_element_size,

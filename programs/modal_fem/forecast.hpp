@@ -52,8 +52,9 @@ private:
 };
 
 /// One sentence when none of the modes can be heard, with the unit that would make the body sound;
-/// else empty. `largest` in m, frequencies in Hz.
+/// else empty. `largest` in m, frequencies in Hz; `unit` is what the lengths were taken in, m, or 0
+/// where the file says it.
 [[nodiscard]] std::string inaudible_text(double lowest_hz, double highest_hz, double largest,
-                                         bool estimated);
+                                         double unit, bool estimated);
 
 } // namespace tactus::fem

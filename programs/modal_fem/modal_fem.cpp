@@ -33,7 +33,8 @@ using namespace tactus::fem;
 
 void print(const ModalTable& table) {
   const Modes& modes = table.modes;
-  std::printf("%zu motions without strain left out; mass %.6g kg\n", modes.rigid, table.body.mass);
+  std::printf("%zu motions without strain left out; mass %.6g kg of %s\n", modes.rigid,
+              table.body.mass, names_of_materials(table.materials).c_str());
   const ModeRadiation& sound = table.radiation;
   std::printf("mode  frequency Hz  mult   T60 s   %s%s\n",
               sound.empty() ? "" : "with sound  efficiency  degree  ",
@@ -68,6 +69,7 @@ int run(const std::vector<std::string>& words) {
   if (!options.sheet.empty())
     check_sheet("modal_sheet.py");
   ProgressLine progress(options.quiet);
+  warn_of_unusual_constants(options, progress);
   Solved body = solve(options, progress);
   if (!body.solved)
     return 0; // only exported

@@ -106,12 +106,13 @@ void check_early(const ModalOptions& options) {
   check_residual(options, materials[0]);
 }
 
-void warn_of_inaudible_modes(const Solved& body, ProgressLine& progress) {
+void warn_of_inaudible_modes(const Solved& body, const ModalOptions& options,
+                             ProgressLine& progress) {
   const auto& f = body.modes.frequency_hz;
   if (f.empty())
     return;
-  const std::string odd =
-      inaudible_text(f.front(), f.back(), bounding_box(body.mesh.nodes).largest(), false);
+  const std::string odd = inaudible_text(
+      f.front(), f.back(), bounding_box(body.mesh.nodes).largest(), options.unit_of_body(), false);
   if (!odd.empty())
     progress.notify("warning: " + odd);
 }
@@ -144,7 +145,7 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
   body.mesh = refinement.mesh();
   progress.stage("checking the mesh", 0);
   check(body.mesh);
-  describe(body.mesh, progress, "frequencies 5 to 30 % too high");
+  describe(options, body.mesh, progress, "frequencies 5 to 30 % too high");
   forecast.made(body.mesh);
   const Parts parts = connected_parts(body.mesh);
   if (parts.count > 1 && !options.several_parts)
@@ -301,7 +302,7 @@ Solved solve(const ModalOptions& options, ProgressLine& progress) {
         shape_derivatives(options.design, body.mesh, body.materials, body.modes, count, progress);
     keep_first(body, count);
   }
-  warn_of_inaudible_modes(body, progress);
+  warn_of_inaudible_modes(body, options, progress);
   if (options.residual)
     body.residual = residual_compliance(
         body.mesh, body.materials, *body.matrices, body.modes, kCompliancePoints,

@@ -154,9 +154,10 @@ struct Outcome {
 void print_part(const Problem& problem, const StaticSolution& solution) {
   const DesignSpace& space = problem.space;
   const Vector3 reaction = support_force(problem.mesh, problem.model, solution);
-  std::printf("mass %.6g kg; %zu control points of %zu may move, %zu parameters; supports take "
-              "(%.5g, %.5g, %.5g) N\n",
-              mass_properties(problem.mesh, problem.model.materials).mass, space.controls.size(),
+  std::printf("mass %.6g kg of %s; %zu control points of %zu may move, %zu parameters; supports "
+              "take (%.5g, %.5g, %.5g) N\n",
+              mass_properties(problem.mesh, problem.model.materials).mass,
+              names_of_materials(problem.model.materials).c_str(), space.controls.size(),
               space.weights.control_points.size(), space.parameters.size(), reaction.x, reaction.y,
               reaction.z);
 }
@@ -254,6 +255,7 @@ int run(const std::vector<std::string>& words) {
     check_sheet("stress_sheet.py");
   const Clock::time_point start_time = Clock::now();
   ProgressLine progress(options.quiet);
+  warn_of_unusual_constants(options, progress);
   if (!options.step.empty()) {
     write_step(options.step, options.lift_arm());
     if (options.outputs().size() == 1)

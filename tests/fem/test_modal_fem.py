@@ -121,6 +121,7 @@ def test_a_bad_order_of_raw_is_refused_by_name(words, expected, sounding):
     ([*COARSE_DISK, "--unit", "furlong"], "furlong"),
     ([*COARSE_DISK, "--modes", 2.5], "--modes 2.5: expected a whole number"),
     ([*COARSE_DISK, "--engine", "slepc", "--ranks", 2.5], "--ranks 2.5: expected a whole number"),
+    ([*COARSE_DISK, "--axes", "1,0,0,0,1,0"], "--axes are those of an orthotropic material, the body has aluminium"),
     ([*COARSE_DISK, "--tolerance", -1], "--tolerance -1"),
     (["hollow-disk", "--diameter", 100, "--thickness", 25, "--cavity-diameter", 120, "--cavity-thickness", 13], "cavity"),
     (["nothing.stl"], "nothing.stl"),
@@ -180,6 +181,36 @@ def test_broken_inp_lines_and_inside_out_elements_are_named(change, words, tmp_p
     (tmp_path / "a.inp").write_text(good.replace(*change))
     said = refusal("a.inp", folder=tmp_path)
     assert all(word in said for word in words), said
+
+
+def test_a_deck_brings_its_materials_and_a_free_body_asks_for_its_rigid_motions_too(tmp_path):
+    plate = ["plate", "--length", 240, "--width", 80, "--thickness", 20, "--h", 40, "--modes", 3]
+    exact, _ = table(*plate, "--material", "rosewood", folder=tmp_path)
+    run(*plate, "--material", "rosewood", "--export-inp", "wood.inp", folder=tmp_path)
+    assert "*FREQUENCY\n9\n" in (tmp_path / "wood.inp").read_text()
+    back, said = table("wood.inp", "--modes", 3, folder=tmp_path)
+    assert np.allclose(back["freq"], exact["freq"], rtol=1e-9) and back["mass"] == pytest.approx(exact["mass"])
+    assert "830 kg/m^3, loss factor 0.006" in said and "*FREQUENCY (line" in said
+    steel, said = table("wood.inp", "--modes", 3, "--material", "steel", "--density", 7.85, "--quiet", folder=tmp_path)
+    assert steel["mass"] == pytest.approx(exact["mass"] * 7.85 / 830)
+    assert "warning: --density 7.85: steel has 7850" in said
+    assert "1.2e+16 Pa with lengths of 0.001 m" in refusal("wood.inp", "--unit", "mm", folder=tmp_path)
+
+
+def test_a_region_without_a_material_beside_one_that_has_one_is_warned_of(tmp_path):
+    (tmp_path / "two.inp").write_text("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n*ELEMENT,TYPE=C3D4,ELSET=A\n"
+                                      "1,1,2,3,4\n*ELEMENT,TYPE=C3D4,ELSET=B\n2,2,3,4,5\n")
+    words = ["two.inp", "--unit", "cm", "--modes", 1]
+    for more, other, warned in (([], 2700, True), (["--material", "brass"], 8500, False)):
+        both, said = table(*words, "--material", "A=spruce", *more, "--quiet", folder=tmp_path)
+        assert both["mass"] == pytest.approx(1e-6 / 6 * (400 + 2 * other))
+        assert ("warning: no --material is for region B, which is taken as aluminium" in said) == warned
+
+
+def test_the_unit_of_a_mesh_that_is_too_large_is_asked_for(tmp_path):
+    (tmp_path / "a.inp").write_text("*NODE\n1,0,0,0\n2,90,0,0\n3,0,90,0\n4,0,0,90\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n")
+    said = run("a.inp", "--modes", 1, "--quiet", folder=tmp_path).stderr
+    assert "if its lengths are not in m: --unit mm would make it 90 mm" in said
 
 
 def test_a_bell_is_made_from_its_profile(tmp_path):
@@ -337,6 +368,8 @@ def test_a_step_file_tells_its_own_unit_of_length(tmp_path):
     assert np.allclose(small["freq"], [5890.390, 5890.390, 9992.755], rtol=2e-2)  # the axisymmetric solution
     assert small["mass"] == pytest.approx(0.254469, rel=1e-3)
     assert np.allclose(large["freq"], small["freq"] / 1000, rtol=1e-3)
+    again, said = table("body.step", "--unit", "m", "--h", 0.015, *words, folder=tmp_path)
+    assert np.array_equal(again["freq"], small["freq"]) and "says its own unit" in said
 
 
 @pytest.mark.parametrize("path", [
