@@ -8,6 +8,53 @@
 namespace tactus::fem {
 namespace {
 
+constexpr double kSameAngle = 1e-6;
+
+/// A use of an edge with the angle of its triangle about the edge.
+using AngledUse = std::pair<double, EdgeUse>;
+
+/// Joins the triangles at an edge in pairs. Turning about the edge, a triangle that runs from b to
+/// a begins a body and one that runs from a to b ends it, so that they pair like brackets, from
+/// where the turn is outside of all bodies. Of triangles at one angle those that begin come first:
+/// the wall between two solids pairs with itself and is a flat piece of its own.
+template <class Join> void join_bodies(std::vector<AngledUse>& order, Join&& join) {
+  std::stable_sort(order.begin(), order.end(),
+                   [](const AngledUse& u, const AngledUse& v) { return u.first < v.first; });
+  for (auto begin = order.begin(); begin != order.end();) {
+    const auto end = std::find_if(begin, order.end(), [&](const AngledUse& u) {
+      return u.first > begin->first + kSameAngle;
+    });
+    std::stable_partition(begin, end, [](const AngledUse& u) { return !u.second.forward; });
+    begin = end;
+  }
+  const std::size_t count = order.size();
+  std::ptrdiff_t depth = 0, lowest = 0;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    depth += order[i].second.forward ? -1 : 1;
+    if (depth < lowest) {
+      lowest = depth;
+      start = i + 1;
+    }
+  }
+  if (depth != 0) { // the file's triangles do not agree which side is outside
+    const std::size_t shift = order[0].second.forward ? 1 : 0;
+    for (std::size_t i = 0; i < count; i += 2)
+      join(order[(i + shift) % count].second, order[(i + shift + 1) % count].second);
+    return;
+  }
+  std::vector<EdgeUse> begun;
+  for (std::size_t i = 0; i < count; ++i) {
+    const EdgeUse& use = order[(start + i) % count].second;
+    if (use.forward) {
+      join(begun.back(), use);
+      begun.pop_back();
+    } else {
+      begun.push_back(use);
+    }
+  }
+}
+
 /// For each side of each triangle the neighbour across it, or -1 where the surface is open.
 std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
   std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});
@@ -27,11 +74,10 @@ std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
                        triangle_location(t, first->triangle) + ": an edge has " +
                        std::to_string(count) +
                        " triangles, expected two; --shrink-wrap takes the outer skin");
-    // Turning about the edge, the body lies between a triangle and the next, or not.
     const Vector3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
     const Vector3 axis = (1 / length(along)) * along;
     Vector3 x, y;
-    std::vector<std::pair<double, EdgeUse>> order;
+    std::vector<AngledUse> order;
     for (auto u = first; u != last; ++u) {
       const Vector3 tip = t.corner(u->triangle, u->side + 2) - a;
       const Vector3 out = tip - dot(tip, axis) * axis;
@@ -40,15 +86,10 @@ std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
         y = cross(axis, x);
       }
       order.emplace_back(u == first ? 0 : std::atan2(dot(out, y), dot(out, x)), *u);
-      if (order.back().first < 0)
+      if (order.back().first < -kSameAngle)
         order.back().first += 2 * std::numbers::pi;
     }
-    std::stable_sort(order.begin(), order.end(),
-                     [](const auto& u, const auto& v) { return u.first < v.first; });
-    // A triangle that runs from a to b has its outside ahead in the sense of turning.
-    const std::size_t shift = order[0].second.forward ? 1 : 0;
-    for (std::size_t i = 0; i < order.size(); i += 2)
-      join(order[(i + shift) % order.size()].second, order[(i + shift + 1) % order.size()].second);
+    join_bodies(order, join);
   });
   return across;
 }

@@ -14,6 +14,14 @@ double area(double pu, double pv, const Vector3& a, const Vector3& b, int u, int
   return swapped ? -value : value;
 }
 
+/// A number within -1..1 that two integers choose.
+double scattered(int a, int b) noexcept {
+  std::uint64_t h = static_cast<std::uint32_t>(a) * 0x9E3779B97F4A7C15ULL ^
+                    static_cast<std::uint32_t>(b) * 0xC2B2AE3D27D4EB4FULL;
+  h = (h ^ (h >> 31)) * 0x94D049BB133111EBULL;
+  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
+}
+
 } // namespace
 
 RayGrid::RayGrid(const Triangles& t, double spacing, int margin) : spacing_(spacing) {
@@ -24,7 +32,7 @@ RayGrid::RayGrid(const Triangles& t, double spacing, int margin) : spacing_(spac
     size_[at(k)] = static_cast<int>(std::ceil((box.high[k] - origin_[k]) / spacing)) + margin + 1;
   }
   for (int axis = 0; axis < 3; ++axis)
-    cross_lines(t, axis);
+    lines_[at(axis)] = cross_lines(t, axis, 0);
 }
 
 std::size_t RayGrid::count() const noexcept { return at(size_[0]) * at(size_[1]) * at(size_[2]); }
@@ -52,7 +60,7 @@ std::size_t RayGrid::line_of(const std::array<int, 3>& c, int axis) const noexce
   return at(c[v]) * at(size_[u]) + at(c[u]);
 }
 
-void RayGrid::cross_lines(const Triangles& t, int axis) {
+RayGrid::Lines RayGrid::cross_lines(const Triangles& t, int axis, double jitter) const {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const std::size_t lines = at(size_[at(u)]) * at(size_[at(v)]);
   std::vector<std::pair<std::size_t, Crossing>> found;
@@ -66,14 +74,16 @@ void RayGrid::cross_lines(const Triangles& t, int axis) {
     const auto range = [&](int k) {
       const double low = std::min({a[k], b[k], c[k]}), high = std::max({a[k], b[k], c[k]});
       return std::array{
-          std::max(0, static_cast<int>(std::ceil((low - origin_[k]) / spacing_))),
-          std::min(size_[at(k)] - 1, static_cast<int>(std::floor((high - origin_[k]) / spacing_)))};
+          std::max(0, static_cast<int>(std::ceil((low - origin_[k]) / spacing_ - jitter))),
+          std::min(size_[at(k)] - 1,
+                   static_cast<int>(std::floor((high - origin_[k]) / spacing_ + jitter)))};
     };
     const auto [u_low, u_high] = range(u);
     const auto [v_low, v_high] = range(v);
     for (int m = v_low; m <= v_high; ++m)
       for (int n = u_low; n <= u_high; ++n) {
-        const double pu = origin_[u] + n * spacing_, pv = origin_[v] + m * spacing_;
+        const double pu = origin_[u] + (n + jitter * scattered(n, m)) * spacing_;
+        const double pv = origin_[v] + (m + jitter * scattered(m, ~n)) * spacing_;
         const double wa = area(pu, pv, b, c, u, v), wb = area(pu, pv, c, a, u, v),
                      wc = area(pu, pv, a, b, u, v);
         if (!((wa > 0 && wb > 0 && wc > 0) || (wa < 0 && wb < 0 && wc < 0)))
@@ -86,19 +96,22 @@ void RayGrid::cross_lines(const Triangles& t, int axis) {
   std::stable_sort(found.begin(), found.end(), [](const auto& x, const auto& y) {
     return x.first != y.first ? x.first < y.first : x.second.position < y.second.position;
   });
-  lines_[at(axis)].resize(lines);
+  Lines out;
+  out.of.resize(lines);
   std::size_t next = 0;
   for (std::size_t line = 0; line < lines; ++line) {
     const std::size_t first = next;
     while (next < found.size() && found[next].first == line)
-      crossings_[at(axis)].push_back(found[next++].second);
-    lines_[at(axis)][line] = {first, next};
+      out.crossings.push_back(found[next++].second);
+    out.of[line] = {first, next};
   }
+  return out;
 }
 
 std::span<const Crossing> RayGrid::between(const std::array<int, 3>& c, int axis) const {
-  const Line line = lines_[at(axis)][line_of(c, axis)];
-  const auto all = std::span(crossings_[at(axis)]).subspan(line.first, line.last - line.first);
+  const Lines& lines = lines_[at(axis)];
+  const Line line = lines.of[line_of(c, axis)];
+  const auto all = std::span(lines.crossings).subspan(line.first, line.last - line.first);
   const double low = point(c)[axis];
   const auto below = [](const Crossing& x, double level) { return x.position < level; };
   const auto first = std::lower_bound(all.begin(), all.end(), low, below);
@@ -109,29 +122,31 @@ std::span<const Crossing> RayGrid::between(const std::array<int, 3>& c, int axis
 
 std::vector<std::int8_t> RayGrid::winding() const {
   std::vector<std::int8_t> around(count(), 0);
+  const std::vector<Crossing>& along = lines_[0].crossings;
   for (int k = 0; k < size_[2]; ++k)
     for (int j = 0; j < size_[1]; ++j) {
-      const Line line = lines_[0][line_of({0, j, k}, 0)];
+      const Line line = lines_[0].of[line_of({0, j, k}, 0)];
       int number = 0;
       std::size_t next = line.first;
       for (int i = 0; i < size_[0] && line.first != line.last; ++i) {
         const double x = point({i, j, k}).x;
-        for (; next < line.last && crossings_[0][next].position < x; ++next)
-          number -= crossings_[0][next].sign;
+        for (; next < line.last && along[next].position < x; ++next)
+          number -= along[next].sign;
         around[index(i, j, k)] = static_cast<std::int8_t>(std::clamp(number, -127, 127));
       }
     }
   return around;
 }
 
-std::array<double, 2> RayGrid::volumes() const {
+std::array<double, 2> RayGrid::volumes(const Triangles& t) const {
   std::array<double, 2> sum{};
-  const auto main_axis = static_cast<std::size_t>(
-      std::max_element(crossings_.begin(), crossings_.end(),
-                       [](const auto& a, const auto& b) { return a.size() < b.size(); }) -
-      crossings_.begin());
-  const std::vector<Crossing>& along = crossings_[main_axis];
-  for (const Line line : lines_[main_axis]) {
+  const auto main_axis = std::max_element(lines_.begin(), lines_.end(),
+                                          [](const Lines& a, const Lines& b) {
+                                            return a.crossings.size() < b.crossings.size();
+                                          }) -
+                         lines_.begin();
+  const auto [lines, along] = cross_lines(t, static_cast<int>(main_axis), .5);
+  for (const Line line : lines) {
     int number = 0;
     for (std::size_t n = line.first; n + 1 < line.last; ++n) {
       number -= along[n].sign;

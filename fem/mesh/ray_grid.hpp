@@ -36,21 +36,25 @@ public:
   /// For every point how many times the surface winds around it, along x.
   [[nodiscard]] std::vector<std::int8_t> winding() const;
   /// Volume where the winding number is above zero and where it is below, m^3, from the lengths
-  /// within along the axis that most faces look to: of a plate, through its thickness.
-  [[nodiscard]] std::array<double, 2> volumes() const;
+  /// within along the axis that most faces look to: of a plate, through its thickness. Each line
+  /// lies somewhere in its square, since lines of a grid take whole rows of a face along the grid.
+  [[nodiscard]] std::array<double, 2> volumes(const Triangles&) const;
 
 private:
   struct Line {
     std::size_t first, last;
   };
-  void cross_lines(const Triangles&, int axis);
+  struct Lines {
+    std::vector<Line> of;
+    std::vector<Crossing> crossings;
+  };
+  [[nodiscard]] Lines cross_lines(const Triangles&, int axis, double jitter) const;
   [[nodiscard]] std::size_t line_of(const std::array<int, 3>&, int axis) const noexcept;
 
   double spacing_;
   Vector3 origin_;
   std::array<int, 3> size_{};
-  std::array<std::vector<Line>, 3> lines_;
-  std::array<std::vector<Crossing>, 3> crossings_;
+  std::array<Lines, 3> lines_;
 };
 
 } // namespace tactus::fem

@@ -204,7 +204,7 @@ Resurfaced united(const Triangles& t, double finer) {
   for (std::size_t i = 0; i < winding.size(); ++i)
     inside[i] = winding[i] > 0;
   Resurfaced out = contoured(grid, inside, true);
-  const auto [volume, inverted] = grid.volumes();
+  const auto [volume, inverted] = grid.volumes(t);
   out.volume = volume;
   out.inverted = inverted;
   out.volume_change = enclosed(out.surface) / volume - 1;

@@ -50,6 +50,29 @@ TEST_CASE("a wall between stacked boxes goes") {
   CHECK(enclosed(closed(box({}, {1, 1, 1}) + turned(upper))) == doctest::Approx(2));
 }
 
+TEST_CASE("a wall whose triangles differ on its two sides goes too") {
+  TriangleSoup between = box({1, 0, 0}, {1, 1, 1}); // mirrored: the diagonals in the walls cross
+  for (Corners& c : between)
+    for (Vector3& p : c)
+      p.y = 1 - p.y;
+  Triangles t = closed(box({}, {1, 1, 1}) + turned(between) + box({2, 0, 0}, {1, 1, 1}));
+  CHECK(drop_flat_shells(t, 1e-5) == 2);
+  CHECK(enclosed(t) == doctest::Approx(3));
+  CHECK_FALSE(crossing(t));
+}
+
+TEST_CASE("bars along the grid that cross or lap at a corner are their union") {
+  for (const auto& [other, size, whole] :
+       {std::tuple{Vector3{.35, -.35, 0}, Vector3{.1, .8, .1}, .015},
+        {Vector3{}, Vector3{.1, .6, .1}, .013}}) {
+    const Triangles bars = closed(box({}, {.8, .1, .1}) + box(other, size));
+    const Resurfaced made = united(bars);
+    CHECK(made.volume == doctest::Approx(whole).epsilon(.004));
+    CHECK(made.inverted == 0);
+    CHECK(enclosed(separate_bodies(made.surface)[0]) == doctest::Approx(whole).epsilon(.006));
+  }
+}
+
 TEST_CASE("two cubes that meet at an edge are two shells") {
   const Triangles t = closed(box({}, {1, 1, 1}) + box({1, 1, 0}, {1, 1, 1}));
   CHECK(t.shells == 2);
