@@ -55,9 +55,13 @@ std::string line_text(std::size_t line) { return "line " + std::to_string(line) 
 bool add_point(Words& words, std::size_t line, PolygonMesh& mesh) {
   haptic::Vec3 p;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto value = to_number(words.next());
+    const std::string_view word = words.next();
+    const auto value = to_number(word);
     if (!value) {
-      mesh.error = line_text(line) + "expected three coordinates";
+      mesh.error = line_text(line) + (word.find(',') == std::string_view::npos
+                                          ? "expected three coordinates"
+                                          : std::string(word) + " has a comma, expected a number "
+                                                                "with a decimal point");
       return false;
     }
     p[axis] = *value;

@@ -53,7 +53,8 @@ struct MeshLimits {
 /// Polygons from the bytes of a file. STL: text if it begins with "solid" and names a facet and its
 /// length does not fit its binary count, since binary files may begin with "solid" too. OBJ: `v`
 /// and `f` with indices from the beginning or the end; `o`, or without objects `g`, begin groups;
-/// lines and points are passed over. Text may be UTF-8 or UTF-16 with a byte order mark.
+/// lines and points are passed over. Words that are of neither format are refused. Text may be
+/// UTF-8 or UTF-16 with a byte order mark.
 [[nodiscard]] PolygonMesh read_mesh(std::string_view bytes,
                                     MeshFormat format = MeshFormat::kByContent,
                                     const MeshLimits& limits = {});

@@ -7,7 +7,17 @@
 namespace tactus::files {
 namespace {
 
-constexpr std::array<std::string_view, 5> kFreeForm{"curv", "curv2", "surf", "bmat", "cstype"};
+constexpr std::array<std::string_view, 16> kFreeForm{
+    "curv", "curv2", "surf", "bmat", "cstype", "deg", "step",  "parm",
+    "trim", "hole",  "scrv", "sp",   "end",    "con", "stech", "ctech"};
+/// What else the format has, which does not shape a solid.
+constexpr std::array<std::string_view, 17> kPassedOver{
+    "",       "vt",    "vn",       "vp",       "g",   "s",          "usemtl",    "mtllib", "usemap",
+    "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "mg"};
+
+bool is_one_of(std::span<const std::string_view> words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
 
 /// Joins lines that end with a backslash; the line numbers after them stay.
 std::string joined(std::string_view text) {
@@ -52,15 +62,19 @@ public:
       ++lines_;
     } else if (kind == "p") {
       ++single_points_;
-    } else if (mesh_.free_form.empty() &&
-               std::find(kFreeForm.begin(), kFreeForm.end(), kind) != kFreeForm.end()) {
-      mesh_.free_form = line_text(number) + "\"" + std::string(kind) +
-                        "\" is a free-form curve or surface, expected polygons (f)";
+    } else if (is_one_of(kFreeForm, kind)) {
+      if (mesh_.free_form.empty())
+        mesh_.free_form = line_text(number) + "\"" + std::string(kind) +
+                          "\" is a free-form curve or surface, expected polygons (f)";
+    } else if (unknown_.empty() && !kind.starts_with('#') && !is_one_of(kPassedOver, kind)) {
+      unknown_ = line_text(number) + "\"" + std::string(kind) + "\", expected a keyword of OBJ";
     }
     return true;
   }
 
   void end() {
+    if (mesh_.error.empty() && mesh_.polygons() > 0)
+      mesh_.error = unknown_;
     if (mesh_.error.empty() && mesh_.polygons() == 0 && lines_ + single_points_ > 0)
       mesh_.error = "holds " + std::to_string(lines_) + " lines and " +
                     std::to_string(single_points_) +
@@ -107,6 +121,7 @@ private:
   const MeshLimits& limits_;
   PolygonMesh& mesh_;
   bool objects_ = false;
+  std::string unknown_; ///< names the first line that is no keyword
   std::size_t lines_ = 0, single_points_ = 0, triangles_ = 0;
 };
 

@@ -90,24 +90,77 @@ void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMe
   }
 }
 
-void read_stl_text(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh) {
-  std::size_t first = 0; // corner of the facet being read
-  for_each_line(text, [&](std::size_t line, Words words) {
-    const std::string_view word = words.next();
-    if (is_word(word, "solid")) {
-      const std::string name(words.rest());
-      mesh.groups.push_back(name.empty() ? "solid" + std::to_string(mesh.groups.size() + 1) : name);
-    } else if (is_word(word, "vertex")) {
-      return add_point(words, line, mesh);
-    } else if (is_word(word, "endfacet")) {
-      const bool good = close_facet(first, line, limits, mesh);
-      first = mesh.points.size();
-      return good;
-    }
+namespace {
+
+/// The keywords of a text, one a line. What stands before the first one is a comment.
+class StlTextReader {
+public:
+  StlTextReader(const MeshLimits& limits, PolygonMesh& mesh) : limits_(limits), mesh_(mesh) {}
+
+  /// One line; false when it is wrong.
+  bool line(std::size_t number, Words words) {
+    std::string word = lower(words.next());
+    if (word == "end") // some programs write "end facet"
+      word += lower(words.next());
+    if (word == "solid")
+      begin_solid(words.rest());
+    else if (word == "facet" && first_ == mesh_.points.size())
+      return only_normal(number, words);
+    else if (word == "vertex")
+      return add_point(words, number, mesh_) && ends(number, words);
+    else if (word == "endfacet")
+      return end_facet(number);
+    else if (begun_ && !word.empty() && word != "outer" && word != "endloop" && word != "endsolid")
+      return refuse(number, word);
     return true;
-  });
-  if (mesh.error.empty() && first != mesh.points.size())
-    mesh.error = "ends within a facet";
+  }
+
+  void end() {
+    if (mesh_.error.empty() && first_ != mesh_.points.size())
+      mesh_.error = "ends within a facet";
+  }
+
+private:
+  void begin_solid(std::string_view name) {
+    begun_ = true;
+    mesh_.groups.push_back(name.empty() ? "solid" + std::to_string(mesh_.groups.size() + 1)
+                                        : std::string(name));
+  }
+  bool only_normal(std::size_t number, Words& words) {
+    begun_ = true;
+    for (int word = 0; word < 4; ++word) // "normal" and its numbers, which the corners tell too
+      words.next();
+    return ends(number, words);
+  }
+  bool end_facet(std::size_t number) {
+    const bool good = close_facet(first_, number, limits_, mesh_);
+    first_ = mesh_.points.size();
+    return good;
+  }
+  bool ends(std::size_t number, Words& words) {
+    const std::string_view more = words.next();
+    return more.empty() || refuse(number, more);
+  }
+  bool refuse(std::size_t number, std::string_view word) {
+    mesh_.error =
+        line_text(number) + "\"" + std::string(word) +
+        "\", expected facet, outer loop, vertex, endloop, endfacet or endsolid, a line each";
+    return false;
+  }
+
+  const MeshLimits& limits_;
+  PolygonMesh& mesh_;
+  std::size_t first_ = 0; ///< corner of the facet being read
+  bool begun_ = false;
+};
+
+} // namespace
+
+void read_stl_text(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh) {
+  StlTextReader reader(limits, mesh);
+  for_each_line(text,
+                [&](std::size_t number, const Words& words) { return reader.line(number, words); });
+  reader.end();
 }
 
 } // namespace tactus::files

@@ -23,7 +23,7 @@ std::string ending_of(const std::string& path) {
 Mesh load_in_process(const std::string& path, const std::string& ending, const LoadChoice& choice) {
   const double unit = choice.unit > 0 ? choice.unit : default_unit(path);
   if (ending == ".msh")
-    return read_msh(path, unit);
+    return read_msh(path, unit, choice.notify);
   if (ending == ".inp")
     return read_inp(path, unit, choice.notify);
   if (is_cad(ending))

@@ -1,6 +1,8 @@
 #pragma once
 #include "fem/mesh/mesh.hpp"
 
+#include <functional>
+
 namespace tactus::fem {
 
 /// A volume mesh file: MSH 2.2 or 4.1, text or binary. `unit` is metres a unit of the file.
@@ -10,6 +12,8 @@ namespace tactus::fem {
 /// written once for each of its groups counts once, and belongs to the region of the highest tag.
 /// Never executes anything: the format is parsed here, not by gmsh, whose own reader takes a script
 /// under any ending. Refuses damaged files, see read_msh_sections().
-[[nodiscard]] Mesh read_msh(const std::string& path, double unit);
+/// `notify` is told of sections that are passed over.
+[[nodiscard]] Mesh read_msh(const std::string& path, double unit,
+                            const std::function<void(const std::string&)>& notify = {});
 
 } // namespace tactus::fem

@@ -28,6 +28,8 @@ public:
       if (version_ == 0 && section != "MeshFormat")
         file_.refuse("$" + section, "$MeshFormat before it");
       if (!read_section(section)) {
+        if (out_.passed_over.size() < 200)
+          out_.passed_over += (out_.passed_over.empty() ? "$" : ", $") + printable(section, 40);
         file_.skip_section();
         continue;
       }

@@ -26,6 +26,7 @@ struct MshSections {
   std::vector<Vector3> nodes; ///< in the file's unit
   std::vector<Element> elements;
   std::vector<std::uint64_t> uses;
+  std::string passed_over; ///< names of sections without mesh data, the first ones
 };
 
 /// Reads MSH 2.0 to 2.2 and 4.1, text or binary, both orders of bytes (gmsh reference manual, "MSH

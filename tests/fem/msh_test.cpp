@@ -300,6 +300,8 @@ TEST_CASE("binary files of both orders of bytes and both sizes of counts are the
 
 TEST_CASE("comments, unknown sections, blank lines and Windows line ends change nothing") {
   const Folder folder;
+  std::string said;
+  const auto notify = [&](const std::string& sentence) { said += sentence + ";"; };
   std::string windows;
   for (const char c : kText4)
     windows += c == '\n' ? "\r\n" : std::string(1, c);
@@ -308,7 +310,8 @@ TEST_CASE("comments, unknown sections, blank lines and Windows line ends change 
         "$Comments\nSystemCall \"touch canary\";\n$EndComments\n" + kText2,
         changed(kText4, "$Entities", "$Wonder\n$Nodes\n7\n$EndWonder\n$Entities"),
         kText2 + "$NodeData\n1\n\"view\"\n$EndNodeData\n"})
-    CHECK(volume(read_msh(write(folder, text), 1)) == doctest::Approx(1. / 6));
+    CHECK(volume(read_msh(write(folder, text), 1, notify)) == doctest::Approx(1. / 6));
+  CHECK(said == "not read of the file: $Wonder;not read of the file: $NodeData;");
 }
 
 TEST_CASE("what is damaged is refused by place, value and expectation") {

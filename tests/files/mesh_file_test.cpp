@@ -66,7 +66,10 @@ TEST_CASE("meshes are read from text and binary, told apart by what they hold") 
   CHECK(obj.polygon(2).size() == 4);
   CHECK(fan_triangles(obj) == Triangles{{0, 1, 2}, {0, 3, 1}, {0, 1, 2}, {0, 2, 3}});
   for (const std::string& text :
-       {"solid a\n" + kFacet + "endsolid\n", kFacet, "comment\n" + kFacet}) {
+       {"solid a\n" + kFacet + "endsolid\n", kFacet, "comment\n" + kFacet,
+        "solid a\nfacet\nOuter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nend loop\nEnd "
+        "Facet\nend solid a\n" +
+            std::string()}) {
     const PolygonMesh stl = read_mesh(text);
     CHECK(stl.error == "");
     CHECK(fan_triangles(stl) == Triangles{{0, 1, 2}});
@@ -146,6 +149,8 @@ TEST_CASE("what is wrong is one sentence with its line") {
   struct Wrong {
     std::string text, error;
   };
+  const std::string stl_words =
+      "facet, outer loop, vertex, endloop, endfacet or endsolid, a line each";
   const std::string begin = "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\n";
   for (const Wrong& one :
        {Wrong{"v 1 2\n", "line 1: expected three coordinates"},
@@ -162,7 +167,15 @@ TEST_CASE("what is wrong is one sentence with its line") {
         {begin + "endfacet\n", "line 5: a facet with 2 corners, expected 3"},
         {begin + "vertex 1 1 0\nvertex 0 1 0\nendfacet",
          "line 7: a facet with 4 corners, expected 3"},
-        {begin, "ends within a facet"}}) {
+        {begin, "ends within a facet"},
+        {begin + "facet\n", "line 5: \"facet\", expected " + stl_words},
+        {begin + "edge 1 1 0\n", "line 5: \"edge\", expected " + stl_words},
+        {begin + "vertex 1 1 0 vertex 1 1 1\n", "line 5: \"vertex\", expected " + stl_words},
+        {"solid\nfacet normal 0 0 1 outer loop\n", "line 2: \"outer\", expected " + stl_words},
+        {begin + "vertex 0,5 1 0\n",
+         "line 5: 0,5 has a comma, expected a number with a decimal point"},
+        {"v 0 1,5e-3 0\n", "line 1: 1,5e-3 has a comma, expected a number with a decimal point"},
+        {kSquare + "fo 1 2 3\nf 1 2 3\n", "line 5: \"fo\", expected a keyword of OBJ"}}) {
     CAPTURE(one.text);
     CHECK(error_of(one.text) == one.error);
   }
