@@ -95,6 +95,14 @@ double number(const std::string& option, const std::string& word, double low, do
   return *value;
 }
 
+int integer(const std::string& option, const std::string& word, int low, int high) {
+  const auto value = to_integer(word);
+  if (!value || *value < low || *value > high)
+    throw InputError(option + " " + word +
+                     format(": expected a whole number from %d to %d", low, high));
+  return *value;
+}
+
 BodyReader::BodyReader(BodyOptions& options, const std::vector<std::string>& words,
                        std::span<const ShapeEntry> shapes, const char* program)
     : options_(options), words_(words), program_(program) {

@@ -43,6 +43,9 @@ struct BodyOptions {
 [[nodiscard]] double number(const std::string& option, const std::string& word, double low,
                             double high);
 
+/// A whole number in its range; refuses by the option's name.
+[[nodiscard]] int integer(const std::string& option, const std::string& word, int low, int high);
+
 /// Reads a command line BODY [options] word by word into a BodyOptions. A program reads its own
 /// options from option() and leaves the others to take().
 class BodyReader {

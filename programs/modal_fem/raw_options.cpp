@@ -1,3 +1,4 @@
+#include "programs/body/body_options.hpp"
 #include "programs/body/output_files.hpp"
 #include "programs/modal_fem/raw.hpp"
 
@@ -78,7 +79,8 @@ RawOptions read_raw_options(const std::vector<std::string>& words) {
       settings.ring_angle_rad = within(option, value(), -360, 360) * std::numbers::pi / 180;
     } else if (option == "--points") {
       const std::string& word = value();
-      settings.points = word == "all" ? 0 : static_cast<std::size_t>(within(option, word, 2, 1e6));
+      settings.points =
+          word == "all" ? 0 : static_cast<std::size_t>(integer(option, word, 2, 1000000));
     } else if (option == "--side") {
       settings.side = direction(value());
     } else if (option == "--seconds") {

@@ -103,6 +103,7 @@ def test_raw_adds_velocities_and_keeps_every_other_array(sounding):
     (["body.modal.npz", "--hit", "1,2"], "--hit 1,2"),
     (["body.modal.npz", "--hit", "900,0,0"], "off the body"),
     (["body.modal.npz", "--hit", "0,0,6", "--side", "up"], "--side up"),
+    (["body.modal.npz", "--hit", "0,0,6", "--points", 2.5], "--points 2.5"),
     (["body.modal.npz", "--hit", "0,0,6", "--striker", "1,0,1,0.3"], "--striker"),
     (["none.npz", "--hit", "0,0,6"], "none.npz"),
 ])
