@@ -13,6 +13,7 @@ namespace tactus::fem {
 namespace {
 
 constexpr double kMaxGridPoints = 4e7;  ///< of the grid, for memory
+constexpr double kMaxSheets = .2;       ///< of a wrap's triangles, with nothing behind them
 constexpr double kMaxSkinSquares = 3e5; ///< squares of the grid's spacing that the skin fills
 
 /// m^2.
@@ -234,6 +235,18 @@ std::vector<std::uint8_t> ball_centres(const RayGrid& grid, const std::vector<fl
   return centre;
 }
 
+/// Of the triangles that lie between two grid points, the share with both outside: the ball reaches
+/// them from either side.
+double share_of_sheets(const RayGrid& grid, const std::vector<std::uint8_t>& inside) {
+  std::size_t all = 0, sheets = 0;
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    for_each_neighbour(grid, i, [&](std::size_t j, bool crossed) {
+      all += crossed;
+      sheets += crossed && !inside[i] && !inside[j];
+    });
+  return all > 0 ? static_cast<double>(sheets) / static_cast<double>(all) : 1;
+}
+
 } // namespace
 
 Resurfaced shrink_wrapped(const Triangles& t, double gap) {
@@ -284,10 +297,11 @@ Resurfaced shrink_wrapped(const Triangles& t, double gap) {
     for (const std::size_t i : outside)
       inside[i] = 0;
   }
-  if (std::find(inside.begin(), inside.end(), 1) == inside.end())
-    throw InputError(format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap; "
-                            "expected more than their widest hole",
-                            1e3 * gap));
+  if (share_of_sheets(grid, inside) > kMaxSheets)
+    throw EnclosesNothing(
+        format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap; expected more "
+               "than their widest hole",
+               1e3 * gap));
   Resurfaced out = contoured(grid, inside, false);
   out.volume = enclosed(out.surface);
   return out;

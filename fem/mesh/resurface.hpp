@@ -3,6 +3,11 @@
 
 namespace tactus::fem {
 
+/// A wrap whose ball comes in by a hole: nothing but the sheet of triangles is left.
+struct EnclosesNothing : InputError {
+  using InputError::InputError;
+};
+
 /// A surface rebuilt from a grid, with measures of how well it approximates the old one.
 struct Resurfaced {
   Triangles surface;
@@ -21,7 +26,7 @@ struct Resurfaced {
 /// A closed skin around any triangles: the border of what a ball of diameter `gap` (m) that rolls
 /// over them from outside does not reach. Holes and crevices narrower than `gap` are closed and
 /// what lies inside becomes solid; elsewhere the skin follows the triangles. Refuses triangles that
-/// enclose nothing at that gap.
+/// enclose nothing at that gap (EnclosesNothing).
 [[nodiscard]] Resurfaced shrink_wrapped(const Triangles&, double gap);
 
 } // namespace tactus::fem

@@ -148,6 +148,24 @@ Triangles repaired(Triangles t, bool multi, const Notify& notify) {
   return t;
 }
 
+/// The wrap of a given size, or of the first of 1/25 of the body and its doubles that holds more
+/// than the sheet of triangles itself.
+Triangles wrapped(const Triangles& t, double size, const Notify& notify) {
+  constexpr int kDoublings = 5;
+  double gap = size > 0 ? size : bounding_box(t.points).largest() / 25;
+  for (int doubling = size > 0 ? kDoublings : 0;; ++doubling, gap *= 2)
+    try {
+      Resurfaced made = shrink_wrapped(t, gap);
+      notify(format(
+          "wrapped: holes and crevices below %.3g mm closed, grid of %.3g mm, volume %.4g cm^3",
+          1e3 * gap, 1e3 * made.spacing, 1e6 * made.volume));
+      return std::move(made.surface);
+    } catch (const EnclosesNothing&) {
+      if (doubling == kDoublings)
+        throw;
+    }
+}
+
 std::vector<std::string> names_of(const std::vector<Triangles>& bodies) {
   std::vector<std::string> names;
   std::set<std::string> used;
@@ -185,13 +203,7 @@ Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
   const Notify notify = choice.notify ? choice.notify : [](const std::string&) {};
   Triangles closed;
   if (choice.shrink_wrap != 0) {
-    const double largest = bounding_box(t.points).largest();
-    const double gap = choice.shrink_wrap > 0 ? choice.shrink_wrap : largest / 25;
-    Resurfaced made = shrink_wrapped(t, gap);
-    notify(format(
-        "wrapped: holes and crevices below %.3g mm closed, grid of %.3g mm, volume %.4g cm^3",
-        1e3 * gap, 1e3 * made.spacing, 1e6 * made.volume));
-    closed = std::move(made.surface);
+    closed = wrapped(t, choice.shrink_wrap, notify);
   } else {
     closed = repaired(std::move(t), choice.multi || !choice.part.empty(), notify);
   }
@@ -210,6 +222,9 @@ Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
     } catch (const TooLarge&) {
       throw;
     } catch (const InputError& refusal) {
+      if (choice.shrink_wrap != 0)
+        throw InputError(std::string("its wrap cannot be meshed: ") + refusal.what() +
+                         "; expected another --shrink-wrap SIZE");
       Triangles rebuilt = unite(bodies[b], refusal.what(), notify);
       const std::vector<Triangles> pieces = separate_bodies(rebuilt);
       if (pieces.size() != 1)

@@ -142,14 +142,7 @@ double BodyReader::number(double low, double high) {
   return fem::number(option(), value(), low, high);
 }
 
-int BodyReader::integer(int low, int high) {
-  const std::string& word = value();
-  const auto found = to_integer(word);
-  if (!found || *found < low || *found > high)
-    throw InputError(option() + " " + word +
-                     format(": expected a whole number from %d to %d", low, high));
-  return *found;
-}
+int BodyReader::integer(int low, int high) { return fem::integer(option(), value(), low, high); }
 
 /// The path that an option for a file sets; null for other options.
 std::string* BodyReader::output_path() {
@@ -273,7 +266,8 @@ std::string usage_of_mesh() {
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
               --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps
-                                    narrower than SIZE (1/25 of the body) are closed
+                                    narrower than SIZE (1/25 of the body, or as much as
+                                    its holes need) are closed
               --time-limit SECONDS (1200)  stop reading and meshing a file after so long
                                        without progress
 )";

@@ -165,6 +165,8 @@ TEST_CASE("a wrap closes holes; a gap as large as the body is refused") {
   const Resurfaced wrapped = shrink_wrapped(surface(ball), .8);
   CHECK(wrapped.volume == doctest::Approx(round).epsilon(.02));
   CHECK(separate_bodies(wrapped.surface).size() == 1);
+  // Half of the hole's width lets the ball in: only the sheet is left.
+  check_refused([&] { return shrink_wrapped(surface(ball), .1); }, "enclose nothing at that gap");
   // A gap is refused from 1.5 times the ball's diameter on, and the error says so.
   check_refused([&] { return shrink_wrapped(surface(ball), 3.1); },
                 "a body of 2e+03 mm: expected 3e+03 mm at most");
