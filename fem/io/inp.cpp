@@ -216,7 +216,21 @@ private:
     for (std::size_t i = 1; i < needed; ++i)
       nodes.push_back(node(pending_[i]));
     define_element(static_cast<int>(mesh_.elements.size()));
-    mesh_.add(*shape_, nodes);
+    add_uncollapsed(nodes);
+  }
+  /// CalculiX has no pyramid: a brick whose nodes repeat is one, or a wedge or tetrahedron.
+  void add_uncollapsed(const std::vector<int>& n) {
+    const bool brick = *shape_ == Shape::hex8;
+    const bool apex = brick && n[4] == n[5] && n[5] == n[6] && n[6] == n[7];
+    const bool edge = brick && n[2] == n[3] && n[6] == n[7];
+    if (apex && edge)
+      mesh_.add(Shape::tet4, std::array{n[0], n[1], n[2], n[4]});
+    else if (apex)
+      mesh_.add(Shape::pyramid5, std::array{n[0], n[1], n[2], n[3], n[4]});
+    else if (edge)
+      mesh_.add(Shape::wedge6, std::array{n[0], n[1], n[2], n[4], n[5], n[6]});
+    else
+      mesh_.add(*shape_, n);
   }
   void end_flat_element() {
     ++flat_.at(lower(keyword_.value("type"))).count;

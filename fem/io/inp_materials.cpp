@@ -11,6 +11,17 @@ double force_n(double unit) {
   return unit == kInch ? 4.4482216152605 : unit == kMicrometre ? 1e-6 : 1;
 }
 
+/// Moduli and ratios from the stiffness D of the normal strains: its inverse has 1 / E_i on its
+/// diagonal and -nu_ij / E_i beside it.
+void take_stiffness(Material& m, const std::array<Vector3, 3>& d) {
+  const double determinant = dot(d[0], cross(d[1], d[2]));
+  const std::array<Vector3, 3> s{(1 / determinant) * cross(d[1], d[2]),
+                                 (1 / determinant) * cross(d[2], d[0]),
+                                 (1 / determinant) * cross(d[0], d[1])};
+  m.young_pa = {1 / s[0].x, 1 / s[1].y, 1 / s[2].z};
+  m.poisson = {-s[1].z / s[1].y, -s[0].z / s[0].x, -s[0].y / s[0].x};
+}
+
 std::string compact(const std::string& text) {
   std::string out = lower(text);
   std::erase(out, ' ');
@@ -52,10 +63,12 @@ void InpMaterials::begin_material(const InpKeyword& keyword) {
 void InpMaterials::begin_elastic(const InpKeyword& keyword) {
   (void)last_material();
   const std::string type = compact(keyword.value("type"));
-  orthotropic_ = type == "engineeringconstants";
-  if (!orthotropic_ && !type.empty() && type != "iso" && type != "isotropic")
+  type_ = type == "engineeringconstants" ? Constants::engineering
+          : type.starts_with("ortho")    ? Constants::stiffness
+                                         : Constants::isotropic;
+  if (type_ == Constants::isotropic && !type.empty() && type != "iso" && type != "isotropic")
     lines_.refuse(keyword.words + " TYPE=" + printable(keyword.value("type"), 40) +
-                      ": expected ISO or ENGINEERING CONSTANTS",
+                      ": expected ISO, ORTHO or ENGINEERING CONSTANTS",
                   keyword.line);
   constants_.clear();
 }
@@ -64,8 +77,8 @@ void InpMaterials::add_elastic() {
   Definition& definition = last_material();
   const auto cells = lines_.cells();
   constants_.insert(constants_.end(), cells.begin(), cells.end());
-  const std::size_t needed = orthotropic_ ? 9 : 2;
-  if (orthotropic_ && constants_.size() == 8)
+  const std::size_t needed = type_ == Constants::isotropic ? 2 : 9;
+  if (needed == 9 && constants_.size() == 8)
     return; // the ninth is on a line of its own
   if (definition.elastic || constants_.size() < needed || constants_.size() > needed + 1)
     lines_.refuse(format("expected %zu elastic constants, of one temperature", needed));
@@ -74,14 +87,23 @@ void InpMaterials::add_elastic() {
   const auto modulus = [&](std::size_t i) {
     return constant(constants_[i], pressure, 1e6, 1e13, "Pa");
   };
-  if (orthotropic_) {
-    const auto ratio = [&](std::size_t i) { return lines_.number(constants_[i]); };
+  const auto ratio = [&](std::size_t i) { return lines_.number(constants_[i]); };
+  if (type_ == Constants::isotropic) {
+    m.young_pa = {modulus(0), 0, 0};
+    m.poisson = {ratio(1), 0, 0};
+  } else if (type_ == Constants::engineering) {
     m.young_pa = {modulus(0), modulus(1), modulus(2)};
     m.poisson = {ratio(5), ratio(4), ratio(3)};
     m.shear_pa = {modulus(8), modulus(7), modulus(6)};
   } else {
-    m.young_pa = {modulus(0), 0, 0};
-    m.poisson = {lines_.number(constants_[1]), 0, 0};
+    const auto beside = [&](std::size_t i) { return pressure * ratio(i); }; // of any sign
+    take_stiffness(m, {Vector3{modulus(0), beside(1), beside(3)},
+                       {beside(1), modulus(2), beside(4)},
+                       {beside(3), beside(4), modulus(5)}});
+    m.shear_pa = {modulus(8), modulus(7), modulus(6)};
+    if (!(m.young_pa[0] > 0 && m.young_pa[1] > 0 && m.young_pa[2] > 0))
+      lines_.refuse("the elastic constants of " + m.name +
+                    " would release energy, expected a positive definite matrix");
   }
   definition.elastic = true;
 }

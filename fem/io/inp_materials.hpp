@@ -48,7 +48,7 @@ private:
   std::map<std::string, std::array<Vector3, 2>> orientations_;
   std::vector<Section> sections_;
   std::string last_material_, last_orientation_;
-  bool orthotropic_ = false;
+  enum class Constants { isotropic, engineering, stiffness } type_ = Constants::isotropic;
   std::vector<std::string> constants_; ///< of *ELASTIC: nine stand on two lines
 };
 

@@ -160,6 +160,9 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
       std::make_unique<Matrices>(assemble(body.mesh, body.materials, supports, [&](double share) {
         progress.stage("assembling", share);
       }));
+  const auto& held = body.matrices->constrained;
+  if (std::all_of(held.begin(), held.end(), [](auto h) { return h != 0; }))
+    throw InputError("the supports hold every node: expected a part that can move");
   return body;
 }
 

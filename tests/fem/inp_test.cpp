@@ -83,6 +83,11 @@ TEST_CASE("wedges and pyramids keep their volume beside bricks") {
   CHECK(mesh.element_names() == "hex8 + wedge6 + pyramid5");
   CHECK(volume(mesh) == doctest::Approx(1 + .5 + 1. / 3));
   CHECK(surface_of(mesh).triangles.size() == 8 + 6 + 4);
+  // CalculiX' own way: bricks with repeated nodes
+  const Mesh collapsed =
+      deck.read(nodes + "*ELEMENT,TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n2,2,9,3,3,6,10,7,7\n"
+                        "3,5,6,7,8,11,11,11,11\n");
+  CHECK(collapsed.connectivity == mesh.connectivity);
 }
 
 TEST_CASE("materials and their axes come back from our own file, and in a file's own units") {
@@ -99,6 +104,23 @@ TEST_CASE("materials and their axes come back from our own file, and in a file's
       CHECK(theirs[i][j] == doctest::Approx(ours[i][j]));
   CHECK(back.density == doctest::Approx(830));
   CHECK(back.loss_factor == doctest::Approx(wood.loss_factor));
+  const auto stiffness = [&](std::size_t i, std::size_t j) {
+    const std::array<std::size_t, 3> axis{1, 2, 0}; // of 1, 2 and 3 in the body
+    return format("%.12g,", ours[axis[i]][axis[j]]);
+  };
+  const Material same = deck.read(kBody + "*MATERIAL,NAME=W\n*ELASTIC,TYPE=ORTHO\n" +
+                                  stiffness(0, 0) + stiffness(0, 1) + stiffness(1, 1) +
+                                  stiffness(0, 2) + stiffness(1, 2) + stiffness(2, 2) +
+                                  format("%.12g,%.12g\n%.12g\n", wood.shear_pa[2], wood.shear_pa[1],
+                                         wood.shear_pa[0]) +
+                                  "*SOLID SECTION,ELSET=E,MATERIAL=W\n")
+                            .materials.at(0)
+                            .value();
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(same.young_pa[i] == doctest::Approx(wood.young_pa[i]));
+    CHECK(same.poisson[i] == doctest::Approx(wood.poisson[i]));
+    CHECK(same.shear_pa[i] == doctest::Approx(wood.shear_pa[i]));
+  }
   // mm, N, s: MPa and t/mm^3; a section for each of two sets, before its material
   mesh = deck.read(kBody +
                        "*ELSET,ELSET=A\n7\n*ELSET,ELSET=B\n8\n*SOLID SECTION,ELSET=A,MATERIAL=s\n"
@@ -141,7 +163,7 @@ TEST_CASE("what is not read of a CalculiX file is refused by its line and word")
       {kBody + "*SOLID SECTION,ELSET=E,MATERIAL=S,ORIENTATION=O\n" + kSteel,
        "line 10: no orientation is called O"},
       {kBody + "*MATERIAL,NAME=S\n*ELASTIC,TYPE=ANISO\n1,2\n",
-       "line 11: *ELASTIC TYPE=ANISO: expected ISO or ENGINEERING CONSTANTS"},
+       "line 11: *ELASTIC TYPE=ANISO: expected ISO, ORTHO or ENGINEERING CONSTANTS"},
       {kBody + "*MATERIAL,NAME=S\n*ELASTIC\n2e11,.3,20\n1e11,.3,500\n",
        "line 13: expected 2 elastic constants, of one temperature"},
       {kBody + "*MATERIAL,NAME=S\n*ELASTIC\n2.1e5,.3\n",

@@ -212,6 +212,7 @@ def test_the_unit_of_a_mesh_that_is_too_large_is_asked_for(tmp_path):
     (tmp_path / "a.inp").write_text("*NODE\n1,0,0,0\n2,90,0,0\n3,0,90,0\n4,0,0,90\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n")
     said = run("a.inp", "--modes", 1, "--quiet", folder=tmp_path).stderr
     assert "if its lengths are not in m: --unit mm would make it 90 mm" in said
+    assert "hold every node" in refusal("a.inp", "--fix", "0,0,0,1e6", folder=tmp_path)
 
 
 def test_a_bell_is_made_from_its_profile(tmp_path):
