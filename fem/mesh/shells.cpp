@@ -6,7 +6,10 @@
 #include "fem/mesh/edge_uses.hpp"
 
 #include <array>
+#include <limits>
 #include <map>
+#include <optional>
+#include <set>
 
 namespace tactus::fem {
 namespace {
@@ -180,6 +183,24 @@ std::size_t drop_flat_shells(Triangles& t, double thickness) {
 
 namespace {
 
+/// Pairs of shells closer than a distance, both ways round; as soon as there are `enough` no more.
+std::set<std::array<int, 2>> touching_shells(const Triangles& t, double distance,
+                                             std::size_t enough) {
+  const std::vector<Box> boxes = triangle_boxes(t);
+  const BoxTree tree(boxes);
+  std::set<std::array<int, 2>> pairs;
+  for (std::size_t i = 0; i < boxes.size() && pairs.size() < enough; ++i)
+    tree.for_each_near(boxes[i], distance, [&](std::size_t j) {
+      const int s = t.shell[i], q = t.shell[j];
+      if (j > i && s != q && !pairs.contains({s, q}) && near(t, i, j, distance)) {
+        pairs.insert({s, q});
+        pairs.insert({q, s});
+      }
+      return pairs.size() < enough;
+    });
+  return pairs;
+}
+
 /// The shell that bounds each shell's body: itself, or of a cavity the deepest shell around it.
 std::vector<int> outer_shells(const std::vector<std::vector<int>>& around) {
   std::vector<int> outer(around.size(), -1);
@@ -211,10 +232,17 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     members[at(t.shell[i])].push_back(i);
   std::vector<std::vector<int>> around(at(t.shells));
+  // What touches the shell around it is no cavity: its wall would have no thickness.
+  std::optional<std::set<std::array<int, 2>>> touching;
   for (int s = 0; s < t.shells; ++s)
     for (int q = 0; q < t.shells; ++q)
-      if (q != s && fits(s, q) && inside(sample[at(s)], t, members[at(q)]))
-        around[at(s)].push_back(q);
+      if (q != s && fits(s, q) && inside(sample[at(s)], t, members[at(q)])) {
+        if (!touching)
+          touching = touching_shells(t, 1e-9 * bounding_box(t.points).largest(),
+                                     std::numeric_limits<std::size_t>::max());
+        if (!touching->contains({s, q}))
+          around[at(s)].push_back(q);
+      }
   const std::vector<int> outer = outer_shells(around);
   std::vector<int> cavity_index(at(t.shells), 0), cavities(at(t.shells), 0);
   for (int s = 0; s < t.shells; ++s)
@@ -253,17 +281,7 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
 }
 
 bool shells_touch(const Triangles& t, double distance) {
-  if (t.shells < 2)
-    return false;
-  const std::vector<Box> boxes = triangle_boxes(t);
-  const BoxTree tree(boxes);
-  bool touch = false;
-  for (std::size_t i = 0; i < boxes.size() && !touch; ++i)
-    tree.for_each_near(boxes[i], distance, [&](std::size_t j) {
-      touch = j > i && t.shell[i] != t.shell[j] && near(t, i, j, distance);
-      return !touch;
-    });
-  return touch;
+  return t.shells > 1 && !touching_shells(t, distance, 1).empty();
 }
 
 } // namespace tactus::fem

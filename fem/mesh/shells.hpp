@@ -25,8 +25,8 @@ std::size_t drop_flat_shells(Triangles&, double thickness);
 
 /// The bodies of closed shells that neither cross nor touch. A shell inside an even number of
 /// others bounds a body from outside, inside an odd number a cavity of the body around it, whatever
-/// its orientation was. Each body is a surface of its own: shell 0 outward, then its cavities,
-/// inward.
+/// its orientation was; one that touches the shell around it is no cavity. Each body is a surface
+/// of its own: shell 0 outward, then its cavities, inward.
 [[nodiscard]] std::vector<Triangles> separate_bodies(const Triangles&);
 
 /// Two triangles of different shells closer than `distance` (m), or none.

@@ -136,8 +136,15 @@ std::size_t split_at_junctions(Triangles& t, double tolerance) {
   return done;
 }
 
-/// Of triangles with the same corners one stays, or none where edges have an even number of
-/// triangles without them: then they are a wall between touching solids.
+/// Whether some of the triangles look one way and some the other.
+bool is_wall(const Triangles& t, std::span<const std::size_t> copies) {
+  return std::any_of(copies.begin(), copies.end(),
+                     [&](std::size_t i) { return dot(t.normal(i), t.normal(copies[0])) < 0; });
+}
+
+/// Of triangles with the same corners one stays. Where edges have an even number of triangles
+/// without them, they are a wall between touching solids, and none stays, or a face that a solid
+/// shares with one around it, and all do.
 std::size_t drop_duplicates(Triangles& t) {
   std::map<std::array<int, 3>, std::vector<std::size_t>> same;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
@@ -182,10 +189,13 @@ std::size_t drop_duplicates(Triangles& t) {
     if (once == 1) // the patch ends here
       odd[of] += stay % 2 == 1 ? 1 : -1;
   });
-  for (std::size_t i = 0; i < keep.size(); ++i)
-    if (twice[i])
-      if (const auto found = odd.find(root(i)); found != odd.end() && found->second > 0)
-        keep[i] = false;
+  for (const auto& [key, copies] : same)
+    if (const auto found = odd.find(root(copies[0]));
+        twice[copies[0]] && found != odd.end() && found->second > 0) {
+      const bool wall = is_wall(t, copies);
+      for (const std::size_t i : copies)
+        keep[i] = !wall;
+    }
   return keep_triangles(t, [&](std::size_t i) { return keep[i]; });
 }
 

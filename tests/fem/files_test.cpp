@@ -61,6 +61,13 @@ TEST_CASE("a wall whose triangles differ on its two sides goes too") {
   CHECK_FALSE(crossing(t));
 }
 
+TEST_CASE("a box within a box that shares its sides adds nothing") {
+  const Triangles both = closed(box({}, {1, 1, 1}) + box({}, {.5, 1, 1}));
+  CHECK(united(both).volume == doctest::Approx(1).epsilon(.01));
+  for (const Triangles& body : separate_bodies(both))
+    CHECK(enclosed(body) > 0);
+}
+
 TEST_CASE("bars along the grid that cross or lap at a corner are their union") {
   for (const auto& [other, size, whole] :
        {std::tuple{Vector3{.35, -.35, 0}, Vector3{.1, .8, .1}, .015},
