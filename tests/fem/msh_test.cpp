@@ -261,12 +261,14 @@ template <class Word> std::string binary_4(bool big) {
   return b.all(n(1), n(10), n(20), n(30), n(40)).notify("\n$EndElements\n").text;
 }
 
-std::string binary_2(bool big) {
+std::string binary_2(bool big, int in_block = 1) {
   Binary b{big};
   b.notify("$MeshFormat\n2.2 1 8\n").put(1).notify("\n$EndMeshFormat\n");
   b.notify("$PhysicalNames\n1\n3 5 \"horn\"\n$EndPhysicalNames\n$Nodes\n4\n");
   b.put(10).all(0., 0., 0.).put(20).all(1., 0., 0.).put(30).all(0., 1., 0.).put(40).all(0., 0., 1.);
-  b.notify("\n$EndNodes\n$Elements\n1\n").all(4, 1, 2, 1, 5, 2, 10, 20, 30, 40);
+  b.notify("\n$EndNodes\n$Elements\n1\n").all(4, in_block, 2);
+  for (int i = 0; i < in_block; ++i)
+    b.all(1 + i, 5, 2, 10, 20, 30, 40);
   return b.notify("\n$EndElements\n").text;
 }
 
@@ -362,6 +364,7 @@ TEST_CASE("what is damaged is refused by place, value and expectation") {
            {"control"});
   mentions(changed(kText4, "$Entities", "$Wonder"), {"never ends", "$EndWonder"});
   mentions(changed(binary_4<std::uint64_t>(true), "4.1 1 8", "4.1 1 4"), {"byte"});
+  mentions(binary_2(false, 2), {"2 elements in a block", "1 in all"});
 }
 
 namespace {

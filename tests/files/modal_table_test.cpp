@@ -249,7 +249,8 @@ TEST_CASE("numbers of a table are held within what a body can be, and arrays tha
       {array("tri", Integers{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4}),
        "triangle 3 has a corner 4 of 4"},
       {array("tri", Integers{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, -1}), "corner"},
-      {array("raw_v", Floats(6, 1), {1, 2, 3}), "raw_"}};
+      {array("raw_v", Floats(6, 1), {1, 2, 3}), "raw_"},
+      {[](auto& m) { add_multipoles(m), array("mp_rref", Doubles{0}, {})(m); }, "mp_rref must"}};
   for (const Wrong& one : wrong)
     mentions(refusal_with(one.change), {one.word});
 }

@@ -222,6 +222,15 @@ TEST_CASE("vibration computed in bursts comes to the servo one value a tick, in 
   CHECK(std::sqrt(2 * energy) == approx(1).epsilon(0.01));
 }
 
+TEST_CASE("vibration that nobody has read for 65 ticks is heard from its newest four on") {
+  WallRig rig;
+  rig.link->set_gate(false);
+  for (int n = 1; n <= 70; ++n)
+    REQUIRE(rig.link->push_vibration(n));
+  for (int n = 0; n < 4; ++n)
+    CHECK(rig.link->force({static_cast<std::uint64_t>(n), n * 1e-3, 1e-3}, {}).z == 67 + n);
+}
+
 TEST_CASE("absurd rates leave the player finite and give 64 ticks a sample at most") {
   for (const double rate : {0.0, -1.0, 1e-9, 0.5, 1.0, 1e12, kNone}) {
     auto link = std::make_unique<SignalLink>();

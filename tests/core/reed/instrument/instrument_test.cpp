@@ -205,6 +205,21 @@ TEST_CASE("a number that is changed glides: a reed that rests under little press
   CHECK(largest_step < 0.03 * std::abs(after - before)); // 0.24 where the number leaps
 }
 
+TEST_CASE("all that a valve, bore or breath has in numbers glides, words and switches do not") {
+  Parameters from, to;
+  to.breath_noise = 2 * from.breath_noise;
+  to.temperature = from.temperature + 10;
+  to.wall_loss = 2;
+  to.seed = 7;
+  to.sweep = false;
+  const Parameters between = interpolate(from, to, 0.5);
+  CHECK(between.breath_noise == doctest::Approx(1.5 * from.breath_noise).epsilon(1e-12));
+  CHECK(between.temperature == from.temperature + 5);
+  CHECK(between.wall_loss == 1.5);
+  CHECK(between.seed == 7);
+  CHECK(!between.sweep);
+}
+
 TEST_CASE("no number on any inlet, and no absurd value, breaks the sound or stays in it") {
   const std::array bad{kNan, kInfinity, -kInfinity, 1e300, -1e300, 1e-310, 0.0, -1.0};
   for (const char* name : {"clarinet", "trumpet", "syrinx"}) {

@@ -328,6 +328,11 @@ TEST_CASE("the regime tells silence, periodic motion and noise apart, two frames
         Regime::kQuasiPeriodic);
   CHECK(run(0.5, [&](double) { return noise(random); }) == Regime::kChaotic);
   CHECK(run(1, [](double) { return 0.0; }) == Regime::kSilent);
+  // A lone frame of another kind changes no label.
+  REQUIRE(run(0.5, [](double t) { return 0.03 * sine(220, t); }) == Regime::kPeriodic);
+  while (estimator.periodicity().periodicity > 0.9)
+    estimator.tick(noise(random));
+  CHECK(estimator.regime() == Regime::kPeriodic);
 }
 
 static_assert(PlayabilityParameters{}.mode == PlayabilityParameters::Mode::kRobust);

@@ -192,6 +192,24 @@ TEST_CASE("lips follow the breath within bounds, and not without a reference or 
   CHECK(held(-1, 147).valve.rest_angle == lips.rest_angle); // several reeds: none to follow
 }
 
+TEST_CASE("lips follow a rising breath in 3 ms and a falling one in 60") {
+  Parameters p = with_player("trombone");
+  p.breath_reference = 2000;
+  p.breath_opening = 0.5;
+  Player player = make_player(p);
+  const double lips = player_lips(p, 147).valve.rest_angle;
+  const auto ratio_after = [&](double pressure, double seconds) {
+    for (int n = 0; n < static_cast<int>(seconds * kSecond); ++n)
+      player.control(147, p.reed_frequency, pressure);
+    const double x = player.control(147, p.reed_frequency, pressure).valve.rest_angle / lips;
+    return x * x;
+  };
+  CHECK(ratio_after(2000, 1) == doctest::Approx(1).epsilon(1e-3));
+  CHECK(ratio_after(500, 0.06) == doctest::Approx(0.25 + 0.75 * std::exp(-1)).epsilon(0.02));
+  CHECK(ratio_after(500, 1) == doctest::Approx(0.25).epsilon(1e-3));
+  CHECK(ratio_after(2000, 0.006) == doctest::Approx(1 - 0.75 * std::exp(-2)).epsilon(0.05));
+}
+
 TEST_CASE("the player's lips are tuned()'s, and the valve as given without a note to play") {
   for (const Preset& preset : presets()) {
     Parameters p = preset.parameters;
