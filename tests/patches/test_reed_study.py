@@ -51,9 +51,10 @@ def test_guidance_at_least_halves_the_time_out_of_the_playable_region(preset, ha
 @pytest.mark.parametrize("preset", [p if p == "trumpet" else pytest.param(p, marks=pytest.mark.slow)
                                     for p in page.INSTRUMENTS])
 def test_committed_trials_are_those_of_a_fresh_run(preset):
-    """One seed, without force and with guidance, of each instrument. Rounding differs between instruction
+    """One seed, without force and with both forces, of each instrument. Rounding differs between instruction
     sets, SSE2 and AVX-512 by 0.003 of the time: 0.02 of it, 0.1 N and 2 mm/s are allowed."""
-    fresh = rows(study(preset, "--feel", "off", "guidance", "--ceiling", 2, "--seeds", 105, 105))
+    fresh = rows(study(preset, "--feel", "off", "reeds", "guidance", "--ceiling", 2, "--seeds", 105,
+                       105))
     for trial in fresh:
         common = {"preset": preset, "hand": "searches", "feel": trial["feel"], "seeds": (105, 105),
                   "ceiling": float(trial["ceiling"])}
