@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kReferenceRate = 10; // reference weights a second
 constexpr double kWobbleTime = 0.02;  // s
+// s, in which a joint can open, longer than a foot takes but for the peak of its impact: opened in
+// one sample it would let the bent boards go with a bang.
+constexpr double kUnloadingTime = 0.05;
 constexpr double kSilenceTime = 0.06; // s without sound after which the boards rest
 constexpr double kInaudible = 1e-6;   // of the peak
 constexpr double kMinLoad = 0.01;     // reference weights; below it the joint is open
@@ -23,6 +26,7 @@ void CreakingBoards::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
   body_.prepare(sample_rate);
   wobble_pole_ = std::exp(-1 / (kWobbleTime * sample_rate));
+  unloading_ = 1 / (kUnloadingTime * sample_rate);
 }
 
 void CreakingBoards::seed(std::uint64_t value) noexcept {
@@ -33,7 +37,7 @@ void CreakingBoards::seed(std::uint64_t value) noexcept {
 void CreakingBoards::reset() noexcept {
   body_.reset();
   body_.rub(0, 0, 0);
-  wobble_ = 0;
+  wobble_ = load_ = peak_load_ = bending_ = 0;
   silent_samples_ = peak_ = 0;
   active_ = false;
 }
@@ -60,11 +64,17 @@ void CreakingBoards::draw_contact_position(const FrictionRecipe& friction) noexc
 }
 
 double CreakingBoards::next(const FrictionRecipe& friction, double load, double bending) noexcept {
-  if (load > kMinLoad) {
+  const double slowest = load_ - unloading_ * peak_load_;
+  if (load < slowest) // nobody lifts a foot so fast: the bending goes with the load, too
+    bending = bending_ * slowest / load_;
+  load_ = std::max(load, slowest);
+  bending_ = bending;
+  peak_load_ = load_ > 0 ? std::max(peak_load_, load_) : 0;
+  if (load_ > kMinLoad) {
     wobble_ =
         wobble_pole_ * wobble_ + std::sqrt(1 - wobble_pole_ * wobble_pole_) * random_.normal();
     const double uneven = std::max(0.0, 1 + friction.wobble * wobble_);
-    body_.rub(0, (friction.preload_n + friction.load_n * load) * uneven,
+    body_.rub(0, (friction.preload_n + friction.load_n * load_) * uneven,
               friction.slip_m_per_s * speed_factor_ * bending / kReferenceRate * uneven);
     active_ = true;
     silent_samples_ = 0;

@@ -32,7 +32,8 @@ public:
 
   /// Advances by a sample. Returns the velocity at the pickup, m/s. `load`: on the floor, reference
   /// weights. `bending`: rate of the load that bends the floor, reference weights a second;
-  /// negative while it springs back.
+  /// negative while it springs back. The joint opens within 50 ms at the
+  /// fastest, however the load is taken away.
   double next(const FrictionRecipe& friction, double load, double bending) noexcept;
   [[nodiscard]] bool active() const noexcept { return active_; }
 
@@ -41,6 +42,9 @@ private:
 
   contact::ExcitedBody body_;
   Random random_;
+  double load_ = 0, peak_load_ = 0; ///< on the joint, and its peak since the joint was open
+  double unloading_ = 0.001;        ///< part of the peak that may leave in a sample
+  double bending_ = 0;              ///< of the last sample
   double wobble_ = 0, wobble_pole_ = 0.999;
   double speed_factor_ = 1;
   double sample_rate_ = 48000;

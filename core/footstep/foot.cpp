@@ -4,12 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace tactus::footstep {
 namespace {
 
 constexpr double kMixTime = 0.02;  // s, time constant of a change of the mixture
 constexpr double kLeaveTime = 0.3; // s, time constant of the fade of a ground that is left
+constexpr double kCutTime = 0.005; // s, fade of a ground that loses its slot
 constexpr double kGainThreshold = 1e-5;
 
 } // namespace
@@ -23,6 +25,7 @@ void Foot::prepare(double sample_rate) {
   room_.prepare(sample_rate);
   glide_coefficient_ = 1 - std::exp(-1 / (kMixTime * sample_rate));
   leave_coefficient_ = 1 - std::exp(-1 / (kLeaveTime * sample_rate));
+  cut_step_ = 1 / (kCutTime * sample_rate);
 }
 
 void Foot::seed(std::uint64_t value) noexcept {
@@ -51,7 +54,9 @@ void Foot::reset() noexcept {
   for (GroundSlot& slot : slots_) {
     slot.ground.reset();
     slot.gain = slot.target;
+    slot.last = {};
   }
+  cut_gain_ = 0;
   drive_.reset();
   room_.reset();
 }
@@ -77,6 +82,9 @@ Foot::GroundSlot* Foot::acquire_slot(std::uint64_t id, const Recipe& recipe,
   GroundSlot* const slot_taken = &slots_[best];
   if (slot_taken->id == 0)
     active_[active_count_++] = slot_taken;
+  slot_taken->last.add(cut_, cut_gain_);
+  cut_ = std::exchange(slot_taken->last, {});
+  cut_gain_ = 1;
   slot_taken->ground.reset();
   slot_taken->ground.set(recipe, shoe_);
   slot_taken->recipe = recipe;
@@ -134,7 +142,9 @@ void Foot::update_room() noexcept {
 }
 
 Foot::Out Foot::next(const SoleState& sole) noexcept {
-  double heel_vibration = 0, ball_vibration = 0, pressure_pa = 0, reverb_send = 0;
+  Sum sum;
+  cut_gain_ = std::max(cut_gain_ - cut_step_, 0.0);
+  sum.add(cut_, cut_gain_);
   for (std::size_t i = 0; i < active_count_; ++i) {
     GroundSlot& slot = *active_[i];
     const bool current = &slot == a_ || &slot == b_;
@@ -144,21 +154,26 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
         slot.gain = slot.target;
     }
     if (slot.gain == 0 && slot.target == 0) {
+      slot.last = {};
       if (!current) {
         slot.id = 0;
         active_[i--] = active_[--active_count_];
+      } else if (!slot.ground.silent()) {
+        slot.ground.reset(); // or what rings now would ring on when the mix comes back
       }
       continue;
     }
     // A ground that is left has no load: it only decays.
     const Ground::Sound sound = slot.ground.next(current ? sole : SoleState{});
-    heel_vibration += slot.gain * sound.heel_vibration;
-    ball_vibration += slot.gain * sound.ball_vibration;
-    pressure_pa += slot.gain * sound.pressure_pa;
-    reverb_send += slot.reverb_send * slot.gain * sound.pressure_pa;
+    slot.last = {};
+    slot.last.add({sound.heel_vibration, sound.ball_vibration, sound.pressure_pa,
+                   slot.reverb_send * sound.pressure_pa},
+                  slot.gain);
+    sum.add(slot.last, 1);
   }
-  const Drive::Pair pair = drive_.next(heel_vibration, ball_vibration, sole.heel_n, sole.ball_n);
-  return {pressure_pa + room_.next(room_factor_ * reverb_send), pair.heel, pair.ball};
+  const Drive::Pair pair =
+      drive_.next(sum.heel_vibration, sum.ball_vibration, sole.heel_n, sole.ball_n);
+  return {sum.pressure_pa + room_.next(room_factor_ * sum.reverb_send), pair.heel, pair.ball};
 }
 
 } // namespace tactus::footstep

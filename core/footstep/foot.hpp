@@ -41,12 +41,23 @@ public:
 
 private:
   static constexpr std::size_t kGrounds = 4;
+  /// Vibration and pressure of grounds, and what goes to the room.
+  struct Sum {
+    double heel_vibration = 0, ball_vibration = 0, pressure_pa = 0, reverb_send = 0;
+    void add(const Sum& other, double gain) noexcept {
+      heel_vibration += gain * other.heel_vibration;
+      ball_vibration += gain * other.ball_vibration;
+      pressure_pa += gain * other.pressure_pa;
+      reverb_send += gain * other.reverb_send;
+    }
+  };
   struct GroundSlot {
     Ground ground;
     Recipe recipe;
     double reverb_send = 0;      ///< amplitude of the room
     std::uint64_t id = 0;        ///< 0: unused
     double gain = 0, target = 0; ///< of the sound: smoothed value and its target
+    Sum last;                    ///< its share in the last sample
     std::uint64_t since = 0;     ///< clock_ at the last use
   };
   void update_room() noexcept;
@@ -60,6 +71,8 @@ private:
          leave_coefficient_ = 0.0001;
   double room_factor_ = 1;
   std::uint64_t clock_ = 0;
+  Sum cut_; ///< last sample of grounds that lost their slot, fading out
+  double cut_gain_ = 0, cut_step_ = 0.004;
   Drive drive_;
   Room room_;
 };

@@ -61,7 +61,7 @@ void Ground::reset() noexcept {
     p.cloud.reset();
     p.heel.reset();
   }
-  radiation_ = load_ = 0;
+  radiation_ = load_ = heel_share_ = 0;
   heel_down_ = has_contact_position_ = false;
   silent_ = true;
 }
@@ -204,7 +204,9 @@ bool Ground::add_floor(const SoleState& sole, Vibration& vibration) noexcept {
 
 bool Ground::add_boards(const Load& load, Vibration& vibration) noexcept {
   const double total = load.heel + load.ball;
-  const double share = total > 0 ? std::clamp(load.heel / total, 0.0, 1.0) : 0;
+  if (total > 0)
+    heel_share_ = std::clamp(load.heel / total, 0.0, 1.0);
+  const double share = heel_share_;
   // The floor bends as the load grows and as it moves from heel to ball (load times the rate of the
   // ball's share). As the load falls it springs back, mostly after the joint is free.
   const double change = load.heel_slope + load.ball_slope;

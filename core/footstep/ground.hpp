@@ -75,6 +75,7 @@ private:
   double sole_factor_ = 1; ///< level of the particles between sole and floor, by hardness
   double radiation_ = 0, radiation_gain_ = 0;
   double load_ = 0;                   ///< of the last sample, in reference weights
+  double heel_share_ = 0;             ///< of the load, or of the last one
   bool heel_down_ = false;            ///< the heel has landed since the foot was in the air
   bool has_contact_position_ = false; ///< contact points have been drawn since the last reset
   bool silent_ = true;

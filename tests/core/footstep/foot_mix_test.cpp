@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 // A foot between grounds: shares, fades, rooms, and what of it the drives get. Feet of one seed
@@ -155,7 +156,7 @@ TEST_CASE("four grounds sound at once; a fifth replaces the one left longest ago
     for (const std::uint64_t id : numbers) {
       foot->set_grounds(id, id == 1 ? ring : none, id, none, 0);
       foot->next(id == 1 ? landing() : SoleState{});
-      run_foot(*foot, 100, {});
+      run_foot(*foot, 300, {});
     }
     double peak_amplitude = 0;
     for (const Foot::Out& out : run_foot(*foot, 500, {}))
@@ -175,6 +176,33 @@ TEST_CASE("four grounds sound at once; a fifth replaces the one left longest ago
   CHECK(std::abs(run_foot(*foot, 50, {}).back().pressure_pa) > 0);
   foot->set_grounds(4, none, 1, ring, 1);
   CHECK(std::abs(run_foot(*foot, 5000, {}).back().pressure_pa) > 0);
+}
+
+TEST_CASE("a ground is left without a click, by a fifth ground too, and no mix brings an old sound "
+          "back") {
+  const Recipe none = silence(), ring = bell();
+  const auto foot = new_foot();
+  foot->set_grounds(1, ring, 1, ring, 0);
+  foot->next(landing());
+  const std::vector<Foot::Out> before = run_foot(*foot, 500);
+  double last = before.back().pressure_pa, peak = 0, step = 0;
+  for (const Foot::Out& out : before)
+    peak = std::max(peak, std::abs(out.pressure_pa));
+  for (std::uint64_t id = 2; id <= 5; ++id) {
+    foot->set_grounds(id, none, id, none, 0);
+    for (const Foot::Out& out : run_foot(*foot, 13)) {
+      step = std::max(step, std::abs(out.pressure_pa - std::exchange(last, out.pressure_pa)));
+    }
+  }
+  CHECK(step < 2 * kPi * 500 / kRate * peak);
+  const auto mixed = new_foot();
+  mixed->set_grounds(1, ring, 2, none, 0);
+  mixed->next(landing());
+  mixed->set_mix(1);
+  run_foot(*mixed, 24000);
+  mixed->set_mix(0);
+  for (const Foot::Out& out : run_foot(*mixed, 4800))
+    CHECK(out.pressure_pa == 0);
 }
 
 TEST_CASE("a ground that has faded out is removed without a gap in the others") {
