@@ -413,60 +413,73 @@ SurfacePoint BodyModel::nearest(const Vec3& position_m) const noexcept {
   return point;
 }
 
-namespace {
-
-/// The state z with the same displacement and velocity at another rate s.
-std::complex<double> same_motion(std::complex<double> z, std::complex<double> before,
-                                 std::complex<double> now) noexcept {
-  const double q = z.imag() / before.imag();
-  const double speed = z.real() + before.real() * q;
-  return {speed - now.real() * q, now.imag() * q};
+/// The response of a mode of the present solver to the contact forces now, as a state z = -b F/s,
+/// and no more of it than is in the state.
+std::complex<double> BodyModel::pressed_state(std::size_t i) const noexcept {
+  const std::complex<double> pressed = -solver.modal_force(i) / rate[i], z = scratch_state[i];
+  const double square = std::norm(pressed);
+  return square > 0 ? std::clamp((z * std::conj(pressed)).real() / square, 0.0, 1.0) * pressed
+                    : 0.0;
 }
 
-} // namespace
+/// Mode i's deflection by the same force over that of the same mode, j, before.
+std::complex<double> BodyModel::deflection_ratio(std::size_t i, const BodyModel& before,
+                                                 std::size_t j) const noexcept {
+  const std::size_t part = loaded->is_board_mode(mode[i]) ? LoadedTable::kBoard : 0;
+  return shape_scale_of(part) / before.shape_scale_of(part) * before.rate[j] / rate[i];
+}
 
 void BodyModel::release_from(BodyModel& before) noexcept {
   if (before.bank.release_left() == 0)
     return;
   before.bank.read_released(std::span(before.scratch_state).first(before.audible_modes));
-  for (std::size_t i = 0; i < audible_modes; ++i) {
+  bank.write_released(keep_states(before, audible_modes, before.audible_modes),
+                      before.bank.release_left());
+}
+
+/// The states of the modes of another model, read into its scratch_state, in the order of these.
+std::span<std::complex<double>> BodyModel::keep_states(const BodyModel& before, std::size_t count,
+                                                       std::size_t old_count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
     const std::size_t j = before.index_of[mode[i]];
-    scratch_state[i] = j < before.audible_modes
-                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
-                           : 0.0;
+    scratch_state[i] = j < old_count ? before.scratch_state[j] : 0.0;
   }
-  bank.write_released(std::span(scratch_state).first(audible_modes), before.bank.release_left());
+  return std::span(scratch_state).first(count);
 }
 
 void BodyModel::continue_from(BodyModel& before) noexcept {
   release_from(before);
   before.bank.read_states(std::span(before.scratch_state).first(before.audible_modes));
-  for (std::size_t i = 0; i < audible_modes; ++i) {
-    const std::size_t j = before.index_of[mode[i]];
-    scratch_state[i] = j < before.audible_modes
-                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
-                           : 0.0;
-  }
-  bank.write_states(std::span(scratch_state).first(audible_modes));
+  bank.write_states(keep_states(before, audible_modes, before.audible_modes));
   glide_from(before);
 }
 
 void BodyModel::continue_in_contact(BodyModel& before) noexcept {
   release_from(before);
   before.solver.read_states(before.scratch_state);
-  for (std::size_t i = 0; i < mode.size(); ++i) {
-    const std::size_t j = before.index_of[mode[i]];
-    scratch_state[i] = j < before.mode.size()
-                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
-                           : 0.0;
-  }
-  solver.write_states(scratch_state);
+  const auto states = keep_states(before, mode.size(), before.mode.size());
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    if (const std::size_t j = before.index_of[mode[i]]; j < before.mode.size())
+      states[i] += (deflection_ratio(i, before, j) - 1.0) * before.pressed_state(j);
+  solver.write_states(states);
   const double length_ratio = settings.size / before.settings.size;
   solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1,
                          length_ratio);
   if (!resting_contacts.empty())
     solver.project_rigid(rigid_basis_);
   glide_from(before);
+}
+
+/// The factor of a weight before that gives the sound before with the state now, so that the glide
+/// begins without a step. It amplifies no more than the change of a pressed mode asks for.
+std::complex<double> BodyModel::sound_ratio(std::size_t i, const BodyModel& before,
+                                            std::size_t j) const noexcept {
+  const std::complex<double> was = before.scratch_state[j], is = scratch_state[i];
+  if (was == is || std::norm(is) == 0)
+    return 1;
+  const double largest = std::max(1.0, 1 / std::abs(deflection_ratio(i, before, j)));
+  const std::complex<double> ratio = was / is;
+  return ratio * std::min(1.0, largest / std::abs(ratio));
 }
 
 void BodyModel::glide_from(BodyModel& before) noexcept {
@@ -479,12 +492,7 @@ void BodyModel::glide_from(BodyModel& before) noexcept {
           scratch_weight_[part][i] = weight[l][i];
           continue;
         }
-        // The weight that gives the old sound w_i (q' + alpha q) + w_r omega q at the new rate, so
-        // that the glide begins without a step.
-        const std::complex<double> w = before.bank.weight(l, part, j), s = before.rate[j];
-        scratch_weight_[part][i] = {(w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) /
-                                        rate[i].imag(),
-                                    w.imag()};
+        scratch_weight_[part][i] = sound_ratio(i, before, j) * before.bank.weight(l, part, j);
       }
     bank.set_glide(l, before.bank.glide(l),
                    {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});

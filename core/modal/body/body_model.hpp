@@ -177,10 +177,13 @@ struct BodyModel {
   [[nodiscard]] double loudest_weight(std::size_t mode) const noexcept;
   /// The point of the surface nearest to a position in m, in the body's present size.
   [[nodiscard]] SurfacePoint nearest(const Vec3& position_m) const noexcept;
-  /// Continues the motion of another model of the same table: modal displacements and velocities
-  /// are kept, and the weights of the sound glide.
+  /// Continues the motion of another model of the same table. Every mode keeps its state z, that is
+  /// its energy |z|^2/2, whichever way its pitch moves, and the weights of the sound glide from the
+  /// old ones to the new. No mode is then louder on the way than at the louder of its ends.
   void continue_from(BodyModel& before) noexcept;
-  /// The same during a contact: the motion is in the solvers. The caller takes over the contacts.
+  /// The same during a contact: the motion is in the solvers. The part of z that the contact forces
+  /// hold bent becomes the deflection of the new body by these forces, since it would spring
+  /// back with a thump. The caller takes over the contacts.
   void continue_in_contact(BodyModel& before) noexcept;
   /// The same from another table of the same body, whose modes were solved again
   /// (LoadedTable::follows). `in_contact_now`: the motion is in the solvers. Motion and sound are
@@ -193,6 +196,13 @@ struct BodyModel {
   void refresh_listener_weights() noexcept;
 
 private:
+  [[nodiscard]] std::complex<double> pressed_state(std::size_t i) const noexcept;
+  [[nodiscard]] std::complex<double> deflection_ratio(std::size_t i, const BodyModel& before,
+                                                      std::size_t j) const noexcept;
+  [[nodiscard]] std::complex<double> sound_ratio(std::size_t i, const BodyModel& before,
+                                                 std::size_t j) const noexcept;
+  std::span<std::complex<double>> keep_states(const BodyModel& before, std::size_t count,
+                                              std::size_t old_count) noexcept;
   void glide_from(BodyModel& before) noexcept;
   void release_from(BodyModel& before) noexcept;
   void glide_by_shares(BodyModel& before) noexcept;

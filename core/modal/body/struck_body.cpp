@@ -193,6 +193,7 @@ std::vector<double> StruckBody::levels(std::size_t limit) {
 
 void StruckBody::begin_driven() noexcept {
   enter_contact();
+  hand_scale_ = 1;
   ContactSolver::Strike hand;
   hand.law = law(striker_, 1, point_);
   hand.law.compliance_m_per_n = model_->residual_compliance(point_);
@@ -263,7 +264,7 @@ std::size_t StruckBody::run_coupled(std::size_t from, std::size_t frames) noexce
     if (driven && height < 0 && !m.solver.contact(hand).active)
       begin_driven();
     if (m.solver.contact(hand).active)
-      m.solver.set_held_position(hand, -height);
+      m.solver.set_held_position(hand, -height * hand_scale_);
     drive_rub(n);
     if (!m.solver.touching())
       break;

@@ -314,6 +314,7 @@ private:
   std::array<std::uint64_t, kMaxContacts> strike_order_{};
   JoinedSteps hand_steps_{}; // of the height
   double last_height_ = 0;
+  double hand_scale_ = 1; // of the depth of a hand that presses while the body changes
   double last_force_ = 0; ///< of the inlet
   Chunk chunk_;
   std::array<DelayLine, kMaxListeners> delay_{};

@@ -143,6 +143,11 @@ void StruckBody::take_over_contacts(BodyModel& before) noexcept {
   for (std::size_t i = 0; i < std::min(driven_slot(), voices); ++i)
     take_over_slot(i, i, impacts_[i].hit.point, impacts_[i].hit.direction);
   take_over_slot(driven_slot(), voices, point_, point_direction_);
+  // The hand moves with the surface and keeps its force, until it lifts.
+  const double now = m.solver.contact(driven_slot()).exciter.position_m,
+               then = before.solver.contact(voices).exciter.position_m;
+  if (now > 0 && then > 0)
+    hand_scale_ *= now / then;
   take_over_slot(rub_slot(), voices + 1, rub_.point, -rub_.direction, true);
 }
 

@@ -84,6 +84,10 @@ public:
     return squares;
   }
 
+  [[nodiscard]] double gain(std::size_t slot, std::size_t mode) const noexcept override {
+    return static_cast<double>(slots_[slot].gain[mode]);
+  }
+
   void remove_contact(std::size_t slot) noexcept override {
     if (pending_slot_ == slot)
       flush_pending();

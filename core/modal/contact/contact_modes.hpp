@@ -33,6 +33,7 @@ public:
   /// Sets the gains b at a contact point, 1/sqrt(kg); missing ones are zero. Returns the sum of
   /// their squares, in 1/kg: the velocity of the point per impulse.
   virtual double set_gain(std::size_t slot, std::span<const double> gain) noexcept = 0;
+  [[nodiscard]] virtual double gain(std::size_t slot, std::size_t mode) const noexcept = 0;
   /// Ends a contact: nothing is computed for its slot until the next set_gain().
   virtual void remove_contact(std::size_t slot) noexcept = 0;
   /// Displacement at contact `to` at the end of a step, m/N, per force at `from` in that step

@@ -159,10 +159,7 @@ void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std
   set_contact_gains(slot, gain, rigid_gain);
   slots_[slot].max_contact_s = before.slots_[old_slot].max_contact_s;
   // The new shapes displace the surface: the striker moves with it.
-  const double surface = slots_[slot].surface_m;
-  if (!e.held)
-    e.position_m = e.depth_m + surface;
-  e.depth_m = e.position_m - surface;
+  e.position_m = e.depth_m + slots_[slot].surface_m;
   activate(slot);
 }
 
@@ -173,6 +170,14 @@ void ContactSolver::take_over_rigid(const ContactSolver& before, double mass_rat
     rigid_displacement_[r] = scale * before.rigid_displacement_[r];
     rigid_velocity_[r] = scale * before.rigid_velocity_[r];
   }
+}
+
+double ContactSolver::modal_force(std::size_t mode) const noexcept {
+  double sum = 0;
+  for (const std::size_t slot : std::span(touching_).first(active_count_))
+    sum += contact_modes_->gain(slot, mode) *
+           (contacts_[slot].resting ? slots_[slot].moments[0] : contacts_[slot].exciter.force_n);
+  return sum;
 }
 
 void ContactSolver::end(std::size_t slot) noexcept {

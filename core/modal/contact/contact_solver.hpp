@@ -86,6 +86,8 @@ public:
   [[nodiscard]] double net_contact_force(std::size_t slot) const noexcept {
     return slots_[slot].moments[0];
   }
+  /// The sum over the contacts of b times the mean force of the last sample, N/sqrt(kg).
+  [[nodiscard]] double modal_force(std::size_t mode) const noexcept;
   void end(std::size_t slot) noexcept;
   /// Target of a held striker for the end of the next sample; its speed is limited.
   void set_held_position(std::size_t slot, double position_m, double fastest_m_per_s = 50) noexcept;

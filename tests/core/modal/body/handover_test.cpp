@@ -83,6 +83,47 @@ TEST_CASE("a hand that presses while size and material change keeps its force an
   }
 }
 
+TEST_CASE("a body that changes while it rings, or while a hand presses, does not thump") {
+  struct Change {
+    double modulus_pa, density, size;
+  };
+  constexpr Change kTable{0, 0, 1}, kSteel{200e9, 7850, 1}, kRubber{.05e9, 1100, 1};
+  for (const bool pressed : {false, true})
+    for (const auto& [from, to] : {std::pair(kTable, Change{1e9, 0, 1}), std::pair(kTable, kRubber),
+                                   std::pair(kTable, Change{0, 0, 8}), std::pair(kSteel, kRubber),
+                                   std::pair(kRubber, kSteel), std::pair(Change{0, 0, 2}, kTable)})
+      for (const double highest : {700., 5000.}) { // one mode, or those of a plate
+        CAPTURE(pressed);
+        CAPTURE(from.modulus_pa);
+        CAPTURE(to.modulus_pa);
+        CAPTURE(to.size);
+        CAPTURE(highest);
+        Rig rig(kRate, plate(.32, .2, .005, highest, 16, 10), Radiation::kModal);
+        const auto become = [&](const Change& c) {
+          rig.settings.youngs_modulus_pa = c.modulus_pa;
+          rig.settings.density_kg_per_m3 = c.density;
+          retune(rig, c.size);
+        };
+        const auto run = [&](std::size_t frames) {
+          return loudest(rig.run(frames, 64, {}, std::vector<float>(frames, -1e-5F)).left);
+        };
+        if (pressed) {
+          rig.settings.damping = Damping::kLoss;
+          rig.settings.loss_factor = .3;
+        }
+        rig.options.driven = pressed;
+        rig.body.set_options(rig.options);
+        become(from);
+        const double touch = run(4800);
+        if (!pressed)
+          rig.hit(kPoint, 1);
+        const double before = run(pressed ? 48000 : 960);
+        become(to);
+        const double meanwhile = run(1200), after = run(4800);
+        CHECK(meanwhile < 1.26 * std::max(before, after) + 1e-5 * touch); // 2 dB
+      }
+}
+
 TEST_CASE("a retuned body begins its new sound where the old one stopped") {
   for (const Radiation radiation : {Radiation::kNone, Radiation::kModal}) {
     Rig rig(kRate, plate(.32, .2, .005, 20000, 16, 10), radiation);

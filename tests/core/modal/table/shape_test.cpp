@@ -125,30 +125,17 @@ TEST_CASE("displacements of 0 and of another table leave every bit as it is") {
   CHECK(play({0.001, 0}) != still);
 }
 
-TEST_CASE("a ringing mode keeps displacement and velocity in a step, and its action in a glide") {
-  // In a step only omega^2 q^2/2 changes; the energy of a mode changes by at most omega^2's ratio.
-  auto made = ringing(0);
-  const auto before = energies(*made);
-  move(*made, 0.1 * kHeight);
-  auto after = energies(*made);
-  for (std::size_t k = 0; k < before.size(); ++k) {
-    CHECK(after[k] >= before[k] * (1 - 1e-5));
-    CHECK(after[k] <= before[k] * std::exp(0.2) * (1 + 1e-5));
-  }
-  // Slow against its period, a mode keeps E/omega (Landau & Lifshitz, Mechanics, section 49): up
-  // by 10 % and back down within a second.
-  made = ringing(0);
-  Rig& rig = *made;
-  const auto at_rest = energies(rig);
-  const double path = 0.1;
-  for (const bool up : {true, false}) {
-    for (int step = 1; step <= 750; ++step) {
-      move(rig, path * kHeight * (up ? step : 750 - step) / 750);
-      static_cast<void>(rig.run(64));
+TEST_CASE("a ringing mode keeps its energy when its pitch moves, at once or by and by") {
+  for (const int steps : {1, 250}) {
+    auto made = ringing(0);
+    const auto before = energies(*made);
+    for (int step = 1; step <= steps; ++step) {
+      move(*made, 0.1 * kHeight * step / steps);
+      static_cast<void>(made->run(64));
     }
-    after = energies(rig);
+    const auto after = energies(*made);
     for (std::size_t k = 0; k < after.size(); ++k)
-      CHECK(after[k] / at_rest[k] == approx(up ? std::exp(path) : 1).epsilon(0.02));
+      CHECK(after[k] == approx(before[k]).epsilon(1e-3));
   }
 }
 
