@@ -6,8 +6,10 @@
 #include "files/table_arrays.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <string_view>
 
 namespace tactus::files {
 namespace {
@@ -25,6 +27,33 @@ constexpr double kMaxShape = 1e6;     // 1/sqrt(kg): a body of a picogram
 constexpr double kMaxFrequency = 1e8; // Hz
 constexpr double kMaxExtent = 1e4;    // m
 constexpr double kMaxDecayRate = 1e9; // 1/s
+
+/// Three numbers; otherwise zeros.
+std::array<double, 3> triple(const Json& object, std::string_view name) {
+  std::array<double, 3> values{};
+  const Json* const found = object.find(name);
+  if (found && found->kind == Json::Kind::kList && found->list.size() == values.size())
+    std::transform(found->list.begin(), found->list.end(), values.begin(),
+                   [](const Json& x) { return x.kind == Json::Kind::kNumber ? x.number : 0; });
+  return values;
+}
+
+void read_orthotropy(TableArrays& arrays, const Json& meta, Material& material) {
+  const auto axis = [&](std::string_view name) {
+    const auto xyz = triple(meta, name);
+    return haptic::Vec3{xyz[0], xyz[1], xyz[2]};
+  };
+  modal::Orthotropy own{triple(meta, "E"), triple(meta, "G"), triple(meta, "nu")};
+  if (meta.find("axis_1") || meta.find("axis_2")) {
+    own.axis_1 = axis("axis_1");
+    own.axis_2 = axis("axis_2");
+  }
+  if (!own.possible())
+    return arrays.refuse("the orthotropic material in meta cannot exist: expected E, G and nu of "
+                         "three numbers each, stable, and two axes");
+  material.youngs_modulus_pa = own.youngs_modulus_pa[0];
+  material.orthotropy = own;
+}
 
 void read_description(TableArrays& arrays, ModalTable& table) {
   const Json json = arrays.description("modal-table");
@@ -48,8 +77,12 @@ void read_description(TableArrays& arrays, ModalTable& table) {
     table.material.name = one.text_or("name", "");
     table.material.youngs_modulus_pa = one.number_or("E", 0);
     table.material.poisson = one.number_or("nu", 0.3);
+    if (const Json* moduli = one.find("E"); moduli && moduli->kind != Json::Kind::kNumber)
+      read_orthotropy(arrays, one, table.material);
     table.material.density_kg_per_m3 = one.number_or("rho", 0);
   }
+  if (!arrays.ok())
+    return;
   const Material& m = table.material;
   if (m.youngs_modulus_pa < 0 || m.density_kg_per_m3 < 0 || m.poisson <= -1 || m.poisson >= 0.5)
     return arrays.refuse("the material in meta cannot exist");

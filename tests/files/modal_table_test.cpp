@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <ctime>
@@ -187,6 +188,18 @@ TEST_CASE("a table's description: what holds it, its material, the air") {
   CHECK(steel.material.density_kg_per_m3 == 7800);
   CHECK(steel.air_density_kg_per_m3 == 1.2);
   CHECK(steel.sound_speed_m_per_s == 340);
+  // Wood, its grain along y and its rings along z: a contact meets the modulus along its normal.
+  const modal::Material wood =
+      table_with(description(R"(,"material":{"E":[12e9,2.2e9,1e9],"G":[0.36e9,0.9e9,1.3e9],)"
+                             R"("nu":[0.66,0.46,0.36],"axis_1":[0,2,0],"axis_2":[0,1,1]})"))
+          .material;
+  CHECK(wood.youngs_modulus_pa == 12e9);
+  CHECK(wood.modulus_along({0, 1, 0}) == approx(12e9));
+  CHECK(wood.modulus_along({0, 0, -1}) == approx(2.2e9));
+  CHECK(wood.modulus_along({1, 0, 0}) == approx(1e9));
+  const double h = std::sqrt(.5); // 4/E(45 degrees) = 1/E1 + 1/E2 - 2 nu12/E1 + 1/G12
+  CHECK(4 / wood.modulus_along({0, h, h}) ==
+        approx(1 / 12e9 + 1 / 2.2e9 - 2 * .36 / 12e9 + 1 / 1.3e9));
   const ModalTable plain = table_with(description(R"(,"material":{"name":"x"})"));
   CHECK(plain.material.poisson == .3);
   CHECK(plain.material.youngs_modulus_pa == 0);
@@ -194,7 +207,10 @@ TEST_CASE("a table's description: what holds it, its material, the air") {
   for (const char* wrong :
        {R"(,"material":{"E":-1})", R"(,"material":{"rho":-1})", R"(,"material":{"nu":0.5})",
         R"(,"material":{"nu":-1})", R"(,"air":{"rho":0})", R"(,"air":{"rho":1e4})",
-        R"(,"air":{"c":1})", R"(,"air":{"c":1e5})"})
+        R"(,"air":{"c":1})", R"(,"air":{"c":1e5})", R"(,"material":{"E":[1,2,3]})",
+        R"(,"material":{"E":[1,2],"G":[1,1,1],"nu":[0,0,0]})", R"(,"material":{"E":"stiff"})",
+        R"(,"material":{"E":[1,1,1],"G":[1,1,1],"nu":[0.9,0.9,0]})",
+        R"(,"material":{"E":[1,1,1],"G":[1,1,1],"nu":[0,0,0],"axis_1":[1,0,0],"axis_2":[1,0,0]})"})
     mentions(refusal_with(description(wrong)), {"cannot exist"});
   CHECK(refusal_with(description(R"(,"material":{"nu":0.499})")) == "");
   CHECK(refusal_with(description(R"(,"material":{"nu":-0.999})")) == "");

@@ -19,10 +19,14 @@ double BodyModel::shape_scale_of(std::size_t part) const noexcept {
 }
 
 double BodyModel::modulus_at(const SurfacePoint& point) const noexcept {
-  if (loaded->part_of_triangle(point.triangle) == 0)
-    return youngs_modulus_pa;
+  if (loaded->part_of_triangle(point.triangle) == 0) {
+    const Material& own = loaded->table.material; // its directions keep their ratios
+    return own.orthotropy
+               ? own.modulus_along(point.normal) * youngs_modulus_pa / own.youngs_modulus_pa
+               : youngs_modulus_pa;
+  }
   const double modulus =
-      loaded->parts[LoadedTable::kBoard].loaded->table.material.youngs_modulus_pa;
+      loaded->parts[LoadedTable::kBoard].loaded->table.material.modulus_along(point.normal);
   return modulus > 0 ? modulus : youngs_modulus_pa;
 }
 

@@ -7,6 +7,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,31 @@ namespace tactus::modal {
 
 using haptic::Vec3;
 
+/// The elastic constants of wood and the like by the directions 1 2 3 (longitudinal, radial,
+/// tangential); nu_ij: strain in j for stress along i.
+struct Orthotropy {
+  std::array<double, 3> youngs_modulus_pa{}, shear_modulus_pa{}, poisson{}; ///< pairs 23 13 12
+  Vec3 axis_1{1, 0, 0}, axis_2{0, 1, 0}; ///< 2 lies in the plane of these two
+
+  /// True if no deformation releases energy, and the axes span a plane.
+  [[nodiscard]] bool possible() const noexcept;
+  /// Young's modulus of a bar cut along a direction of length 1 (Lekhnitskii):
+  /// 1/E = sum of l_i^4/E_i + sum of (1/G_ij - 2 nu_ij/E_i) l_i^2 l_j^2.
+  [[nodiscard]] double modulus_along(const Vec3& direction) const noexcept;
+};
+
 /// The material to which the frequencies of a table belong.
 struct Material {
   std::string name;
-  double youngs_modulus_pa = 0; ///< 0: the table does not say
+  double youngs_modulus_pa = 0; ///< along direction 1; 0: the table does not say
   double poisson = 0.3;
   double density_kg_per_m3 = 0; ///< 0: the table does not say
+  std::optional<Orthotropy> orthotropy = std::nullopt;
+
+  /// The modulus that a contact meets at a surface with this normal.
+  [[nodiscard]] double modulus_along(const Vec3& normal) const noexcept {
+    return orthotropy ? orthotropy->modulus_along(normal) : youngs_modulus_pa;
+  }
 };
 
 /// The radiation of each mode of a free body: coefficients of outgoing spherical waves about a
