@@ -31,7 +31,7 @@ public:
                 "largest force; with reed and growth on each axis, with guide in all"},
       Parameter{"force_gain", "N", 0.3, 0, 100, "reed and growth: the force for a slope of 1"},
       Parameter{"background", "", 1, 0, 1,
-                "0: maps are made in the host's time, 3000 nodes a second; repeatable"},
+                "0: maps are made in the host's time, 3000 nodes a second, as always in a render"},
       Parameter{"attack", "ms", 5, 0.1, 5000, "playability~: time in which the envelope rises"},
       Parameter{"release", "ms", 80, 0.1, 5000, "playability~: time in which the envelope falls"},
       Parameter{"hp", "Hz", 10, 0.1, 1000, "playability~: high-pass of the angle"},
@@ -227,7 +227,7 @@ inline void GreedGradient::report(Host& host) {
   const double seconds = static_cast<double>(unreported_) / sample_rate_;
   unreported_ = 0;
   if (gradient_.mode() != reed::ReedGradient::Mode::kReed &&
-      guide_.needs_work(gradient_.plane(), seconds, background_))
+      guide_.needs_work(gradient_.plane(), seconds, background_ && host.real_time()))
     host.wake_in(kGuideTimer, 0);
   const reed::Gradient slope = gradient_.gradient();
   const reed::PlaneForce& force = gradient_.force();

@@ -76,7 +76,7 @@ inline constexpr std::array kParameters{
         Parameter{"out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost"}),
     Parameter{
         "sync", "", 0, 0, 2,
-        "1: tables and changes are computed at once, so that renders repeat; 0: in the background; "
+        "1: tables and changes are computed at once, as always in a render; 0: in the background; "
         "2: in the background, and strikes and info that come after them wait for them"},
     not_realtime(Parameter{
         "rest_stiffness", "N/m^a", 4e8, 100, 1e13,

@@ -38,8 +38,9 @@ bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host)
   if (waiting_count_ == waiting_.size() || numbers.size() > kFewNumbers) {
     Sentence sentence(kMessages[index].name);
     sentence += body_.model()
-                    ? ": too many wait for a change that is still being computed"
-                    : ": the body is still being read; send it after `loaded` has come out";
+                    ? ": 64 messages wait already for a change that is being computed"
+                    : ": 64 messages wait already for the body that is being read; send more after "
+                      "`loaded` has come out";
     host.error(sentence);
     return true;
   }

@@ -96,7 +96,7 @@ void ModalImpact::set(std::size_t parameter, double value) noexcept {
 }
 
 bool ModalImpact::at_once() const {
-  return value_[kSync] == kAtOnce || (value_[kSync] == kInOrder && host_ && !host_->real_time());
+  return value_[kSync] == kAtOnce || (host_ && !host_->real_time());
 }
 
 void ModalImpact::rebuild_model(bool changes_body) {

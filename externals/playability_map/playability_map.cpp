@@ -134,7 +134,7 @@ void PlayabilityMapObject::compute(Host& host) {
       nodes = stored;
       return nodes.size();
     });
-  } else if (own_[kBackground] >= 0.5) {
+  } else if (own_[kBackground] >= 0.5 && host.real_time()) {
     if (const std::string error_text = worker_.start(total_, portion()); !error_text.empty())
       host.error("compute: " + error_text);
   } else {

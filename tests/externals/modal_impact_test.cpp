@@ -102,6 +102,13 @@ TEST_CASE(
   CHECK(rig.width() == doctest::Approx(2 * width));
   CHECK(rig.host.errors.empty());
 
+  rig.object.set(kSize, 1);
+  for (std::size_t i = 0; i < 65; ++i)
+    rig.say(kHit, {1.0});
+  REQUIRE(rig.host.errors.size() == 1);
+  CHECK(rig.host.errors[0].find("64 messages wait") != std::string::npos);
+  rig.take_answer();
+
   rig.object.set(kSize, 3); // a reset silences what waits, too
   rig.say(kHit, {1.0});
   rig.say(kReset, {});

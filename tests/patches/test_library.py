@@ -105,44 +105,39 @@ def test_other_objects_find_their_files_beside_themselves(parent):
     assert [atoms for _, atoms in result.logs["surface"]] == [["surface", "gravel", "gravel", 0]]
 
 
-def ring(sync, *messages):
-    """The levels of the plate's modes in dB, some 50 ms after the messages have been carried out: at time 0, or when
-    the table has been read."""
+def strikes(*messages, sync=0, ms=0):
+    """What the plate sounds in a render, and its levels in dB 50 ms after the messages."""
     patch = Patch()
-    box = patch.obj("modal_impact~", "plate", "-sync", int(sync))
+    box = patch.obj("modal_impact~", "plate", "-sync", sync)
     for message in messages:
-        patch.at(0, box, message)
+        patch.at(ms, box, message)
     patch.log("info", box[3])
-    if sync:
-        patch.at(50, box, "ring")
-    else:
-        box[3] >> patch.obj("route", "loaded") >> patch.obj("t", "b") >> patch.obj("delay", 50) >> patch.msg("ring") >> box
-    patch.end_on(box[3], "ring")
-    lines = patch.render(3600).logs["info"]  # as long as the thread takes: logical time runs ahead of it
-    return numpy.array(next(atoms[1:] for _, atoms in lines if atoms[0] == "ring"))
+    patch.record("left", box[0])
+    patch.at(ms + 50, box, "ring")
+    result = patch.render(ms / 1000 + 0.1)
+    return result["left"], numpy.array(next(atoms[1:] for _, atoms in result.logs["info"] if atoms[0] == "ring"))
 
 
-def test_strikes_sent_while_the_first_table_is_read_happen_when_it_is_there():
+def test_a_render_waits_for_the_first_table_and_for_changes_and_repeats():
     one, other = "hit 40 30 0 1", "hit -60 20 0 1"
-    assert ring(True, one).max() > -60
-    assert abs(ring(False, one) - ring(True, one)).max() < 0.5
-    assert abs(ring(False, one, other) - ring(True, one, other)).max() < 0.5
-    assert abs(ring(True, one, other) - ring(True, one)).max() > 3  # the second is heard, too
-    assert ring(False, one, other, "reset").max() <= -119  # silence is meant for what waits, too
-    assert abs(ring(False, "reset", one) - ring(True, one)).max() < 0.5
-    at_a_point = "point 40 30 0", "reset", "hit 1"  # which a reset leaves where it is
-    assert abs(ring(False, *at_a_point) - ring(True, one)).max() < 0.5
+    first, level = strikes(one)
+    assert level.max() > -60
+    for messages in ((one,), ("size 2", "listener 1 30 0 400", one), ("load tube", one)):
+        sound = strikes(*messages, ms=50)[0]
+        assert sound.any()
+        for sync in (0, 1, 2):
+            assert (strikes(*messages, ms=50, sync=sync)[0] == sound).all()
+    assert abs(strikes(one, other)[1] - level).max() > 3  # the second is heard, too
+    assert strikes(one, other, "reset")[1].max() <= -119
+    assert (strikes("point 40 30 0", "reset", "hit 1")[0] == first).all()  # a reset leaves the point where it is
 
 
-def test_of_a_table_that_cannot_be_read_only_that_is_said_and_no_more_messages_wait_than_there_is_room(tmp_path):
+def test_of_a_table_that_cannot_be_read_only_that_is_said(tmp_path):
     (tmp_path / "bad.modal.npz").write_bytes(b"no table")
-    for name, hits, errors in (("bad", [0, 1, 2, 1199000], ["load bad: .*", "there is no body yet: load one"]),
-                               ("plate", 66 * [0], ["hit: the body is still being read; send it after `loaded`"])):
-        patch = Patch()
-        box = patch.obj("modal_impact~", name)
-        for ms in hits:
-            patch.at(ms, box, "hit 0.1")
-        assert len(patch.render(1200 if name == "bad" else 1, path=[tmp_path], expect_errors=errors).errors) == 2
+    patch = Patch()
+    patch.at(1, patch.obj("modal_impact~", "bad"), "hit 0.1")
+    errors = ["load bad: .*", "there is no body yet: load one"]
+    assert len(patch.render(0.1, path=[tmp_path], expect_errors=errors).errors) == 2
 
 
 def soft_clip(x):
