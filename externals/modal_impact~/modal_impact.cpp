@@ -84,6 +84,16 @@ void ModalImpact::update_options() noexcept {
 void ModalImpact::set(std::size_t parameter, double value) noexcept {
   if (value_[parameter] == value)
     return;
+  if (parameter == kRadiation && table_) {
+    const auto wanted = static_cast<Radiation>(static_cast<int>(value));
+    if (const std::string refusal =
+            TableWorker::radiation_refusal(*table_, wanted, settings().radiation);
+        !refusal.empty()) {
+      if (host_)
+        host_->error(refusal);
+      return;
+    }
+  }
   value_[parameter] = value;
   update_options();
   const bool of_the_model = parameter == kRadiation || parameter == kSize || parameter == kModes ||
@@ -138,6 +148,8 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
       result.model->settings.voices != wanted.voices ||
       (solved && result.model->settings.shape_displacement_m != wanted.shape_displacement_m);
   table_ = result.table;
+  if (!missing_arrays(*table_, wanted.radiation).empty()) // an error has said so
+    value_[kRadiation] = static_cast<double>(BodySettings().radiation);
   if (result.loaded) { // the displacements belong to the old body
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = false;

@@ -1,11 +1,13 @@
 #include "externals/modal_impact~/table_worker.hpp"
 
+#include "externals/modal_impact~/declaration.hpp"
 #include "files/file_bytes.hpp"
 #include "files/modal_table.hpp"
 
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -69,6 +71,17 @@ std::optional<TableWorker::Result> TableWorker::take() {
   return std::exchange(state.done, std::nullopt);
 }
 
+std::string TableWorker::radiation_refusal(const LoadedTable& table, Radiation radiation,
+                                           Radiation instead) {
+  const auto name = [](Radiation r) {
+    return std::string(modal_impact::kRadiations[static_cast<std::size_t>(r)]);
+  };
+  const std::string_view missing = missing_arrays(table, radiation);
+  return missing.empty() ? std::string()
+                         : "radiation " + name(radiation) + ": the table has no arrays " +
+                               std::string(missing) + ": " + name(instead) + " is used";
+}
+
 TableWorker::Result TableWorker::execute(const Request& request) {
   Result result;
   result.table = request.table;
@@ -112,8 +125,13 @@ TableWorker::Result TableWorker::execute(const Request& request) {
       result.table = board ? std::make_shared<const LoadedTable>(body, board, displacement) : body;
     if (!result.refusal.empty())
       result.refusal = subject + result.refusal;
-    else if (result.table)
+    else if (result.table) {
+      result.refusal =
+          radiation_refusal(*result.table, settings.radiation, BodySettings().radiation);
+      if (!result.refusal.empty())
+        settings.radiation = BodySettings().radiation;
       result.model = std::make_unique<BodyModel>(result.table, settings);
+    }
   } catch (const std::exception&) { // bad_alloc, or the length_error of a container
     result.refusal = subject + "not enough memory";
     result.model.reset();

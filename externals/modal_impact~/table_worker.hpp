@@ -32,7 +32,8 @@ public:
     std::uint64_t number = 0; ///< counted by request()
   };
   struct Result {
-    std::string refusal; ///< why something could not be read, else empty
+    /// Why something could not be read, or why the model radiates in the default way; else empty.
+    std::string refusal;
     std::shared_ptr<const LoadedTable> table;
     std::unique_ptr<BodyModel> model;
     bool loaded = false, board_loaded = false; ///< read now
@@ -49,6 +50,9 @@ public:
   /// Whether a table is being read while there is none yet, until its result has been taken. Any
   /// thread; waits for nothing.
   [[nodiscard]] bool loads_first() const noexcept { return state_->loads_first.load(); }
+  /// Why a table cannot radiate as asked; empty: it can. `instead`: what happens then.
+  [[nodiscard]] static std::string radiation_refusal(const LoadedTable& table, Radiation radiation,
+                                                     Radiation instead);
   /// Executes a request in the caller's thread.
   [[nodiscard]] static Result execute(const Request& request);
 

@@ -40,6 +40,17 @@ double a_weighting(double frequency) {
 
 } // namespace
 
+std::string_view missing_arrays(const LoadedTable& loaded, Radiation radiation) noexcept {
+  const auto has_multipoles = [](const LoadedTable& one) { return !one.table.multipoles.empty(); };
+  if (radiation == Radiation::kRaw && loaded.table.raw.empty())
+    return "raw_v, raw_xyz, raw_ds, raw_hit and raw_fs";
+  if (radiation == Radiation::kBody && !has_multipoles(loaded) &&
+      std::none_of(loaded.parts.begin(), loaded.parts.end(),
+                   [&](const LoadedTable::Part& part) { return has_multipoles(*part.loaded); }))
+    return "mp_coef, mp_lmax, mp_off, mp_center and mp_rref (modal_fem --radiation body)";
+  return {};
+}
+
 BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with)
     : loaded(std::move(from)), settings(with), bank({}, with.sample_rate, 0, 0),
       solver({}, with.sample_rate, 0, false) {

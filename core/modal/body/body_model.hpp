@@ -14,6 +14,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tactus::modal {
@@ -25,6 +26,9 @@ inline constexpr std::size_t kMaxContacts = 64;
 /// (kModal), from the surface velocities in the table (kRaw), by its multipoles (kBody), or the
 /// surface velocity itself is heard (kNone).
 enum class Radiation { kModal, kRaw, kBody, kNone };
+/// The arrays without which a table cannot radiate so; empty: it has them.
+[[nodiscard]] std::string_view missing_arrays(const LoadedTable& loaded,
+                                              Radiation radiation) noexcept;
 /// Where the damping of the modes comes from: the table, Rayleigh's law, one loss factor, or a
 /// curve of loss factors over frequency.
 enum class Damping { kTable, kRayleigh, kLoss, kCurve };
