@@ -49,7 +49,7 @@ void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
     board.path = find_table("board", board.name, host);
     if (board.path.empty())
       return;
-  } else if (table_ && table_->parts.empty() && at_once()) {
+  } else if (table_ && table_->parts.empty() && answered_ == worker_.requested()) {
     return;
   }
   const std::string subject = "board " + board.name;
@@ -67,8 +67,7 @@ void ModalImpact::set_rest(Numbers n, Host& host) {
         return host.error("rest: " + number_text(n[axis]) + " mm: expected -1e+06..1e+06");
     points.push_back(kMillimetre * Vec3{n[i], n[i + 1], n[i + 2]});
   }
-  settings_.rest.point_m = std::move(points);
-  rebuild_model();
+  change(settings_.rest.point_m, points);
 }
 
 bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* host) {

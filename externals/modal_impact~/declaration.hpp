@@ -118,6 +118,7 @@ enum MessageIndex : std::size_t {
   kRayleigh,
   kLoss,
   kLossCurve,
+  kDamping,
   kReset,
   kInfo,
   kRing,
@@ -142,8 +143,10 @@ inline constexpr std::array kMessages{
     Message{"hardness", "k exponent loss", 1, 3,
             "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"},
     Message{"point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"},
-    Message{"rub", "x y z [dx dy dz]", 3, 6,
-            "where inlets 3 and 4 rub the body, mm, and the direction of positive velocity"},
+    Message{
+        "rub", "[x y z [dx dy dz]]", 0, 6,
+        "where inlets 3 and 4 rub the body, mm, and the direction of positive velocity; none: at "
+        "the point"},
     Message{"friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness",
             1, 8, "friction law as in contact_friction~, with its defaults for missing numbers"},
     Message{"board", "name [dx dy dz] or none", 1, 4,
@@ -151,8 +154,9 @@ inline constexpr std::array kMessages{
             "by dx dy dz mm in its axes"},
     Message{"rest", "[x y z] ...", 0, 24,
             "up to 8 points where body and board touch, mm in the body's axes; none: nowhere"},
-    Message{"listener", "i x y z", 4, 4,
-            "position of listener i of 1 to 4, mm; nearer than 18 cm sound is up to 0.5 ms late"},
+    Message{"listener", "i x y z or x1 y1 z1 ...", 3, 12,
+            "position of listener i of 1 to 4, or of all from the first on, mm; nearer than 18 cm "
+            "sound is up to 0.5 ms late"},
     Message{"material", "E rho", 2, 2, "Pa and kg/m^3; 0: the table's"},
     Message{"preset",
             "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
@@ -168,6 +172,8 @@ inline constexpr std::array kMessages{
     Message{"rayleigh", "a b", 2, 2, "damping (a + b omega^2)/2 in 1/s"},
     Message{"loss", "eta", 1, 1, "the same loss factor at all frequencies"},
     Message{"losscurve", "f1 eta1 f2 eta2 ...", 2, 64, "loss factor over frequency in Hz"},
+    Message{"damping", "table | rayleigh a b | loss eta | losscurve f1 eta1 ...", 1, 65,
+            "the table's own damping, or the message of that name; as dump says it"},
     realtime(Message{"reset", "", 0, 0, "silence"}),
     Message{"info", "", 0, 0, "body, counts, frequencies and decay times, out of the info outlet"},
     Message{"ring", "", 0, 0,

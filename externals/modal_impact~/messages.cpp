@@ -75,6 +75,8 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return set_solver(arguments[0], host);
   if (index == kPreset)
     return set_preset(arguments[0], host);
+  if (index == kDamping)
+    return choose_damping(arguments, host);
   for (const Atom& atom : arguments)
     if (atom.is_word || !std::isfinite(atom.number))
       return refuse_words(kMessages[index], arguments, host);
@@ -296,9 +298,15 @@ void ModalImpact::set_point(Numbers n, Host& host) {
 }
 
 void ModalImpact::set_rub(Numbers n, Host& host) {
-  if (n.size() != 3 && n.size() != 6)
-    return host.error("rub: expected x y z, or x y z dx dy dz");
+  if (!n.empty() && n.size() != 3 && n.size() != 6)
+    return host.error("rub: expected x y z, x y z dx dy dz, or nothing for the point");
   const BodyModel* model = body(host);
+  if (model && n.empty()) {
+    Rub rub = body_.requested_rub();
+    rub.placed = false;
+    rub.direction = Rub().direction;
+    return body_.schedule_rub(rub, sample_now(host));
+  }
   if (!model || !within("rub", n, {kX, kY, kZ}, host))
     return;
   Rub rub = body_.requested_rub();
@@ -353,10 +361,22 @@ void ModalImpact::set_friction(Numbers n, Host& host) {
 }
 
 void ModalImpact::set_listener(Numbers n, Host& host) {
-  if (!within("listener", n, {{"i", "", 1, static_cast<double>(kMaxListeners)}, kX, kY, kZ}, host))
-    return;
-  settings_.listener[static_cast<std::size_t>(n[0]) - 1] = kMillimetre * Vec3{n[1], n[2], n[3]};
-  rebuild_model(false);
+  auto listener = settings_.listener;
+  if (n.size() == 4) {
+    if (!within("listener", n, {{"i", "", 1, static_cast<double>(kMaxListeners)}, kX, kY, kZ},
+                host))
+      return;
+    listener[static_cast<std::size_t>(n[0]) - 1] = kMillimetre * Vec3{n[1], n[2], n[3]};
+  } else if (n.size() % 3 == 0) {
+    for (std::size_t i = 0; i < n.size() / 3; ++i) {
+      if (!within("listener", n.subspan(3 * i, 3), {kX, kY, kZ}, host))
+        return;
+      listener[i] = kMillimetre * Vec3{n[3 * i], n[3 * i + 1], n[3 * i + 2]};
+    }
+  } else {
+    return host.error("listener: expected i x y z, or x y z of each from the first on");
+  }
+  change(settings_.listener, listener, false);
 }
 
 void ModalImpact::set_material(Numbers n, Host& host) {
@@ -365,6 +385,8 @@ void ModalImpact::set_material(Numbers n, Host& host) {
         !within("material", n.subspan(i, 1),
                 {i == 0 ? Range{"E", "Pa", 1e3, 1e13} : Range{"rho", "kg/m^3", 1, 1e5}}, host))
       return;
+  if (settings_.youngs_modulus_pa == n[0] && settings_.density_kg_per_m3 == n[1])
+    return;
   settings_.youngs_modulus_pa = n[0];
   settings_.density_kg_per_m3 = n[1];
   rebuild_model();
@@ -393,6 +415,18 @@ void ModalImpact::set_preset(const Atom& name, Host& host) {
   settings_.rayleigh_a_per_s = preset->rayleigh_a_per_s;
   settings_.rayleigh_b_s = preset->rayleigh_b_s;
   rebuild_model();
+}
+
+void ModalImpact::choose_damping(std::span<const Atom> arguments, Host& host) {
+  const std::string_view law = arguments[0].is_word ? arguments[0].word : std::string_view();
+  const auto numbers = arguments.subspan(1);
+  if (law == "table" && numbers.empty())
+    return change(settings_.damping, Damping::kTable);
+  for (const std::size_t i : {kRayleigh, kLoss, kLossCurve})
+    if (const Message& m = kMessages[i];
+        law == m.name && numbers.size() >= m.min_arguments && numbers.size() <= m.max_arguments)
+      return message(i, numbers, host);
+  host.error(refusal("damping", arguments, kMessages[kDamping].arguments));
 }
 
 void ModalImpact::set_damping(std::size_t index, Numbers n, Host& host) {

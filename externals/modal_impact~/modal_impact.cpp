@@ -168,6 +168,8 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
     if (table_->shape.empty())
       host->log("the table has frequencies alone: every mode rings with the same gain");
   }
+  if (result.board_loaded)
+    board_name_ = result.board_name;
   if (result.board_loaded && host && !table_->parts.empty()) {
     const ModalTable& board = table_->parts[LoadedTable::kBoard].loaded->table;
     host->info({"board", std::string_view(board.body_name.empty() ? "body" : board.body_name),
@@ -206,6 +208,7 @@ const BodyModel* ModalImpact::body(Host& host) {
 void ModalImpact::dump(Host& host) {
   body_.adopt();
   post_info(host);
+  post_settings(host);
 }
 
 void ModalImpact::post_info(Host& host) {
@@ -223,7 +226,7 @@ void ModalImpact::post_info(Host& host) {
   host.info({"contacts", static_cast<double>(body_.contacts())});
   host.info({"mass", model->mass_kg});
   if (!model->resting_contacts.empty()) {
-    std::vector<Atom> carried{"rest"};
+    std::vector<Atom> carried{"carried"};
     for (const BodyModel::RestingContact& rest : model->resting_contacts)
       carried.emplace_back(rest.preload_n);
     host.info(carried);

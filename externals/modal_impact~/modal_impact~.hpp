@@ -101,9 +101,13 @@ private:
   void set_preset(const Atom& name, Host& host);
   void set_shape(Numbers numbers, Host& host);
   void set_control_point(Numbers numbers, Host& host);
+  void choose_damping(std::span<const Atom> arguments, Host& host);
   void set_damping(std::size_t index, Numbers numbers, Host& host);
   void post_info(Host& host);
   void post_ring(Host& host);
+  /// The settings by message, each as the message that sets it.
+  void post_settings(Host& host) const;
+  void post_damping(Host& host) const;
   void post_shape(Host& host) const;
   /// The body's shape parameters; null after an error if it has none.
   const design::ShapeParameters* shape_parameters(std::string_view message, Host& host);
@@ -136,6 +140,13 @@ private:
   /// worker's thread.
   /// changes_body: strikes may have to wait for it (`sync 2`).
   void rebuild_model(bool changes_body = true);
+  /// Takes other settings, and builds their model.
+  template <class T> void change(T& setting, const T& value, bool changes_body = true) {
+    if (setting == value)
+      return;
+    setting = value;
+    rebuild_model(changes_body);
+  }
   void accept(TableWorker::Result result, Host* host);
   /// Executes a request at once, or in the worker's thread.
   void execute(const TableWorker::Request& request, const std::string& subject, bool at_once,
@@ -165,6 +176,7 @@ private:
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
   std::string table_path_;     ///< of the body
+  std::string board_name_;     ///< as the user wrote it
   std::string solver_program_; ///< empty: searched for
   std::uint64_t load_number_ =
       0; ///< counts bodies and solvers; answers to earlier ones are dropped

@@ -113,6 +113,7 @@ TableWorker::Result TableWorker::execute(const Request& request) {
     if (request.board && result.refusal.empty()) {
       subject = "board " + request.board->name + ": ";
       result.board_loaded = !request.board->path.empty();
+      result.board_name = request.board->name;
       board = result.board_loaded ? read(request.board->path) : nullptr;
       displacement = request.board->displacement_m;
       if (result.refusal.empty() && !body)
@@ -165,6 +166,8 @@ void TableWorker::State::work() {
       if (done && result.model) {
         if (done->loaded && !result.loaded)
           result.path = done->path;
+        if (done->board_loaded && !result.board_loaded)
+          result.board_name = done->board_name;
         result.loaded |= done->loaded;
         result.board_loaded |= done->board_loaded;
       }

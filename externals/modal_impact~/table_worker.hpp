@@ -38,6 +38,7 @@ public:
     std::unique_ptr<BodyModel> model;
     bool loaded = false, board_loaded = false; ///< read now
     std::string path;                          ///< of the body that was loaded
+    std::string board_name;                    ///< of the board, as the user wrote it
     std::uint64_t number = 0;                  ///< of the last request whose settings it answers
   };
 

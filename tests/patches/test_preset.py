@@ -15,12 +15,15 @@ from harness.run import ROOT
 LIVE = ROOT / "patches" / "live"
 BUILD = pathlib.Path(os.environ.get("TACTUS_BUILD", stage_folder().parent))
 DECLARATIONS = {d["name"]: d for d in json.loads((BUILD / "declarations.json").read_text())}
-ARGUMENTS = {"modal_impact~": ["plate.modal.npz", "-sync", 1], "footstep~": ["gravel"]}
-FIXED = {"modal_impact~": {"sync"}, "haptic_server": {"port"}}  # renders repeat; no port is opened
+ARGUMENTS = {"modal_impact~": ["plate.modal.npz"], "footstep~": ["gravel"]}
+FIXED = {"modal_impact~": {"radiation"}, "haptic_server": {"port"}}  # the plate has one kind; no port is opened
 # Settings that are messages and no parameters: in dump, and kept.
 MESSAGES = {
     "greed~": [["end", "trumpet"], ["valves", 1, 3]],
-    "modal_impact~": [["material", 7.12345e10, 2712.3]],
+    "modal_impact~": [["material", 7.12345e10, 2712.3], ["damping", "rayleigh", 3, 2e-7], ["striker", 0.002, 0.004, 7e10, 0.3],
+                      ["hardness", 123456, 2.5, 0.1], ["friction", 0.5, 0.3, 0.1, 0.5, 12345, 1, 0, 0.2],
+                      ["normal", 0, 0.6, 0.8], ["point", 31.5, 22.25, 2.5], ["rub", 10, 20, 2.5, 1, 0, 0],
+                      ["listener", 1, 12.5, -30, 456.5], ["damping", "losscurve", 100, 1e-3, 5000, 0.02]],
     "footstep~": [["surface", "snow", "gravel", 0.3712345]],
     "contact_impact~": [["modes", 331.2345678, 0.61, 1, 912.3, 0.31, 0.7]],
     "contact_friction~": [["modes", 331.2345678, 0.61, 1, 912.3, 0.31, 0.7]],
@@ -147,6 +150,9 @@ PLAYED = {
     "particle~": ((), [["preset", "maraca"], ["count", 20]], [["preset", "tambourine"]], [["shake", 1]]),
     "modal_impact~": ((), [["material", 7e10, 2700], ["size", 1.2]], [["material", 1e10, 1200], ["size", 0.7]],
                       [["hit", 0.05, 0.02, 0, 1]]),
+    "modal_impact~ as it was made": ((), [["out", 2]], [
+        ["preset", "rubber"], ["striker", 0.1, 0.02, 1e9, 0.3], ["hardness", 1e6, 2, 1], ["restitution", 0.5],
+        ["normal", 0, 1, 1], ["listener", 1, 0, 0, 900], ["point", -20, 10, 0]], [["hit", 40, 30, 0, 1], ["hit", 1]]),
     "contact_impact~": ((), [["modes", 331, 0.6, 1, 912, 0.3, 0.7]], [["modes", 500, 0.1, 1]], [["strike", 1]]),
     "contact_friction~": ((0.1, 1), [["modes", 331, 0.6, 1]], [["modes", 500, 0.1, 1]], []),
 }

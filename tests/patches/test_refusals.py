@@ -165,7 +165,9 @@ REFUSED = {
         drop 1 2 => drop: expected h, or x y z h
         drop -5 => drop: h -5 mm: expected
         drop 0 0 0 high: expected numbers
-        rub 1 2 3 4 => rub: expected x y z, or x y z dx dy dz
+        rub 1 2 3 4 => rub: expected x y z, x y z dx dy dz, or nothing
+        damping loss 3 => loss: eta 3: expected 0..2
+        damping loss 1 2: expected table | rayleigh a b | loss eta
         rub 0 0 2.5 0 0 0 => rub: direction 0 0 0: expected one along the surface
         rub 0 0 2.5 0 0 1 => rub: direction 0 0 1: expected one along the surface, whose normal is 0 0 1
         friction 11 => friction: static 11: expected 0.001..10
@@ -174,6 +176,7 @@ REFUSED = {
         board nowhere.npz: there is no such file
         board 3: expected a file's name
         board plate 1 2: expected a file's name
+        listener 1 2 3 4 5 => listener: expected i x y z, or
         rest 1 2 => rest: 2 numbers: expected x y z for each point
         shape 1 => shape: 1 numbers: expected
         cp 99 0 0 0 => cp: control point 99: expected 0..
