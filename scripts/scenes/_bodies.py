@@ -79,20 +79,20 @@ def spectrum(samples, rate=RATE, size=1 << 19):
 
 def peaks(samples, rate=RATE, low_hz=500, high_hz=20000, below_db=60, apart_hz=40, count=12):
     """[(Hz, dB below the loudest)] of the spectrum's peaks, the loudest first; a parabola through
-    the top of each, in logarithm, gives the frequency."""
+    the top of each, in logarithm, gives the frequency. A peak is the highest within apart_hz on both
+    sides: a ripple on the skirt of another is none."""
     f, a = spectrum(samples, rate)
     level = 20 * numpy.log10(numpy.maximum(a, 1e-30))
     tops = numpy.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:])) + 1
     tops = tops[(f[tops] >= low_hz) & (f[tops] <= high_hz)]
     tops = tops[numpy.argsort(-level[tops])]
-    found = []
+    found, width = [], max(1, int(apart_hz / f[1]))
     for k in tops:
         if level[k] < level[tops[0]] - below_db or len(found) == count:
             break
         left, middle, right = level[k - 1:k + 2]
-        exact = f[k] + 0.5 * (left - right) / (left - 2 * middle + right) * f[1]
-        if all(abs(exact - other) > apart_hz for other, _ in found):
-            found.append((exact, middle - level[tops[0]]))
+        if middle >= level[max(0, k - width):k + width + 1].max():
+            found.append((f[k] + 0.5 * (left - right) / (left - 2 * middle + right) * f[1], middle - level[tops[0]]))
     return found
 
 

@@ -115,3 +115,11 @@ def test_a_body_of_the_tour_rings_where_it_is_struck(name):
         assert abs(frequencies / hz - 1).min() < 0.002
     meta = json.loads(bytes(numpy.load(_tour.table(name))["meta"]))
     assert meta["bc"] == "free"
+
+
+def test_a_ripple_on_the_skirt_of_a_partial_is_no_partial():
+    t = numpy.arange(12000) / 48000
+    hit = numpy.exp(-30 * t) * (numpy.sin(2 * numpy.pi * 10691 * t) + 0.01 * numpy.sin(2 * numpy.pi * 5000 * t))
+    for apart in (40, 150, 700):
+        found = [hz for hz, _ in _bodies.peaks(numpy.tile(hit, 3), apart_hz=apart)]
+        assert found == pytest.approx([10691, 5000], abs=2)
