@@ -157,8 +157,22 @@ void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
   host.log(sentence);
 }
 
+void ModalImpact::warn_if_still(std::string_view message, const SurfacePoint& point,
+                                const Vec3& direction, Host& host) {
+  if (warned_still_ || body_.model()->loaded->surface.empty() ||
+      body_.model()->moves_along(point, direction))
+    return;
+  warned_still_ = true;
+  Sentence sentence(message);
+  sentence +=
+      ": no mode of this table moves along this direction: the body is rigid there and gives "
+      "no sound; reported once";
+  host.log(sentence);
+}
+
 void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bool falls) {
   warn_if_far(point, host);
+  warn_if_still("hit", point, normal_.value_or(point.normal), host);
   last_point_ = point;
   last_speed_ = speed;
   last_was_drop_ = falls;
@@ -329,6 +343,7 @@ void ModalImpact::set_rub(Numbers n, Host& host) {
   rub.direction = along_surface(rub.point.normal, wanted);
   rub.placed = true;
   warn_if_far(rub.point, host);
+  warn_if_still("rub", rub.point, rub.direction, host);
   body_.schedule_rub(rub, sample_now(host));
 }
 

@@ -152,7 +152,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
     value_[kRadiation] = static_cast<double>(BodySettings().radiation);
   if (result.loaded) { // the displacements belong to the old body
     settings_.shape_displacement_m.clear();
-    warned_of_trust_ = false;
+    warned_of_trust_ = warned_still_ = false;
     table_path_ = result.path;
     reset_solver(host);
   }

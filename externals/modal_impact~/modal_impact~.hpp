@@ -134,6 +134,9 @@ private:
   const BodyModel* body(Host& host);
   [[nodiscard]] SurfacePoint at_vertex(std::size_t vertex) const noexcept;
   void warn_if_far(const SurfacePoint& point, Host& host);
+  /// If the table has no motion along a direction (a plate's in its plane). Allocates nothing.
+  void warn_if_still(std::string_view message, const SurfacePoint& point, const Vec3& direction,
+                     Host& host);
   [[nodiscard]] BodySettings settings() const;
   void update_options() noexcept;
   /// Builds a model of the present settings: at once if that is quick or `sync` is set, else in the
@@ -172,7 +175,7 @@ private:
   std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;
   bool last_was_drop_ = false;
-  bool warned_ = false;
+  bool warned_ = false, warned_still_ = false;
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
   std::string table_path_;     ///< of the body

@@ -140,6 +140,17 @@ def test_of_a_table_that_cannot_be_read_only_that_is_said(tmp_path):
     assert len(patch.render(0.1, path=[tmp_path], expect_errors=errors).errors) == 2
 
 
+@pytest.mark.parametrize("messages, name", [
+    (["hit 40 30 0 1", "rub 40 30 2.5 1 0 0"], "rub"), (["normal 1 0 0", "hit 40 30 0 1", "hit 160 0 0 1"], "hit")])
+def test_a_plate_that_moves_along_its_normal_alone_says_so_once(messages, name):
+    patch = Patch()
+    box = patch.obj("modal_impact~", "plate")
+    for message in messages:
+        patch.at(1, box, message)
+    output = patch.render(0.05).output
+    assert output.count(f"{name}: no mode of this table moves along this direction") == output.count("no mode") == 1
+
+
 def soft_clip(x):
     size = numpy.maximum(abs(x), 0.5)
     return numpy.where(abs(x) <= 0.5, x, numpy.sign(x) * (1 - 0.25 / size))

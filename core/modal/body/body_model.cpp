@@ -368,6 +368,20 @@ void BodyModel::gains(const SurfacePoint& point, const Vec3& direction,
   }
 }
 
+bool BodyModel::moves_along(const SurfacePoint& point, const Vec3& direction) const noexcept {
+  constexpr double kRounding = 1e-5; // of single precision, over the whole motion
+  double along = 0, whole = 0;
+  for (const std::int32_t vertex : loaded->table.triangle[point.triangle])
+    for (std::size_t k = 0; k < loaded->table.modes(); ++k) {
+      const float* const shape =
+          loaded->shape.data() + 3 * (static_cast<std::size_t>(vertex) * loaded->table.modes() + k);
+      const Vec3 motion{shape[0], shape[1], shape[2]};
+      along = std::max(along, std::abs(dot(motion, direction)));
+      whole = std::max(whole, norm(motion));
+    }
+  return along > kRounding * whole || whole == 0;
+}
+
 std::array<double, ContactSolver::kRigid>
 BodyModel::rigid_gains(const SurfacePoint& point, const Vec3& direction) const noexcept {
   std::array<double, ContactSolver::kRigid> gain{};

@@ -171,6 +171,9 @@ struct BodyModel {
   /// against `direction` (usually the outward normal). `gain`: [mode.size()]. Does not allocate.
   void gains(const SurfacePoint& point, const Vec3& direction,
              std::span<double> gain) const noexcept;
+  /// Whether any mode moves any corner of a point's triangle along a direction of length 1, by more
+  /// than rounding.
+  [[nodiscard]] bool moves_along(const SurfacePoint& point, const Vec3& direction) const noexcept;
   /// The same for a free body's three translations and three rotations; of a body on a board, their
   /// projection on the motions that its contact points resist.
   [[nodiscard]] std::array<double, ContactSolver::kRigid>
