@@ -3,26 +3,37 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace tactus::footstep {
 namespace {
 
 constexpr double kLowPassHz = 200;
-constexpr double kSlopeTime = 0.005;                                // s
-constexpr double kSlowTimeConstant = 0.5, kFastTimeConstant = 0.02; // s
-constexpr double kFloor = 0.03, kNoise = 0.2;                       // s, time constants in the air
-constexpr double kOn = 0.05, kOff = 0.025;                          // of the weight
-constexpr double kMaxBaselineDrop = 0.02;                           // of the weight
-constexpr double kTouch = 0.0015, kMaxTouchThreshold = 0.025;       // of the weight
-constexpr double kDeviations = 7;                                   // of noise that is no touch
-constexpr double kMinNoiseWeight = 0.1;                             // 20 ms in the air
-constexpr double kMaxLightTouch = 0.5;                              // s
-constexpr double kMinStance = 0.08, kMinSwing = 0.06;               // s
-constexpr double kRiseTime = 0.0022, kFirmRiseTime = 0.0035;        // s
-constexpr double kFirm = 0.008;                                     // of the weight
-constexpr double kMinSensedSpeed = 0.02, kMaxSensedSpeed = 2;       // m/s
-constexpr double kStiffening = 1.5;                                 // F ~ x^kStiffening
-constexpr double kMaxForce = 1e5;                                   // N
+constexpr double kSlopeTime = 0.005;                                 // s
+constexpr double kSwingTimeConstant = 0.2, kFastTimeConstant = 0.02; // s
+constexpr double kMaxDrift = 0.004;                                  // of the weight a second
+constexpr double kFloor = 0.03, kNoise = 0.2;                        // s, time constants in the air
+constexpr double kOn = 0.05, kOff = 0.025;                           // of the weight
+constexpr double kMaxBaselineDrop = 0.02;                            // of the weight
+constexpr double kTouch = 0.0015, kMaxTouchThreshold = 0.08;         // of the weight
+constexpr double kDeviations = 7;                                    // of noise that is no touch
+constexpr double kMinNoiseWeight = 0.1;                              // 20 ms in the air
+constexpr double kMaxLightTouch = 0.5;                               // s
+constexpr double kMinStance = 0.08, kMinSwing = 0.06;                // s
+constexpr double kMaxSwing = 0.4; // s, after which a foot might be put down slowly
+constexpr double kStepSlope = 1;  // weights a second, of the slowest step
+constexpr double kMaxCrosstalk = 0.08,
+                 kCrosstalkTime = 20;              // of the other's force; s until forgotten
+constexpr double kRest = 0.125;                    // of the peak
+constexpr double kMaxFallTime = 0.2;               // s, from half of the peak to kRest
+constexpr double kStill = 0.005;                   // of the weight, in 30 ms
+constexpr double kJump = 0.06, kJumpChange = 0.02; // of the weight, within a sample and after
+constexpr double kMaxJumpTime = 0.04;              // s: sensors read at 25 Hz or more
+constexpr double kRiseTime = 0.0022, kFirmRiseTime = 0.0035;  // s
+constexpr double kFirm = 0.008;                               // of the weight
+constexpr double kMinSensedSpeed = 0.02, kMaxSensedSpeed = 2; // m/s
+constexpr double kStiffening = 1.5;                           // F ~ x^kStiffening
+constexpr double kMaxForce = 1e5;                             // N
 
 /// Typical landing speed, m/s, and slope, weights a second: of a heel that lands first and of a
 /// part that follows, walking at 1.4 m/s in usual shoes; of a ball that lands first, as on stairs.
@@ -67,7 +78,7 @@ void SoleChannel::prepare(double sample_rate) {
   b2_ = b0_;
   a1_ = 2 * (k * k - 1) * norm;
   a2_ = (1 - std::numbers::sqrt2 * k + k * k) * norm;
-  slow_coefficient_ = 1 - std::exp(-1 / (kSlowTimeConstant * sample_rate));
+  swing_coefficient_ = 1 - std::exp(-1 / (kSwingTimeConstant * sample_rate));
   fast_coefficient_ = 1 - std::exp(-1 / (kFastTimeConstant * sample_rate));
   floor_coefficient_ = 1 - std::exp(-1 / (kFloor * sample_rate));
   noise_coefficient_ = 1 - std::exp(-1 / (kNoise * sample_rate));
@@ -80,7 +91,7 @@ void SoleChannel::prepare(double sample_rate) {
 }
 
 void SoleChannel::reset() noexcept {
-  force_ = slope_ = baseline_ = s1_ = s2_ = 0;
+  force_ = slope_ = baseline_ = known_baseline_ = reading_ = delayed_ = s1_ = s2_ = 0;
   floor_ = rise_ = variance_ = noise_weight_ = 0;
   std::fill(window_.begin(), window_.end(), 0.0);
   write_index_ = 0;
@@ -104,23 +115,32 @@ double SoleChannel::touch_threshold_n(double weight_n) const noexcept {
   return std::clamp(kDeviations * deviation, kTouch * weight_n, kMaxTouchThreshold * weight_n);
 }
 
-void SoleChannel::next(double force_n, bool lifted, bool free, double touch_threshold_n,
-                       double lowest_n) noexcept {
+void SoleChannel::next(double force_n, Follow follow, double weight_n, bool free,
+                       double touch_threshold_n, double crosstalk_n) noexcept {
   const double x = force_n;
   double y = b0_ * x + s1_;
   s1_ = b1_ * x - a1_ * y + s2_;
   s2_ = b2_ * x - a2_ * y;
-  // The baseline follows lower readings at once, and upward drift only in the air.
+  reading_ = y;
+  delayed_ += floor_coefficient_ * (y - delayed_);
+  // The baseline follows lower readings at once, in a swing however far.
+  const bool still = std::abs(change()) < kStill * weight_n + touch_threshold_n;
+  const double lowest = follow == Follow::kSwing && still
+                            ? y
+                            : std::max(y, std::min(baseline_, -kMaxBaselineDrop * weight_n));
   if (y < baseline_)
-    baseline_ += fast_coefficient_ * (y - baseline_);
-  else if (lifted)
-    baseline_ += slow_coefficient_ * (y - baseline_);
-  baseline_ = std::max(baseline_, lowest_n);
+    baseline_ += fast_coefficient_ * (lowest - baseline_);
+  else if (follow == Follow::kSwing)
+    baseline_ += swing_coefficient_ * (y - baseline_);
+  else if (follow == Follow::kAir)
+    baseline_ = std::min(y, baseline_ + kMaxDrift * weight_n / rate_);
+  if (follow == Follow::kSwing || baseline_ < known_baseline_)
+    known_baseline_ = baseline_;
   force_ = std::max(0.0, y - baseline_);
   rise_ = y - floor_;
   if (free) {
     // Only rises count as noise, not the fall as the foot leaves the ground. A touch is clamped.
-    const double up = std::clamp(rise_, 0.0, touch_threshold_n);
+    const double up = std::clamp(rise_ - crosstalk_n, 0.0, touch_threshold_n);
     variance_ += noise_coefficient_ * (2 * up * up - variance_);
     noise_weight_ += noise_coefficient_ * (1 - noise_weight_);
     floor_ += floor_coefficient_ * (y - floor_);
@@ -155,53 +175,115 @@ void SoleSensor::reset() noexcept {
   for (Region* region : {&heel_, &ball_}) {
     region->channel.reset();
     region->down = region->loaded = false;
+    region->swings = false;
+    region->crosstalk = kMaxCrosstalk;
     region->since_s = 1;
-    region->contact_s = 0;
+    region->contact_s = region->last_n = 0;
+    region->jump_s = -1;
     region->touch_threshold_n = kMaxTouchThreshold * weight_n_;
   }
 }
 
-void SoleSensor::update(Region& region, double force_n, bool other_down, double& landing,
+void SoleSensor::watch_jump(Region& region, double force_n) noexcept {
+  const double step_n = force_n - std::exchange(region.last_n, force_n);
+  if (region.jump_s < 0) {
+    if (region.down || step_n < kJump * weight_n_)
+      return;
+    region.jump_n = force_n;
+    region.jump_s = 0;
+  }
+  region.jump_s += step_s_;
+  // A slow sensor's force goes on changing.
+  if (std::abs(force_n - region.jump_n) > kJumpChange * weight_n_)
+    region.jump_s = -1;
+}
+
+bool SoleSensor::lands(Region& region, const Region& other, double& landing) noexcept {
+  SoleChannel& channel = region.channel;
+  const double noise_n = region.touch_threshold_n;
+  const double other_n = std::max(other.channel.change(), 0.0);
+  // The smallest part of a force that comes under the other region: what comes under this one as
+  // well is more.
+  region.crosstalk += (kMaxCrosstalk - region.crosstalk) * step_s_ / kCrosstalkTime;
+  if (other_n > kFirm * weight_n_ && channel.rise() >= 0)
+    region.crosstalk =
+        std::clamp((channel.rise() + 0.5 * noise_n) / other_n, 0.0, region.crosstalk);
+  const double rise_n = channel.rise() - region.crosstalk * other_n;
+  const bool touches = rise_n > (region.contact_s > 0 ? 0.5 : 1) * noise_n;
+  region.contact_s = touches ? region.contact_s + step_s_ : 0;
+  if (!touches)
+    region.touch_threshold_n = channel.touch_threshold_n(weight_n_);
+  if (region.since_s < kMinSwing)
+    return false;
+  if (region.jump_s >= 0) { // undecided for a while; then a sensor that was plugged in
+    region.loaded = region.down = region.jump_s > kMaxJumpTime;
+    return region.down;
+  }
+  // A firm contact exceeds the noise early, so there is time to measure its slope for longer.
+  const double rise_time = rise_n > kFirm * weight_n_ ? kFirmRiseTime : kRiseTime;
+  const double on_n = kOn * weight_n_ + noise_n + region.crosstalk * other.channel.force();
+  if (region.contact_s < rise_time && !(channel.force() > on_n && region.contact_s == 0))
+    return false;
+  region.down = true;
+  region.loaded = false;
+  const double slope =
+      std::max(rise_n - noise_n, 0.0) / weight_n_ / std::max(region.contact_s, kRiseTime);
+  channel.keep_baseline(slope > kStepSlope);
+  const TypicalLanding& typical = other.down          ? kSecondRegion
+                                  : &region == &heel_ ? kHeelLanding
+                                                      : kBallLanding;
+  landing = typical.speed * std::pow(slope / typical.slope, 1 / kStiffening);
+  landing = std::clamp(landing, kMinSensedSpeed, kMaxSensedSpeed);
+  return true;
+}
+
+bool SoleSensor::lifts(Region& region, const Region& other) noexcept {
+  SoleChannel& channel = region.channel;
+  const double level = channel.force() / weight_n_;
+  region.loaded = region.loaded || level > kOn;
+  region.peak = std::max(region.peak, level);
+  if (level > 0.5 * region.peak)
+    region.fall_s = region.rest_s = 0;
+  else if (level > kRest * region.peak)
+    region.fall_s += step_s_;
+  const bool still = std::abs(channel.change()) < kStill * weight_n_ + region.touch_threshold_n;
+  region.rest_s = still ? region.rest_s + step_s_ : 0;
+  region.swings = region.loaded && level < kRest * region.peak && region.fall_s < kMaxFallTime;
+  if (region.since_s < kMinStance)
+    return false;
+  if (region.swings && region.rest_s > kMinSwing) {
+    channel.rebase();
+    return true;
+  }
+  // A stance ends at kOff. A light touch ends below half of its threshold, or after
+  // kMaxLightTouch, when it is taken for the pressure of the shoe itself.
+  return region.loaded
+             ? level < kOff + region.crosstalk * other.channel.force() / weight_n_
+             : channel.rise() < 0.5 * region.touch_threshold_n || region.since_s > kMaxLightTouch;
+}
+
+void SoleSensor::update(Region& region, const Region& other, double force_n, double& landing,
                         bool& lifted) noexcept {
   const double force = std::isfinite(force_n) ? std::clamp(force_n, -kMaxForce, kMaxForce) : 0;
   SoleChannel& channel = region.channel;
-  const double touch_threshold_n = region.touch_threshold_n;
   // The baseline is updated only when the foot is certainly in the air.
-  channel.next(force, !in_stance() && region.since_s > kMinSwing,
-               !region.down && region.contact_s == 0, touch_threshold_n,
-               -kMaxBaselineDrop * weight_n_);
+  const bool in_air = !in_stance() && region.since_s > kMinSwing && region.jump_s < 0;
+  const bool swings = region.swings && region.since_s < kMaxSwing;
+  using Follow = SoleChannel::Follow;
+  channel.next(force,
+               !in_air  ? Follow::kStance
+               : swings ? Follow::kSwing
+                        : Follow::kAir,
+               weight_n_, !region.down && region.contact_s == 0, region.touch_threshold_n,
+               region.crosstalk * std::max(other.channel.change(), 0.0));
+  watch_jump(region, force);
   region.since_s = std::min(region.since_s + step_s_, 1e3);
-  const double level = channel.force() / weight_n_;
   if (!region.down) {
-    const bool touches = channel.rise() > (region.contact_s > 0 ? 0.5 : 1) * touch_threshold_n;
-    region.contact_s = touches ? region.contact_s + step_s_ : 0;
-    if (!touches)
-      region.touch_threshold_n = channel.touch_threshold_n(weight_n_);
-    if (region.since_s < kMinSwing)
+    if (!lands(region, other, landing))
       return;
-    // A firm contact exceeds the noise early, so there is time to measure its slope for longer.
-    const double rise_time = channel.rise() > kFirm * weight_n_ ? kFirmRiseTime : kRiseTime;
-    if (region.contact_s < rise_time && !(level > kOn && region.contact_s == 0))
-      return;
-    region.down = true;
-    region.loaded = false;
-    region.since_s = 0;
-    const double slope = std::max(channel.rise() - touch_threshold_n, 0.0) / weight_n_ /
-                         std::max(region.contact_s, kRiseTime);
-    const TypicalLanding& typical = other_down          ? kSecondRegion
-                                    : &region == &heel_ ? kHeelLanding
-                                                        : kBallLanding;
-    landing = typical.speed * std::pow(slope / typical.slope, 1 / kStiffening);
-    landing = std::clamp(landing, kMinSensedSpeed, kMaxSensedSpeed);
-    return;
-  }
-  region.loaded = region.loaded || level > kOn;
-  // A stance ends at kOff. A light touch ends below half of its threshold, or after
-  // kMaxLightTouch, when it is taken for the pressure of the shoe itself.
-  const bool lifts =
-      region.loaded ? level < kOff
-                    : channel.rise() < 0.5 * touch_threshold_n || region.since_s > kMaxLightTouch;
-  if (lifts && region.since_s >= kMinStance) {
+    region.since_s = region.peak = region.fall_s = region.rest_s = 0;
+    region.jump_s = -1;
+  } else if (lifts(region, other)) {
     region.down = false;
     region.contact_s = region.since_s = 0;
     channel.rebase_floor();
@@ -213,8 +295,8 @@ SoleState SoleSensor::next(double heel_reading, double ball_reading) noexcept {
   SoleState sole;
   const bool was_in_stance = in_stance();
   bool ball_up = false;
-  update(heel_, heel_table_.force(heel_reading), ball_.down, sole.heel_landing, sole.heel_up);
-  update(ball_, ball_table_.force(ball_reading), heel_.down, sole.ball_landing, ball_up);
+  update(heel_, ball_, heel_table_.force(heel_reading), sole.heel_landing, sole.heel_up);
+  update(ball_, heel_, ball_table_.force(ball_reading), sole.ball_landing, ball_up);
   sole.heel_n = heel_.channel.force();
   sole.ball_n = ball_.channel.force();
   sole.heel_slope = heel_.channel.slope();

@@ -31,26 +31,41 @@ class SoleChannel {
 public:
   void prepare(double sample_rate); ///< may allocate
   void reset() noexcept;
-  /// One sample, force_n in N. `lifted`: the whole foot is in the air, so the baseline is updated,
-  /// limited to at least `lowest_n`. `free`: this part is in the air, so floor and noise are
-  /// updated; rises above touch_threshold_n do not count as noise.
-  void next(double force_n, bool lifted, bool free = false, double touch_threshold_n = 20,
-            double lowest_n = -20) noexcept;
+  /// How the baseline may follow higher readings: in stance not; in the air as slowly as sensors
+  /// drift, until a landing shows whether that was a load (keep_baseline()); in a swing freely.
+  enum class Follow { kStance, kAir, kSwing };
+  /// One sample, force_n in N. `free`: this part is in the air, so floor and noise are updated;
+  /// rises above touch_threshold_n, and the share of the other part's force, do not count as noise.
+  void next(double force_n, Follow follow, double weight_n, bool free = false,
+            double touch_threshold_n = 20, double crosstalk_n = 0) noexcept;
   [[nodiscard]] double force() const noexcept { return force_; }         ///< N
   [[nodiscard]] double slope() const noexcept { return slope_ * rate_; } ///< N/s
   /// Rise above the floor, N. The floor is the reading while free, low-passed with 30 ms.
   [[nodiscard]] double rise() const noexcept { return rise_; }
-  /// Rise that noise does not reach, N: seven standard deviations, clamped to 0.15..2.5 % of the
+  /// Change of the reading within 30 ms, N.
+  [[nodiscard]] double change() const noexcept { return reading_ - delayed_; }
+  /// Rise that noise does not reach, N: seven standard deviations, clamped to 0.15..8 % of the
   /// weight.
   [[nodiscard]] double touch_threshold_n(double weight_n) const noexcept;
   /// Makes the current reading the floor.
   void rebase_floor() noexcept { floor_ += rise_; }
+  /// Makes the current reading the baseline.
+  void rebase() noexcept { baseline_ = known_baseline_ = reading_; }
+  /// At a landing. False: it was so slow that the rise before it was load, not drift.
+  void keep_baseline(bool keep) noexcept {
+    if (keep)
+      known_baseline_ = baseline_;
+    else
+      baseline_ = known_baseline_;
+  }
 
 private:
   void start_sums() noexcept;
 
   double rate_ = 48000, force_ = 0, slope_ = 0, baseline_ = 0;
-  double slow_coefficient_ = 0, fast_coefficient_ = 0, floor_coefficient_ = 0,
+  double reading_ = 0, delayed_ = 0; ///< low-passed reading, and low-passed with 30 ms
+  double known_baseline_ = 0;        ///< of the last swing
+  double swing_coefficient_ = 0, fast_coefficient_ = 0, floor_coefficient_ = 0,
          noise_coefficient_ = 0;
   double floor_ = 0, rise_ = 0, variance_ = 0;
   double noise_weight_ = 0; ///< 0..1, share of variance_ that has been measured
@@ -67,6 +82,12 @@ private:
 /// at that moment gives the landing speed v: a pad of F ~ x^1.5 (Hertz) has a slope ~ v^1.5. The
 /// region lifts below 2.5 % of the weight; if it never carried 5 %, below half of the noise
 /// threshold, or after 0.5 s. A stance lasts at least 80 ms, a swing at least 60 ms.
+///
+/// Sensors err: part of the force under one region reaches the other's sensor (all thresholds rise
+/// by that part, 8 % until a step shows it). Zero drifts: a region whose force falls from half of
+/// its peak to an eighth within 0.2 s and then stays for 60 ms is in the air, whatever is left. A
+/// force that jumps within one sample and then stays is a sensor that was plugged in: the region
+/// stands, without a landing.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
@@ -84,11 +105,19 @@ private:
     SoleChannel channel;
     double typical_speed, typical_slope; ///< landing speed, m/s, and its slope, weights a second
     bool down = false, loaded = false;   ///< loaded: has carried 5 % since it landed
-    double since_s = 1, contact_s = 0, touch_threshold_n = 17.5;
+    double since_s = 1, contact_s = 0, touch_threshold_n = 56;
+    double crosstalk = 0.08; ///< part of the other region's force
+    bool swings = false;     ///< lifted as a foot that steps does
+    double peak = 0, fall_s = 0,
+           rest_s = 0; ///< of this stance: peak in weights, time of its fall, and at rest since
+    double last_n = 0, jump_n = 0, jump_s = -1; ///< time since a jump to jump_n; below 0: none
   };
-  /// `other_down`: the other part of the sole is on the ground.
-  void update(Region& region, double force_n, bool other_down, double& landing,
+  void update(Region& region, const Region& other, double force_n, double& landing,
               bool& lifted) noexcept;
+  /// Finds a jump of the reading, and whether it goes on.
+  void watch_jump(Region& region, double force_n) noexcept;
+  [[nodiscard]] bool lands(Region& region, const Region& other, double& landing) noexcept;
+  [[nodiscard]] bool lifts(Region& region, const Region& other) noexcept;
 
   double weight_n_ = 700, step_s_ = 1.0 / 48000;
   Calibration heel_table_, ball_table_;

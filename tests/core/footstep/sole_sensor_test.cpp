@@ -69,17 +69,16 @@ const Line kNone{{{0, 0}}};
 
 TEST_CASE(
     "a region lands when it rises above noise, is told by 2.2 or 3.5 ms, and lifts at 2.5 %") {
-  // 700 N. So slowly that it might be drift: 5 % = 35 N. On a line of 100 N/s the baseline follows,
-  // 35 = 50 (1 - e^(-t/.5)), and waits from then on; the low-pass lags by sqrt(2)/(2 pi 200) =
+  // 700 N. So slowly that it might be drift: 5 % = 35 N above the noise, of which the rise is taken
+  // for part. It was load: the baseline is 0 again. The low-pass lags by sqrt(2)/(2 pi 200) =
   // 1.1 ms.
   Sensed sensed = sense({{{.2, 0}, {1.2, 100}, {2, 100}, {2.5, 0}}}, kNone, 3);
   REQUIRE(sensed.heel_landing_s.size() == 1);
-  const double time = -.5 * std::log(1 - 35. / 50), baseline = 100 * time - 35;
-  CHECK(sensed.heel_landing_s[0] == doctest::Approx(.2 + time + .0011).epsilon(.001));
+  CHECK(sensed.heel_landing_s[0] > .2 + .35);
+  CHECK(sensed.heel_landing_s[0] < .2 + .70);
   CHECK(sensed.heel_speed[0] < .1);
   REQUIRE(sensed.heel_up_s.size() == 1);
-  CHECK(sensed.heel_up_s[0] ==
-        doctest::Approx(2.5 - (baseline + 17.5) / 200 + .0011).epsilon(.001));
+  CHECK(sensed.heel_up_s[0] == doctest::Approx(2.5 - 17.5 / 200 + .0011).epsilon(.001));
   CHECK(sensed.toe_off_s == sensed.heel_up_s);
   // As a step: 7000 N/s, firm by 2.2 ms.
   sensed = sense({{{.2, 0}, {.3, 700}, {.6, 700}, {.7, 0}}}, kNone, 1);
@@ -126,7 +125,8 @@ TEST_CASE("a ball lands under a heel that stands as soon as it rises") {
   CHECK(sensed.toe_off_s[0] > 1.08);
 }
 
-TEST_CASE("a baseline follows in the air, within half a second upwards and at once downwards") {
+TEST_CASE(
+    "a baseline follows in the air, as slowly as sensors drift upwards and at once downwards") {
   SoleSensor sensor;
   sensor.prepare(kRate);
   const auto settle = [&](double reading, double seconds) {
@@ -135,9 +135,9 @@ TEST_CASE("a baseline follows in the air, within half a second upwards and at on
       sole = sensor.next(reading, 0);
     return sole.heel_n;
   };
-  // From 10 N: force 10 e^(-t/.5), apart from the time in which nothing may follow.
-  const double first = settle(10, .2), second = settle(10, .5);
-  CHECK(second / first == doctest::Approx(std::exp(-1.)).epsilon(.01));
+  // By 0.4 % of the weight a second.
+  const double first = settle(10, .9), second = settle(10, .5);
+  CHECK(first - second == doctest::Approx(.5 * .004 * 700).epsilon(.01));
   CHECK(settle(10, 5) < .01);
   CHECK(settle(-5, .3) < .01);
   CHECK(settle(0, .0) < 6);
@@ -183,7 +183,7 @@ TEST_CASE("the slope is the least-squares slope of 5 ms, exact for a straight li
     channel.prepare(rate);
     double worst = 0;
     for (int n = 0; n < 60000; ++n) {
-      channel.next(3000 * n / rate, false);
+      channel.next(3000 * n / rate, SoleChannel::Follow::kStance, 700);
       if (n > 0.02 * rate)
         worst = std::max(worst, std::abs(channel.slope() / 3000 - 1));
     }
@@ -410,4 +410,104 @@ TEST_CASE("a jump's landing, a scuff and a step after a stand are felt through s
     CHECK(part->latest() < 0.009);
   }
   CHECK(feet.ball.found_s.size() == feet.heel.found_s.size() + 1); // the scuff
+}
+
+// ---- sensors that err ----------------------------------------------------------------------
+
+namespace {
+
+/// Walks on sensors that add what `fault` makes of the forces and the time; every first contact is
+/// found once, and no second one is made up.
+void check_fault(const char* name,
+                 const std::function<void(double&, double&, double, Random&)>& fault) {
+  CAPTURE(name);
+  Gait gait;
+  gait.prepare(8000);
+  gait.set({1.4, 700, 0.4}, 0.04);
+  gait.walk(true);
+  SoleSensor sensor;
+  sensor.prepare(8000);
+  sensor.set(700);
+  Random random(3);
+  std::array<SoleState, Gait::kFeet> reference{};
+  std::vector<double> truth, found;
+  int balls = 0, found_balls = 0;
+  for (int n = -4000; n < 20 * 8000; ++n) {
+    if (n >= 0)
+      gait.next(reference);
+    double heel = reference[0].heel_n, ball = reference[0].ball_n;
+    fault(heel, ball, n / 8000., random);
+    const SoleState sensed = sensor.next(heel, ball);
+    if (reference[0].heel_landing > 0)
+      truth.push_back(n / 8000.);
+    if (sensed.heel_landing > 0)
+      found.push_back(n / 8000.);
+    balls += reference[0].ball_landing > 0;
+    found_balls += sensed.ball_landing > 0;
+  }
+  REQUIRE(found.size() == truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    CHECK(std::abs(found[i] - truth[i]) < 0.01);
+  CHECK(std::abs(balls - found_balls) <= 1); // the last may be the last sample's
+}
+
+} // namespace
+
+TEST_CASE("cross-talk, hum and drift of the sensors make no step and hide none") {
+  check_fault("5 % cross-talk and 2 N of noise",
+              [](double& heel, double& ball, double, Random& random) {
+                const double h = heel;
+                heel += 0.05 * ball + 2 * random.normal();
+                ball += 0.05 * h + 2 * random.normal();
+              });
+  for (const double hz : {50., 60.})
+    check_fault("20 N of hum, rms", [hz](double& heel, double& ball, double t, Random&) {
+      const double hum = 20 * std::sqrt(2.) * std::sin(2 * 3.14159265358979 * hz * t);
+      heel += hum;
+      ball += hum;
+    });
+  for (const double up : {1., -1.})
+    check_fault("100 N of drift and back in 20 s",
+                [up](double& heel, double& ball, double t, Random&) {
+                  const double drift = up * 50 * (1 - std::cos(2 * 3.14159265358979 * t / 20));
+                  heel += drift;
+                  ball += drift;
+                });
+}
+
+TEST_CASE(
+    "a sensor plugged in under load is no landing, and one that is read at 50 Hz is none less") {
+  const Line plugged{{{1, 0}, {1, 300}, {3, 300}}};
+  const Sensed sensed = sense(plugged, plugged, 3);
+  CHECK(sensed.heel_landing_s.empty());
+  CHECK(sensed.ball_landing_s.empty());
+  Line slow{{{0, 0}}};
+  for (int i = 1; i < 40; ++i) { // each reading held for 20 ms
+    const double t = 0.02 * i, force = i < 10 || i > 35 ? 0 : std::min(700., 200. * (i - 9));
+    slow.points.push_back({t, slow.points.back()[1]});
+    slow.points.push_back({t, force});
+  }
+  const Sensed step = sense(slow, kNone, 1);
+  REQUIRE(step.heel_landing_s.size() == 1);
+  CHECK(step.heel_landing_s[0] < .2 + .025);
+  CHECK(step.heel_speed[0] == doctest::Approx(.5).epsilon(.5));
+  CHECK(step.toe_off_s.size() == 1);
+}
+
+TEST_CASE("who stands and shifts the weight makes no step, however slowly the foot was put down") {
+  for (const double put_s : {0.5, 1., 4.})
+    for (const double min_n : {30., 50.}) {
+      CAPTURE(put_s);
+      CAPTURE(min_n);
+      Line line{{{.5, 0}, {.5 + put_s, min_n}}};
+      for (double t = 1 + put_s; t < 16; t += 1 / 0.3) { // a part of the sole, at 0.3 Hz
+        line.points.push_back({t, min_n});
+        line.points.push_back({t + 1.4, 320});
+        line.points.push_back({t + 1.9, 320});
+      }
+      const Sensed sensed = sense(line, line, 16);
+      CHECK(sensed.heel_landing_s.size() <= 1);
+      CHECK(sensed.ball_landing_s.size() <= 1);
+      CHECK(sensed.toe_off_s.size() == 0);
+    }
 }
