@@ -161,13 +161,10 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   body_.publish(std::move(result.model), same);
   if (solved && host)
     resolved(*host);
-  if (result.loaded && host) {
-    const ModalTable& table = table_->table;
-    host->info({"loaded", std::string_view(table.body_name.empty() ? "body" : table.body_name),
-                static_cast<double>(table.modes())});
-    if (table_->shape.empty())
-      host->log("the table has frequencies alone: every mode rings with the same gain");
-  }
+  if (result.loaded && host && creating_)
+    host->wake_in(kLoadedTimer, 0); // the patch has no cords yet
+  else if (result.loaded && host)
+    post_loaded(*host);
   if (result.board_loaded)
     board_name_ = result.board_name;
   if (result.board_loaded && host && !table_->parts.empty()) {
@@ -191,11 +188,20 @@ void ModalImpact::posted(Host& host) {
     carry_out_waiting(host);
 }
 
+void ModalImpact::post_loaded(Host& host) {
+  const ModalTable& table = table_->table;
+  host.info({"loaded", std::string_view(table.body_name.empty() ? "body" : table.body_name),
+             static_cast<double>(table.modes())});
+  if (table_->shape.empty())
+    host.log("the table has frequencies alone: every mode rings with the same gain");
+}
+
 void ModalImpact::created(Host& host) {
   host_ = &host;
-  created_ = true;
+  created_ = creating_ = true;
   if (!first_name_.empty())
     load(first_name_, at_once(), host);
+  creating_ = false;
 }
 
 const BodyModel* ModalImpact::body(Host& host) {

@@ -35,8 +35,8 @@ public:
       modal_impact::kParameters,
       modal_impact::kMessages,
       modal_impact::kArguments};
-  enum Timer : std::size_t { kSettleTimer, kReplyTimer };
-  static constexpr std::size_t timers = 2;
+  enum Timer : std::size_t { kSettleTimer, kReplyTimer, kLoadedTimer };
+  static constexpr std::size_t timers = 3;
 
   ModalImpact();
   void prepare(double sample_rate, std::size_t max_block);
@@ -104,6 +104,7 @@ private:
   void choose_damping(std::span<const Atom> arguments, Host& host);
   void set_damping(std::size_t index, Numbers numbers, Host& host);
   void post_info(Host& host);
+  void post_loaded(Host& host);
   void post_ring(Host& host);
   /// The settings by message, each as the message that sets it.
   void post_settings(Host& host) const;
@@ -163,7 +164,7 @@ private:
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
   Host* host_ = nullptr; ///< lives as long as the object; for the worker's callback
-  bool created_ = false;
+  bool created_ = false, creating_ = false;
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;

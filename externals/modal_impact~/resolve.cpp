@@ -104,6 +104,8 @@ void ModalImpact::tick(std::size_t timer, Host& host) {
   host_ = &host;
   if (timer == kSettleTimer)
     return start_solve(host);
+  if (timer == kLoadedTimer)
+    return post_loaded(host);
   if (auto request = std::exchange(solver_request_, std::nullopt))
     accept_solution(solver_.solve(*request), host);
 }
