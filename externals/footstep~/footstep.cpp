@@ -49,6 +49,8 @@ Footstep::Footstep() : sides_(std::make_unique<std::array<Side, Gait::kFeet>>())
 }
 
 void Footstep::prepare(double sample_rate, std::size_t) {
+  sample_rate_ = sample_rate;
+  movements_.expire_all();
   gait_.prepare(sample_rate);
   for (Side& side : *sides_) {
     side.foot.prepare(sample_rate);
@@ -106,9 +108,9 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
   case kStep:
     if (!arguments.empty() && !side_named(arguments))
       return host.error(refusal("step", arguments, "left or right"));
-    return gait_.step(side_named(arguments).value_or(0));
+    return schedule({kStep, side_named(arguments).value_or(0)}, host);
   case kBang:
-    return gait_.step(next_side());
+    return schedule({kStep, next_side()}, host);
   case kTurn:
     return turn(arguments, host);
   case kJump:
@@ -136,6 +138,7 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
       side.foot.reset();
       side.sensor.reset();
     }
+    movements_ = {};
     return set(kSeed, value_[kSeed]);
   default:
     return;

@@ -3,12 +3,14 @@
 #include "core/footstep/foot.hpp"
 #include "core/footstep/gait.hpp"
 #include "core/footstep/sole_sensor.hpp"
+#include "core/modal/body/timed_queue.hpp"
 #include "core/object.hpp"
 #include "externals/footstep~/declaration.hpp"
 #include "externals/footstep~/surface_store.hpp"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -41,7 +43,11 @@ public:
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
+    begin_block(block.start_ms);
     for (std::size_t n = 0; n < block.frames; ++n) {
+      for (; movements_.next() <= clock_;)
+        move(movements_.pop());
+      ++clock_;
       // Inputs and outputs may share memory, so all inputs are read first.
       std::array<double, 4> in{};
       for (std::size_t i = 0; i < in.size(); ++i)
@@ -71,6 +77,17 @@ private:
     double left = 0, whole = 1; ///< samples
   };
 
+  /// What a message asks of the gait, from its sample on.
+  struct Movement {
+    MessageIndex what = kStep;
+    std::size_t foot = 0;
+    double value = 0, speed = 0; ///< angle, height or length; of a drag
+  };
+  static constexpr std::size_t kMaxMovements = 64;
+
+  void begin_block(double start_ms) noexcept;
+  void schedule(const Movement& movement, const Host& host) noexcept;
+  void move(const Movement& movement) noexcept;
   std::array<double, 8> next(const std::array<double, 4>& in) noexcept;
   void record_events(std::size_t foot, const SoleState& sole) noexcept;
   void apply() noexcept;
@@ -91,6 +108,9 @@ private:
 
   std::array<double, kParameters.size()> value_{};
   Gait gait_;
+  modal::TimedQueue<Movement, kMaxMovements> movements_;
+  double sample_rate_ = 48000;
+  std::int64_t clock_ = 0; ///< sample of the logical time
   std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
   SurfaceStore store_;
   Fade fade_;

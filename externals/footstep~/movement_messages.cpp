@@ -1,6 +1,8 @@
 #include "core/refusal.hpp"
 #include "externals/footstep~/footstep~.hpp"
 
+#include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -28,6 +30,36 @@ std::optional<double> number(std::span<const Atom> arguments, std::size_t i, con
 
 } // namespace
 
+void Footstep::begin_block(double start_ms) noexcept {
+  if (!std::isfinite(start_ms))
+    return movements_.expire_all();
+  const std::int64_t sample = std::llround(1e-3 * start_ms * sample_rate_);
+  // Consecutive blocks join exactly, however the division rounds.
+  if (std::abs(sample - clock_) > 1)
+    clock_ = sample;
+}
+
+void Footstep::schedule(const Movement& movement, const Host& host) noexcept {
+  if (movements_.full())
+    move(movements_.pop());
+  movements_.push(std::llround(1e-3 * host.now_ms() * sample_rate_), movement);
+}
+
+void Footstep::move(const Movement& movement) noexcept {
+  switch (movement.what) {
+  case kTurn:
+    return gait_.turn(movement.value, movement.foot);
+  case kJump:
+    return gait_.jump(movement.value);
+  case kScuff:
+    return gait_.scuff(movement.foot);
+  case kDrag:
+    return gait_.drag(movement.foot, movement.value, movement.speed);
+  default:
+    return gait_.step(movement.foot);
+  }
+}
+
 std::optional<std::size_t> Footstep::side_named(std::span<const Atom> arguments) noexcept {
   for (std::size_t side = 0; side < kSides.size(); ++side)
     if (!arguments.empty() && arguments[0].is_word && arguments[0].word == kSides[side])
@@ -45,21 +77,21 @@ void Footstep::turn(std::span<const Atom> arguments, Host& host) {
   const auto degrees = number(arguments, 0, kTurnDegrees);
   if (!degrees)
     return host.error(refusal("turn", arguments, "1 to 180 degrees"));
-  gait_.turn(*degrees * std::numbers::pi / 180, next_side());
+  schedule({kTurn, next_side(), *degrees * std::numbers::pi / 180}, host);
 }
 
 void Footstep::jump(std::span<const Atom> arguments, Host& host) {
   const auto height = number(arguments, 0, kJumpHeight);
   if (!height)
     return host.error(refusal("jump", arguments, "a height of 0.01 to 1 m"));
-  gait_.jump(*height);
+  schedule({kJump, 0, *height}, host);
 }
 
 void Footstep::scuff(std::span<const Atom> arguments, Host& host) {
   const auto side = side_named(arguments);
   if (!side && !arguments.empty())
     return host.error(refusal("scuff", arguments, "left or right"));
-  gait_.scuff(side ? *side : next_side());
+  schedule({kScuff, side ? *side : next_side()}, host);
 }
 
 void Footstep::drag(std::span<const Atom> arguments, Host& host) {
@@ -69,7 +101,7 @@ void Footstep::drag(std::span<const Atom> arguments, Host& host) {
   if (!length || !speed || numbers.size() > 2)
     return host.error(
         refusal("drag", arguments, "left or right, then 0.01 to 20 m and 0.02 to 5 m/s"));
-  gait_.drag(side ? *side : next_side(), *length, *speed);
+  schedule({kDrag, side ? *side : next_side(), *length, *speed}, host);
 }
 
 } // namespace tactus::footstep

@@ -184,6 +184,15 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
     assert abs(result["sound"]).max() > 0 and len(result.errors) == 3
 
 
+@pytest.mark.parametrize("message", ["step", "bang", "scuff", "drag", "turn", "jump"])
+def test_a_movement_begins_at_its_message_s_sample_in_any_block(message):
+    delays = []
+    for ms in (100, 100.5, 101.1):
+        result = foot("concrete", "-seed", 1, "-variation", 0, messages=[(ms, message)], seconds=.8)
+        delays.append(numpy.flatnonzero(numpy.diff(result["force"]))[0] - ms * RATE / 1000)
+    assert max(delays) - min(delays) <= 1
+
+
 @pytest.mark.parametrize("feet, left, right", [(1, 3, 0), (2, 2, 1)])
 def test_a_bang_is_a_step_of_the_feet_in_turn(feet, left, right):
     result = foot("wood", "-feet", feet, messages=[(ms, "bang") for ms in (100, 1100, 2100)], seconds=3)
