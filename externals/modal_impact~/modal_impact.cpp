@@ -161,7 +161,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   body_.publish(std::move(result.model), same);
   if (solved && host)
     resolved(*host);
-  if (result.loaded && host && creating_)
+  if (result.loaded && host && !has_cords_)
     host->wake_in(kLoadedTimer, 0); // the patch has no cords yet
   else if (result.loaded && host)
     post_loaded(*host);
@@ -198,10 +198,10 @@ void ModalImpact::post_loaded(Host& host) {
 
 void ModalImpact::created(Host& host) {
   host_ = &host;
-  created_ = creating_ = true;
+  created_ = true;
   if (!first_name_.empty())
     load(first_name_, at_once(), host);
-  creating_ = false;
+  has_cords_ = true;
 }
 
 const BodyModel* ModalImpact::body(Host& host) {

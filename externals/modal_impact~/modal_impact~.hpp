@@ -164,7 +164,8 @@ private:
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
   Host* host_ = nullptr; ///< lives as long as the object; for the worker's callback
-  bool created_ = false, creating_ = false;
+  bool created_ = false;
+  bool has_cords_ = false; // the box has been made, and with it its cords
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;

@@ -71,11 +71,10 @@ void say(const std::string& line) {
 }
 
 int serve(Station& station, const Options& options, phantom::Trace& trace) {
-  const double begin_s = devices::ServoThread::now_s();
   const auto drain = [&] {
     haptic::Report report;
     while (station.exchange().trace.pop(report))
-      trace.write(report, (report.tick.time_s - begin_s) * 1e3);
+      trace.write(report, report.tick.time_s * 1e3);
   };
   std::string trouble;
   for (int looks = 0; !stop && !(options.once && station.all_clients_left()); ++looks) {

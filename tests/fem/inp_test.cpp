@@ -4,6 +4,7 @@
 #include "fem/io/text.hpp"
 #include "solve.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <unistd.h>
