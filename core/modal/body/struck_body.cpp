@@ -158,15 +158,17 @@ void StruckBody::leave_contact() noexcept {
     for (std::size_t k = 0; k < m.audible_modes; ++k)
       states[k] += m.bank_state[k];
   }
-  double loudest = 0;
+  double loudest = 0, liveliest = 0;
   for (std::size_t k = 0; k < m.audible_modes; ++k) { // squared loudness
     m.scratch[k] = m.loudness[k] * m.loudness[k] * std::norm(states[k]);
     loudest = std::max(loudest, m.scratch[k]);
+    liveliest = std::max(liveliest, std::norm(states[k]));
   }
-  const double threshold = loudest * std::pow(10, -options_.cull_db / 10);
+  // What the listeners do not hear, the next striker may still meet.
+  const double share = std::pow(10, -options_.cull_db / 10);
   culled_ = 0;
   for (std::size_t k = 0; k < m.audible_modes; ++k)
-    if (m.scratch[k] < threshold) {
+    if (m.scratch[k] < share * loudest && std::norm(states[k]) < share * liveliest) {
       ++culled_;
       states[k] = 0;
     }
