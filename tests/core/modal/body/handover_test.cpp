@@ -89,10 +89,11 @@ TEST_CASE("a body that changes while it rings, or while a hand presses, does not
   };
   constexpr Change kTable{0, 0, 1}, kSteel{200e9, 7850, 1}, kRubber{.05e9, 1100, 1};
   for (const bool pressed : {false, true})
-    for (const auto& [from, to] : {std::pair(kTable, Change{1e9, 0, 1}), std::pair(kTable, kRubber),
-                                   std::pair(kTable, Change{0, 0, 8}), std::pair(kSteel, kRubber),
-                                   std::pair(kRubber, kSteel), std::pair(Change{0, 0, 2}, kTable)})
+    for (const auto& change : {std::pair(kTable, Change{1e9, 0, 1}), std::pair(kTable, kRubber),
+                               std::pair(kTable, Change{0, 0, 8}), std::pair(kSteel, kRubber),
+                               std::pair(kRubber, kSteel), std::pair(Change{0, 0, 2}, kTable)})
       for (const double highest : {700., 5000.}) { // one mode, or those of a plate
+        const Change &from = change.first, &to = change.second;
         CAPTURE(pressed);
         CAPTURE(from.modulus_pa);
         CAPTURE(to.modulus_pa);
