@@ -176,5 +176,5 @@ TEST_CASE("what is not read of a CalculiX file is refused by its line and word")
        "line 12: the section of elements without volume"},
       {std::string("*\0N\0O\0", 6), "line 1: a byte of 0"}};
   for (const auto& [text, words] : kRefused)
-    check_refused([&] { return deck.read(text); }, words);
+    check_refused([&, &bytes = text] { return deck.read(bytes); }, words);
 }

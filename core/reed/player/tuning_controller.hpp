@@ -2,7 +2,6 @@
 
 #include "core/reed/instrument/control_period.hpp"
 
-#include <algorithm>
 #include <array>
 #include <complex>
 #include <cstddef>
@@ -46,11 +45,10 @@ public:
   void update() noexcept;
   /// ln of the factor by which the pitch is to change from that of linear theory (tuned()).
   [[nodiscard]] double trim() const noexcept { return trim_; }
-  /// Whether another register than the target's has sounded for some time: no trim reaches
+  /// Whether another register than the target's has sounded for kWrongRegisterTime: no trim reaches
   /// the target from there.
   [[nodiscard]] bool wrong_register() const noexcept {
-    const double wait = std::max(kShortestWait, kWaitConstants * time_constant_);
-    return off_target_count_ * kPeriod > 2 * wait * sample_rate_;
+    return off_target_count_ * kPeriod > 2 * kWrongRegisterTime * sample_rate_;
   }
   /// Resets the detection of wrong_register(), for instance because the breath has ended.
   void clear_off_target() noexcept { off_target_count_ = 0; }
@@ -60,8 +58,7 @@ public:
   /// tau at the target pitch, s.
   [[nodiscard]] double time_constant() const noexcept { return time_constant_; }
 
-  /// How long another register must sound: s, and in time constants.
-  static constexpr double kShortestWait = 0.1, kWaitConstants = 6;
+  static constexpr double kWrongRegisterTime = 0.3; // s
   static constexpr double kLeap = 0.03; // half a semitone within kPeriod samples
 
 private:
