@@ -59,7 +59,7 @@ public:
   [[nodiscard]] double time_constant() const noexcept { return time_constant_; }
 
   static constexpr double kWrongRegisterTime = 0.3; // s
-  static constexpr double kLeap = 0.03; // half a semitone within kPeriod samples
+  static constexpr double kLeap = 0.03;             // half a semitone within kPeriod samples
 
 private:
   struct Sums {
