@@ -37,8 +37,8 @@ public:
   void seed(std::uint64_t value) noexcept;
   /// Adds energy, clamped to 0..1000, that arrives with the attack's time constant.
   void shake(double energy) noexcept;
-  /// Fades all sound out within 5 ms; then chance begins anew. Energy of shakes meanwhile is added
-  /// after the fade.
+  /// Fades all sound out within 5 ms, then restarts the random sequence. Energy of shakes meanwhile
+  /// is added after the fade.
   void reset() noexcept;
   /// One sample, while energy arrives with this power, 1/s. NaN and negative power count as 0.
   Sample next(double power) noexcept;

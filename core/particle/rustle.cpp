@@ -30,7 +30,7 @@ void Rustle::set(double frequency_hz, double spread, double quality) noexcept {
 void Rustle::reset() noexcept {
   for (auto* values : {&x1_, &x2_, &y1_, &y2_})
     values->fill(0);
-  draw_anew();
+  redraw();
 }
 
 double Rustle::next(Random& random) noexcept {

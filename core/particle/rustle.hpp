@@ -22,7 +22,7 @@ public:
   void set(double frequency_hz, double spread, double quality) noexcept;
   void reset() noexcept;
   /// The next sample draws the noise from its `random`.
-  void draw_anew() noexcept { noise_.fill(0); }
+  void redraw() noexcept { noise_.fill(0); }
   /// One sample of noise of variance 1 at any sample rate.
   double next(Random& random) noexcept;
 

@@ -52,18 +52,21 @@ template <std::size_t count>
   return preset;
 }
 
-/// Sends the name of the preset that the parameters are, apart from numerics, gain and note.
+/// Sends the name of the preset that the parameters are, apart from numerics, gain and note, to the
+/// 24 bits of Pd's numbers.
 inline void dump_preset(const Parameters& now, Host& host) {
-  for (const reed::Preset& preset : reed::presets()) {
-    Parameters same = with_numerics(preset.parameters, now);
-    same.gain = now.gain;
-    same.fingering = now.fingering;
-    same.valves = now.valves;
-    same.slide = now.slide;
-    same.length_override = now.length_override;
-    if (same == now)
+  const auto same = [&](const Parameters& preset) {
+    for (std::size_t i = 0; i < kParameters.size(); ++i) {
+      const std::string_view name = kParameters[i].name;
+      if (name != "gain" && name != "fingering" && name != "slide" && name != "length" &&
+          static_cast<float>(kMembers[i].get(preset)) != static_cast<float>(kMembers[i].get(now)))
+        return false;
+    }
+    return true;
+  };
+  for (const reed::Preset& preset : reed::presets())
+    if (same(with_numerics(preset.parameters, now)))
       host.info({"preset", preset.name});
-  }
 }
 
 /// with_numerics() of the preset of that name. Reports an error and returns nothing when there is

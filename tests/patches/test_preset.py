@@ -213,6 +213,17 @@ def test_between_two_presets_numbers_glide_and_switches_switch(name):
     assert report.count(["recalled", "a"]) == 1
 
 
+def test_a_recalled_instrument_is_named():
+    rig = Rig("greed~")
+    rig.set([["preset", "clarinet"], ["gain", 1.5]])
+    rig.ask("store 1")
+    rig.set([["preset", "oboe"]])
+    rig.ask("recall 1")
+    rig.set(["get preset"])
+    info = [atoms for _, atoms in rig.patch.render((rig.time + 50) / 1000, path=[LIVE]).logs["info"]]
+    assert [atoms for atoms in info if atoms[0] == "preset"][-1] == ["preset", "clarinet"]
+
+
 def messages_of_the_patch():
     """The names in $0-settings, as the file has them."""
     text = (LIVE / "tactus_preset.pd").read_text()

@@ -33,7 +33,7 @@ struct Refusal {
 /// The last good note continues, or the nearest limit when there was none.
 ///
 /// Registers: where another register sounds, which no trim corrects, the player tongues the note
-/// anew, every other time from a soft beginning, up to kMaxAttempts times.
+/// again, every other time with a soft attack, up to kMaxAttempts times.
 ///
 /// Tongue: the burst (tongue.hpp) brings the valve to the ratio of pressure to closing pressure at
 /// which notes grow fastest. 1 + burst is proportional to P_M/p, that is
