@@ -67,11 +67,16 @@ public:
   void send(std::string_view selector, const MessageAtoms& atoms = {}) { send(0, selector, atoms); }
   /// Calls the dsp method. channels: of every signal inlet, for hosts with multichannel signals.
   /// alias: outputs use the inputs' memory, as Pd likes to do.
-  void dsp(double rate, int frames, int channels = 1, bool alias = false);
+  void dsp(double rate, int frames, int channels = 1, bool alias = false) {
+    dsp(rate, frames, std::vector<int>{channels}, alias);
+  }
+  /// Of each inlet; the last for those beyond.
+  void dsp(double rate, int frames, const std::vector<int>& channels, bool alias = false);
   /// Runs the samples through in blocks of the current size, letting logical time pass; inputs has
   /// a buffer for each signal inlet, whole blocks long. An empty one is not connected: the inlet's
-  /// number is then the signal.
-  [[nodiscard]] Buffers run(const Buffers& inputs, std::size_t samples);
+  /// number is then the signal. within_tick: time stands still, as in a window of blocks shorter than
+  /// Pd's tick.
+  [[nodiscard]] Buffers run(const Buffers& inputs, std::size_t samples, bool within_tick = false);
 
 private:
   [[nodiscard]] static HostObject* make(std::string_view name, const MessageAtoms& arguments);

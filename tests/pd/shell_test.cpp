@@ -211,7 +211,7 @@ TEST_CASE(
     "a message of no meaning or the wrong number of arguments is one sentence, which names what "
     "there is") {
   Box box("probe~");
-  const std::string unknown = "probe~: no message '", known = "'; there are echo, wake and fail";
+  const std::string unknown = "probe~: no message '", known = "'; there are echo, wake, fail, post and starts";
   box.send("bang");
   box.send("list"); // an empty list is a bang
   box.send("symbol", {"word"});
@@ -282,6 +282,60 @@ TEST_CASE("every channel of a newer Pd's signal is heard") {
   for (std::size_t i = 0; i < 24; ++i)
     CHECK(out[i] == 2 * a[i]);
   CHECK(errors().empty());
+}
+
+TEST_CASE("a signal of fewer channels begins again at its first") {
+  if (!is_newer())
+    return;
+  Box box("probe~");
+  box.dsp(48000, 8, std::vector{5, 2});
+  std::vector<double> a(40), b(16, 10.0);
+  for (std::size_t i = 0; i < 40; ++i)
+    a[i] = static_cast<double>(i);
+  std::fill_n(b.begin(), 8, 1.0);
+  const auto out = box.run({a, b}, 8)[0];
+  REQUIRE(out.size() == 40);
+  for (std::size_t i = 0; i < 40; ++i)
+    CHECK(out[i] == (i / 8 % 2 == 0 ? 1 : 10) * a[i]);
+}
+
+TEST_CASE("a block begins when its first sample does: one of a tick, of four, and four of one") {
+  Box box("probe~");
+  const double tick_ms = 64 / 48.0;
+  const auto starts = [&box] {
+    heard();
+    box.send("starts");
+    std::vector<double> found;
+    for (const MessageAtom& atom : answers().at(0))
+      found.push_back(atom.number);
+    return std::vector(found.begin() + 1, found.end());
+  };
+  for (const int frames : {64, 256}) {
+    CAPTURE(frames);
+    const double now = now_ms();
+    box.dsp(48000, frames);
+    static_cast<void>(box.run({}, 1024));
+    for (std::size_t i = 0; i < 4; ++i)
+      CHECK(starts()[i] == doctest::Approx(now + (1024 - (4.0 - static_cast<double>(i)) * frames) / 48));
+  }
+  box.dsp(48000, 16);
+  for (int tick = 0; tick < 3; ++tick) {
+    const double now = now_ms();
+    advance(tick_ms); // Pd's time is the tick's end while it computes
+    static_cast<void>(box.run({}, 64, true));
+    for (std::size_t i = 0; i < 4; ++i)
+      CHECK(starts()[i] == doctest::Approx(now + static_cast<double>(i) * tick_ms / 4));
+  }
+}
+
+TEST_CASE("an object that is woken a hundred times before it is looked at is woken once") {
+  Box box("probe~");
+  for (int round = 0; round < 2; ++round) {
+    box.send("post", {100});
+    heard();
+    advance(20);
+    CHECK(answers() == Answers{{"posted"}});
+  }
 }
 
 TEST_CASE("a signal of no channels is silence") {

@@ -62,7 +62,7 @@ struct HostObject {
   std::vector<std::unique_ptr<HostSignal>> signals{}; // of the inlets, then of the outlets
   std::vector<t_int> chain{};
   double rate = 0;
-  int frames = 0, channels = 1;
+  int frames = 0;
 
   [[nodiscard]] std::size_t signal_inlets() const;
   [[nodiscard]] std::size_t signal_outlets() const;

@@ -42,11 +42,10 @@ std::size_t HostObject::signal_outlets() const {
       outlets.begin(), outlets.end(), [](const auto& o) { return o->type == gensym("signal"); }));
 }
 
-void Box::dsp(double rate, int frames, int channels, bool alias) {
+void Box::dsp(double rate, int frames, const std::vector<int>& channels, bool alias) {
   HostObject& o = *object_;
   o.rate = rate;
   o.frames = frames;
-  o.channels = channels;
   o.signals.clear();
   o.chain.clear();
   const _class::Method* const method = o.type->method("dsp");
@@ -54,10 +53,10 @@ void Box::dsp(double rate, int frames, int channels, bool alias) {
     return;
   const std::size_t ins = o.signal_inlets(), outs = o.signal_outlets();
   for (std::size_t i = 0; i < ins; ++i)
-    o.signals.push_back(new_signal(frames, rate, channels));
+    o.signals.push_back(new_signal(frames, rate, channels[std::min(i, channels.size() - 1)]));
   for (std::size_t i = 0; i < outs; ++i) {
     o.signals.push_back(new_signal(frames, rate, 1));
-    if (alias && channels == 1 && i < ins)
+    if (alias && channels[0] == 1 && i < ins)
       o.signals.back()->samples = o.signals[i]->samples;
   }
   std::vector<t_signal*> given;
@@ -68,13 +67,14 @@ void Box::dsp(double rate, int frames, int channels, bool alias) {
   building = nullptr;
 }
 
-Buffers Box::run(const Buffers& inputs, std::size_t samples) {
+Buffers Box::run(const Buffers& inputs, std::size_t samples, bool within_tick) {
   HostObject& o = *object_;
   const auto frames = static_cast<std::size_t>(o.frames);
   const std::size_t ins = o.signals.empty() ? 0 : o.signal_inlets();
   Buffers result(o.signals.size() - ins);
   for (std::size_t begin = 0; begin + frames <= samples; begin += frames) {
-    advance(1000.0 * o.frames / o.rate); // as Pd does, to the block's end
+    if (!within_tick)
+      advance(1000.0 * o.frames / o.rate); // as Pd does, to the block's end
     const std::vector<t_float> values = inlet_values(o);
     for (std::size_t i = 0; i < ins; ++i) {
       const std::size_t size = o.signals[i]->owned.size();
@@ -89,7 +89,8 @@ Buffers Box::run(const Buffers& inputs, std::size_t samples) {
       const HostSignal& signal = *o.signals[ins + i];
       result[i].insert(result[i].end(), signal.samples, signal.samples + signal.owned.size());
     }
-    advance(0); // what the block has to say
+    if (!within_tick)
+      advance(0); // what the block has to say
   }
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include "core/object.hpp"
 
+#include <algorithm>
 #include <array>
 #include <new>
 #include <stdexcept>
@@ -32,6 +33,8 @@ struct Probe {
       Message{"echo", "anything", 0, 100, "comes back out of the info outlet"},
       Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
       Message{"fail", "member how", 2, 2, "from now on that member throws; how: memory, size, 1"},
+      Message{"post", "times", 1, 1, "wakes itself that many times, and sends `posted` each time it is woken"},
+      Message{"starts", "", 0, 0, "sends when the latest four blocks began, in ms"},
   };
   static constexpr std::array kArguments{CreationArgument{"gain"}, CreationArgument{"echo"}};
   static constexpr Declaration declaration{"probe~",
@@ -73,6 +76,13 @@ struct Probe {
       return host.wake_from_thread();
     }
     fail_in("message");
+    if (index == 3) {
+      for (woken = 0; woken < arguments[0].number; ++woken)
+        host.wake_from_thread();
+      return;
+    }
+    if (index == 4)
+      return host.info({"starts", starts_ms[0], starts_ms[1], starts_ms[2], starts_ms[3]});
     if (index == 0)
       host.info(arguments);
     else
@@ -82,7 +92,11 @@ struct Probe {
     if (values[0] == 3.5)
       throw std::bad_alloc();
   }
-  void posted(Host&) const { fail_in("posted"); }
+  void posted(Host& host) const {
+    fail_in("posted");
+    if (woken > 0)
+      host.info({"posted"});
+  }
   void scalar(std::size_t inlet, double value, Host& host) {
     fail_in("scalar");
     host.info({"scalar", static_cast<double>(inlet), value});
@@ -98,6 +112,8 @@ struct Probe {
     for (std::size_t n = 0; n < block.frames; ++n)
       block.outputs[0][n] = static_cast<S>(factor * static_cast<double>(block.inputs[0][n]) *
                                            static_cast<double>(block.inputs[1][n]));
+    std::shift_left(starts_ms.begin(), starts_ms.end(), 1);
+    starts_ms.back() = block.start_ms;
     ++blocks;
   }
   void dump_first(Host& host) {
@@ -119,7 +135,9 @@ struct Probe {
   }
 
   std::array<double, 2> values{};
+  std::array<double, 4> starts_ms{};
   std::size_t blocks = 0;
+  double woken = 0;
   std::string failing{}, how{};
 };
 
