@@ -191,6 +191,27 @@ TEST_CASE("the slope is the least-squares slope of 5 ms, exact for a straight li
   }
 }
 
+TEST_CASE("a rise counts as a touch from seven standard deviations of the noise in the air") {
+  constexpr double rate = 8000, weight = 700;
+  for (const double deviation : {3.0, 6.0}) { // N, white, before the low-pass
+    SoleChannel channel;
+    channel.prepare(rate);
+    Random random(5);
+    double squares = 0, rises = 0, count = 0;
+    for (int n = 0; n < 40 * rate; ++n) {
+      channel.next(deviation * random.normal(), SoleChannel::Follow::kSwing, weight, true);
+      if (n < 2 * rate)
+        continue;
+      squares += std::pow(channel.touch_threshold_n(weight), 2);
+      rises += channel.rise() * channel.rise();
+      ++count;
+    }
+    // The estimate looks back 0.2 s: what it scatters is averaged.
+    CHECK(std::sqrt(squares / rises) == doctest::Approx(7).epsilon(.05));
+    CHECK(std::sqrt(rises / count) > .1 * deviation);
+  }
+}
+
 TEST_CASE("a sensor stays finite under invalid input and recovers within a second") {
   SoleSensor sensor;
   sensor.prepare(8000);

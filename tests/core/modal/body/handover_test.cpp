@@ -321,3 +321,30 @@ TEST_CASE("more bodies exchanged while they sound than can fade out leave no ste
   CHECK(loudest(sound) < 1);
   CHECK(largest_step(sound) <= loudest(sound));
 }
+
+TEST_CASE("a ball that has come to rest stays on a surface that swings, however fast it rises") {
+  double fastest = 0; // m/s, upwards, as the ball was found to rest
+  for (int phase = 0; phase < 8; ++phase) {
+    CAPTURE(phase);
+    Rig rig(kRate, mode_table({12}, 5));
+    rig.body.set_striker({0.05, 0.02, 206e9, 0.29, 1e7, 1.5, 0, 0.5});
+    rig.body.hit({{}, {0, 0, 1}, 1.2});
+    static_cast<void>(rig.run(4800 + 500 * static_cast<std::size_t>(phase)));
+    rig.body.set_striker({0.0005, 0.003, 1e6, 0.49, 1e5, 1.5, 0, 0.3});
+    rig.body.hit({{}, {0, 0, 1}, 0.01, true});
+    bool rests = false;
+    for (int n = 0; n < 48000 && !rests; ++n) {
+      static_cast<void>(rig.run(1, 1));
+      const ContactSolver& solver = rig.body.model()->solver;
+      for (std::size_t i = 0; i < rig.body.model()->settings.voices; ++i)
+        if (solver.contact(i).settled) {
+          rests = true;
+          fastest = std::max(fastest, -solver.contact(i).exciter.velocity_m_per_s);
+        }
+    }
+    CHECK(rests);
+    CHECK(rig.body.flights() == 0);
+    CHECK(rig.body.contacts() == 0);
+  }
+  CHECK(fastest > .02); // would fly for 4 ms
+}
