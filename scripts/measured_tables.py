@@ -3,6 +3,8 @@
 
     scripts/measured_tables.py write [--build build] [FILE...]
     scripts/measured_tables.py check [--build build] [FILE...]
+    scripts/measured_tables.py stale [FILE...]
+    scripts/measured_tables.py stamp FILE [WORD...]
 
 A measured block of a Markdown page names the command that prints it:
 
@@ -17,7 +19,15 @@ A measured block of a Markdown page names the command that prints it:
 of each table that it prints, and of each group of rows with the same first cell, the page must have the
 same rows in the same order, equal but for numbers that differ by no more than the tolerance of their
 column: a number, or a share of the larger one (`20 %`); 0 unless told. {build} and {python} in a command are the build folder and this Python. Without
-FILE all pages under docs/. Ends with status 1 and one line for each difference."""
+FILE all pages under docs/. Ends with status 1 and one line for each difference.
+
+Below each table of docs/results stands of what it was measured:
+
+    Inputs at `1a2b3c4d`: `core/reed`, `programs/reed_study`.
+
+`stale` prints a line for each table whose inputs have changed since that commit: measure it again, or look at the
+changes, and `stamp` the page's tables (those whose first row contains one of the words) with the commit of the work
+tree. `write` stamps what it writes. Status 1 where a table has no such line, or its commit or a path is unknown."""
 import argparse
 import dataclasses
 import pathlib
@@ -28,6 +38,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"(<!-- measured by:(.*?)-->\n)(.*?)(<!-- end of measured -->)", re.DOTALL)
+RESULTS = ROOT / "docs" / "results"
+STAMP = re.compile(r"Inputs at `([0-9a-f]{8})`: ((?:`[^`]+`(?:, )?)+)\.")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 # 0.05..0.10 is two numbers, and the sign of one is no hyphen.
 APART = re.compile(r"\.\.|(?<=[\w)])-")
@@ -139,6 +151,63 @@ def differences(committed, fresh, orders):
                                f"(within {limit})")
 
 
+def git(*words):
+    done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True)
+    return done.stdout.strip() if done.returncode == 0 else None
+
+
+def stamps_of(lines):
+    """(Line of the first row, line of its stamp or None) of each table, counted from 0."""
+    begin = None
+    for i, line in enumerate(lines):
+        if lines[i + 1:i + 2] and re.match(r"\|:?--", lines[i + 1]):
+            if begin is not None:
+                yield begin, None
+            begin = i
+        elif begin is not None and line and not line.startswith(("|", "<!-- end")):
+            yield begin, i if STAMP.fullmatch(line) else None
+            begin = None
+    if begin is not None:
+        yield begin, None
+
+
+def staleness(lines):
+    """(Line, what is wrong or None, commits to the inputs since) of each table."""
+    for begin, stamp in stamps_of(lines):
+        if stamp is None:
+            yield begin + 1, "the table does not say of which inputs it is", 0
+            continue
+        commit, paths = STAMP.fullmatch(lines[stamp]).groups()
+        paths = re.findall("`([^`]+)`", paths)
+        missing = [path for path in paths if not (ROOT / path).exists()]
+        since = git("rev-list", "--count", f"{commit}..HEAD", "--", *paths)
+        if missing:
+            yield stamp + 1, f"the input {missing[0]} does not exist", 0
+        elif since is None:
+            yield stamp + 1, f"no commit {commit} in this checkout", 0
+        else:
+            yield stamp + 1, None, int(since)
+
+
+def stamp(lines, words, commit):
+    """Writes the commit below the tables whose first row contains a word (all of them where there is none)."""
+    for begin, line in stamps_of(lines):
+        if line is not None and (not words or any(word in lines[begin] for word in words)):
+            lines[line] = re.sub("`[0-9a-f]{8}`", f"`{commit}`", lines[line], count=1)
+    return lines
+
+
+def print_stale(pages):
+    wrong = tables = stale = 0
+    for path in pages:
+        for line, fault, since in staleness(path.read_text().split("\n")):
+            tables, stale, wrong = tables + 1, stale + (since > 0), wrong + (fault is not None)
+            if fault or since:
+                print(f"{path.relative_to(ROOT)}:{line}: {fault or f'{since} commits to its inputs since'}")
+    print(f"{tables} tables, {stale} of older inputs")
+    return wrong
+
+
 def output_of(command, build):
     words = [word.format(build=build, python=sys.executable) for word in shlex.split(command)]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
@@ -147,9 +216,10 @@ def output_of(command, build):
     return done.stdout.strip() + "\n"
 
 
-def rewritten(text, run):
-    """The page with every block as its command prints it now; run(command) gives the text."""
-    return BLOCK.sub(lambda block: block[1] + run(orders_of(block[2]).write) + block[4], text)
+def rewritten(text, run, commit):
+    """The page with every block as its command prints it now, and the commit below; run(command) gives the text."""
+    text = BLOCK.sub(lambda block: block[1] + run(orders_of(block[2]).write) + block[4], text)
+    return re.sub(r"(<!-- end of measured -->\n+Inputs at )`[0-9a-f]{8}`", rf"\1`{commit}`", text)
 
 
 def checked(text, run):
@@ -161,10 +231,17 @@ def checked(text, run):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("command", choices=("write", "check"))
+    parser.add_argument("command", choices=("write", "check", "stale", "stamp"))
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
-    parser.add_argument("files", nargs="*", type=pathlib.Path)
+    parser.add_argument("files", metavar="FILE", nargs="*", type=pathlib.Path)
     arguments = parser.parse_intermixed_args()
+    head = git("rev-parse", "--short=8", "HEAD")
+    if arguments.command == "stale":
+        sys.exit(1 if print_stale(arguments.files or sorted(RESULTS.glob("*.md"))) else 0)
+    if arguments.command == "stamp":
+        path, *words = arguments.files or [parser.error("stamp: expected FILE")]
+        path.write_text("\n".join(stamp(path.read_text().split("\n"), list(map(str, words)), head)))
+        return
     build = arguments.build.resolve()
     pages = [path.resolve() for path in arguments.files] or [
         path for path in sorted((ROOT / "docs").rglob("*.md")) if BLOCK.search(path.read_text())]
@@ -175,7 +252,7 @@ def main():
             sys.exit(f"{path}: no measured block")
         try:
             if arguments.command == "write":
-                path.write_text(rewritten(text, lambda command: output_of(command, build)))
+                path.write_text(rewritten(text, lambda command: output_of(command, build), head))
                 continue
             for sentence in checked(text, lambda command: output_of(command, build)):
                 print(f"{path.relative_to(ROOT) if path.is_relative_to(ROOT) else path}: {sentence}")

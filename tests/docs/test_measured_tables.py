@@ -68,3 +68,48 @@ def test_the_commands_of_the_docs_are_scripts_of_this_repository():
                 assert python == "{python}" and (ROOT / script).is_file(), f"{path}: {command}"
             found += 1
     assert found >= 11
+
+
+STAMPED = """| a | b |
+|---|---|
+| 1 | 2 |
+
+Inputs at `{}`: `core/reed`, `{}`.
+
+| c |
+|---|
+| 3 |
+<!-- end of measured -->
+
+Inputs at `{}`: `core`.
+"""
+FIRST, LAST = (tables.git(*words.split()) for words in ("log --format=%h --abbrev=8 --reverse", "rev-parse --short=8 HEAD"))
+needs_history = pytest.mark.skipif(not FIRST, reason="no git checkout")
+
+
+@needs_history
+def test_a_table_of_inputs_that_have_changed_since_is_found_by_its_line():
+    first = FIRST.split()[0]
+    page = STAMPED.format(first, "core", LAST).split("\n")
+    (old, fault, since), fresh = tables.staleness(page)
+    assert (old, fault, fresh) == (5, None, (12, None, 0))
+    assert since == int(tables.git("rev-list", "--count", f"{first}..HEAD", "--", "core", "core/reed"))
+    stamped = tables.stamp(page, ["| a "], LAST)
+    assert [since for *_, since in tables.staleness(stamped)] == [0, 0]
+
+
+@needs_history
+@pytest.mark.parametrize("page, sentence", [
+    (STAMPED.format("12345678", "core", "{}").replace("{}", str(LAST)), "no commit 12345678"),
+    (STAMPED.format(LAST, "core/none", LAST), "core/none does not exist"),
+    (STAMPED.format(LAST, "core", LAST).replace("Inputs", "Input", 1), "does not say of which inputs")])
+def test_a_stamp_that_says_nothing_is_named(page, sentence):
+    assert [sentence in fault for _, fault, _ in tables.staleness(page.split("\n")) if fault] == [True]
+
+
+def test_every_table_of_the_results_says_of_which_inputs_it_is():
+    found = [(path, *rest) for path in sorted(tables.RESULTS.glob("*.md"))
+             for rest in tables.staleness(path.read_text().split("\n"))]
+    assert len(found) >= 40
+    shallow = tables.git("rev-parse", "--is-shallow-repository") != "false"
+    assert [one for one in found if one[2] and not (shallow and "no commit" in one[2])] == []
