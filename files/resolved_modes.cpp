@@ -32,7 +32,7 @@ std::string read_resolved_modes(std::span<const std::byte> payload, const modal:
   modal::ResolvedModes read;
   read.seconds = fixed.seconds;
   read.fraction = fixed.fraction;
-  read.share.resize(fixed.shares);
+  read.share.resize(static_cast<std::size_t>(fixed.shares));
   if (!read.share.empty())
     std::memcpy(read.share.data(), payload.data(), read.share.size() * sizeof(modal::ModeShare));
   std::string refusal =

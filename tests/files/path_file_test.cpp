@@ -40,7 +40,7 @@ TEST_CASE("random bytes never break the reader") {
   for (int round = 0; round < 5000; ++round) {
     std::string text;
     for (auto left = random.next() % 60; left > 0; --left)
-      text += alphabet[random.next() % alphabet.size()];
+      text += alphabet[static_cast<std::size_t>(random.next() % alphabet.size())];
     const auto parsed = parse_path(text);
     CHECK(parsed.rows.empty() != parsed.error.empty());
     if (!parsed.rows.empty())

@@ -74,8 +74,8 @@ public:
   void dsp(double rate, int frames, const std::vector<int>& channels, bool alias = false);
   /// Runs the samples through in blocks of the current size, letting logical time pass; inputs has
   /// a buffer for each signal inlet, whole blocks long. An empty one is not connected: the inlet's
-  /// number is then the signal. within_tick: time stands still, as in a window of blocks shorter than
-  /// Pd's tick.
+  /// number is then the signal. within_tick: time stands still, as in a window of blocks shorter
+  /// than Pd's tick.
   [[nodiscard]] Buffers run(const Buffers& inputs, std::size_t samples, bool within_tick = false);
 
 private:

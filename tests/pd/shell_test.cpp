@@ -211,7 +211,8 @@ TEST_CASE(
     "a message of no meaning or the wrong number of arguments is one sentence, which names what "
     "there is") {
   Box box("probe~");
-  const std::string unknown = "probe~: no message '", known = "'; there are echo, wake, fail, post and starts";
+  const std::string unknown = "probe~: no message '",
+                    known = "'; there are echo, wake, fail, post and starts";
   box.send("bang");
   box.send("list"); // an empty list is a bang
   box.send("symbol", {"word"});
@@ -316,7 +317,8 @@ TEST_CASE("a block begins when its first sample does: one of a tick, of four, an
     box.dsp(48000, frames);
     static_cast<void>(box.run({}, 1024));
     for (std::size_t i = 0; i < 4; ++i)
-      CHECK(starts()[i] == doctest::Approx(now + (1024 - (4.0 - static_cast<double>(i)) * frames) / 48));
+      CHECK(starts()[i] ==
+            doctest::Approx(now + (1024 - (4.0 - static_cast<double>(i)) * frames) / 48));
   }
   box.dsp(48000, 16);
   for (int tick = 0; tick < 3; ++tick) {

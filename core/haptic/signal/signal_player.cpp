@@ -155,7 +155,7 @@ void SignalPlayer::play(double vibration_n) noexcept {
       std::clamp(kRateGain_per_s * error_s, -kMaxRateCorrection, kMaxRateCorrection);
   played_s_ += (1.0 + rate_correction) / sample_rate_hz_;
   // The pair of ticks around this time; outside of the stored range the position is held.
-  const std::size_t stored = written_ < kHistory ? written_ : kHistory;
+  const std::size_t stored = static_cast<std::size_t>(std::min<std::uint64_t>(written_, kHistory));
   std::size_t age = 0;
   while (age + 2 < stored && newest(age + 1).time_s > played_s_)
     ++age;

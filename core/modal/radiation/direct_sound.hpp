@@ -7,6 +7,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -43,7 +44,7 @@ public:
   static constexpr std::size_t kMaxSummed = std::size_t{1} << 15;
   /// Products in those sums above which only moment 0 is used, so that a model is built within some
   /// seconds: an error of -2.6 dB of the direct part at 20 kHz (at 48 kHz).
-  static constexpr std::size_t kMaxProducts = std::size_t{1} << 33;
+  static constexpr std::uint64_t kMaxProducts = std::uint64_t{1} << 33;
   /// The most floats in the rows of one listener, 256 MB; kernels are truncated to fit.
   static constexpr std::size_t kMaxNumbers = std::size_t{1} << 26;
   static constexpr std::size_t kMaxTaps = 4096;

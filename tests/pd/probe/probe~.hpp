@@ -33,7 +33,8 @@ struct Probe {
       Message{"echo", "anything", 0, 100, "comes back out of the info outlet"},
       Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
       Message{"fail", "member how", 2, 2, "from now on that member throws; how: memory, size, 1"},
-      Message{"post", "times", 1, 1, "wakes itself that many times, and sends `posted` each time it is woken"},
+      Message{"post", "times", 1, 1,
+              "wakes itself that many times, and sends `posted` each time it is woken"},
       Message{"starts", "", 0, 0, "sends when the latest four blocks began, in ms"},
   };
   static constexpr std::array kArguments{CreationArgument{"gain"}, CreationArgument{"echo"}};

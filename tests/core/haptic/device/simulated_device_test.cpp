@@ -228,7 +228,7 @@ TEST_CASE("a latency gives each reading that many ticks later, and the device de
   CHECK(late.caps().latency_ticks == 3);
   CHECK(prompt.caps().latency_ticks == 0);
   std::vector<State> without;
-  for (std::uint64_t k = 0; k < 100; ++k) {
+  for (std::size_t k = 0; k < 100; ++k) {
     State state, now;
     for (auto* device : {&late, &prompt}) {
       if (k == 0)

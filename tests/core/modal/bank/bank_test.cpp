@@ -166,7 +166,8 @@ TEST_CASE("forces at several points add up in each pick-up, in any order") {
       exact[1][n] += static_cast<float>(one.output(other.weight));
     }
   }
-  for (const std::array<std::size_t, kPoints>& order : {std::array{0UL, 1UL, 2UL}, {2, 0, 1}}) {
+  using Order = std::array<std::size_t, kPoints>;
+  for (const Order& order : {Order{0, 1, 2}, Order{2, 0, 1}}) {
     ModeBank bank(modes.rate, kRate, kPoints, 2);
     bank.jump_to_weight(0, modes.weight);
     bank.jump_to_weight(1, other.weight);

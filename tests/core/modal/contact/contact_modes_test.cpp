@@ -59,7 +59,7 @@ struct RecursionReference {
 } // namespace
 
 TEST_CASE("passes of one and two steps move the modes as the recursion written out does") {
-  for (const std::size_t count : {1UL, 17UL, kLarge}) {
+  for (const std::size_t count : {std::size_t{1}, std::size_t{17}, kLarge}) {
     for (const std::size_t ahead : {1UL, 2UL}) {
       CAPTURE(count);
       CAPTURE(ahead);
