@@ -113,7 +113,7 @@ struct Probe {
     for (std::size_t n = 0; n < block.frames; ++n)
       block.outputs[0][n] = static_cast<S>(factor * static_cast<double>(block.inputs[0][n]) *
                                            static_cast<double>(block.inputs[1][n]));
-    std::shift_left(starts_ms.begin(), starts_ms.end(), 1);
+    std::rotate(starts_ms.begin(), starts_ms.begin() + 1, starts_ms.end());
     starts_ms.back() = block.start_ms;
     ++blocks;
   }
