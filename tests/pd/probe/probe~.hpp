@@ -35,7 +35,8 @@ struct Probe {
       Message{"fail", "member how", 2, 2, "from now on that member throws; how: memory, size, 1"},
       Message{"post", "times", 1, 1,
               "wakes itself that many times, and sends `posted` each time it is woken"},
-      Message{"starts", "", 0, 0, "sends when the latest four blocks began, in ms"},
+      Message{"starts", "", 0, 0,
+              "sends `ago` and how long ago the latest four blocks began, in ms"},
   };
   static constexpr std::array kArguments{CreationArgument{"gain"}, CreationArgument{"echo"}};
   static constexpr Declaration declaration{"probe~",
@@ -83,7 +84,8 @@ struct Probe {
       return;
     }
     if (index == 4)
-      return host.info({"starts", starts_ms[0], starts_ms[1], starts_ms[2], starts_ms[3]});
+      return host.info({"ago", host.now_ms() - starts_ms[0], host.now_ms() - starts_ms[1],
+                        host.now_ms() - starts_ms[2], host.now_ms() - starts_ms[3]});
     if (index == 0)
       host.info(arguments);
     else
