@@ -39,6 +39,9 @@ struct Rig {
                                    {"mp_center", "<f8", {3}, raw(std::vector<double>{0, 0, 0})},
                                    {"mp_rref", "<f8", {}, raw(std::vector<double>{.2})}});
     std::ofstream(folder.path / "small.modal.npz", std::ios::binary) << test::archive(members);
+    std::string& meta = members[0].data;
+    meta.replace(meta.find("free"), 4, "held");
+    std::ofstream(folder.path / "held.modal.npz", std::ios::binary) << test::archive(members);
     object.prepare(48000, 64);
     object.set(kRadiation, 2); // of the body: models are built by the worker, however small
     object.set(kSync, kInOrder);
@@ -141,4 +144,27 @@ TEST_CASE("a radiation for which the table has no arrays is refused, and get tel
   rig.say(kHit, {1.0});
   CHECK(rig.peak() > kSilent);
   CHECK(rig.host.errors.size() == 2);
+}
+
+TEST_CASE("a board that waits to be read is not lost by the changes that come after it") {
+  Rig rig;
+  const auto board_after = [&rig](auto change) {
+    change();
+    while (rig.width() == 0)
+      rig.take_answer();
+    rig.host.infos.clear();
+    rig.object.dump(rig.host);
+    return rig.host.said("board ");
+  };
+  for (int round = 0; round < 20; ++round) {
+    REQUIRE(board_after([&] { rig.say(kBoard, {"none"}); }) == "board none");
+    const std::string board = board_after([&] {
+      rig.object.set(kSize, 2); // the worker is busy
+      rig.say(kBoard, {"held.modal.npz", 0.0, 0.0, -300.0});
+      rig.object.set(kSize, 1);
+      rig.object.set(kSize, 1.5);
+    });
+    CHECK(board == "board held.modal.npz 0 0 -300");
+  }
+  CHECK(rig.host.errors == std::vector<std::string>{});
 }
