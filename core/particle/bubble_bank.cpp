@@ -36,8 +36,15 @@ void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept 
   double life_s = 6.9 / decay; // 60 dB
   if (chirp > 0)               // ends before 0.48 of the sample rate
     life_s = std::min(life_s, (0.48 * sample_rate_ / frequency - 1) / chirp);
+  const double angular = 2 * std::numbers::pi * frequency;
   bubbles_[count_++] = {amplitude,
                         0,
+                        amplitude,
+                        decay_factor,
+                        1,
+                        chirp * step_s,
+                        decay / angular,
+                        chirp / angular,
                         decay_factor * std::cos(first_angle),
                         decay_factor * std::sin(first_angle),
                         std::cos(chirp_angle),
@@ -49,7 +56,10 @@ double BubbleBank::next() noexcept {
   double sum = 0;
   for (std::size_t i = 0; i < count_;) {
     Bubble& b = bubbles_[i];
-    sum += b.imaginary;
+    const double per_pitch = 1 / b.pitch;
+    sum += b.imaginary - (b.flow + b.chirp_flow * per_pitch) * per_pitch * (b.envelope - b.real);
+    b.envelope *= b.decay_factor;
+    b.pitch += b.pitch_step;
     const double real = b.real * b.rotation_real - b.imaginary * b.rotation_imaginary;
     b.imaginary = b.real * b.rotation_imaginary + b.imaginary * b.rotation_real;
     b.real = real;

@@ -13,8 +13,13 @@ namespace tactus::particle {
 [[nodiscard]] double bubble_decay_per_s(double radius_m) noexcept;
 
 /// Plays the tones of many bubbles under a water surface. Each is a damped sine whose frequency
-/// rises as the bubble does (van den Doel 2005):
-///     a exp(-d t) sin(phase), phase' = 2 pi f (1 + rise d t).
+/// rises as the bubble does (van den Doel 2005), of phase' = 2 pi f (1 + rise d t).
+///
+/// A bubble's pressure is rho/(4 pi distance) times the rate of its volume flow, which is 0 before
+/// the bubble and after it: the pressure has no mean. The flow (a/phase') exp(-d t) (1 -
+/// cos(phase)) gives
+///     p = a exp(-d t) (sin(phase) - k (1 - cos(phase))),   k = d/phase' + phase''/phase'^2,
+/// the damped sine and, d/phase' (some hundredths) as large, what takes its mean away.
 /// The phase is quadratic in time, so two complex rotations per sample compute it exactly.
 class BubbleBank {
 public:
@@ -34,6 +39,9 @@ public:
 private:
   struct Bubble {
     double real, imaginary;                   ///< of a exp(-d t + j phase)
+    double envelope, decay_factor;            ///< a exp(-d t), and from a sample to the next
+    double pitch, pitch_step;                 ///< 1 + rise d t, and from a sample to the next
+    double flow, chirp_flow;                  ///< k is flow/pitch + chirp_flow/pitch^2
     double rotation_real, rotation_imaginary; ///< factor from this sample to the next
     double chirp_real, chirp_imaginary;       ///< factor from this rotation to the next
     long samples_left;

@@ -111,6 +111,7 @@ TEST_CASE("grains of unit strength hold unit energy, whatever their frequency an
 }
 
 TEST_CASE("a bubble sounds at 3/r, decays by 0.13/r + 0.0072 r^-3/2 and rises, by its phase") {
+  // The rate of the flow exp(-d t) (1 - cos(phase))/phase', by central differences.
   for (const double rate : kRates)
     for (const double rise : {0., .2}) {
       BubbleBank bank;
@@ -120,11 +121,38 @@ TEST_CASE("a bubble sounds at 3/r, decays by 0.13/r + 0.0072 r^-3/2 and rises, b
       CHECK(decay == doctest::Approx(87.15).epsilon(1e-4));
       double worst = 0;
       for (int n = 0; n < 0.02 * rate; ++n) { // f (1 + rise d t)
-        const double t = n / rate, phase = 2000 * kPi * (t + 0.5 * rise * decay * t * t);
-        worst = std::max(worst, std::abs(bank.next() - std::exp(-decay * t) * std::sin(phase)));
+        const auto flow = [&](double t) {
+          const double phase = 2000 * kPi * (t + 0.5 * rise * decay * t * t);
+          return std::exp(-decay * t) * (1 - std::cos(phase)) /
+                 (2000 * kPi * (1 + rise * decay * t));
+        };
+        constexpr double kStep = 1e-7; // s; the error is (2000 pi kStep)^2/6
+        const double t = n / rate, expected = (flow(t + kStep) - flow(t - kStep)) / (2 * kStep);
+        worst = std::max(worst, std::abs(bank.next() - expected));
       }
       CAPTURE(rate);
-      CHECK(worst < 1e-9);
+      CHECK(worst < 1e-6);
+    }
+}
+
+TEST_CASE("the pressure of a bubble has no mean, as its flow begins and ends at rest") {
+  for (const double radius : {1e-3, 3e-3, 8e-3})
+    for (const double rise : {0., .1, 1.}) {
+      BubbleBank bank;
+      bank.prepare(kRate);
+      bank.start(radius, 1, rise);
+      double sum = 0, squares = 0;
+      int samples = 0;
+      for (; bank.sounding() > 0; ++samples) {
+        const double p = bank.next();
+        sum += p;
+        squares += p * p;
+      }
+      CAPTURE(radius);
+      CAPTURE(rise);
+      // A damped sine alone has sum = rate/w, hundreds of times as much.
+      CHECK(std::abs(sum) < 0.02 * kRate * radius / (6 * kPi));
+      CHECK(squares / kRate == doctest::Approx(1 / (4 * bubble_decay_per_s(radius))).epsilon(.02));
     }
 }
 
