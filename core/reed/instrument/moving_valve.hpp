@@ -28,6 +28,9 @@ public:
 
   /// Sets deflection, velocity and all flows to 0.
   void reset() noexcept { state_ = {}; }
+  /// Whether valve and air are at rest: the lips then take the valve with them, and it moves no
+  /// air.
+  void rest(bool still) noexcept { still_ = still; }
   /// Sets pressures and flows to 0; the valve keeps deflection and velocity.
   void clear_air() noexcept {
     const V deflection = state_.deflection(), velocity = state_.velocity();
@@ -123,7 +126,7 @@ private:
   /// Keeps the valve where it was under the constants `old`, unless the new stops or the new side
   /// are in its way.
   void reposition(const ValveConstants& old, bool at_rest) noexcept {
-    if (at_rest) {
+    if (at_rest || still_) {
       state_ = {};
       return;
     }
@@ -183,6 +186,7 @@ private:
   ValveConstants constants_{};
   ValveConstants from_{}, to_{}; // at both ends of a control period in which they move
   V omega_from_{1.0}, omega_to_{1.0};
+  bool still_ = false;
   bool omega_moves_ = false, constants_move_ = false, coefficients_due_ = true;
   ReedCoefficients<V> steady_coefficients_{};                        // while omega_r stands
   std::array<ReedCoefficients<V>, max_count> moving_coefficients_{}; // one a sample while it moves

@@ -220,6 +220,7 @@ private:
       change_in_silence();
     if (silent)
       glide_.end_silence();
+    valve_.rest(silent);
   }
 
   void change_in_silence() noexcept {

@@ -356,4 +356,24 @@ TEST_CASE("the presets close, or open, at the pressures of their table") {
   CHECK_FALSE(find_preset("kazoo"));
 }
 
+TEST_CASE("without breath no change of note, fingering, lips or preset makes a sound") {
+  for (const Preset& preset : presets()) {
+    CAPTURE(preset.name);
+    Instrument instrument = make_instrument(with_player(std::string(preset.name).c_str()));
+    const double lowest = instrument.parameters().lowest_note;
+    double loudest = 0;
+    for (int key = 0; key < 30; ++key) {
+      const double note = std::max(lowest, 100.0) * std::exp2(key * 7 % 24 / 12.0);
+      Parameters moved = instrument.parameters();
+      if (key % 5 == 4)
+        moved.rest_angle *= 1.2;
+      instrument.set(moved);
+      const Recording r = play(instrument, std::vector<double>(2400, 0.0), 48000, 0, note);
+      for (const double sample : r.sound)
+        loudest = std::max(loudest, std::abs(sample));
+    }
+    CHECK(loudest == 0);
+  }
+}
+
 } // namespace tactus::reed
