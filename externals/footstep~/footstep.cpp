@@ -222,28 +222,34 @@ void Footstep::record_events(std::size_t foot, const SoleState& sole) noexcept {
 std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
   std::array<SoleState, Gait::kFeet> soles{};
   const std::size_t feet = value_[kFeet] >= 1.5 ? 2 : 1;
+  const std::array<double, Gait::kFeet> share{1, second_foot_share(feet == 2)};
+  const std::size_t sounding = share[1] > 0 ? 2 : 1;
   if (value_[kSource] < 0.5) {
     gait_.next(soles);
   } else {
     const double unit = value_[kUnit] < 0.5 ? 1 : value_[kWeight];
-    for (std::size_t i = 0; i < feet; ++i)
+    for (std::size_t i = 0; i < sounding; ++i)
       soles[i] = (*sides_)[i].sensor.next(in[2 * i] * unit, in[2 * i + 1] * unit);
   }
   std::array<double, 8> out{};
   measured_ += 1;
   gain_ += smoothed_gain_ * (value_[kGain] - gain_);
   bool sounds = false;
-  for (std::size_t i = 0; i < feet; ++i) {
+  for (std::size_t i = 0; i < sounding; ++i) {
     const SoleState& sole = soles[i];
-    record_events(i, sole);
-    const Foot::Out made = (*sides_)[i].foot.next(sole);
-    out[4 * i] = rounded(gain_ / kFullScale * made.pressure_pa);
+    if (i < feet)
+      record_events(i, sole);
+    Foot::Out made = (*sides_)[i].foot.next(sole);
+    made.heel_drive *= share[i];
+    made.ball_drive *= share[i];
+    out[4 * i] = share[i] * rounded(gain_ / kFullScale * made.pressure_pa);
     sounds = sounds || made.pressure_pa != 0;
     out[4 * i + 1] = made.heel_drive;
     out[4 * i + 2] = made.ball_drive;
     (*sides_)[i].heel_squares += made.heel_drive * made.heel_drive;
     (*sides_)[i].ball_squares += made.ball_drive * made.ball_drive;
-    out[4 * i + 3] = sole.heel_n + sole.ball_n;
+    if (i < feet)
+      out[4 * i + 3] = sole.heel_n + sole.ball_n;
   }
   if (!sounds) // in silence a new gain takes effect at once
     gain_ = value_[kGain];
@@ -251,6 +257,21 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
     fade(out);
   fade_.last = out;
   return out;
+}
+
+/// Of the second foot's sound: it fades out when it is switched off, and is at rest after that.
+double Footstep::second_foot_share(bool on) noexcept {
+  const double step = 1 / fade_.whole;
+  if (on) {
+    second_foot_ = second_foot_ > 0 ? std::min(second_foot_ + step, 1.0) : 1;
+  } else if (second_foot_ > 0) {
+    second_foot_ = second_foot_ > step ? second_foot_ - step : 0;
+    if (second_foot_ == 0) {
+      (*sides_)[1].foot.reset();
+      (*sides_)[1].sensor.reset();
+    }
+  }
+  return 0.5 - 0.5 * std::cos(std::numbers::pi * second_foot_);
 }
 
 /// After a reset the last output fades to 0 along half a cosine; forces jump to 0.

@@ -89,6 +89,7 @@ private:
   void schedule(const Movement& movement, const Host& host) noexcept;
   void move(const Movement& movement) noexcept;
   std::array<double, 8> next(const std::array<double, 4>& in) noexcept;
+  double second_foot_share(bool on) noexcept;
   void record_events(std::size_t foot, const SoleState& sole) noexcept;
   void apply() noexcept;
   void update_grounds() noexcept;
@@ -114,6 +115,7 @@ private:
   std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
   SurfaceStore store_;
   Fade fade_;
+  double second_foot_ = 0;              ///< 0: it is off, 1: it sounds, between: it fades
   double gain_ = 1, smoothed_gain_ = 1; ///< smoothed while something sounds
   std::size_t next_foot_ = 0;           ///< of a bang and its like
   std::array<Event, kMaxEvents> events_{};

@@ -199,17 +199,35 @@ def test_a_bang_is_a_step_of_the_feet_in_turn(feet, left, right):
     assert [len(events(result, "heel", side)) for side in ("left", "right")] == [left, right]
 
 
-def test_a_gain_glides_while_it_sounds_and_a_reset_does_not_click():
-    def high(x):  # what a break adds: what is left of fourth differences
-        return abs(numpy.diff(numpy.asarray(x, float), 4)).max()
+def breaks(x):
+    """What a break in a signal adds: what is left of fourth differences."""
+    return abs(numpy.diff(numpy.asarray(x, float), 4)).max()
 
+
+def test_the_second_foot_fades_out_when_it_is_switched_off_and_comes_back_from_rest():
+    def landed(*moves):
+        return foot("metal", "-room", 0, "-feet", 2, "-variation", 0, "-drive_gain", 30,
+                    messages=[(10, "jump .05"), *moves], seconds=1.2)
+    plain = landed()
+    loud = abs(plain["sound_2"]).argmax() / RATE + .01
+    loud += abs(part(plain["sound_2"], loud, loud + .005)).argmax() / RATE  # where a break would be plain
+    off = landed((1000 * loud, "feet 1"), (1000 * loud + 100, "feet 2"))
+    for name in ("sound_2", "heel_2", "ball_2"):
+        near = [breaks(part(result[name], loud - .002, loud + .008)) for result in (off, plain)]
+        assert near[0] < 1.5 * near[1], name
+        assert not part(off[name], loud + .006, loud + .098).any(), name
+    assert (off["sound"] == plain["sound"]).all()
+    assert abs(part(off["sound_2"], loud + .1, 1.2)).max() < .01 * abs(plain["sound_2"]).max()  # rang on, unheard
+
+
+def test_a_gain_glides_while_it_sounds_and_a_reset_does_not_click():
     def metal(*moves):
         return foot("metal", "-room", 0, "-variation", 0, "-drive_gain", 30, messages=[(10, "step"), *moves], seconds=.8)
     plain = metal()
     loud = .06 + abs(part(plain["sound"], .06, .07)).argmax() / RATE  # where a break would be plain
     glided, faded = metal((1000 * loud, "gain 3")), metal((1000 * loud, "reset"))
-    breaks = [high(part(result["sound"], loud - .002, loud + .008)) for result in (plain, glided, faded)]
-    assert breaks[1] < 6 * breaks[0] and breaks[2] < 1.5 * breaks[0]
+    found = [breaks(part(result["sound"], loud - .002, loud + .008)) for result in (plain, glided, faded)]
+    assert found[1] < 6 * found[0] and found[2] < 1.5 * found[0]
     assert not part(faded["sound"], loud + .008).any() and not part(faded["heel"], loud + .008).any()
     ratio = abs(part(glided["sound"], loud + .1)).max() / abs(part(plain["sound"], loud + .1)).max()
     assert abs(ratio / 3 - 1) < .01
