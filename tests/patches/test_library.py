@@ -105,6 +105,27 @@ def test_other_objects_find_their_files_beside_themselves(parent):
     assert [atoms for _, atoms in result.logs["surface"]] == [["surface", "gravel", "gravel", 0]]
 
 
+@with_bodies
+def test_what_the_two_default_listeners_hear_sums_to_one_signal():
+    """10 lg of the power of (left + right)/2 over their mean power: 0 for equals, -3 for unrelated sounds."""
+    patch = Patch()
+    strikes = ("hit 1", "hitv 7 1", "hitv 101 1", "hitv 333 1")
+    bodies = sorted(path.name.split(".")[0] for path in stage_folder().glob("*.modal.npz"))
+    for body in bodies:
+        box = patch.obj("modal_impact~", body, "-gain", .001)
+        for i, strike in enumerate(strikes):
+            patch.at(500 * i + 10, box, strike)
+            patch.at(500 * i + 490, box, "reset")
+        for i, side in enumerate(("left", "right")):
+            patch.record(f"{body} {side}", box[i])
+    result = patch.render(len(strikes) / 2, timeout=120)
+    for body in bodies:
+        left, right = (result[f"{body} {side}"].astype(float).reshape(len(strikes), -1)[:, :24000 * 98 // 100]
+                       for side in ("left", "right"))
+        fold = 10 * numpy.log10(numpy.mean((left + right) ** 2, 1) / 2 / numpy.mean(left ** 2 + right ** 2, 1))
+        assert fold[0] > -3 and fold.mean() > -3 and fold.min() > -3.6, (body, fold)
+
+
 def strikes(*messages, sync=0, ms=0):
     """What the plate sounds in a render, and its levels in dB 50 ms after the messages."""
     patch = Patch()
@@ -191,3 +212,53 @@ def test_the_soft_limit_keeps_listening_levels_within_1_and_measuring_levels_exa
                             (("-gain", 0.1), 0.1 * pascal), (("-gain", 0.05, "-limit", "off"), 0.05 * pascal),
                             (("-gain", 1, "-limit", "on"), soft_clip(pascal))]:
         assert struck("plate", hits, *flags) == pytest.approx(expected, abs=1e-4 * abs(expected).max()), flags
+
+
+WINDS = {"clarinet": (60, 2500), "sax": (60, 3000), "oboe": (70, 5000), "trumpet": (60, 3000), "trombone": (50, 4000),
+         "voice": (0, 900), "syrinx": (0, 900)}  # key, Pa: below the soft limit, which makes a mean of its own
+PARTICLES = "maraca sekere cabasa tambourine gravel ice coins rain sand leaves bubbles".split()
+GROUNDS = ("wood creak underbrush snow frozensnow sand gravel metal highgrass dryleaves concrete dirt puddle water "
+           "carpet").split()
+
+
+def test_no_sound_and_no_drive_of_any_preset_has_a_mean():
+    """A source's pressure is the rate of its volume flow, which begins and ends at rest. Below -60 dB of the rms."""
+    patch, seconds = Patch(), 10
+    names = []
+
+    def record(name, outlet):
+        names.append(name)
+        patch.record(name, outlet)
+
+    def steady(value):
+        return patch.signal(numpy.full(seconds * 48000, float(value)))
+
+    for preset in PARTICLES:
+        box = patch.obj("particle~", preset)
+        steady(2) >> box[0]
+        record(f"particle~ {preset}", box[0])
+    for ground in GROUNDS:
+        box = patch.obj("footstep~", ground)
+        patch.at(10, box, "walk 1")
+        for i, name in enumerate(("sound", "heel", "ball")):
+            record(f"footstep~ {ground} {name}", box[i])
+    for preset, (key, pressure) in WINDS.items():
+        box = patch.obj("greed~", "-preset", preset, "-tune", int(key > 0))
+        steady(pressure) >> box[0]
+        steady(440 * 2 ** ((key - 69) / 12) if key else 0) >> box[2]
+        record(f"greed~ {preset}", box[0])
+    strikes = [("contact_impact~", "strike 1")]
+    strikes += [(f"modal_impact~ {path.name.split('.')[0]}", "hit 1") for path in stage_folder().glob("*.modal.npz")]
+    for name, strike in strikes:
+        box = patch.obj(*name.split())
+        for i in range(20):
+            patch.at(20 + 450 * i, box, strike)
+        record(name, box[0])
+    box = patch.obj("contact_friction~")
+    steady(.1) >> box[0]
+    steady(1) >> box[1]
+    record("contact_friction~", box[0])
+    result = patch.render(seconds, timeout=300)
+    level = {name: 20 * numpy.log10(abs(x.mean()) / numpy.sqrt((x ** 2).mean()))
+             for name, x in ((name, result[name].astype(float)) for name in names)}
+    assert max(level.values()) < -60, sorted(level.items(), key=lambda pair: -pair[1])[:5]

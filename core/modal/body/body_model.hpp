@@ -63,8 +63,10 @@ struct BodySettings {
   std::vector<std::array<double, 2>> loss_curve; ///< Hz, loss factor; ascending
   double choke_t60_s = 0; ///< above 0: additional damping of every mode, by decay time
   Radiation radiation = Radiation::kModal;
-  /// m, in the body's axes; the defaults are two in front of the body, then two behind it
-  std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5},
+  /// m, in the body's axes. The defaults are two in front of the body, then two behind it. The
+  /// first two are not mirror images: a body that swings from one to the other, as a struck tube
+  /// does, would be heard by them in opposite phase, and their sum would be silent.
+  std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0, 0.2, 0.55},
                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
   std::size_t max_modes = 0; ///< the most modes in the bank; 0: no limit
