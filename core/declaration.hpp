@@ -27,6 +27,9 @@ struct Parameter {
   /// False if to set it is an act that somebody must mean, such as to end an emergency stop: a host
   /// then keeps it neither with the patch nor in presets.
   bool stored = true;
+  /// True if it seeds what is left to chance: a host gives every instance, and every channel of
+  /// one, a seed of its own (core/instance_numbers.hpp).
+  bool seeds = false;
 };
 
 /// An inlet or outlet.
@@ -71,6 +74,13 @@ struct Message {
 /// The parameter, which a host keeps neither with the patch nor in presets.
 [[nodiscard]] constexpr Parameter not_stored(Parameter parameter) {
   parameter.stored = false;
+  return parameter;
+}
+
+/// The parameter `seed`.
+[[nodiscard]] constexpr Parameter seed_parameter(std::string_view text) {
+  Parameter parameter{"seed", "", 1, 0, 16777215, text};
+  parameter.seeds = true;
   return parameter;
 }
 

@@ -65,7 +65,7 @@ std::string with_home(std::string_view name) {
 /// The C++ part of an instance: the object, its voices and its outlets.
 class PdObject final : public Host {
 public:
-  PdObject(Instance& instance, const PdClass& record)
+  PdObject(Instance& instance, PdClass& record)
       : instance_(instance), record_(record), declaration_(*record.traits().declaration),
         canvas_(canvas_getcurrent()), creation_time_(clock_getlogicaltime()),
         signal_inlets_(count_signals(declaration_.inlets)),
@@ -73,7 +73,7 @@ public:
         out_(signal_outlets_) {
     voices_.emplace_back(record.module->make());
     for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
-      voices_[0]->set(i, declaration_.parameters[i].initial);
+      voices_[0]->set(i, initial_value(declaration_.parameters[i], hold_.number()));
     make_ports();
     flood_clock_ = clock_new(this, method(&on_flood));
     timers_.resize(record.traits().timers);
@@ -280,6 +280,9 @@ private:
       std::unique_ptr<AnyObject<t_sample>> copy(voices_[0]->clone());
       if (!copy)
         break;
+      for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
+        if (declaration_.parameters[i].seeds)
+          copy->set(i, channel_value(declaration_.parameters[i], copy->get(i), voices_.size()));
       voices_.push_back(std::move(copy));
     }
     voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
@@ -344,11 +347,12 @@ private:
     const Request request = resolve(declaration_, command.name, command.arguments, kPrecision);
     if (request.kind == Request::Kind::kRefused)
       return error(request.refusal);
-    for (auto& voice : voices_) {
+    for (std::size_t channel = 0; channel < voices_.size(); ++channel) {
       if (request.kind == Request::Kind::kParameter)
-        voice->set(request.index, request.value);
+        voices_[channel]->set(request.index, channel_value(declaration_.parameters[request.index],
+                                                           request.value, channel));
       else
-        voice->message(request.index, command.arguments, *this);
+        voices_[channel]->message(request.index, command.arguments, *this);
     }
   }
 
@@ -505,11 +509,12 @@ private:
   }
 
   Instance& instance_;
-  const PdClass& record_;
+  PdClass& record_;
   const Declaration& declaration_;
   t_canvas* canvas_;
   t_pdinstance* pd_ = current_instance(); // a worker thread has none of its own
-  t_symbol* list_ = gensym("list");       // not s_list: of each instance its own
+  InstanceNumbers::Hold hold_{record_.numbers, pd_};
+  t_symbol* list_ = gensym("list"); // not s_list: of each instance its own
   double creation_time_;
   double block_ms_ = 0, tick_ms_ = 0; // lengths
   double performed_ms_ = -1, next_block_ms_ = 0;

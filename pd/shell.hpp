@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/instance_numbers.hpp"
 #include "core/module_object.hpp"
 
 #include <m_pd.h>
@@ -11,6 +12,7 @@ namespace tactus::pd {
 struct PdClass {
   t_class* handle;
   const ModuleObject<t_sample>* module;
+  InstanceNumbers numbers;
   [[nodiscard]] const Traits& traits() const { return module->traits; }
 };
 

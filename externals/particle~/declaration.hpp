@@ -53,7 +53,8 @@ inline constexpr std::array kParameters{
     Parameter{"level", "", kMaraca.level, 0, 1e4, "strength of the sound, of new collisions"},
     Parameter{"direct", "", 1, 0, 1, "share of the grains that is heard beside the modes"},
     Parameter{"gain", "", 1, 0, 1000, "of the sound, smoothed"},
-    Parameter{"seed", "", 1, 0, 16777215, "of all that is left to chance; begins it anew"},
+    seed_parameter(
+        "of all that is left to chance; begins it anew; in further instances initially 2, 3 ..."),
 };
 
 enum MessageIndex : std::size_t { kPresetMessage, kModes, kShake, kBang, kReset };

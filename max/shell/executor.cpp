@@ -3,6 +3,7 @@
 #include "core/command.hpp"
 #include "core/declaration_text.hpp"
 #include "core/guarded.hpp"
+#include "core/instance_numbers.hpp"
 #include "core/named_lines.hpp"
 
 #include <string>
@@ -53,11 +54,12 @@ private:
 
 } // namespace
 
-Executor::Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host)
+Executor::Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host,
+                   std::size_t number)
     : object_(object), traits_(traits), shell_(shell), host_(host),
       view_(traits.declaration->parameters.size()) {
   for (std::size_t i = 0; i < traits.declaration->parameters.size(); ++i)
-    object_->set(i, traits.declaration->parameters[i].initial);
+    object_->set(i, initial_value(traits.declaration->parameters[i], number));
   view_.refresh(*object_);
 }
 

@@ -7,6 +7,7 @@
 #include "max/shell/token.hpp"
 
 #include <atomic>
+#include <cstddef>
 #include <memory>
 
 /// Lets messages of several threads and the audio thread use one object, whose members must never
@@ -39,7 +40,9 @@ public:
     virtual void changed() noexcept = 0;
   };
 
-  Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host);
+  /// `number`: of the instance, by which its seeds differ from others'.
+  Executor(AnyObject<double>* object, const Traits& traits, Shell& shell, Host& host,
+           std::size_t number = 0);
 
   /// Carries the command out, or leaves it to whoever holds the object. Any thread but audio's.
   void post(QueuedCommand command);

@@ -20,6 +20,7 @@ constexpr std::size_t kMaxAssistance = 256; // Max's buffer, with the zero
 struct {
   t_class* handle;
   const ModuleObject<double>* module;
+  InstanceNumbers numbers;
 } the_class{};
 
 bool processes() { return the_class.module->traits.processes; }
@@ -44,8 +45,9 @@ void* create(t_symbol*, long count, t_atom* atoms) {
     return nullptr;
   instance->self = nullptr;
   bool begun = false;
-  tactus::guarded([&] { instance->self = new MaxObject(*instance, *the_class.module); },
-                  [&](const char* why) { object_error(&instance->object.z_ob, "%s", why); });
+  tactus::guarded(
+      [&] { instance->self = new MaxObject(*instance, *the_class.module, the_class.numbers); },
+      [&](const char* why) { object_error(&instance->object.z_ob, "%s", why); });
   guarded(instance, [&](MaxObject& object) { begun = object.begin(to_atoms(count, atoms)); });
   if (begun)
     return instance;
@@ -140,7 +142,8 @@ void register_class(const ModuleObject<double>& module) {
   const Declaration& declaration = *module.traits.declaration;
   t_class* handle = class_new(std::string(declaration.name).c_str(), method_of(&create),
                               method_of(&destroy), sizeof(Instance), nullptr, A_GIMME, 0);
-  the_class = {handle, &module};
+  the_class.handle = handle;
+  the_class.module = &module;
   add_messages(handle, declaration);
   add_attributes(handle, declaration);
   class_addmethod(handle, method_of(&on_assist), "assist", A_CANT, 0);

@@ -56,14 +56,15 @@ double scheduler_ms() noexcept {
 
 } // namespace
 
-MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module)
+MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module,
+                     InstanceNumbers& numbers)
     : instance_(instance), traits_(module.traits), declaration_(*module.traits.declaration),
       ports_(instance.object, declaration_, traits_.processes), creation_ms_(scheduler_ms()),
       inlets_(declaration_), files_(box()), timers_(traits_.timers),
       output_clock_(clock_new(this, method_of(&on_output))),
       nudge_clock_(clock_new(this, method_of(&on_nudge))),
       left_element_(qelem_new(this, method_of(&on_left))),
-      changed_element_(qelem_new(this, method_of(&on_changed))) {
+      changed_element_(qelem_new(this, method_of(&on_changed))), hold_(numbers, nullptr) {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     timers_[i] = {this, i, nullptr};
     timers_[i].clock = clock_new(&timers_[i], method_of(&on_timer));
@@ -73,8 +74,8 @@ MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module)
   out_.resize(static_cast<std::size_t>(
       std::count_if(declaration_.outlets.begin(), declaration_.outlets.end(),
                     [](const Port& port) { return port.kind == Port::Kind::kSignal; })));
-  executor_ = std::make_unique<Executor>(module.make(), traits_,
-                                         static_cast<Executor::Shell&>(*this), *this);
+  executor_ = std::make_unique<Executor>(
+      module.make(), traits_, static_cast<Executor::Shell&>(*this), *this, hold_.number());
 }
 
 MaxObject::~MaxObject() {

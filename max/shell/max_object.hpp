@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/command.hpp"
+#include "core/instance_numbers.hpp"
 #include "core/module_object.hpp"
 #include "max/abi/max_abi.h"
 #include "max/shell/block_clock.hpp"
@@ -36,7 +37,7 @@ struct Instance {
 
 class MaxObject final : public Host, private Executor::Shell {
 public:
-  MaxObject(Instance& instance, const ModuleObject<double>& module);
+  MaxObject(Instance& instance, const ModuleObject<double>& module, InstanceNumbers& numbers);
   ~MaxObject() override;
   MaxObject(const MaxObject&) = delete;
   MaxObject& operator=(const MaxObject&) = delete;
@@ -133,6 +134,7 @@ private:
   BlockClock block_clock_;
   double block_start_ms_ = 0;
   std::vector<double*> out_;
+  InstanceNumbers::Hold hold_;
   std::unique_ptr<Executor> executor_;
 };
 
