@@ -42,7 +42,7 @@ inline constexpr std::array kParameters{
     Parameter{"viscosity", "N s/m", kLaw.viscosity_ns_per_m, 0, 1e4, "sigma2, as of a grease"},
     Parameter{"roughness", "", kLaw.roughness, 0, 100,
               "random force, times sqrt(normal force times speed)"},
-    Parameter{"seed", "", 1, 0, 16777215, "of the roughness"},
+    seed_parameter("of the roughness; in further instances initially 2, 3 ..."),
     Parameter{"body", "kg", 0.05, 1e-4, 1e5, "modal mass of every mode of gain 1"},
     Parameter{"steps", "", 1, 1, 64, "of a sample at least; a light body takes up to 8 by itself"},
     Parameter{"gain", "s/m", 3, 0, 1e5, "of the sound: times the body's velocity"},
@@ -87,6 +87,7 @@ public:
     for (std::size_t i = 0; i < value_.size(); ++i)
       value_[i] = contact_friction::kParameters[i].initial;
     body_.set_mass(value_[contact_friction::kBody]);
+    body_.set_gain(value_[contact_friction::kGain]);
     update_law();
     seed();
   }
@@ -99,6 +100,8 @@ public:
     value_[parameter] = value;
     if (parameter == kBody)
       body_.set_mass(value);
+    else if (parameter == kGain)
+      body_.set_gain(value);
     else if (parameter == kSteps)
       body_.set_min_steps(static_cast<unsigned>(value));
     else if (parameter == kSeed)
@@ -121,7 +124,6 @@ public:
   template <class S> void process(const Block<S>& block) noexcept {
     const auto velocity = block.in(0), normal = block.in(1);
     const auto sound = block.out(0), friction = block.out(1);
-    const double gain = value_[contact_friction::kGain];
     contact::ChunkBuffer speed, pressure, output, friction_force;
     for (std::size_t from = 0; from < block.frames; from += speed.size()) {
       const std::size_t count = std::min(speed.size(), block.frames - from);
@@ -130,10 +132,9 @@ public:
         pressure[n] = static_cast<double>(normal[from + n]);
       }
       body_.run_rub(0, std::span(speed).first(count), pressure, output, friction_force);
-      for (std::size_t n = 0; n < count; ++n) {
-        sound[from + n] = static_cast<S>(soft_clip(gain * output[n]));
+      body_.make_sound(std::span<const double>(output).first(count), sound.subspan(from, count));
+      for (std::size_t n = 0; n < count; ++n)
         friction[from + n] = static_cast<S>(friction_force[n]);
-      }
     }
   }
   void dump(Host& host) { body_.post_info(host); }

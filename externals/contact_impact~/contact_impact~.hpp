@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/contact/strike_scatter.hpp"
+#include "core/dsp/random.hpp"
 #include "core/object.hpp"
 #include "core/refusal.hpp"
 #include "externals/contact_impact~/sounding_body.hpp"
@@ -8,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace tactus {
@@ -23,6 +26,8 @@ enum ParameterIndex : std::size_t {
   kGravity,
   kBody,
   kGain,
+  kVariation,
+  kSeed,
 };
 inline constexpr std::array kParameters{
     Parameter{"mass", "kg", 0.02, 1e-5, 1000, "of what strikes"},
@@ -33,6 +38,9 @@ inline constexpr std::array kParameters{
     Parameter{"gravity", "m/s^2", 0, 0, 1000, "draws the mass towards the body"},
     Parameter{"body", "kg", 0.3, 1e-4, 1e5, "modal mass of every mode of gain 1"},
     Parameter{"gain", "s/m", 5, 0, 1e5, "of the sound: times the body's velocity"},
+    Parameter{"variation", "", 0, 0, 1,
+              "of strikes: 1 scatters their speed as a hand does, 0 repeats it"},
+    seed_parameter("of the variation; in further instances initially 2, 3 ..."),
 };
 
 enum MessageIndex : std::size_t { kModes, kPickup, kStrike, kBang, kDrop, kReset };
@@ -77,16 +85,21 @@ public:
   ContactImpact() {
     for (std::size_t i = 0; i < value_.size(); ++i)
       value_[i] = contact_impact::kParameters[i].initial;
+    body_.set_gain(value_[contact_impact::kGain]);
     update_law();
   }
 
   void prepare(double sample_rate, std::size_t) { body_.prepare(sample_rate); }
   void set(std::size_t parameter, double value) noexcept {
+    if (parameter == contact_impact::kSeed)
+      random_.seed(static_cast<std::uint64_t>(value)); // also anew, if the value is the same
     if (value_[parameter] == value)
       return;
     value_[parameter] = value;
     if (parameter == contact_impact::kBody)
       body_.set_mass(value);
+    if (parameter == contact_impact::kGain)
+      body_.set_gain(value);
     if (parameter <= contact_impact::kDissipation)
       update_law();
   }
@@ -112,28 +125,31 @@ public:
       last_ = {1e-3 * words[0].number, 0};
       break;
     case kReset:
+      random_.seed(static_cast<std::uint64_t>(value_[kSeed]));
       return body_.reset();
     default:
       break;
     }
-    body_.launch_mass(0, last_.gap_m, last_.velocity_m_per_s);
+    const double variation = value_[kVariation];
+    const double factor =
+        variation > 0 ? contact::StrikeScatter::draw(variation, 0, random_).speed_factor : 1;
+    // Who falls from h arrives with sqrt(2 g h).
+    body_.launch_mass(0, factor * factor * last_.gap_m, factor * last_.velocity_m_per_s);
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
     const auto force = block.in(0);
     const auto sound = block.out(0), contact = block.out(1);
     const double weight = value_[contact_impact::kMass] * value_[contact_impact::kGravity];
-    const double gain = value_[contact_impact::kGain];
     contact::ChunkBuffer drive, output, contact_force;
     for (std::size_t from = 0; from < block.frames; from += drive.size()) {
       const std::size_t count = std::min(drive.size(), block.frames - from);
       for (std::size_t n = 0; n < count; ++n)
         drive[n] = static_cast<double>(force[from + n]) + weight;
       body_.run_mass(0, std::span(drive).first(count), output, contact_force);
-      for (std::size_t n = 0; n < count; ++n) {
-        sound[from + n] = static_cast<S>(soft_clip(gain * output[n]));
+      body_.make_sound(std::span<const double>(output).first(count), sound.subspan(from, count));
+      for (std::size_t n = 0; n < count; ++n)
         contact[from + n] = static_cast<S>(contact_force[n]);
-      }
     }
   }
   /// Reports the last contact of a block; a chattering mass may have several.
@@ -163,7 +179,8 @@ private:
   };
   contact::SoundingBody body_;
   std::array<double, contact_impact::kParameters.size()> value_{};
-  Launch last_{0, 1};
+  Launch last_{0, 1}; // as it was meant
+  Random random_;     // of variation
   std::size_t reported_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/contact/excited_body.hpp"
+#include "core/dsp/seam.hpp"
 #include "core/dsp/soft_clip.hpp"
 #include "core/object.hpp"
 #include "core/refusal.hpp"
@@ -42,6 +43,28 @@ public:
   SoundingBody() : ExcitedBody(kMaxModes, 1, 1) {
     modes_ = {{{330, 0.6, 1}, {910, 0.3, 1}, {1784, 0.16, 1}, {2949, 0.1, 1}}};
     update_body();
+  }
+
+  void prepare(double sample_rate) {
+    ExcitedBody::prepare(sample_rate);
+    seam_.prepare(sample_rate);
+    smoothing_ = 1 - std::exp(-1 / (kGainTime * sample_rate));
+  }
+  void reset() noexcept {
+    ExcitedBody::reset();
+    seam_.cut();
+  }
+  /// Factor of the sound; while there is some, it glides.
+  void set_gain(double gain) noexcept { gain_ = gain; }
+  /// The sound of a velocity of the body, within +-1.
+  template <class S>
+  void make_sound(std::span<const double> velocity, std::span<S> sound) noexcept {
+    for (std::size_t n = 0; n < sound.size(); ++n) {
+      if (!seam_.sounds())
+        smooth_gain_ = gain_;
+      smooth_gain_ += smoothing_ * (gain_ - smooth_gain_);
+      sound[n] = static_cast<S>(soft_clip(smooth_gain_ * seam_.next(velocity[n])));
+    }
   }
 
   void set_mass(double kg) noexcept {
@@ -101,9 +124,13 @@ private:
     set_modes(std::span(modes).first(modes_.size()));
     set_contact_shape(0, contact_shape);
     set_pickup(0, output);
+    seam_.cut();
   }
 
+  static constexpr double kGainTime = 0.01; // s
   double mass_kg_ = 0.3;
+  Seam seam_; // where the body is changed while it sounds
+  double gain_ = 0, smooth_gain_ = 0, smoothing_ = 1;
   std::vector<ListedMode> modes_;
   std::vector<double> pickup_;
 };

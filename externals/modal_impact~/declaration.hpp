@@ -41,6 +41,8 @@ enum ParameterIndex : std::size_t {
   kRestLoss,
   kRestForce,
   kResolve,
+  kVariation,
+  kSeed,
 };
 inline constexpr std::array kParameters{
     not_realtime(Parameter{
@@ -92,6 +94,10 @@ inline constexpr std::array kParameters{
         "resolve", "", 0, 0, 1,
         "when the shape has moved: solve its modes anew in the background, or only extrapolate",
         kResolveModes}),
+    Parameter{"variation", "", 0, 0, 1,
+              "of strikes: 1 scatters speed, point and direction as a hand does, 0 repeats them"},
+    seed_parameter("of the variation and of a rub's roughness; in further instances initially 2, "
+                   "3 ..."),
 };
 
 enum MessageIndex : std::size_t {

@@ -1,3 +1,4 @@
+#include "core/contact/strike_scatter.hpp"
 #include "core/declaration_text.hpp"
 #include "core/modal/table/materials.hpp"
 #include "core/refusal.hpp"
@@ -58,6 +59,13 @@ void refuse_words(const Message& message, std::span<const Atom> given, Host& hos
   expected += message.arguments;
   expected += ")";
   host.error(refusal(message.name, given, expected));
+}
+
+/// A vector of two components at right angles to a direction of length 1.
+Vec3 across(const Vec3& direction, const std::array<double, 2>& component) noexcept {
+  const Vec3 axis = std::abs(direction.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 normal = cross(direction, axis), first = normal * (1 / norm(normal));
+  return component[0] * first + component[1] * cross(direction, first);
 }
 
 constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, kFarthest},
@@ -133,6 +141,7 @@ void ModalImpact::carry_out(std::size_t index, Numbers numbers, Host& host) {
   case kLossCurve:
     return set_damping(index, numbers, host);
   case kReset:
+    random_.seed(static_cast<std::uint64_t>(value_[kSeed]));
     return body_.schedule_reset(sample_now(host));
   case kInfo:
     body_.adopt();
@@ -176,7 +185,26 @@ void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bo
   last_point_ = point;
   last_speed_ = speed;
   last_was_drop_ = falls;
-  body_.schedule_hit({point, normal_.value_or(point.normal), speed, falls}, sample_now(host));
+  body_.schedule_hit(varied({point, normal_.value_or(point.normal), speed, falls}),
+                     sample_now(host));
+}
+
+Hit ModalImpact::varied(Hit hit) noexcept {
+  if (value_[kVariation] <= 0)
+    return hit;
+  const BodyModel& model = *body_.model();
+  const Surface& surface = model.loaded->surface;
+  const double size = model.settings.size;
+  const auto scatter = contact::StrikeScatter::draw(
+      value_[kVariation], surface.empty() ? 0 : size * surface.diagonal(), random_);
+  hit.speed_m_per_s *= scatter.speed_factor;
+  if (surface.empty())
+    return hit;
+  hit.point = model.nearest(size * hit.point.position + across(hit.point.normal, scatter.offset_m));
+  hit.direction = hit.direction + across(hit.direction, {std::tan(scatter.tilt_rad[0]),
+                                                         std::tan(scatter.tilt_rad[1])});
+  hit.direction = hit.direction * (1 / norm(hit.direction));
+  return hit;
 }
 
 void ModalImpact::hit(Numbers n, Host& host) {

@@ -75,6 +75,7 @@ void ModalImpact::update_options() noexcept {
   options.soft_limit =
       value_[kLimit] == kOn || (value_[kLimit] == kAuto && value_[kGain] < kMeasuringGain);
   options.cull_db = value_[kCull];
+  options.seed = static_cast<std::uint64_t>(value_[kSeed]);
   body_.set_options(options);
   Striker striker = body_.striker();
   striker.restitution = value_[kRestitution];
@@ -82,6 +83,8 @@ void ModalImpact::update_options() noexcept {
 }
 
 void ModalImpact::set(std::size_t parameter, double value) noexcept {
+  if (parameter == kSeed)
+    random_.seed(static_cast<std::uint64_t>(value)); // also anew, if the value is the same
   if (value_[parameter] == value)
     return;
   if (parameter == kRadiation && table_) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/random.hpp"
 #include "core/modal/body/struck_body.hpp"
 #include "core/object.hpp"
 #include "externals/modal_impact~/declaration.hpp"
@@ -88,6 +89,8 @@ private:
   void hit_vertex(Numbers numbers, Host& host);
   void hit_face(Numbers numbers, Host& host);
   void strike(const SurfacePoint& point, double speed, Host& host, bool falls = false);
+  /// What a strike is meant to be, as `variation` lets it be.
+  [[nodiscard]] Hit varied(Hit hit) noexcept;
   void set_normal(Numbers numbers, Host& host);
   void set_striker(Numbers numbers, Host& host);
   void set_hardness(Numbers numbers, Host& host);
@@ -173,6 +176,7 @@ private:
   /// Numbers of the worker's requests: the last that was answered, and the last that changes the
   /// body, not only where it is heard.
   std::uint64_t answered_ = 0, body_change_ = 0;
+  Random random_; // of variation
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_point_;
   double last_speed_ = 1;

@@ -93,3 +93,33 @@ def test_nothing_rubs_without_a_normal_force_and_sliding_has_the_dynamic_coeffic
     silent, fast = (rub(normal, 2.0, ("-viscosity", 0, "-dynamic", 0.3, "-body", 10), "331 .6 1") for normal in (0, 10))
     assert not numpy.any(silent["sound"]) and not numpy.any(silent["friction"])
     assert numpy.mean(fast["friction"][-4800:]) == pytest.approx(3, rel=1e-2)
+
+
+SWITCHES = ("gain 0", "gain 15", "pickup 0 1", "pickup", "modes none", "modes 400 .5 .5", "body 3", "reset")
+
+
+@pytest.mark.parametrize("name", ["contact_impact~", "contact_friction~"])
+def test_no_switch_cuts_a_sound_in_one_sample(name):
+    """Second differences: of a tone (w A)^2, of a jump its height."""
+    patch = Patch()
+    tone = ["modes", 300, 2, 1, 700, 2, .1]
+    for i, switch in enumerate(SWITCHES):
+        box = patch.obj(name, "-gain", 5)
+        patch.at(0, box, tone)
+        patch.at(1, box, "pickup 1")  # one mode is heard
+        if name == "contact_impact~":
+            patch.at(10, box, "strike 1")
+        else:
+            rubs = numpy.zeros(24000)
+            rubs[:4800] = 1
+            (patch.signal(.1 * rubs) >> box[0], patch.signal(rubs) >> box[1])
+        patch.at(250, box, switch)
+        patch.record(str(i), box[0])
+    result = patch.render(.5)
+    for i, switch in enumerate(SWITCHES):
+        sound = result[str(i)].astype(float)
+        level = abs(sound[11000:11900]).max()
+        assert level > .01, switch
+        after = max(level, abs(sound[12300:]).max())
+        omega = 2 * math.pi * 400 / 48000
+        assert abs(numpy.diff(sound[11900:12400], 2)).max() < 2 * after * (omega ** 2 + 2.1 * omega / 24 + 2e-4), switch

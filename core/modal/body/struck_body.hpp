@@ -122,6 +122,7 @@ public:
     double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
     bool soft_limit = false;   ///< the sound goes through soft_clip() after the gain
     double cull_db = 90;
+    std::uint64_t seed = 1; ///< of a rub's roughness
   };
   /// A new gain is smoothed while something sounds; in silence it is applied at once.
   void set_options(const Options& options) noexcept;

@@ -32,7 +32,7 @@ void StruckBody::set_rub_point() noexcept {
   if (model_->solver.contact(rub_slot()).active)
     model_->solver.move_rub(rub_slot(), model_->scratch, rigid);
   else
-    model_->solver.begin_rub(rub_slot(), rub_.law, model_->scratch, rigid);
+    model_->solver.begin_rub(rub_slot(), rub_.law, model_->scratch, rigid, options_.seed);
   build_contact_kernels(rub_slot(), rub_.point, against);
 }
 

@@ -17,6 +17,7 @@ constexpr double kStepRate = 176400; // 1/s, the least in a strike: the force is
 constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts long and needs fewer
 constexpr double kMaxFlight = 0.05;  // s after which a separated striker is given up
 constexpr unsigned kMinSteps = 2;
+constexpr std::uint64_t kMaxSlots = 256; // whose noises differ
 constexpr std::size_t kMaxContactSteps =
     1024;                                  // contacts times steps in a sample, for several contacts
 constexpr double kPeakToRms = 8;           // the largest peak of many modes' sum over its rms
@@ -137,13 +138,14 @@ void ContactSolver::begin(std::size_t slot, const Strike& strike, std::span<cons
 }
 
 void ContactSolver::begin_rub(std::size_t slot, const contact::FrictionLaw& law,
-                              std::span<const double> gain, const Rigid& rigid_gain) noexcept {
+                              std::span<const double> gain, const Rigid& rigid_gain,
+                              std::uint64_t seed) noexcept {
   if (slot >= slots_.size())
     return;
   Exciter& e = begin_contact(slot).exciter;
   e.kind = Exciter::Kind::kFriction;
   e.friction.set(law);
-  e.noise.seed(slot + 1);
+  e.noise.seed(slot + 1 + kMaxSlots * (seed - 1));
   set_contact_gains(slot, gain, rigid_gain);
   e.approach_m_per_s = e.mean_velocity_m_per_s = -surface_velocity(slot);
   activate(slot);

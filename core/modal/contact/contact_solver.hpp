@@ -8,6 +8,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -74,9 +75,10 @@ public:
   /// contact's direction, 1/sqrt(kg).
   void begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
              const std::array<double, kRigid>& rigid_gain) noexcept;
-  /// Begins friction along the direction of the gains; it lasts until end().
+  /// Begins friction along the direction of the gains; it lasts until end(). `seed`: of its
+  /// roughness.
   void begin_rub(std::size_t slot, const contact::FrictionLaw& law, std::span<const double> gain,
-                 const std::array<double, kRigid>& rigid_gain) noexcept;
+                 const std::array<double, kRigid>& rigid_gain, std::uint64_t seed = 1) noexcept;
   /// Begins a contact between two bodies; it lasts until end(). Its force is that of the bodies'
   /// present positions. Rigid motions continue.
   void begin_resting_contact(std::size_t slot, const RestingContact& rest,
