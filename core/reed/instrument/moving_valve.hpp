@@ -28,8 +28,7 @@ public:
 
   /// Sets deflection, velocity and all flows to 0.
   void reset() noexcept { state_ = {}; }
-  /// Whether valve and air are at rest: the lips then take the valve with them, and it moves no
-  /// air.
+  /// Whether nothing sounds: lips that move then take the valve with them, and it moves no air.
   void rest(bool still) noexcept { still_ = still; }
   /// Sets pressures and flows to 0; the valve keeps deflection and velocity.
   void clear_air() noexcept {
@@ -126,13 +125,14 @@ private:
   /// Keeps the valve where it was under the constants `old`, unless the new stops or the new side
   /// are in its way.
   void reposition(const ValveConstants& old, bool at_rest) noexcept {
-    if (at_rest || still_) {
+    if (at_rest) {
       state_ = {};
       return;
     }
     const double turn = old.direction * constants_.direction;
-    const V target =
-        V(turn) * (state_.deflection() + V(old.rest_opening)) - V(constants_.rest_opening);
+    const V target = still_ ? V(turn) * state_.deflection()
+                            : V(turn) * (state_.deflection() + V(old.rest_opening)) -
+                                  V(constants_.rest_opening);
     const V low(constants_.lowest), high(constants_.highest);
     state_.move(
         simd::minimum(simd::maximum(target, low), high),

@@ -376,4 +376,28 @@ TEST_CASE("without breath no change of note, fingering, lips or preset makes a s
   }
 }
 
+TEST_CASE("a note whose breath has ended dies away, lips that let go add nothing") {
+  for (const char* preset : {"clarinet", "sax", "oboe", "trumpet", "trombone"}) {
+    CAPTURE(preset);
+    Instrument instrument = make_instrument(with_player(preset));
+    constexpr std::size_t kEnd = 24000, kWindow = 2400;
+    Controls in;
+    for (std::size_t n = 0; n < 60000; ++n) {
+      in.pressure.push_back(n < kEnd ? 3000 : std::max(0.0, 3000.0 - static_cast<double>(n - kEnd)));
+      in.reed.push_back(0);
+      in.bore.push_back(hertz(60));
+    }
+    const Recording r = play(instrument, in);
+    double before = 1e9;
+    for (std::size_t at = kEnd + 4800; at + kWindow <= r.sound.size(); at += kWindow) {
+      double loudest = 1e-9;
+      for (std::size_t n = at; n < at + kWindow; ++n)
+        loudest = std::max(loudest, std::abs(r.sound[n]));
+      CAPTURE(at);
+      CHECK(loudest < 1.1 * before);
+      before = loudest;
+    }
+  }
+}
+
 } // namespace tactus::reed
