@@ -304,3 +304,44 @@ def test_every_note_sounds_in_a_channel_of_its_own_or_an_older_pd_says_what_is_m
     loud, quiet = (level(stretch(sound, end + a, end + a + 0.2)) for a in (-0.8, 0.9))
     assert quiet < loud - 60
     assert 0.1 < numpy.abs(sound).max() <= 2
+
+
+def reed(events, seconds):
+    """The sound of one voice of keys_reed under (ms, message); a message of the panel names its receiver first."""
+    patch = Patch()
+    for name, pascals in (("low", 800), ("high", 5000)):
+        patch.at(0, patch.obj("v", f"panel-{name}"), pascals)
+    voice = patch.obj("keys_reed_voice", 1, "panel")
+    for ms, message in events:
+        if message.startswith("panel-reed "):
+            patch.send(ms, *message.split(" ", 1))
+        else:
+            patch.at(ms, voice, message)
+    patch.record("sound", voice)
+    return patch.render(seconds, path=[LIVE])["sound"]
+
+
+@pytest.mark.parametrize("instrument", ["clarinet", "sax", "trumpet"])
+def test_the_softest_breath_is_near_silence_and_more_is_louder_by_steps_that_are_no_leap(instrument):
+    values = (127, 64, 32, 16, 12, 8, 6, 4, 3, 2, 1)
+    sound = reed([(0, f"panel-reed preset {instrument}"), (50, "breath 127"), (100, "note 60 90"),
+                  *((600 + 400 * i, f"breath {value}") for i, value in enumerate(values))], 5.2)
+    found = [level(part(sound, .8 + .4 * i, .99 + .4 * i)) for i in range(len(values))]
+    assert found[-1] < found[0] - 55
+    assert all(a > b - .5 for a, b in zip(found, found[1:]))
+    assert max(a - b for a, b in zip(found, found[1:])) < 20  # of a halved breath 12 dB and the reed's own
+
+
+def test_another_instrument_leaves_a_held_note_and_plays_the_next():
+    held = [(0, "panel-reed preset clarinet"), (100, "note 60 90")]
+    later = [(1000, "note 60 0"), (1500, "note 60 90")]
+    plain, changed = (reed([*held, *change, *later], 2.5) for change in ((), [(600, "panel-reed preset sax")]))
+    assert (part(plain, 0, 1.4) == part(changed, 0, 1.4)).all() and level(part(plain, .6, 1)) > -60
+    sax = reed([(0, "panel-reed preset sax"), *held[1:], *later], 2.5)
+
+    def even(sound):
+        """The second harmonic beside the first, dB: a cone has it, a cylinder lacks it."""
+        hz, magnitude = spectrum(part(sound, 2, 2.4))
+        first, second = (magnitude[abs(hz - k * frequency(60)) < 20].max() for k in (1, 2))
+        return 20 * math.log10(second / first)
+    assert abs(even(changed) - even(sax)) < 3 < even(changed) - even(plain)

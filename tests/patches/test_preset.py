@@ -167,7 +167,7 @@ def test_a_recalled_state_sounds_as_one_never_changed(how):
         source = rig.patch.obj("sig~", value)
         for box in (rig.object, other):
             source >> box[inlet]
-    for message in first:
+    for message in [["seed", 1], *first]:  # or each would have its own
         rig.patch.at(10, other, message)
         rig.patch.at(10, rig.object, message)
     rig.time = 20

@@ -130,9 +130,9 @@ private:
       return;
     }
     const double turn = old.direction * constants_.direction;
-    const V target = still_ ? V(turn) * state_.deflection()
-                            : V(turn) * (state_.deflection() + V(old.rest_opening)) -
-                                  V(constants_.rest_opening);
+    const V target =
+        still_ ? V(turn) * state_.deflection()
+               : V(turn) * (state_.deflection() + V(old.rest_opening)) - V(constants_.rest_opening);
     const V low(constants_.lowest), high(constants_.highest);
     state_.move(
         simd::minimum(simd::maximum(target, low), high),

@@ -383,7 +383,8 @@ TEST_CASE("a note whose breath has ended dies away, lips that let go add nothing
     constexpr std::size_t kEnd = 24000, kWindow = 2400;
     Controls in;
     for (std::size_t n = 0; n < 60000; ++n) {
-      in.pressure.push_back(n < kEnd ? 3000 : std::max(0.0, 3000.0 - static_cast<double>(n - kEnd)));
+      in.pressure.push_back(n < kEnd ? 3000
+                                     : std::max(0.0, 3000.0 - static_cast<double>(n - kEnd)));
       in.reed.push_back(0);
       in.bore.push_back(hertz(60));
     }
