@@ -6,8 +6,8 @@ namespace tactus::devices::force_dimension {
 namespace {
 
 // Forces, torques, stiffness, damping and radius: CHAI3D 3.2, CDeltaDevices; types of the newer
-// 3-axis models: the SDK's public bindings. Those, which CHAI3D does not list, have the figures of
-// their family's 7-axis model.
+// 3-axis models: the SDK's public bindings. sigma.3, which CHAI3D does not list, has the figures of
+// sigma.7; lambda, of which no figure is public, the smallest of all that have such motors.
 constexpr Model kModels[] = {
     {33, "omega.3", 12, 5000, 30, 0.075},           {34, "omega.6", 12, 5000, 30, 0.075},
     {36, "omega.6", 12, 5000, 30, 0.075},           {35, "omega.7", 12, 5000, 30, 0.075, 0, 8},

@@ -39,6 +39,25 @@ TEST_CASE("each model has the limits that CHAI3D 3.2 gives its type") {
     }
 }
 
+TEST_CASE(
+    "a lambda, of which no figure is public, has none above any other model's with such motors") {
+  for (const int type : {203, 108, 109}) {
+    const haptic::Caps lambda = caps_of(model_of(type));
+    for (const int other : {33, 34, 35, 36, 37, 63, 64, 104, 105, 106, 107, 206}) {
+      CAPTURE(other);
+      const haptic::Caps caps = caps_of(model_of(other));
+      CHECK(lambda.peak_force_n <= caps.peak_force_n);
+      CHECK(lambda.stiffness_limit_n_per_m <= caps.stiffness_limit_n_per_m);
+      CHECK(lambda.damping_limit_n_s_per_m <= caps.damping_limit_n_s_per_m);
+      CHECK(lambda.workspace_max.x <= caps.workspace_max.x);
+      if (caps.peak_torque_n_m > 0)
+        CHECK(lambda.peak_torque_n_m <= caps.peak_torque_n_m);
+      if (caps.peak_grip_n > 0)
+        CHECK(lambda.peak_grip_n <= caps.peak_grip_n);
+    }
+  }
+}
+
 TEST_CASE("a type that nobody knows gets the least of all limits, which are the Falcon's") {
   const haptic::Caps falcon = caps_of(model_of(60)), unknown = caps_of(model_of(12345));
   for (const haptic::Caps& caps : {falcon, unknown}) {
