@@ -25,6 +25,7 @@ public:
     host_.wake_in(timer, milliseconds);
   }
   double now_ms() const override { return host_.now_ms(); }
+  double created_ms() const override { return host_.created_ms(); }
   std::string find_file(std::string_view name) const override { return host_.find_file(name); }
   std::string new_file(std::string_view name) const override { return host_.new_file(name); }
   bool read_array(std::string_view name, std::vector<double>& values) const override {

@@ -62,6 +62,8 @@ public:
   virtual void wake_in(std::size_t timer, double milliseconds) = 0;
   /// Logical time since the object was made, ms.
   [[nodiscard]] virtual double now_ms() const = 0;
+  /// Logical time at which the object was made, ms on a clock that all objects share.
+  [[nodiscard]] virtual double created_ms() const { return 0; }
   /// Full path of an existing file, searched beside the patch and in the search path; empty if
   /// there is none.
   [[nodiscard]] virtual std::string find_file(std::string_view name) const = 0;
@@ -100,6 +102,9 @@ template <class S> struct Block {
   std::size_t frames;
   /// Logical time of the first sample, on the clock of Host::now_ms(); NaN if unknown.
   double start_ms = std::numeric_limits<double>::quiet_NaN();
+  /// The same of the outputs: later by as much as a re-blocked window is longer than the host's
+  /// tick, since the host plays such a block from then on whose inputs it has collected before.
+  double output_ms = std::numeric_limits<double>::quiet_NaN();
 
   [[nodiscard]] std::span<const S> in(std::size_t i) const { return {inputs[i], frames}; }
   [[nodiscard]] std::span<S> out(std::size_t i) const { return {outputs[i], frames}; }

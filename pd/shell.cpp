@@ -164,6 +164,7 @@ public:
       clock_delay(timers_[timer].clock, milliseconds);
   }
   double now_ms() const override { return clock_gettimesince(creation_time_); }
+  double created_ms() const override { return clock_gettimesince(0) - now_ms(); }
   std::string find_file(std::string_view name) const override {
     const std::string text = with_home(name);
     if (std::string found = open_in_path(text); !found.empty() || is_absolute(text))
@@ -461,7 +462,7 @@ private:
     for (std::size_t v = 0; prepared_ && v < voices_.size(); ++v)
       voices_[v]->process({std::span(in_).subspan(v * signal_inlets_, signal_inlets_),
                            std::span(out_).subspan(v * signal_outlets_, signal_outlets_), frames,
-                           start_ms});
+                           start_ms, start_ms + std::max(block_ms_ - tick_ms_, 0.0)});
     if (guard)
       guard(0);
     if (report_clock_)

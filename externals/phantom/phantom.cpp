@@ -161,6 +161,7 @@ void Phantom::begin(Host& host) {
   scheduling_reported_ = false;
   if (open()) {
     check_network(host);
+    rig_->signals->set_origin(1e-3 * host.created_ms());
     configure_signals();
     if (wall_) {
       publish(devices::ServoThread::now_s());
@@ -295,10 +296,11 @@ void Phantom::step(double now_s) noexcept {
   rig_->servo.step({index_++, now_s, period_s()});
 }
 
-/// Called by the audio at the sample of each tick; the time continues from the last tick.
+/// Called by the audio at the sample of each tick.
 void Phantom::step_with_audio() noexcept {
+  const double due_s = rig_->signals->due_s();
   if (open() && !wall_)
-    step(stepped_s_ + period_s());
+    step(std::isfinite(due_s) ? due_s : stepped_s_ + period_s());
 }
 
 /// Whether a [phantom~] steps the servo, so that the clock must not.

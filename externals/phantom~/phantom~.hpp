@@ -53,6 +53,7 @@ public:
   /// Searches at the first tick, when all objects of the patch exist.
   void created(Host& host) {
     created_ = true;
+    created_ms_ = host.created_ms();
     host.wake_in(0, 0);
   }
   void tick(std::size_t, Host& host) { find_device(host); }
@@ -63,7 +64,7 @@ public:
 
   template <class S> void process(const Block<S>& block) noexcept {
     const bool velocities = values_[phantom_signal::kVel] >= 0.5;
-    player_.begin_block(block.frames);
+    player_.begin_block(block.frames, 1e-3 * (block.output_ms + created_ms_));
     for (std::size_t i = 0; i < block.frames; ++i) {
       const auto in = [&](std::size_t port) { return static_cast<double>(block.inputs[port][i]); };
       const auto out = player_.process({{in(0), in(1), in(2)}, in(3)});
@@ -119,7 +120,8 @@ private:
   std::string name_ = "-";
   std::shared_ptr<haptic::SignalLink> link_;
   bool created_ = false, waiting_ = true, refused_ = false;
-  int searches_ = 0; // in vain, since the name was set or the phantom was lost
+  double created_ms_ = 0; // on the clock of all objects
+  int searches_ = 0;      // in vain, since the name was set or the phantom was lost
 };
 
 } // namespace tactus

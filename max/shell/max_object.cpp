@@ -373,7 +373,8 @@ void MaxObject::run_block(std::span<double* const> in, std::span<double* const> 
     out_[i] = out[i] + first;
   const double length_ms = 1e3 * static_cast<double>(frames) / sample_rate_.load();
   block_start_ms_ = block_clock_.next(scheduler_ms() - creation_ms_, length_ms);
-  const Block<double> block{inlets_.samples(in, first), out_, frames, block_start_ms_};
+  const Block<double> block{inlets_.samples(in, first), out_, frames, block_start_ms_,
+                            block_start_ms_};
   if (!executor_->run_block(block))
     for (double* samples : out_)
       std::fill_n(samples, frames, 0.0);

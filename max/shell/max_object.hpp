@@ -66,6 +66,7 @@ public:
   void log(std::string_view sentence) override;
   void wake_in(std::size_t timer, double milliseconds) override;
   [[nodiscard]] double now_ms() const override;
+  [[nodiscard]] double created_ms() const override { return creation_ms_; }
   [[nodiscard]] std::string find_file(std::string_view name) const override;
   [[nodiscard]] std::string new_file(std::string_view name) const override;
   bool read_array(std::string_view name, std::vector<double>& values) const override;

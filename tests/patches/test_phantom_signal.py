@@ -37,23 +37,45 @@ def ramp(newton):
 def test_each_tick_reads_the_sample_at_which_it_falls_due(tmp_path):
     force = ramp(4)
     _, rows = scene(tmp_path, force=[force, 0.5 * force], device="-hand rigid")
-    first = int(numpy.argmax(rows["fx_n"] > 0))
-    assert first <= 4
-    heard = force[48 * numpy.arange(1, 401)]
+    assert int(numpy.argmax(rows["fx_n"] > 0)) <= 4
+    heard = force[numpy.rint(48 * rows["ms"][4:404]).astype(int)]
     for axis, share in (("fx_n", 1), ("fy_n", 0.5)):
-        assert rows[axis][first:first + 400] == pytest.approx(share * heard, abs=1e-6)
+        assert rows[axis][4:404] == pytest.approx(share * heard, abs=1e-6)
+
+
+@pytest.mark.parametrize("rate", [44100, 48000])
+def test_the_servo_s_clock_is_the_patch_s_with_phantom_tilde_and_without(tmp_path, rate):
+    """The same ticks at the same times meet the same plane; made later, paused and in larger blocks, too."""
+    found = {}
+    for name, block, ms in (("alone", 64, None), ("beside", 64, 0), ("small", 16, 0), ("large", 1024, 0), ("late", 64, 123.4)):
+        patch = Patch(block=block)
+        if ms:
+            patch.sub("late").obj("inlet")
+            patch.send(ms, "pd-late", "obj 10 10 phantom~ hand")
+        box = patch.obj("phantom", "-name", "hand", *"-hand rigid -path line 0 0 5 0 0 -5 200".split())
+        patch.at(0, box, f"scene add wall plane 0 0 1 0, trace {tmp_path}/{name}.csv")
+        if ms == 0:
+            patch.obj("phantom~", "hand")
+        patch.at(398, box, "trace stop")
+        patch.render(0.4, rate=rate)
+        rows = read_trace(tmp_path / f"{name}.csv")
+        found[name] = {column: rows[column][:380] for column in ("tick", "ms", "x_mm", "z_mm", "fz_n")}
+    for name, rows in found.items():
+        assert rows["ms"] == pytest.approx(rows["tick"], abs=1e-9), name
+        assert rows["z_mm"] == pytest.approx(found["alone"]["z_mm"], abs=1e-9), name
+        assert rows["fz_n"] == pytest.approx(found["alone"]["fz_n"], abs=1e-7), name
 
 
 def test_positions_are_the_ticks_joined_by_straight_lines_one_period_late(tmp_path):
     result, rows = scene(tmp_path, "-vel 1", device="-hand rigid -path lissajous 0 0 0 40 20 10 3 2 1")
     heard = (result["x"] - 0.5) * 100
-    # Sample 48 k is tick k's position before, sample 48 (k + 1) its own: one period late.
-    positions = heard[48 * numpy.arange(1, 400)]
-    start = min(range(6), key=lambda s: numpy.abs(rows["x_mm"][s:s + 399] - positions).max())
-    assert positions == pytest.approx(rows["x_mm"][start:start + 399], abs=1e-4)
+    # At sample 48 k tick k is stepped and the position of tick k - 1 is reached.
+    reached = numpy.rint(48 * (rows["ms"][2:400] + 1)).astype(int)
+    positions = heard[reached]
+    assert positions == pytest.approx(rows["x_mm"][2:400], abs=1e-4)
     between = numpy.linspace(positions[99], positions[100], 48, endpoint=False)
-    assert heard[48 * 100:48 * 101] == pytest.approx(between, abs=1e-4)
-    assert result["vx"][48 * numpy.arange(1, 400)] == pytest.approx(rows["vx_m_per_s"][start:start + 399], abs=1e-5)
+    assert heard[reached[99]:reached[100]] == pytest.approx(between, abs=1e-4)
+    assert result["vx"][reached] == pytest.approx(rows["vx_m_per_s"][2:400], abs=1e-5)
 
 
 def test_blocks_of_any_size_give_the_same_samples_and_ticks(tmp_path):

@@ -8,6 +8,7 @@ void SignalLink::begin() noexcept {
   }
   playing_ = false;
   last_vibration_ = 0;
+  tick_sample_.time_s = std::numeric_limits<double>::quiet_NaN(); // another servo, or another clock
 }
 
 void SignalLink::count_block(double duration_s) noexcept {
@@ -73,7 +74,9 @@ Vec3 SignalLink::force(const Tick& tick, const State& state) noexcept {
   return {};
 }
 
-SignalLink::Sample SignalLink::step(const Vec3& force_n, double vibration_n, bool gated) noexcept {
+SignalLink::Sample SignalLink::step(const Vec3& force_n, double vibration_n, bool gated,
+                                    double due_s) noexcept {
+  due_s_ = due_s;
   force_now_ = is_finite(force_n) ? force_n : Vec3{};
   vibration_now_ = vibration_n;
   gated_now_ = gated;

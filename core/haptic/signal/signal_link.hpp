@@ -7,6 +7,7 @@
 #include "core/haptic/servo/servo.hpp"
 
 #include <atomic>
+#include <limits>
 
 /// Connects audio and the servo: signals become forces, positions become signals. docs/phantom.md,
 /// "At audio rate".
@@ -40,6 +41,10 @@ public:
   enum class Time : int { kNone, kLogical, kWall };
 
   // the host's side
+  /// Time 0 of the servo's ticks on the clock that the audio object shares.
+  void set_origin(double origin_s) noexcept {
+    origin_s_.store(origin_s, std::memory_order_relaxed);
+  }
   void configure(Time time, double rate_hz, Stepper stepper) noexcept {
     stepper_ = stepper;
     rate_hz_.store(rate_hz, std::memory_order_relaxed);
@@ -58,6 +63,9 @@ public:
     return max_block_s_.load(std::memory_order_relaxed);
   }
 
+  /// While the audio steps the servo: when that tick is due.
+  [[nodiscard]] double due_s() const noexcept { return due_s_; }
+
   // the servo's side
   void begin() noexcept override;
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
@@ -65,6 +73,9 @@ public:
   // the audio's side
   [[nodiscard]] Time time() const noexcept { return time_.load(std::memory_order_acquire); }
   [[nodiscard]] double rate_hz() const noexcept { return rate_hz_.load(std::memory_order_relaxed); }
+  [[nodiscard]] double origin_s() const noexcept {
+    return origin_s_.load(std::memory_order_relaxed);
+  }
   [[nodiscard]] const Workspace& workspace() noexcept {
     workspaces_.read();
     return workspaces_.latest();
@@ -73,8 +84,11 @@ public:
   [[nodiscard]] bool acquire() noexcept { return !taken_.exchange(true); }
   void release() noexcept { taken_.store(false); }
   void count_block(double duration_s) noexcept;
-  /// Logical time: runs a tick with these signals and returns its result.
-  Sample step(const Vec3& force_n, double vibration_n, bool gated) noexcept;
+  /// Logical time: runs the tick that is due then with these signals and returns its result. NaN:
+  /// a period after the last one.
+  Sample step(const Vec3& force_n, double vibration_n, bool gated, double due_s) noexcept;
+  /// Logical time: the last tick, whoever stepped it; its time is NaN before the first.
+  [[nodiscard]] const Sample& last_tick() const noexcept { return tick_sample_; }
   /// Wall time: the newest force counts.
   void write_force(const Force& force) noexcept { forces_.write(force); }
   /// Wall time: one value for each tick, in order; false when the servo does not read them.
@@ -98,7 +112,7 @@ private:
   void send_network() noexcept;
 
   std::atomic<Time> time_{Time::kNone};
-  std::atomic<double> rate_hz_{1000}, max_block_s_{0};
+  std::atomic<double> rate_hz_{1000}, max_block_s_{0}, origin_s_{0};
   std::atomic<std::uint64_t> blocks_{0};
   std::atomic<bool> taken_{false}, gated_{true};
   Stepper stepper_{};
@@ -113,9 +127,9 @@ private:
 
   // logical time: for the current tick
   Vec3 force_now_{};
-  double vibration_now_ = 0;
+  double vibration_now_ = 0, due_s_ = 0;
   bool gated_now_ = true, stepping_ = false;
-  Sample tick_sample_{};
+  Sample tick_sample_{std::numeric_limits<double>::quiet_NaN()};
   // wall time
   bool playing_ = false;
   double last_vibration_ = 0;

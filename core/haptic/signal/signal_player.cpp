@@ -9,7 +9,8 @@ constexpr double kRateGain_per_s = 2.0; // rate correction per second of playout
 constexpr double kMaxRateCorrection = 0.02;
 constexpr double kJitterMargin_s = 1.5e-3; // a servo period and its jitter
 constexpr double kMaxBurst_s = 0.05;
-constexpr double kTickTolerance = 1e-9; // samples; rounding of a tick's sample
+constexpr double kTickTolerance = 1e-6; // samples; rounding of a tick's sample
+constexpr double kSameTime = 0.1;       // samples; rounding of a block's time
 } // namespace
 
 void SignalPlayer::prepare(double sample_rate_hz) noexcept {
@@ -28,6 +29,7 @@ void SignalPlayer::restart(SignalLink::Time time, double rate_hz) noexcept {
   time_ = time;
   rate_hz_ = rate_hz;
   sample_ = tick_ = 0;
+  start_s_ = due_s_ = std::numeric_limits<double>::quiet_NaN();
   stepped_ = playing_ = false;
   written_ = 0;
   since_newest_s_ = max_since_newest_s_ = 0;
@@ -35,7 +37,24 @@ void SignalPlayer::restart(SignalLink::Time time, double rate_hz) noexcept {
   decimator_.set(sample_rate_hz_, rate_hz_);
 }
 
-void SignalPlayer::begin_block(std::size_t frames) noexcept {
+/// A block that does not follow the last one: the first, or one after others have stepped the
+/// servo.
+void SignalPlayer::find_next_tick(double start_s) noexcept {
+  sample_ = tick_ = 0;
+  start_s_ = due_s_ = start_s;
+  const Sample& last = link_->last_tick();
+  if (!std::isfinite(last.time_s))
+    return;
+  due_s_ = last.time_s + 1.0 / rate_hz_;
+  const double missed = (start_s - due_s_) * rate_hz_; // periods
+  if (missed > kTickTolerance)
+    due_s_ += std::ceil(missed - kTickTolerance) / rate_hz_;
+  previous_ = current_ = last;
+  take_network(current_.network_samples);
+  stepped_ = true;
+}
+
+void SignalPlayer::begin_block(std::size_t frames, double start_s) noexcept {
   if (!link_)
     return;
   const auto time = link_->time();
@@ -44,6 +63,11 @@ void SignalPlayer::begin_block(std::size_t frames) noexcept {
     restart(time, rate_hz);
   workspace_ = link_->workspace();
   link_->count_block(static_cast<double>(frames) / sample_rate_hz_);
+  start_s -= link_->origin_s();
+  if (time_ == SignalLink::Time::kLogical && std::isfinite(start_s) &&
+      !(std::abs((start_s - start_s_) * sample_rate_hz_ - static_cast<double>(sample_)) <
+        kSameTime))
+    find_next_tick(start_s);
   if (time_ == SignalLink::Time::kWall)
     collect();
 }
@@ -96,24 +120,28 @@ std::array<double, Network::kPickups> SignalPlayer::network_at(double number) co
 
 void SignalPlayer::step_due(const Inputs& inputs, double vibration_n) noexcept {
   const double samples_per_tick = sample_rate_hz_ / rate_hz_;
+  const bool timed = std::isfinite(start_s_);
+  const double first_sample = timed ? (due_s_ - start_s_) * sample_rate_hz_ : 0.0; // of tick 0
   const auto sample_of_tick = [&](std::uint64_t tick) {
-    return static_cast<double>(tick) * samples_per_tick;
+    return first_sample + static_cast<double>(tick) * samples_per_tick;
   };
   const auto current_sample = static_cast<double>(sample_);
   for (int steps = 0; sample_of_tick(tick_) <= current_sample + kTickTolerance; ++steps) {
     if (steps == kMaxTicksPerSample) { // the sample rate is far too low: no more ticks for it
       sample_ = tick_ = 0;
+      start_s_ = due_s_ = std::numeric_limits<double>::quiet_NaN();
       break;
     }
     previous_ = current_;
-    current_ = link_->step(inputs.force_n, vibration_n, gated_);
+    const double due_s = due_s_ + static_cast<double>(tick_) / rate_hz_;
+    current_ = link_->step(inputs.force_n, vibration_n, gated_, due_s);
     take_network(current_.network_samples);
     if (!stepped_)
       previous_ = current_;
     stepped_ = true;
     ++tick_;
   }
-  const double since = static_cast<double>(sample_) - sample_of_tick(tick_ > 0 ? tick_ - 1 : 0);
+  const double since = static_cast<double>(sample_) - sample_of_tick(tick_) + samples_per_tick;
   last_ = interpolated_output(previous_, current_, std::clamp(since / samples_per_tick, 0.0, 1.0));
 }
 

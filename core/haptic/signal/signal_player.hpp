@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 namespace tactus::haptic {
@@ -12,7 +13,8 @@ namespace tactus::haptic {
 /// The audio side of a SignalLink: input samples become forces of the servo, the servo's positions
 /// become output samples.
 ///
-/// Logical time: tick k runs at the first sample at or after k fs/rate and reads that sample.
+/// Logical time: each tick runs at the first sample at or after the time at which it is due, a
+/// period after the last one whoever stepped that, and reads that sample.
 /// Between ticks the output is interpolated linearly from the last position to the present one; it
 /// is one servo period late. The result does not depend on the block size.
 ///
@@ -41,8 +43,11 @@ public:
   /// In the thread of process(), or while it does not run. Null: the outputs hold their value.
   void attach(SignalLink* link) noexcept;
 
-  /// Before and after a block; wall_s is the present wall-clock time.
-  void begin_block(std::size_t frames) noexcept;
+  /// Before and after a block. start_s: logical time of its first sample on the clock of the link's
+  /// origin; without it the ticks begin at the first sample and go on a period after each other.
+  /// wall_s is the present wall-clock time.
+  void begin_block(std::size_t frames,
+                   double start_s = std::numeric_limits<double>::quiet_NaN()) noexcept;
   void end_block(double wall_s) noexcept;
   [[nodiscard]] Outputs process(const Inputs& inputs) noexcept;
 
@@ -53,6 +58,7 @@ private:
   static constexpr std::size_t kNetworkHistory = 32768;
 
   void restart(SignalLink::Time time, double rate_hz) noexcept;
+  void find_next_tick(double start_s) noexcept;
   void step_due(const Inputs& inputs, double vibration_n) noexcept;
   void play(double vibration_n) noexcept;
   void collect() noexcept;
@@ -73,7 +79,9 @@ private:
   bool gated_ = true;
   SignalLink::Time time_ = SignalLink::Time::kNone;
 
-  std::uint64_t sample_ = 0, tick_ = 0; // since the last restart
+  std::uint64_t sample_ = 0, tick_ = 0; // since the last restart, or find_next_tick()
+  // Logical time, of sample 0 and tick 0; not finite: unknown.
+  double start_s_ = std::numeric_limits<double>::quiet_NaN(), due_s_ = start_s_;
   Sample previous_{}, current_{};
   bool stepped_ = false;
   Inputs inputs_{};

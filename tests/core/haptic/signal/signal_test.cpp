@@ -251,3 +251,55 @@ TEST_CASE("absurd rates leave the player finite and give 64 ticks a sample at mo
     player.end_block(0);
   }
 }
+
+TEST_CASE(
+    "ticks that the audio steps go on from those of the clock, each at the first sample at or "
+    "after its time, over a pause and for any origin") {
+  struct Servo {
+    SignalLink link;
+    std::vector<double> times;
+    void step(double time_s) {
+      times.push_back(time_s);
+      static_cast<void>(link.force({times.size(), time_s, 1e-3}, {}));
+    }
+  } servo;
+  constexpr double kRate = 44100, kOrigin_s = 12.34;
+  servo.link.configure(SignalLink::Time::kLogical, 1000,
+                       {[](void* self) {
+                          auto& one = *static_cast<Servo*>(self);
+                          one.step(one.link.due_s());
+                        },
+                        &servo});
+  servo.link.set_origin(kOrigin_s);
+  servo.step(0);
+  servo.step(1e-3);
+  SignalPlayer player;
+  player.prepare(kRate);
+  player.attach(&servo.link);
+  std::size_t counted = servo.times.size();
+  const auto play = [&](std::int64_t first_sample, int blocks) {
+    for (int block = 0; block < blocks; ++block) {
+      const auto begin = static_cast<double>(first_sample + block * 64);
+      player.begin_block(64, kOrigin_s + begin / kRate);
+      for (int i = 0; i < 64; ++i) {
+        static_cast<void>(player.process({}));
+        for (; counted < servo.times.size(); ++counted) {
+          const double late_samples = (begin + i) - servo.times[counted] * kRate;
+          CHECK(late_samples > -1e-3);
+          CHECK(late_samples < 1);
+        }
+      }
+      player.end_block(0);
+    }
+  };
+  play(0, 100);
+  const std::size_t before = servo.times.size();
+  play(10000, 100); // after 3600 samples without audio
+  CHECK(servo.times.size() == before + 145);
+  for (std::size_t n = 0; n < servo.times.size(); ++n) {
+    const double ticks = servo.times[n] * 1000;
+    CHECK(std::abs(ticks - std::round(ticks)) < 1e-9);
+    if (n < before)
+      CHECK(ticks == doctest::Approx(static_cast<double>(n)));
+  }
+}
