@@ -1,5 +1,6 @@
 #include "externals/ioa_link/ioa_link.hpp"
 
+#include "core/message_time.hpp"
 #include "core/refusal.hpp"
 #include "net/bus_topic.hpp"
 #include "net/host_messages.hpp"
@@ -39,7 +40,7 @@ void IoaLink::send(std::span<const Atom> arguments, Host& host) {
     if (arguments.size() < 2 || arguments[1].is_word)
       return host.error("send " + text_of(arguments[0]) + ": expected its time in ms first");
     net::Message timed(net::Address::kTopic, topic.name());
-    timed.real(arguments[1].number - (now_ms + bus_ahead_ms_));
+    timed.real(message_time_since(arguments[1].number, now_ms + bus_ahead_ms_));
     for (std::size_t i = 1; i < topic.size(); ++i)
       timed.add(topic[i]);
     if (!std::isfinite(timed[0].number))
@@ -60,7 +61,7 @@ void IoaLink::deliver(const net::BusLink::Delivered& delivered, Host& host) {
     atoms[i + 1] =
         topic[i].type == net::Argument::Type::kString ? Atom(topic[i].text) : Atom(topic[i].number);
   if (net::bus_topic(topic.name()).has_time && topic.size() > 0)
-    atoms[1] = topic[0].number + kPerSecond * delivered.sent_s + bus_ahead_ms_;
+    atoms[1] = message_time(topic[0].number + kPerSecond * delivered.sent_s + bus_ahead_ms_);
   host.send(0, std::span(atoms).first(topic.size() + 1));
 }
 

@@ -18,7 +18,7 @@ public:
   static constexpr std::array kOutlets{
       Port{Port::Kind::kControl, "topics", "",
            "TOPIC fields... from the other side, at its playout time; times among the fields are "
-           "this side's, ms"},
+           "this side's, ms, from 0 to 65536 and again from 0"},
   };
   static constexpr std::array kMessages{
       Message{
@@ -38,8 +38,10 @@ public:
           "playout", "auto|ms", 1, 1,
           "let messages out so long after they were sent, 0 to 400 ms; auto: as the line needs; "
           "0: at once"},
-      Message{"time", "ms", 1, 1,
-              "the time on this side's bus now; without it bus time begins with the object"},
+      Message{
+          "time", "ms", 1, 1,
+          "the time on this side's bus now; without it bus time begins with the object. It begins "
+          "again at 0 after 65536 ms: times are taken as those nearest to now"},
   };
   static constexpr std::array kArguments{CreationArgument{"listen"}};
   static constexpr Declaration declaration{

@@ -1,4 +1,5 @@
 #include "core/declaration_text.hpp"
+#include "core/message_time.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
@@ -111,7 +112,7 @@ void Phantom::send_event(const haptic::Event& event, Host& host) {
 void Phantom::send_contact(const haptic::ContactEvent& event, Host& host) {
   using Kind = haptic::ContactEvent::Kind;
   const Atom body = scene_.name_of(event.key);
-  const double ms = patch_ms(event.time_s);
+  const double ms = message_time(patch_ms(event.time_s));
   const haptic::Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;
   switch (event.kind) {
   case Kind::kHit:

@@ -63,6 +63,30 @@ def test_the_servers_give_the_same_hits_within_2_ms(tmp_path, seed):
         assert servo[8] == pytest.approx(plain[8], abs=0.02)
 
 
+@pytest.mark.parametrize("driver", ["ioa_sdd_script", "ioa_sdd_osc"])
+@pytest.mark.parametrize("server", SERVERS)
+def test_bus_time_that_begins_again_changes_no_hit(tmp_path, server, driver):
+    """A bus whose clock begins at 64536 ms, and so again at 0 after a second, beside one that begins at 0."""
+    script = taps(tmp_path / "hand.txt", *[(x, 5) for x in range(0, 33, 3)], speed=0.25)
+    found = []
+    for origin in (0, 64536):
+        patch = Patch()
+        patch.obj("r ioa.clock?") >> patch.msg(str(origin)) >> patch.obj("v ioa.clock")
+        system = System(patch, sdd=[driver] + [script] * (driver == "ioa_sdd_script"), r_modal=None, **{"is": server})
+        if driver == "ioa_sdd_osc":
+            for ms, packet in osc_positions(script, "fourth number"):
+                patch.at(ms, system.box["sdd"], list(packet))
+        else:
+            patch.at(0, system.box["sdd"], "bang")
+        result = patch.render(2.1)
+        found.append([(*hit[2:],) for hit in of(result, "lab", "hit")])
+        times = [hit[0] for hit in of(result, "lab", "hit")]
+        logged = [(ms + origin) % 65536 for ms, _ in result.logs["lab.hit"]]
+        assert times == pytest.approx(logged, abs=3)
+    assert len(found[0]) == 11
+    assert numpy.array(found[1]) == pytest.approx(numpy.array(found[0]), rel=0.01, abs=1e-3)
+
+
 def test_a_script_and_osc_packets_of_the_same_positions_give_the_same_hits(tmp_path):
     script, seconds = wandering(tmp_path / "hand.txt", 3)
     scene = tmp_path / "scene.txt"

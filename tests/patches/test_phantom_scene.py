@@ -1,9 +1,11 @@
 """The scene inside [phantom]'s servo, from a headless Pd."""
 import math
 
+import numpy
 import pytest
 
 from device import moved, play
+from harness import Patch, read_trace
 
 SQUARE = "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf 1 2 3 4\n"
 EDGE = 0.5 * (4 - 2 * math.sqrt(2)) / math.sqrt(2)  # N: 500 N/m times how far a ball of 4 mm is over an edge
@@ -77,3 +79,19 @@ def test_a_stiffness_above_the_stable_bound_is_said_once(tmp_path):
     answer = play(tmp_path, [(10, "scene add wall plane 0 0 1 0"), (20, "scene mat wall 1500 0 0"),
                              (30, "scene mat wall 1200 0 0")])
     assert answer.told("status", "stiff") == [[1500, 1000]]
+
+
+def test_the_time_of_a_hit_keeps_its_resolution_as_it_begins_again_after_65536_ms(tmp_path):
+    """A single float of ms since the start, with which two of Pd's are apart by 4 ms after a day."""
+    patch = Patch()
+    box = patch.obj("phantom", *"-hand rigid -rate 1300 -path line 0 0 5.03 0 0 -4.97 1021.5".split())
+    patch.at(0, box, f"scene add wall plane 0 0 1 0, trace {tmp_path}/ticks.csv")
+    patch.log("info", box[3])
+    patch.at(66500, box, "trace stop")
+    result = patch.render(66.6)
+    hits = [atoms[1] for _, atoms in result.logs["info"] if atoms[0] == "hit"]
+    rows = read_trace(tmp_path / "ticks.csv")
+    begins = numpy.flatnonzero((rows["z_mm"][1:] < 0) & (rows["z_mm"][:-1] >= 0)) + 1
+    assert len(begins) >= 65
+    assert hits[:len(begins)] == pytest.approx(numpy.fmod(rows["ms"][begins], 65536), abs=1 / 512)
+    assert 0 <= hits[len(begins) - 1] < 1000

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+
+namespace tactus {
+
+/// Times in messages count to 65536 ms and begin again at 0: a host's single float then holds them
+/// to 1/256 ms, and its text of six digits to 0.1 ms, however long it has run. Two of them are
+/// compared on the circle, where they are at most half of it apart.
+inline constexpr double kMessageTimePeriod_ms = 65536;
+
+/// The time for a message, ms; from 0 to below 65536, also as a single float.
+[[nodiscard]] inline double message_time(double ms) noexcept {
+  constexpr double kHalfStep_ms = 1.0 / 512; // of a single float just below the period
+  const double time = ms - kMessageTimePeriod_ms * std::floor(ms / kMessageTimePeriod_ms);
+  return time < kMessageTimePeriod_ms - kHalfStep_ms ? time : 0.0;
+}
+
+/// How much later than `before`, ms, -32768 to 32768.
+[[nodiscard]] inline double message_time_since(double ms, double before) noexcept {
+  const double later = ms - before;
+  return later - kMessageTimePeriod_ms * std::floor(later / kMessageTimePeriod_ms + 0.5);
+}
+
+} // namespace tactus
