@@ -11,38 +11,11 @@ import json
 import pathlib
 import re
 
-from stage import RELATED, initial_text, number, ports, range_text, spell_choices
+from stage import initial_text, number, ports, range_text, spell_choices
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BEGIN = "<!-- written by help/reference_page.py -->\n"
 END = "<!-- end -->\n"
-MODELS = {  # the pages that explain an object: title and file in docs/
-    "contact_friction~": [("the model", "contact.md")],
-    "contact_impact~": [("the model", "contact.md")],
-    "footstep~": [("the model", "footstep.md"), ("your own surface", "surfaces.md")],
-    "greed_gradient~": [("the model", "guidance.md")],
-    "greed~": [("the model", "greed.md"), ("wind controllers", "wind_controller.md")],
-    "haptic_server": [("the protocol", "haptic_network.md")],
-    "ioa_link": [("AudioHaptics", "audiohaptics.md"), ("four computers", "four_computers.md")],
-    "modal_impact~": [("the model", "modal_impact.md"), ("making a body", "modal_fem.md")],
-    "particle~": [("the model", "particle.md")],
-    "phantom": [("the servo", "phantom.md"), ("bodies to touch", "scene.md"), ("force effects", "effects.md"),
-                ("masses and springs", "network.md"), ("real devices", "devices/README.md")],
-    "phantom~": [("the servo", "phantom.md"), ("masses and springs", "network.md")],
-    "playability_map": [("guidance", "guidance.md")],
-    "playability~": [("the model", "playability.md")],
-    "stress_haptic": [("the model", "stress_haptic.md"), ("making a table", "part_stress.md")],
-}
-HEARD = {  # a sound of it that ./play makes: scene, file, what it is
-    "footstep~": ("walking", "tour.wav", "one walker in one take"),
-    "greed_gradient~": ("reed", "adagio_room.wav", "the clarinet of Mozart's Adagio, played by a hand"),
-    "greed~": ("fanfare", "fanfare.wav", "two trumpets and two trombones"),
-    "modal_impact~": ("bodies", "piece.wav", "a piece for nine bodies"),
-    "particle~": ("particles", "piece.wav", "maraca, cabasa, tambourine and coins over rain and bubbles"),
-    "phantom": ("strike", "struck_disk.wav", "a hand strikes a disk"),
-    "phantom~": ("spring", "string.wav", "a string that a hand plucks"),
-    "stress_haptic": ("design", "struck_beam.wav", "a beam struck while it changes shape"),
-}
 SECTIONS = {  # of a ground's text
     "": "Before the first section",
     "solid": "`[solid]`: a floor that heel and ball strike",
@@ -68,15 +41,28 @@ def code(text):
     return f"`{text}`" if text else ""
 
 
-def related(name):
+def related(declaration):
     """Links to the objects and patches to look at next."""
     links = []
-    for word in RELATED[name].split(", "):
+    for word in filter(None, declaration["related"].split(", ")):
         if (ROOT / "externals" / word).is_dir():
             links.append(f"[{word}]({word}.md)")
-        else:
-            found = sorted((ROOT / "patches").rglob(word if word.endswith(".pd") else f"{word}.pd"))
-            links.append(f"[{word}](../../{found[0].relative_to(ROOT).as_posix()})")
+            continue
+        found = sorted((ROOT / "patches").rglob(word if word.endswith(".pd") else f"{word}.pd"))
+        if not found:
+            raise SystemExit(f"{declaration['name']}: its declaration is related to {word}: expected an object, or a patch below patches/")
+        links.append(f"[{word}](../../{found[0].relative_to(ROOT).as_posix()})")
+    return ", ".join(links)
+
+
+def explained(declaration, docs):
+    """Links to the pages that explain it."""
+    links = []
+    for words in filter(None, declaration["pages"].split(", ")):
+        title, _, file = words.partition(": ")
+        if not (docs / file).is_file():
+            raise SystemExit(f"{declaration['name']}: its declaration names the page `{words}`: expected `title: FILE` with a file of docs/")
+        links.append(f"[{title}](../{file})")
     return ", ".join(links)
 
 
@@ -106,13 +92,14 @@ def in_the_box(declaration):
 def page(declaration):
     d = declaration
     name = d["name"]
-    pages = ", ".join(f"[{title}](../{file})" for title, file in MODELS[name])
+    next_ones = [("Read more", explained(d, ROOT / "docs")), ("Related", related(d))]
     out = [f"# {name}", "", f"**{d['title'][0].upper()}{d['title'][1:]}.** {d['description']}", "",
-           f"First steps: [tutorial](../tutorials/{name}.md). Read more: {pages}. Related: {related(name)}. Help patch: "
+           f"First steps: [tutorial](../tutorials/{name}.md). "
+           + "".join(f"{title}: {links}. " for title, links in next_ones if links) + "Help patch: "
            f"right-click the object in Pd, or [{name}-help.pd](../../help/{name}-help.pd).", ""]
-    if name in HEARD:
-        scene, file, text = HEARD[name]
-        out += [f"Listen, once `./play {scene}` has made it: [{text}](../../out/{scene}/{file}).", ""]
+    if d["sound"]:
+        file, _, text = d["sound"].partition(": ")
+        out += [f"Listen, once `./play {file.split('/')[0]}` has made it: [{text}](../../out/{file}).", ""]
     out += ["## In the box", "", in_the_box(d), ""]
     for side in ("inlets", "outlets"):
         out += [f"## {side.capitalize()}", ""]

@@ -24,22 +24,6 @@ TITLE_COLOUR = "#2f4f5f"
 RULE_COLOUR = "#dcdcdc"
 LINE = 17  # pixels between two lines of text
 PAGE = 640  # pixels of [pd reference] that one window shows
-RELATED = {  # what to look at next
-    "contact_friction~": "contact_impact~, modal_impact~",
-    "contact_impact~": "contact_friction~, modal_impact~",
-    "footstep~": "particle~, modal_impact~, footstep_map.pd",
-    "greed_gradient~": "greed~, playability_map, reed_haptic.pd",
-    "greed~": "playability~, greed_gradient~, wind_controller.pd",
-    "haptic_server": "phantom, stress_haptic",
-    "ioa_link": "ioa_net, audiohaptics.pd",
-    "modal_impact~": "contact_impact~, struck_disk.pd, struck_beam.pd",
-    "particle~": "footstep~, modal_impact~",
-    "phantom": "phantom~, haptic_server, struck_disk.pd",
-    "phantom~": "phantom, modal_impact~, mass_spring.pd",
-    "playability_map": "playability~, greed_gradient~, reed_haptic.pd",
-    "playability~": "greed~, playability_map, greed_gradient~",
-    "stress_haptic": "phantom, haptic_server, beam.pd",
-}
 
 
 def escape(text):
@@ -182,8 +166,8 @@ def fill_help(source, declaration):
                          f"{name}{', ' + unit if unit else ''}: {text}"))
     rows += [("arguments" if i == 0 else "", f"{i + 1}  {name}", f"as the message {name}")
              for i, name in enumerate(declaration["arguments"])]
-    if declaration["name"] in RELATED:
-        rows.append(("see also", "", RELATED[declaration["name"]]))
+    if declaration["related"]:
+        rows.append(("see also", "", declaration["related"]))
     columns = (width - 190) // 7
     heights = [LINE * wrap(text, columns) for _, _, text in rows]
     y = height - sum(heights) - 38

@@ -55,7 +55,7 @@ void BusNode::watch(ClientId client, double now_s) {
   if (std::string complaint = session.take_warning(); !complaint.empty())
     exchange_.post({Notice::What::kWarning, std::move(complaint)});
   if (session.ready() && !reported_ready_[client]) {
-    reported_ready_[client] = was_ready_ = true;
+    reported_ready_[client] = true;
     exchange_.post({Notice::What::kConnected, session.name, ++exchange_.ready});
   }
   if (!reported_ready_[client])

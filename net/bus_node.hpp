@@ -73,8 +73,6 @@ public:
     return sessions_[client] != nullptr;
   }
   [[nodiscard]] const BusSession& session(ClientId client) const { return *sessions_[client]; }
-  /// There has been a connection over which messages went.
-  [[nodiscard]] bool was_ready() const noexcept { return was_ready_; }
   /// Why the last connection ended.
   [[nodiscard]] const std::string& last_reason() const noexcept { return last_reason_; }
 
@@ -88,7 +86,6 @@ private:
   Admission admission_;
   std::array<std::unique_ptr<BusSession>, kMaxConnections> sessions_{};
   std::array<bool, kMaxConnections> reported_ready_{}, reported_late_{};
-  bool was_ready_ = false;
   std::string last_reason_{};
 };
 

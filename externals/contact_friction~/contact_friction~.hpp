@@ -80,7 +80,9 @@ public:
       contact_friction::kOutlets,
       contact_friction::kParameters,
       contact_friction::kMessages,
-      contact::kBodyArguments};
+      contact::kBodyArguments,
+      "contact_impact~, modal_impact~",
+      "the model: contact.md"};
   static constexpr bool multichannel = true;
 
   ContactFriction() {

@@ -79,7 +79,9 @@ public:
       contact_impact::kOutlets,
       contact_impact::kParameters,
       contact_impact::kMessages,
-      contact::kBodyArguments};
+      contact::kBodyArguments,
+      "contact_friction~, modal_impact~",
+      "the model: contact.md"};
   static constexpr bool multichannel = true;
 
   ContactImpact() {

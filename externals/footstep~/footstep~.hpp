@@ -32,7 +32,10 @@ public:
       kOutlets,
       kParameters,
       kMessages,
-      kArguments};
+      kArguments,
+      "particle~, modal_impact~, footstep_map.pd",
+      "the model: footstep.md, your own surface: surfaces.md",
+      "walking/tour.wav: one walker in one take"};
 
   Footstep();
   void prepare(double sample_rate, std::size_t max_block);

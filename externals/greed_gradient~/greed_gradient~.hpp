@@ -74,7 +74,10 @@ public:
       kOutlets,
       kParameters,
       kMessages,
-      kArguments};
+      kArguments,
+      "greed~, playability_map, reed_haptic.pd",
+      "the model: guidance.md",
+      "reed/adagio_room.wav: the clarinet of Mozart's Adagio, played by a hand"};
   enum Timer : std::size_t { kStoppedTimer, kGuideTimer };
   static constexpr std::size_t timers = 2;
 

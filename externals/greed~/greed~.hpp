@@ -28,7 +28,10 @@ public:
       greed::kOutlets,
       greed::kParameters,
       greed::kMessages,
-      greed::kArguments};
+      greed::kArguments,
+      "playability~, greed_gradient~, wind_controller.pd",
+      "the model: greed.md, wind controllers: wind_controller.md",
+      "fanfare/fanfare.wav: two trumpets and two trombones"};
   static constexpr bool multichannel = true;
 
   void prepare(double sample_rate, std::size_t max_block) {

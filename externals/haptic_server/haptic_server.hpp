@@ -57,7 +57,9 @@ public:
       kOutlets,
       kParameters,
       kMessages,
-      kArguments};
+      kArguments,
+      "phantom, stress_haptic",
+      "the protocol: haptic_network.md"};
   static constexpr std::size_t timers = 1;
 
   HapticServerObject();

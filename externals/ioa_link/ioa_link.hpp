@@ -56,7 +56,9 @@ public:
       kOutlets,
       {},
       kMessages,
-      kArguments};
+      kArguments,
+      "ioa_net, audiohaptics.pd",
+      "AudioHaptics: audiohaptics.md, four computers: four_computers.md"};
   static constexpr std::size_t timers = 1;
 
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);

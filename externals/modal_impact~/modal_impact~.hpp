@@ -35,7 +35,10 @@ public:
       modal_impact::kOutlets,
       modal_impact::kParameters,
       modal_impact::kMessages,
-      modal_impact::kArguments};
+      modal_impact::kArguments,
+      "contact_impact~, struck_disk.pd, struck_beam.pd",
+      "the model: modal_impact.md, making a body: modal_fem.md",
+      "bodies/piece.wav: a piece for nine bodies"};
   enum Timer : std::size_t { kSettleTimer, kReplyTimer, kLoadedTimer };
   static constexpr std::size_t timers = 3;
 

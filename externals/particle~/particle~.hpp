@@ -37,7 +37,10 @@ public:
       particle::kOutlets,
       particle::kParameters,
       particle::kMessages,
-      particle::kArguments};
+      particle::kArguments,
+      "footstep~, modal_impact~",
+      "the model: particle.md",
+      "particles/piece.wav: maraca, cabasa, tambourine and coins over rain and bubbles"};
 
   ParticleObject() {
     for (std::size_t i = 0; i < value_.size(); ++i)

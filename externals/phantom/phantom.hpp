@@ -37,7 +37,11 @@ public:
       phantom::kOutlets,
       phantom::kParameters,
       phantom::kMessages,
-      phantom::kArguments};
+      phantom::kArguments,
+      "phantom~, haptic_server, struck_disk.pd",
+      "the servo: phantom.md, bodies to touch: scene.md, force effects: effects.md, masses and "
+      "springs: network.md, real devices: devices/README.md",
+      "strike/struck_disk.wav: a hand strikes a disk"};
   static constexpr std::size_t timers = 3;
 
   Phantom();

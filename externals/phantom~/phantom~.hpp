@@ -28,7 +28,10 @@ public:
       phantom_signal::kOutlets,
       phantom_signal::kParameters,
       phantom_signal::kMessages,
-      phantom_signal::kArguments};
+      phantom_signal::kArguments,
+      "phantom, modal_impact~, mass_spring.pd",
+      "the servo: phantom.md, masses and springs: network.md",
+      "spring/string.wav: a string that a hand plucks"};
   static constexpr std::size_t timers = 1;
 
   PhantomSignal() = default;

@@ -69,7 +69,9 @@ public:
       kOutlets,
       kParameters,
       kMessages,
-      kArguments};
+      kArguments,
+      "playability~, greed_gradient~, reed_haptic.pd",
+      "guidance: guidance.md"};
   static constexpr std::size_t timers = 1;
 
   PlayabilityMapObject();

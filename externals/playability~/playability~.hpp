@@ -60,7 +60,9 @@ struct PlayabilityObject {
       kOutlets,
       kParameters,
       kMessages,
-      kArguments};
+      kArguments,
+      "greed~, playability_map, greed_gradient~",
+      "the model: playability.md"};
 
   void prepare(double sample_rate, std::size_t) { estimator.prepare(sample_rate, transform); }
 

@@ -33,7 +33,10 @@ public:
       stress_haptic::kOutlets,
       stress_haptic::kParameters,
       stress_haptic::kMessages,
-      stress_haptic::kArguments};
+      stress_haptic::kArguments,
+      "phantom, haptic_server, beam.pd",
+      "the model: stress_haptic.md, making a table: part_stress.md",
+      "design/struck_beam.wav: a beam struck while it changes shape"};
   static constexpr std::size_t timers = 1;
 
   explicit StressHaptic(StressWorker::SolverFactory solvers);

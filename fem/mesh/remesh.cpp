@@ -284,18 +284,18 @@ private:
   /// surface, one of those that differ by little (2.5 degrees at most), so that time does not grow
   /// with them.
   void thin_out(std::vector<Plane>& planes) const {
-    double flip_edge = 1e-6, level = 1e-2 * max_deviation_;
+    double cosine_tolerance = 1e-6, level = 1e-2 * max_deviation_;
     for (int round = 0; round < 4; ++round) {
       std::vector<Plane> kept;
       for (const Plane& p : planes)
         if (std::none_of(kept.begin(), kept.end(), [&](const Plane& q) {
-              return dot(p.first, q.first) > 1 - flip_edge && std::abs(p.second - q.second) < level;
+              return dot(p.first, q.first) > 1 - cosine_tolerance && std::abs(p.second - q.second) < level;
             }))
           kept.push_back(p);
       planes = std::move(kept);
       if (planes.size() <= 32)
         return;
-      flip_edge *= 10;
+      cosine_tolerance *= 10;
       level = std::min(2 * level, .1 * max_deviation_);
     }
   }

@@ -1,7 +1,8 @@
 // tactus_describe: prints what every object says of itself as one JSON array.
-// Each entry: name, title, description, keywords, inlets, outlets, arguments, parameters, messages
-// and traits, as in core/declaration.hpp. `tactus_describe surface_keys` prints the keys of a
-// ground's text (docs/surfaces.md) instead: section, name, unit, range, initial value, text.
+// Each entry: name, title, description, keywords, related, pages, sound, inlets, outlets,
+// arguments, parameters, messages and traits, as in core/declaration.hpp. `tactus_describe
+// surface_keys` prints the keys of a ground's text (docs/surfaces.md) instead: section, name, unit,
+// range, initial value, text.
 #include "programs/describe/describe.hpp"
 
 #include "core/footstep/recipe.hpp"
@@ -68,6 +69,9 @@ std::string object(const ObjectDescription& described) {
          field("title", files::quoted_json(d.title)) + ",\n  " +
          field("description", files::quoted_json(d.description)) + ",\n  " +
          field("keywords", files::quoted_json(d.keywords)) + ",\n  " +
+         field("related", files::quoted_json(d.related)) + ",\n  " +
+         field("pages", files::quoted_json(d.pages)) + ",\n  " +
+         field("sound", files::quoted_json(d.sound)) + ",\n  " +
          field("inlets", array(d.inlets, port)) + ",\n  " +
          field("outlets", array(d.outlets, port)) + ",\n  " +
          field("arguments",

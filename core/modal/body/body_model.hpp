@@ -217,7 +217,6 @@ private:
   void glide_by_shares(BodyModel& before) noexcept;
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
   [[nodiscard]] double shape_scale_of(std::size_t part) const noexcept;
-  [[nodiscard]] double part_modulus(std::size_t part) const noexcept;
   void find_resting_contacts();
   void make_resting_kernels();
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals_of(std::size_t part, const Vec3& listener,

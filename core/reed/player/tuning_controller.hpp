@@ -55,8 +55,6 @@ public:
   /// Starts the present note again with trim 0, after `silence` (s) during which nothing counts as
   /// another register.
   void restart_note(double silence) noexcept;
-  /// tau at the target pitch, s.
-  [[nodiscard]] double time_constant() const noexcept { return time_constant_; }
 
   static constexpr double kWrongRegisterTime = 0.3; // s
   static constexpr double kLeap = 0.03;             // half a semitone within kPeriod samples
