@@ -16,8 +16,8 @@ from harness.run import ROOT
 LIVE = ROOT / "patches" / "live"
 
 
-def bundle(*messages):
-    return b"#bundle\0" + struct.pack(">Q", 1) + b"".join(struct.pack(">i", len(m)) + m for m in messages)
+def bundle(*messages, time=1):
+    return b"#bundle\0" + struct.pack(">Q", time) + b"".join(struct.pack(">i", len(m)) + m for m in messages)
 
 
 def unpacked(packet):
@@ -89,6 +89,16 @@ def test_signal_inlets_are_played_by_names():
     assert abs(sound[:2000]).max() < 1e-3 < 0.05 < abs(sound[-9600:]).max()
 
 
+@pytest.mark.parametrize("times", [(1, 1, 1), (1 << 60, 1 << 60, (1 << 60) + 1), (5, 6 << 32, 7 << 40)])
+def test_bundles_in_bundles_are_carried_out_in_order(times):
+    def seed(value):
+        return message("/greed/seed", value)
+    packet = bundle(seed(1), bundle(seed(2), bundle(seed(3), seed(4), time=times[2]), bundle(time=times[2]), time=times[1]), seed(5),
+                    time=times[0])
+    messages, *_ = exchange([packet])
+    assert [words[-1] for _, words in messages if "seed" in words] == [1, 2, 3, 4, 5]
+
+
 GOOD = bundle(message("/greed/seed", 3), message("/greed/mass", 1e-5))
 DAMAGED = {
     "too short": b"/a\0\0", "not whole words": message("/greed/seed", 3)[:-1],
@@ -96,7 +106,9 @@ DAMAGED = {
     "no slash": b"greed\0\0\0,i\0\0\0\0\0\3",
     "a bundle cut": GOOD[:-4], "a size beyond the packet": GOOD[:16] + struct.pack(">i", 1 << 20) + GOOD[20:],
     "a negative size": GOOD[:16] + struct.pack(">i", -8) + GOOD[20:], "a size of 0": GOOD[:16] + bytes(4) + GOOD[20:],
-    "a bundle in a bundle": bundle(GOOD),
+    "an inner bundle of an earlier time": bundle(bundle(message("/greed/seed", 3), time=(1 << 60) + 2), time=(1 << 60) + 3),
+    "a message beyond its inner bundle": bundle(GOOD[:16] + struct.pack(">i", 20) + message("/greed/seed", 3), message("/greed/seed", 4)),
+    "an inner bundle too short": bundle(b"#bundle\0"), "an inner bundle of another name": bundle(b"#bundlE\0" + GOOD[8:]),
     "the second message damaged": bundle(message("/greed/seed", 3), b"xyz\0,\0\0\0abcd"),
     "another name": message("/bell/seed", 3), "a number alone": message("/greed", 2000.0),
     "a program": message("/greed/solver", "/bin/true"), "a file written": message("/greed/write", "x"),
