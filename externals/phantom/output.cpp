@@ -23,7 +23,8 @@ void Phantom::collect(Host& host) {
   const double now_s = devices::ServoThread::now_s();
   const bool stalled =
       now_s - collected_s_ > kMaxHostStall_s; // then the servo may have stalled, too
-  follow_clock(host.now_ms(), now_s);
+  if (wall_)
+    clock_map_.follow(host.now_ms(), now_s);
   collected_s_ = now_s;
   const bool is_new = exchange().reports.read();
   has_report_ = has_report_ || is_new;
@@ -62,19 +63,9 @@ void Phantom::collect(Host& host) {
     send_timing(host);
 }
 
-/// Relates the servo's clock to the patch's. The host's time jumps by blocks about the true one,
-/// and the two drift apart by up to 100 ppm.
-void Phantom::follow_clock(double patch_ms, double servo_s) noexcept {
-  constexpr double kMaxDrift = 2e-4, kJump_ms = 50;
-  const double difference = patch_ms - servo_s * 1e3 - clock_offset_ms_;
-  const double step_ms = kMaxDrift * 1e3 * std::max(0.0, servo_s - collected_s_);
-  clock_offset_ms_ +=
-      std::abs(difference) > kJump_ms ? difference : std::clamp(difference, -step_ms, step_ms);
-}
-
 /// The patch's time of a moment of the servo's clock, ms.
 double Phantom::patch_ms(double servo_s) const noexcept {
-  return servo_s * 1e3 + (wall_ ? clock_offset_ms_ : 0);
+  return wall_ ? clock_map_.host_ms(servo_s) : servo_s * 1e3;
 }
 
 void Phantom::drain_trace() {
@@ -230,6 +221,8 @@ void Phantom::on_stats(Words words, Host& host) {
   count("refused", r.counters.refused);
   count("events_lost", exchange().events.dropped() + rig_->scene.events().dropped());
   count("trace_lost", exchange().trace.dropped());
+  line("clock_drift_ppm", clock_map_.drift_ppm());
+  count("clock_leaps", clock_map_.leaps());
   line("energy_j", r.energy_j);
   line("lowest_energy_j", r.lowest_energy_j);
 }

@@ -2,6 +2,7 @@
 
 #include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/effects/effect_model.hpp"
+#include "core/haptic/servo/clock_map.hpp"
 #include "core/object.hpp"
 #include "devices/servo_thread.hpp"
 #include "externals/phantom/declaration.hpp"
@@ -144,7 +145,6 @@ private:
   void send_timing(Host& host);
   void send_workspace(Host& host) const;
   void drain_trace();
-  void follow_clock(double patch_ms, double servo_s) noexcept;
   [[nodiscard]] double patch_ms(double servo_s) const noexcept;
   void watch_queues(Host& host);
   [[nodiscard]] haptic::ServoStatistics statistics() noexcept;
@@ -238,7 +238,7 @@ private:
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
-  double clock_offset_ms_ = 0;            // patch_ms() of ServoThread's clock
+  haptic::ClockMap clock_map_{};          // of ServoThread's clock
   double report_s_ = 0, collected_s_ = 0; // newest report, last look for one; ServoThread's clock
   std::array<bool, 13> reported_{false, false, false, true,  true,  false, true,
                                  true,  true,  true,  false, false, false};
