@@ -4,10 +4,10 @@
 //
 //   bench_haptic_passivity [--quick] [--csv FILE]
 //
-// prints, for each latency: of the cases that are stable without the controller, and of the others,
-// how often its force rms is above 1.1 times that without, and the worst; of the flights that gain
-// energy without it, how often they still do, and the worst; the largest force into the wall or
-// outside it; and the largest change of force over the slew limit.
+// prints, for each latency: of the cases that are stable without the controller, and of the others
+// over many bounces, how often its force rms is above 1.1 times that without, and the worst; of the
+// flights that gain energy without it, how often they still do, and the worst; the largest force
+// into the wall or outside it; and the largest change of force over the slew limit.
 #include "tests/core/haptic/chain/sampled_wall.hpp"
 
 #include <cstdio>
@@ -25,6 +25,10 @@ using Velocity = WallCase::Velocity;
 constexpr double kSameForce_n = 2e-3; // an rms below this is rest, whatever the ratio; as is less
                                       // than one step of the encoder makes at that stiffness
 constexpr double kMaxForceRatio = 1.1, kMaxExitEnergy = 1.05;
+// A handle that is thrown off comes back after 0.1 to 1 s, and tremor is random: of such cases the
+// last quarter of 2 s holds two or three bounces, and its rms changes by a quarter with their
+// number.
+constexpr double kManyBounces_s = 20;
 
 const char* name_of(Velocity velocity) {
   constexpr const char* names[] = {"ideal", "estimated", "noisy", "difference"};
@@ -115,20 +119,25 @@ Sweep sweep(int latency, bool declared, bool quick, std::FILE* csv) {
             c.value = hand.value;
             c.hand_n_per_m = hand.stiffness;
             c.hand_n_s_per_m = hand.damping;
-            const WallResult off = run_wall(c, false), on = run_wall(c, true);
+            WallResult off = run_wall(c, false), on = run_wall(c, true);
+            const bool is_quiet = off.stable();
+            if (!is_quiet && c.scene != Scene::kFlight) {
+              off = run_wall(c, false, kManyBounces_s);
+              on = run_wall(c, true, kManyBounces_s);
+            }
             result.max_slew = std::max(result.max_slew, on.max_slew);
             result.max_force = std::max(result.max_force, on.max_force_n);
             result.max_pull = std::max(result.max_pull, on.max_pull_n);
             if (csv)
               std::fprintf(csv, "%d,%d,\"%s\",%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", latency,
-                           declared, set_geometry(c).c_str(), off.stable(), off.force_rms_n,
+                           declared, set_geometry(c).c_str(), is_quiet, off.force_rms_n,
                            on.force_rms_n, off.motion_m, on.motion_m, off.exit_energy,
                            on.exit_energy);
             if (c.scene == Scene::kFlight) {
               if (off.exit_energy > 1)
                 result.exits.add(on.exit_energy, kMaxExitEnergy, set_geometry(c));
-            } else if (off.stable() || off.force_rms_n > kSameForce_n) { // not thrown off for good
-              (off.stable() ? result.force : result.loud)
+            } else {
+              (is_quiet ? result.force : result.loud)
                   .add(on.force_rms_n <= std::max(kSameForce_n, k * encoder)
                            ? 0.0
                            : on.force_rms_n / std::max(off.force_rms_n, 1e-9),
