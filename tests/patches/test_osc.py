@@ -107,7 +107,7 @@ DAMAGED = {
     "a bundle cut": GOOD[:-4], "a size beyond the packet": GOOD[:16] + struct.pack(">i", 1 << 20) + GOOD[20:],
     "a negative size": GOOD[:16] + struct.pack(">i", -8) + GOOD[20:], "a size of 0": GOOD[:16] + bytes(4) + GOOD[20:],
     "an inner bundle of an earlier time": bundle(bundle(message("/greed/seed", 3), time=(1 << 60) + 2), time=(1 << 60) + 3),
-    "a message beyond its inner bundle": bundle(GOOD[:16] + struct.pack(">i", 20) + message("/greed/seed", 3), message("/greed/seed", 4)),
+    "a message beyond its inner bundle": bundle(GOOD[:16] + struct.pack(">i", 44) + message("/greed/seed", 3), message("/greed/seed", 4)),
     "an inner bundle too short": bundle(b"#bundle\0"), "an inner bundle of another name": bundle(b"#bundlE\0" + GOOD[8:]),
     "the second message damaged": bundle(message("/greed/seed", 3), b"xyz\0,\0\0\0abcd"),
     "another name": message("/bell/seed", 3), "a number alone": message("/greed", 2000.0),
