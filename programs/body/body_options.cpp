@@ -56,21 +56,6 @@ std::vector<std::optional<Material>> chosen_materials(const BodyOptions& options
   return chosen;
 }
 
-/// Names the regions that take the default although others have a material.
-void warn_of_default_materials(const BodyOptions& options, const Mesh& mesh,
-                               ProgressLine& progress) {
-  const auto chosen = chosen_materials(options, mesh);
-  if (std::none_of(chosen.begin(), chosen.end(), [](auto& m) { return m.has_value(); }))
-    return;
-  std::string regions;
-  for (std::size_t r = 0; r < chosen.size(); ++r)
-    if (!chosen[r])
-      regions += (regions.empty() ? "" : ", ") + mesh.regions[r];
-  if (!regions.empty())
-    progress.notify("warning: no --material is for region " + regions + ", which is taken as " +
-                    options.default_material);
-}
-
 std::string underscored(std::string word) {
   std::replace(word.begin(), word.end(), '-', '_');
   return word;
@@ -275,7 +260,15 @@ std::string usage_of_mesh() {
 
 std::vector<Material> materials_of(const BodyOptions& options, const Mesh& mesh) {
   std::vector<Material> materials;
-  for (const auto& material : chosen_materials(options, mesh))
+  const auto chosen = chosen_materials(options, mesh);
+  const auto without = std::find(chosen.begin(), chosen.end(), std::nullopt);
+  if (without != chosen.end() &&
+      std::any_of(chosen.begin(), chosen.end(), [](auto& m) { return m.has_value(); })) {
+    const std::string& region = mesh.regions[static_cast<std::size_t>(without - chosen.begin())];
+    throw InputError("region " + region + " has no material, although others have one: expected " +
+                     "--material " + region + "=NAME, or --material NAME for all");
+  }
+  for (const auto& material : chosen)
     materials.push_back(material ? *material : find_material(options.default_material));
   for (const auto& [what, value] : options.changes)
     if (!materials[0].isotropic() && (what == "young" || what == "poisson"))
@@ -378,9 +371,7 @@ void check_readable(const std::string& path) {
     throw InputError("cannot read " + path + ": permission denied");
 }
 
-void describe(const BodyOptions& options, const Mesh& mesh, ProgressLine& progress,
-              const std::string& what) {
-  warn_of_default_materials(options, mesh, progress);
+void describe(const Mesh& mesh, ProgressLine& progress, const std::string& what) {
   const Vector3 size = bounding_box(mesh.nodes).size();
   progress.notify(
       format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",

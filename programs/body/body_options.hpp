@@ -115,8 +115,7 @@ void warn_of_unusual_length(const BodyOptions&, double largest_m,
 /// return.
 void check_readable(const std::string& path);
 
-/// Says sizes, and warns of linear elements, which are too stiff for `what`, and of regions whose
-/// material is the default beside others that have one.
-void describe(const BodyOptions&, const Mesh&, ProgressLine&, const std::string& what);
+/// Says sizes, and warns of linear elements, which make `what`.
+void describe(const Mesh&, ProgressLine&, const std::string& what);
 
 } // namespace tactus::fem

@@ -145,7 +145,7 @@ Solved assembled(const ModalOptions& options, Refinement& refinement, ProgressLi
   body.mesh = refinement.mesh();
   progress.stage("checking the mesh", 0);
   check(body.mesh);
-  describe(options, body.mesh, progress, "frequencies 5 to 30 % too high");
+  describe(body.mesh, progress, "frequencies 5 to 30 % too high");
   forecast.made(body.mesh);
   const Parts parts = connected_parts(body.mesh);
   if (parts.count > 1 && !options.several_parts)

@@ -235,7 +235,7 @@ Mesh mesh_of(const PartOptions& options, ProgressLine& progress) {
   if (options.is_lift_arm() || options.is_file)
     straighten_flat(mesh);
   check(mesh);
-  describe(options, mesh, progress, "stresses far too low");
+  describe(mesh, progress, "stresses far too low");
   warn_of_unusual_length(options, bounding_box(mesh.nodes).largest(),
                          [&](const std::string& sentence) { progress.notify(sentence); });
   check_budget(options, budget, size_of(mesh),

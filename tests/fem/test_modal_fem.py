@@ -198,14 +198,14 @@ def test_a_deck_brings_its_materials_and_a_free_body_asks_for_its_rigid_motions_
     assert "1.2e+16 Pa with lengths of 0.001 m" in refusal("wood.inp", "--unit", "mm", folder=tmp_path)
 
 
-def test_a_region_without_a_material_beside_one_that_has_one_is_warned_of(tmp_path):
+def test_a_region_without_a_material_beside_one_that_has_one_is_refused(tmp_path):
     (tmp_path / "two.inp").write_text("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n*ELEMENT,TYPE=C3D4,ELSET=A\n"
                                       "1,1,2,3,4\n*ELEMENT,TYPE=C3D4,ELSET=B\n2,2,3,4,5\n")
     words = ["two.inp", "--unit", "cm", "--modes", 1]
-    for more, other, warned in (([], 2700, True), (["--material", "brass"], 8500, False)):
-        both, said = table(*words, "--material", "A=spruce", *more, "--quiet", folder=tmp_path)
-        assert both["mass"] == pytest.approx(1e-6 / 6 * (400 + 2 * other))
-        assert ("warning: no --material is for region B, which is taken as aluminium" in said) == warned
+    assert "region B has no material, although others have one" in refusal(*words, "--material", "A=spruce", folder=tmp_path)
+    for materials, other in ((["--material", "brass", "--material", "A=spruce"], 8500), ([], 2700)):
+        both, _ = table(*words, *materials, folder=tmp_path)
+        assert both["mass"] == pytest.approx(1e-6 / 6 * ((400 if materials else other) + 2 * other))
 
 
 def test_the_unit_of_a_mesh_that_is_too_large_is_asked_for(tmp_path):
