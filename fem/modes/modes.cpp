@@ -72,29 +72,44 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   report("factorising", 0);
   factor.factorise();
   report("finding modes", 0);
-  // A few more than asked for, so that a group of equal frequencies is complete at the end.
-  Spectrum spectrum = lowest_modes(matrices, factor, shift, rigid,
-                                   {.count = settings.count + 4, .progress = [&](double share) {
-                                      report("finding modes", share);
-                                    }});
-  const std::size_t n = matrices.dofs();
   Modes modes;
-  modes.rigid = rigid.size() / n;
-  modes.solves = spectrum.solves;
+  modes.rigid = rigid.size() / matrices.dofs();
   modes.cost = factor.cost();
-  modes.shapes = std::move(spectrum.vectors);
-  modes.frequency_hz.resize(spectrum.lambda.size());
-  sort_by_quotient(matrices, modes);
+  std::size_t kept = 0, found = 0, asked = settings.count + 1;
+  do { // more than asked for, until the last group is complete
+    asked += asked > settings.count + 1 ? asked / 2 + 4 : 3;
+    Spectrum spectrum = lowest_modes(
+        matrices, factor, shift, rigid,
+        {.count = asked, .progress = [&](double share) { report("finding modes", share); }});
+    found = spectrum.lambda.size();
+    modes.solves += spectrum.solves;
+    modes.shapes = std::move(spectrum.vectors);
+    modes.frequency_hz.resize(found);
+    sort_by_quotient(matrices, modes);
+    kept = with_whole_groups(modes, settings.count);
+  } while (kept == asked && found == asked);
   make_canonical(mesh, modes);
-  const std::size_t kept = std::min(settings.count, modes.frequency_hz.size());
-  modes.frequency_hz.resize(kept);
-  modes.multiplicity.resize(kept);
-  modes.residual.resize(kept);
-  modes.shapes.resize(kept * n);
+  keep_first(modes, kept);
   report("finding modes", 1);
   if (settings.inspect)
     settings.inspect(modes, factor);
   return modes;
+}
+
+std::size_t with_whole_groups(const Modes& modes, std::size_t count) {
+  const std::vector<double>& f = modes.frequency_hz;
+  while (count > 0 && count < f.size() &&
+         f[count] - f[count - 1] < std::min(1e-3, .1 / static_cast<double>(count)) * f[count])
+    ++count;
+  return std::min(count, f.size());
+}
+
+void keep_first(Modes& modes, std::size_t count) {
+  const std::size_t before = modes.frequency_hz.size();
+  modes.shapes.resize(before > 0 ? modes.shapes.size() / before * count : 0);
+  modes.frequency_hz.resize(count);
+  modes.multiplicity.resize(count);
+  modes.residual.resize(count);
 }
 
 void sort_by_quotient(const Matrices& m, Modes& modes) {

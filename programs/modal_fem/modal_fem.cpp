@@ -79,6 +79,11 @@ int run(const std::vector<std::string>& words) {
   if (!table.shape.parameters.empty())
     table.metadata.command = words; // for `serve`
   print(table);
+  if (options.import_values.empty() && table.modes.frequency_hz.size() > options.modes)
+    std::printf(
+        "%zu modes instead of %zu: the last are of near-equal frequency, and a part of such "
+        "a group would sound by how the body is turned\n",
+        table.modes.frequency_hz.size(), options.modes);
   std::fflush(stdout);
   const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };
   if (!options.output.empty()) {

@@ -121,7 +121,8 @@ BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimens
   return text +
          R"(              --tolerance PERCENT (0.2)  the mesh is refined until each mode's estimated error is
                                below; 0: the first mesh stays, as with --h and --layers
-Modes         --modes N (40)  --threads N (1)
+Modes         --modes N (40)  a last group of near-equal frequencies is kept whole
+              --threads N (1)
               --engine slepc --ranks N  (2)  the factor on N processes of mpirun
               --memory SIZE  refuse work that takes more, such as 800M or 4G (half of what is free)
               --residual  also how far the skin yields beyond these modes, for contacts

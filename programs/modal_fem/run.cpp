@@ -83,11 +83,7 @@ void find_modes_of(Solved& body, const ModalOptions& options, ErrorEstimate& err
 
 /// Leaves out all modes but the first.
 void keep_first(Solved& body, std::size_t count) {
-  Modes& modes = body.modes;
-  modes.frequency_hz.resize(count);
-  modes.shapes.resize(count * body.mesh.dofs());
-  modes.multiplicity.resize(count);
-  modes.residual.resize(count);
+  keep_first(body.modes, count);
   body.relative_error.resize(std::min(count, body.relative_error.size()));
 }
 
@@ -300,7 +296,7 @@ Solved solve(const ModalOptions& options, ProgressLine& progress) {
     return body;
   body.solved = true;
   if (options.design.requested) {
-    const std::size_t count = std::min(options.modes, body.modes.frequency_hz.size());
+    const std::size_t count = with_whole_groups(body.modes, options.modes);
     body.shape =
         shape_derivatives(options.design, body.mesh, body.materials, body.modes, count, progress);
     keep_first(body, count);

@@ -39,6 +39,7 @@ public:
     if (table_.sensitivity.parameters() != parameters())
       throw InputError(path_ + format(" has %zu shape parameters, expected the %zu of its command",
                                       table_.sensitivity.parameters(), parameters()));
+    options_.modes = table_.modes(); // more than its command asked for, where they are a group
     set_solver_threads(options_.threads);
   }
 

@@ -55,11 +55,7 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
 
   progress.stage("importing the modes", 0);
   Modes modes = import_modes(slepc.file("values"), slepc.file("vectors"), mesh, matrices, false);
-  const std::size_t kept = std::min(count, modes.frequency_hz.size());
-  modes.frequency_hz.resize(kept);
-  modes.multiplicity.resize(kept);
-  modes.residual.resize(kept);
-  modes.shapes.resize(kept * n);
+  keep_first(modes, with_whole_groups(modes, count));
   return modes;
 }
 

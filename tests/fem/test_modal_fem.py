@@ -38,7 +38,7 @@ def test_the_table_holds_every_array_in_its_type_and_shape(disk):
     about = meta(disk)
     assert about["format"] == "modal-table" and about["version"] == "1.0" and about["units"] == "SI"
     assert about["rigid_modes"] == 6 and len(about["mesh_sha256"]) == 64
-    assert modes == 6 and np.all(np.diff(disk["freq"]) >= 0)
+    assert modes == 7 and np.all(np.diff(disk["freq"]) >= 0)
     assert said.index("ahead") < said.index("factorising") < said.index("finding modes")  # forecast, then done
 
 
@@ -206,6 +206,12 @@ def test_a_region_without_a_material_beside_one_that_has_one_is_refused(tmp_path
     for materials, other in ((["--material", "brass", "--material", "A=spruce"], 8500), ([], 2700)):
         both, _ = table(*words, *materials, folder=tmp_path)
         assert both["mass"] == pytest.approx(1e-6 / 6 * ((400 if materials else other) + 2 * other))
+
+
+def test_a_pair_of_modes_is_kept_whole_and_that_is_said(tmp_path):
+    plate, said = table("plate", "--length", 100, "--width", 100, "--thickness", 5, "--h", 20, "--modes", 4, "--tolerance",
+                       0, folder=tmp_path)
+    assert len(plate["freq"]) == 5 and "5 modes instead of 4: the last are of near-equal frequency" in said
 
 
 def test_the_unit_of_a_mesh_that_is_too_large_is_asked_for(tmp_path):
