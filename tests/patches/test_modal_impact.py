@@ -195,6 +195,30 @@ def test_no_material_of_the_plate_clips_at_the_defaults_and_gain_is_full_scales_
         assert abs(100 * ours - pascal).max() < 1e-5 * abs(pascal).max()
 
 
+SHIPPED = ["bar", "bell", "board", "bowl", "glass", "plank", "plate", "tube"]
+
+
+@pytest.mark.parametrize("bodies", [["plate"], pytest.param(SHIPPED, marks=slow)])
+def test_no_shipped_body_thumps_when_its_material_or_size_changes_while_it_rings(bodies):
+    # Every mode keeps its energy on the way: no moment may be 2 dB louder than the louder of before and after.
+    changes = [("preset steel", "preset rubber"), ("preset rubber", "preset steel"), ("size 1", "size 8"),
+               ("size 2", "size 1"), ("size 1", "material 1e9 0")]
+    patch = Patch()
+    for body in bodies:
+        for first, then in changes:
+            box = patch.obj("modal_impact~", f"{body}.modal.npz", "-sync", 1)
+            for ms, message in [(5, first), (50, "hit 1"), (70, then)]:
+                patch.at(ms, box, message)
+            patch.record(f"{body}: {first}, {then}", box)
+    result = patch.render(0.4, timeout=300)
+    for body in bodies:
+        for first, then in changes:
+            sound = abs(result[f"{body}: {first}, {then}"])
+            before, meanwhile, after = (sound[int(a * RATE / 1000):int(b * RATE / 1000)].max()
+                                        for a, b in [(50, 70), (70, 95), (95, 200)])
+            assert before > 0 and meanwhile < 1.26 * max(before, after), (body, first, then)
+
+
 def help_patch(*messages, seconds=0.8):
     """What the help patch plays, and the speeds at which it strikes."""
     patch = Patch(opens=stage_folder() / "modal_impact~-help.pd", own="own")
