@@ -4,7 +4,9 @@
 #include "fem/io/text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <set>
 
 namespace tactus::fem {
@@ -58,6 +60,28 @@ InpSet& set_named(InpSets& sets, const std::string& name) {
   return set;
 }
 
+/// What numbers and names mean: of the file, or of an instance, whose names begin with "NAME.".
+struct InpScope {
+  std::string prefix;
+  std::map<int, int> node_of, element_of; ///< not hashed: a file chooses its numbers
+};
+
+/// Moves by `shift`, then turns by `angle` about the line through `from` along `axis`, as Abaqus.
+struct Placement {
+  Vector3 shift{}, from{}, axis{0, 0, 1};
+  double angle = 0;
+  /// Rodrigues' formula.
+  [[nodiscard]] Vector3 turned(const Vector3& v) const {
+    return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
+           (1 - std::cos(angle)) * dot(axis, v) * axis;
+  }
+  [[nodiscard]] Vector3 placed(const Vector3& p) const {
+    return angle == 0 ? p + shift : from + turned(p + shift - from);
+  }
+};
+
+constexpr std::size_t kMaxInstances = 1000; // each reads its part again
+
 /// Reads the file line by line into a mesh. The last keyword says what data lines mean.
 class InpReader {
 public:
@@ -78,6 +102,8 @@ public:
         lines_.refuse(printable(lines_.text(), 60) + ": expected no data of " + keyword_.words);
     }
     end_element();
+    if (scope_ != &file_)
+      lines_.refuse("the file ends in *INSTANCE, expected *END INSTANCE");
     if (mesh_.elements.empty())
       throw InputError(lines_.path() + " holds no volume element: expected C3D10, C3D15 or C3D20");
     assign_regions();
@@ -102,13 +128,18 @@ private:
         {"node", {{"nset"}, nullptr, &InpReader::add_node}},
         {"element", {{"type", "elset"}, &InpReader::begin_elements, &InpReader::add_to_element}},
         {"nset",
-         {{"nset", "elset", "generate", "unsorted", "internal"},
+         {{"nset", "elset", "generate", "unsorted", "internal", "instance"},
           &InpReader::begin_node_set,
           &InpReader::add_to_node_set}},
         {"elset",
-         {{"elset", "generate", "unsorted", "internal"},
+         {{"elset", "generate", "unsorted", "internal", "instance"},
           &InpReader::begin_element_set,
           &InpReader::add_to_element_set}},
+        {"part", {{"name"}, &InpReader::keep_part, nullptr}},
+        {"assembly", {{"name"}, nullptr, nullptr}},
+        {"endassembly", {}},
+        {"instance", {{"name", "part"}, &InpReader::begin_instance, &InpReader::add_placement}},
+        {"endinstance", {{}, &InpReader::read_part, nullptr}},
         {"material", {{"name"}, &InpReader::begin_material, nullptr}},
         {"elastic", {{"type"}, &InpReader::begin_elastic, &InpReader::add_elastic}},
         {"density", {{}, nullptr, &InpReader::add_density}},
@@ -139,28 +170,114 @@ private:
       return;
     }
     if (known == blocks().end())
-      lines_.refuse(keyword_.words +
-                        " is not read: expected one flat file (no *PART, *INSTANCE or *INCLUDE) of "
-                        "nodes, elements, sets, materials and *SOLID SECTION",
-                    keyword_.line);
+      lines_.refuse(
+          keyword_.words +
+              " is not read: expected nodes, elements, sets, materials, *SOLID SECTION, *PART "
+              "and *INSTANCE, in one file without *INCLUDE",
+          keyword_.line);
     block_ = &known->second;
     for (const auto& [name, value] : keyword_.parameters)
       if (std::find(block_->parameters.begin(), block_->parameters.end(), name) ==
           block_->parameters.end())
         lines_.refuse(keyword_.words + ": " + printable(name, 40) + " is not read", keyword_.line);
+    if (placing_ && keyword_.name != "endinstance")
+      lines_.refuse(keyword_.words + " in *INSTANCE: expected its placement alone", keyword_.line);
+    within_ = scope_;
+    if (keyword_.has("instance")) {
+      const auto named = instances_.find(lower(keyword_.value("instance")));
+      if (named == instances_.end())
+        lines_.refuse("no instance before it is called " +
+                          printable(keyword_.value("instance"), 60),
+                      keyword_.line);
+      within_ = &named->second;
+    }
     if (block_->begin)
       (this->*block_->begin)();
   }
 
+  /// A part is read for each of its instances, whose names it then has.
+  void keep_part() {
+    if (scope_ != &file_)
+      lines_.refuse(keyword_.words + " in an instance", keyword_.line);
+    const std::string name = lower(keyword_.value("name"));
+    if (name.empty())
+      lines_.refuse(keyword_.words + ": expected NAME=", keyword_.line);
+    if (!parts_.try_emplace(name, lines_.keep_until("endpart", keyword_)).second)
+      lines_.refuse("part " + printable(name, 60) + " is defined twice", keyword_.line);
+    unused_parts_.insert(name);
+  }
+  void begin_instance() {
+    const std::string name = keyword_.value("name"), part = lower(keyword_.value("part"));
+    part_ = parts_.find(part);
+    if (name.empty() || part_ == parts_.end())
+      lines_.refuse(keyword_.words + ": expected NAME= and PART= of a part before it",
+                    keyword_.line);
+    if (scope_ != &file_ || instances_.size() >= kMaxInstances)
+      lines_.refuse(keyword_.words +
+                        format(": expected %zu instances at most, none in another", kMaxInstances),
+                    keyword_.line);
+    const auto [at, added] = instances_.try_emplace(lower(name));
+    if (!added)
+      lines_.refuse("instance " + printable(name, 60) + " is defined twice", keyword_.line);
+    at->second.prefix = name + ".";
+    scope_ = &at->second;
+    unused_parts_.erase(part);
+    placement_ = {};
+    placing_ = true;
+    placement_lines_ = 0;
+  }
+  void add_placement() {
+    const auto cells = lines_.cells();
+    std::array<double, 7> x{};
+    const std::size_t expected = ++placement_lines_ == 1 ? 3 : 7;
+    if (placement_lines_ > 2 || cells.size() != expected)
+      lines_.refuse(printable(lines_.text(), 60) +
+                    ", expected a line of x,y,z to move by and one of two points and an angle in "
+                    "degrees to turn by");
+    std::transform(cells.begin(), cells.end(), x.begin(),
+                   [this](const std::string& cell) { return lines_.number(cell); });
+    if (expected == 3) {
+      placement_.shift = unit_ * Vector3{x[0], x[1], x[2]};
+      return;
+    }
+    const Vector3 axis = Vector3{x[3], x[4], x[5]} - Vector3{x[0], x[1], x[2]};
+    if (!(length(axis) > 0))
+      lines_.refuse(printable(lines_.text(), 60) + ": expected two points of the axis");
+    placement_.from = unit_ * Vector3{x[0], x[1], x[2]};
+    placement_.axis = (1 / length(axis)) * axis;
+    placement_.angle = x[6] * std::numbers::pi / 180;
+  }
+  /// *END INSTANCE stands before the part's lines and, read again, behind them.
+  void read_part() {
+    if (scope_ == &file_)
+      lines_.refuse(keyword_.words + " without *INSTANCE", keyword_.line);
+    if (placing_) {
+      lines_.read_again({{"*END INSTANCE", keyword_.line}});
+      lines_.read_again(part_->second);
+      materials_.turn_by(
+          [placement = placement_](const Vector3& v) { return placement.turned(v); });
+    } else {
+      materials_.turn_by({});
+      scope_ = &file_;
+      placement_ = {};
+    }
+    placing_ = false;
+  }
+  /// A name of the part that is being read, as the assembly calls it.
+  void scope_parameter(const char* parameter) {
+    if (keyword_.has(parameter) && !keyword_.value(parameter).empty())
+      keyword_.parameters[parameter] = scope_->prefix + keyword_.value(parameter);
+  }
+
   [[nodiscard]] int node(int id) const {
-    const auto at = node_of_.find(id);
-    if (at == node_of_.end())
+    const auto at = within_->node_of.find(id);
+    if (at == within_->node_of.end())
       lines_.refuse("node " + std::to_string(id) + " is not defined");
     return at->second;
   }
   [[nodiscard]] int element(int id) const {
-    const auto at = element_of_.find(id);
-    if (at == element_of_.end())
+    const auto at = within_->element_of.find(id);
+    if (at == within_->element_of.end())
       lines_.refuse("element " + std::to_string(id) + " is not defined");
     return at->second;
   }
@@ -178,10 +295,11 @@ private:
     Vector3 p;
     for (int k = 0; k < 3; ++k)
       p[k] = unit_ * lines_.number(cells[static_cast<std::size_t>(k) + 1]);
-    if (!node_of_.try_emplace(id(cells[0]), static_cast<int>(mesh_.nodes.size())).second)
+    p = placement_.placed(p);
+    if (!scope_->node_of.try_emplace(id(cells[0]), static_cast<int>(mesh_.nodes.size())).second)
       lines_.refuse("node " + cells[0] + " is defined twice");
     if (keyword_.has("nset"))
-      set_named(node_sets_, keyword_.value("nset"))
+      set_named(node_sets_, scope_->prefix + keyword_.value("nset"))
           .members.push_back(static_cast<int>(mesh_.nodes.size()));
     mesh_.nodes.push_back(p);
   }
@@ -239,9 +357,10 @@ private:
   void define_element(int index) {
     const int number = pending_[0];
     pending_.clear();
-    if (!element_of_.try_emplace(number, index).second)
+    if (!scope_->element_of.try_emplace(number, index).second)
       lines_.refuse("element " + std::to_string(number) + " is defined twice");
-    const std::string set = keyword_.value("elset");
+    const std::string name = keyword_.value("elset"),
+                      set = name.empty() ? name : scope_->prefix + name;
     if (!set.empty())
       set_named(element_sets_, set).members.push_back(index);
     if (index >= 0)
@@ -267,7 +386,7 @@ private:
   std::vector<int>& begin_set(InpSets& sets, const char* parameter) {
     if (keyword_.value(parameter).empty())
       lines_.refuse(keyword_.words + ": expected a name, " + parameter + "=", keyword_.line);
-    return set_named(sets, keyword_.value(parameter)).members;
+    return set_named(sets, scope_->prefix + keyword_.value(parameter)).members;
   }
   void add_to_node_set() {
     add_to_set(node_sets_, [this](int number) { return node(number); });
@@ -297,7 +416,7 @@ private:
     limit_sets(members_->size() - before);
   }
   [[nodiscard]] std::vector<int> members_of(const InpSets& sets, const std::string& name) const {
-    const auto at = sets.find(lower(name));
+    const auto at = sets.find(lower(within_->prefix + name));
     if (at == sets.end())
       lines_.refuse("no set before it is called " + printable(name, 60));
     return at->second.members;
@@ -317,9 +436,16 @@ private:
   void add_elastic() { materials_.add_elastic(); }
   void add_density() { materials_.add_density(); }
   void begin_damping() { materials_.begin_damping(keyword_); }
-  void begin_orientation() { materials_.begin_orientation(keyword_); }
+  void begin_orientation() {
+    scope_parameter("name");
+    materials_.begin_orientation(keyword_);
+  }
   void add_orientation() { materials_.add_orientation(); }
-  void begin_section() { materials_.begin_section(keyword_); }
+  void begin_section() {
+    scope_parameter("elset");
+    scope_parameter("orientation");
+    materials_.begin_section(keyword_);
+  }
   void add_thickness() { materials_.add_thickness(); }
 
   /// The section of each element; -1 where it has none.
@@ -413,6 +539,8 @@ private:
     for (const auto& [type, flat] : flat_)
       notify(format("%d elements of %s (line %d) have no volume and are left out", flat.count,
                     flat.words.c_str(), flat.line));
+    for (const std::string& part : unused_parts_)
+      notify("part " + printable(part, 60) + " has no *INSTANCE and is left out");
     std::string names;
     for (const auto& [name, at] : passed_over_)
       names += (names.empty() ? "" : ", ") + at.words + " (line " + std::to_string(at.line) + ")";
@@ -433,8 +561,17 @@ private:
   InpMaterials materials_;
   double unit_; ///< metres a unit of the file
   Mesh mesh_;
-  std::map<int, int> node_of_, element_of_; ///< not hashed: a file chooses its numbers
-  std::vector<Numbered> elements_;          ///< those with volume
+  InpScope file_;
+  std::map<std::string, InpScope> instances_; ///< by their names in lower case, as parts
+  std::map<std::string, InpLines::Kept> parts_;
+  std::set<std::string> unused_parts_;
+  std::map<std::string, InpLines::Kept>::const_iterator part_; ///< of the last instance
+  InpScope* scope_ = &file_;                                   ///< what a line defines is of it
+  const InpScope* within_ = &file_;                            ///< what a line names is of it
+  Placement placement_;                                        ///< of the instance being read
+  bool placing_ = false;
+  int placement_lines_ = 0;
+  std::vector<Numbered> elements_; ///< those with volume
   InpSets node_sets_, element_sets_;
   InpKeyword keyword_;
   const Block* block_ = nullptr;

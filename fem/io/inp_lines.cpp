@@ -4,6 +4,7 @@
 #include "fem/mesh/mesh.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace tactus::fem {
 namespace {
@@ -47,8 +48,13 @@ InpLines::InpLines(const std::string& path) : path_(path), file_(path) {
 }
 
 bool InpLines::next() {
+  if (!again_.empty()) {
+    std::tie(text_, number_) = std::move(again_.back());
+    again_.pop_back();
+    return true;
+  }
   for (std::string line; std::getline(file_, line);) {
-    ++number_;
+    number_ = ++in_file_;
     std::string_view text = line;
     if (number_ == 1 && text.starts_with("\xEF\xBB\xBF"))
       text.remove_prefix(3);
@@ -59,6 +65,25 @@ bool InpLines::next() {
       return true;
   }
   return false;
+}
+
+InpLines::Kept InpLines::keep_until(const std::string& name, const InpKeyword& begin) {
+  Kept kept;
+  while (next()) {
+    if (is_keyword()) {
+      const std::string found = without_blanks(text_.substr(1, text_.find(',') - 1));
+      if (found == name)
+        return kept;
+      if (found == begin.name)
+        break;
+    }
+    kept.emplace_back(text_, number_);
+  }
+  refuse(begin.words + " without its end", begin.line);
+}
+
+void InpLines::read_again(const Kept& lines) {
+  again_.insert(again_.end(), lines.rbegin(), lines.rend());
 }
 
 InpKeyword InpLines::keyword() {

@@ -36,6 +36,13 @@ public:
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   [[nodiscard]] int number() const noexcept { return number_; }
 
+  /// Lines to read again, and their numbers in the file.
+  using Kept = std::vector<std::pair<std::string, int>>;
+  /// The lines from here to the keyword of that name, which is the present line then.
+  [[nodiscard]] Kept keep_until(const std::string& name, const InpKeyword& begin);
+  /// Goes on with these lines, then with those behind the present one.
+  void read_again(const Kept& lines);
+
   /// Refuses with file and line; the present one where none is named.
   [[noreturn]] void refuse(const std::string& sentence, int line = 0) const;
   /// A number of the line, also with Fortran's exponent (1.5D+03).
@@ -45,7 +52,8 @@ private:
   const std::string& path_;
   std::ifstream file_;
   std::string text_; ///< blanks around it removed
-  int number_ = 0;
+  int number_ = 0, in_file_ = 0;
+  Kept again_; ///< the first last
 };
 
 } // namespace tactus::fem

@@ -30,6 +30,10 @@ std::string compact(const std::string& text) {
 
 } // namespace
 
+Vector3 InpMaterials::turned(const Vector3& direction) const {
+  return turn_ ? turn_(direction) : direction;
+}
+
 InpMaterials::Definition& InpMaterials::last_material() {
   const auto at = materials_.find(last_material_);
   if (at == materials_.end())
@@ -150,12 +154,15 @@ void InpMaterials::add_orientation() {
   std::array<Vector3, 3> points{};
   for (std::size_t i = 0; i < cells.size(); ++i)
     points[i / 3][static_cast<int>(i % 3)] = lines_.number(cells[i]);
-  orientations_[last_orientation_] = {points[0] - points[2], points[1] - points[2]};
+  orientations_[last_orientation_] = {turned(points[0] - points[2]), turned(points[1] - points[2])};
 }
 
 void InpMaterials::begin_section(const InpKeyword& keyword) {
-  sections_.push_back({keyword.value("elset"), keyword.value("material"),
-                       keyword.value("orientation"), keyword.line});
+  sections_.push_back({keyword.value("elset"),
+                       keyword.value("material"),
+                       keyword.value("orientation"),
+                       {turned({1, 0, 0}), turned({0, 1, 0})},
+                       keyword.line});
   if (sections_.back().elements.empty() || sections_.back().material.empty())
     lines_.refuse(keyword.words + ": expected ELSET= and MATERIAL=", keyword.line);
 }
@@ -173,6 +180,8 @@ Material InpMaterials::material_of(const Section& section) const {
   if (!at->second.elastic)
     lines_.refuse("material " + at->second.material.name + " has no *ELASTIC", at->second.line);
   Material material = at->second.material;
+  material.axis_1 = section.axes[0];
+  material.axis_2 = section.axes[1];
   if (section.orientation.empty())
     return material;
   const auto axes = orientations_.find(lower(section.orientation));

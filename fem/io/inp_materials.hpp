@@ -2,6 +2,7 @@
 #include "fem/io/inp_lines.hpp"
 #include "fem/mesh/mesh.hpp"
 
+#include <functional>
 #include <optional>
 
 namespace tactus::fem {
@@ -23,8 +24,13 @@ public:
   void begin_section(const InpKeyword&);
   void add_thickness();
 
+  /// Directions of a part are turned with its instance; of none by default.
+  using Turn = std::function<Vector3(const Vector3&)>;
+  void turn_by(Turn turn) { turn_ = std::move(turn); }
+
   struct Section {
     std::string elements, material, orientation;
+    std::array<Vector3, 2> axes; ///< of a material without orientation
     int line = 0;
   };
   [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }
@@ -38,6 +44,7 @@ private:
     bool elastic = false;
     int line = 0;
   };
+  [[nodiscard]] Vector3 turned(const Vector3& direction) const;
   [[nodiscard]] Definition& last_material();
   [[nodiscard]] double constant(const std::string& cell, double scale, double low, double high,
                                 const char* quantity) const;
@@ -47,6 +54,7 @@ private:
   std::map<std::string, Definition> materials_; ///< by their names in lower case
   std::map<std::string, std::array<Vector3, 2>> orientations_;
   std::vector<Section> sections_;
+  Turn turn_;
   std::string last_material_, last_orientation_;
   enum class Constants { isotropic, engineering, stiffness } type_ = Constants::isotropic;
   std::vector<std::string> constants_; ///< of *ELASTIC: nine stand on two lines

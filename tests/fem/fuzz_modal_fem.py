@@ -31,8 +31,8 @@ import numpy as np
 
 BYTES, ADDRESS_SPACE = 2e9, 3 << 30
 GRACE = 50  # s that the program may take beyond its --time-limit
-FORMATS = ["msh2", "msh2b", "msh4", "msh4b", "step", "brep", "stl", "stlb", "obj", "inp", "npz"]
-ENDINGS = {"msh2": "msh", "msh2b": "msh", "msh4": "msh", "msh4b": "msh", "stlb": "stl", "npz": "modal.npz"}
+FORMATS = ["msh2", "msh2b", "msh4", "msh4b", "step", "brep", "stl", "stlb", "obj", "inp", "parts", "npz"]
+ENDINGS = {"msh2": "msh", "msh2b": "msh", "msh4": "msh", "msh4b": "msh", "stlb": "stl", "parts": "inp", "npz": "modal.npz"}
 STEP = "/usr/share/doc/gmsh-doc/doc/gmsh/tutorial/t20_data.step.gz"
 BREP = "/usr/share/opencascade/data/occ/solid.brep"
 HUGE_NUMBERS = ["-1", "0", "2147483647", "-2147483648", "4294967296", "18446744073709551615", "1e30", "-1e300", "nan", "inf",
@@ -126,6 +126,12 @@ def whole_files(program, folder):
                     "disk.inp", "-o", "disk.modal.npz"], **quiet)
     files = {"stl": stl_text(), "stlb": stl_binary(), "obj": obj(), "inp": open(f"{folder}/disk.inp", "rb").read(),
              "npz": open(f"{folder}/disk.modal.npz", "rb").read()}
+    part, material, rest = files["inp"].partition(b"*MATERIAL")
+    section, step = rest.split(b"*SOLID SECTION")[1].split(b"*STEP")
+    files["parts"] = (b"*PART,NAME=P\n" + part + b"*SOLID SECTION" + section + b"*END PART\n*ASSEMBLY,NAME=A\n"
+                      b"*INSTANCE,NAME=I,PART=P\n0,0,0.1\n*END INSTANCE\n*INSTANCE,NAME=J,PART=P\n0,0,0\n"
+                      b"1,0,0,1,1,0,90\n*END INSTANCE\n*NSET,NSET=B,INSTANCE=I\nNALL\n*END ASSEMBLY\n" + material +
+                      rest.split(b"*SOLID SECTION")[0] + b"*STEP" + step)
     for version in ("2.2", "4.1"):
         for binary in (0, 1):
             files["msh" + version[0] + "b" * binary] = msh(version, binary)

@@ -136,10 +136,52 @@ TEST_CASE("materials and their axes come back from our own file, and in a file's
   CHECK(mesh.materials.at(1)->rayleigh_a == 3);
 }
 
+TEST_CASE("each instance of a part has its place, its names and its grain") {
+  Deck deck;
+  const std::string part = "*PART,NAME=P\n" + kBody +
+                           "*NSET,NSET=TIP\n5\n*ORIENTATION,NAME=O\n0,1,0,0,0,1\n"
+                           "*SOLID SECTION,ELSET=E,MATERIAL=S,ORIENTATION=O\n*End Part\n";
+  const std::string instances =
+      "*ASSEMBLY,NAME=A\n*Instance, name=P-1, part=P\n0,50,0\n*End Instance\n"
+      "*INSTANCE,NAME=P-2,PART=p\n1,0,0\n1,0,0,1,0,7,90\n*END INSTANCE\n"
+      "*NSET,NSET=BOTH,INSTANCE=P-1\nTIP,2\n*NSET,NSET=BOTH,INSTANCE=P-2\n1\n"
+      "*NSET,NSET=ALL\nBOTH,P-2.TIP\n*END ASSEMBLY\n";
+  const Mesh mesh = deck.read("*PART,NAME=Q\n*END PART\n" + part + instances + kSteel);
+  CHECK(mesh.elements.size() == 4);
+  CHECK(mesh.nodes.size() == 10);
+  const auto at = [&](std::size_t node, Vector3 expected) {
+    CHECK(length(mesh.nodes.at(node) - expected) < 1e-12);
+  };
+  at(1, {1, 50, 0}); // moved
+  at(4, {1, 51, 1});
+  at(5, {1, 0, 0}); // moved to (1, 0, 0), on the axis
+  at(6, {1, 1, 0}); // moved to (2, 0, 0), turned from x to y
+  at(7, {0, 0, 0}); // moved to (1, 1, 0), turned from y to -x
+  at(8, {1, 0, 1});
+  CHECK(mesh.regions == std::vector<std::string>{"P-1.E", "P-2.E"});
+  CHECK(mesh.node_sets.at("P-1.TIP") == std::vector<int>{4});
+  CHECK(mesh.node_sets.at("BOTH") == std::vector<int>{4, 1, 5});
+  CHECK(mesh.node_sets.at("ALL") == std::vector<int>{4, 1, 5, 9});
+  CHECK(length(mesh.materials.at(0)->axis_1 - Vector3{0, 1, 0}) < 1e-12);
+  CHECK(length(mesh.materials.at(1)->axis_1 - Vector3{-1, 0, 0}) < 1e-12);
+  CHECK(deck.said.find("part q has no *INSTANCE and is left out") != std::string::npos);
+  const std::pair<std::string, std::string> refused[]{
+      {part + part, "line 17: part p is defined twice"},
+      {"*PART,NAME=P\n" + kBody, "line 1: *PART without its end"},
+      {part + "*INSTANCE,NAME=I,PART=Q\n", "line 17: *INSTANCE: expected NAME= and PART="},
+      {part + "*INSTANCE,NAME=I,PART=P\n1,0\n", "line 18: 1,0, expected a line of x,y,z"},
+      {part + "*INSTANCE,NAME=I,PART=P\n", "the file ends in *INSTANCE"},
+      {part + "*INSTANCE,NAME=I,PART=P\n0,0,0\n1,0,0,1,0,0,90\n", "two points of the axis"},
+      {part + "*INSTANCE,NAME=I,PART=P\n*NODE\n", "line 18: *NODE in *INSTANCE"},
+      {part + "*NSET,NSET=A,INSTANCE=I\n1\n", "line 17: no instance before it is called I"},
+      {part + "*END INSTANCE\n", "line 17: *END INSTANCE without *INSTANCE"}};
+  for (const auto& [text, words] : refused)
+    check_refused([&, &bytes = text] { return deck.read(bytes); }, words);
+}
+
 TEST_CASE("what is not read of a CalculiX file is refused by its line and word") {
   Deck deck;
   const std::pair<std::string, std::string> kRefused[]{
-      {"*PART,NAME=P\n" + kBody, "line 1: *PART is not read: expected one flat file"},
       {"*INCLUDE, INPUT=a.inp\n", "line 1: *INCLUDE is not read"},
       {kBody + "*STEP\n*INCLUDE,INPUT=a\n*END STEP\n", "line 11: *INCLUDE is not read"},
       {kBody + "*TIE,NAME=T\nA,B\n", "line 10: *TIE is not read"},
