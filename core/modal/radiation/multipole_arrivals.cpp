@@ -40,7 +40,8 @@ public:
                     const RadiatingSurface::Scene& scene, const std::array<RigidDipole, 3>& rigid,
                     double mass_kg)
       : table_(table), omega_(omega.begin(), omega.end()), scene_(scene), rigid_(rigid),
-        mass_kg_(mass_kg), direction_(table, listener - scene.size * table.multipoles.centre) {
+        mass_kg_(mass_kg), listener_(listener),
+        direction_(table, listener - scene.size * table.multipoles.centre) {
     const Vec3 path = listener - scene.size * table.multipoles.centre;
     radius_ = scene.size * table.multipoles.reference_radius_m;
     distance_ = std::max(norm(path), radius_);
@@ -99,6 +100,7 @@ public:
 
 private:
   static constexpr int kPlain = -1000;
+  static constexpr double kMinTurns = 2; ///< of a wave, whose main lobe then ends above 0 Hz
   static constexpr double kTravelRadii =
       0.5; ///< radii whose travel time is taken out between samples
   [[nodiscard]] double turn() const noexcept { return 2 * pi / static_cast<double>(period_); }
@@ -147,6 +149,43 @@ private:
     }
     transform(transfer, pressure);
     correct_low_frequencies(transfer, pressure);
+    correct_own_frequency(motion, pressure);
+  }
+
+  /// Adds a wave under a Hann window, so that the kernel's transfer at the mode's own frequency,
+  /// where it rings, is that of the table's waves there, which cutting the kernel off disturbed.
+  void correct_own_frequency(std::size_t motion, std::span<double> out) const {
+    const double turn = omega_[motion] / scene_.sample_rate;
+    if (turn * static_cast<double>(samples_) < kMinTurns * 2 * pi || turn >= kMaxPhaseStep)
+      return;
+    const Complex rate(0, omega_[motion]);
+    Complex missing =
+        multipole_transfer(table_, std::span(&rate, 1), std::span(&motion, 1), listener_, scene_)
+            .pressure[0] /
+        rate * band_limit_transfer(BandLimit::at_rate(scene_.sample_rate), turn);
+    const std::size_t nodes = samples_ * BandLimit::kNodes;
+    std::vector<Complex> shape(nodes);
+    Complex of_cosine = 0, of_sine = 0;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      const std::size_t m = i % BandLimit::kNodes;
+      const double at = static_cast<double>(i / BandLimit::kNodes) + BandLimit::kNode[m];
+      const Complex wave = std::polar(
+          1.0, turn * (at - static_cast<double>(BandLimit::kLatency) - travel_.fractional_samples));
+      shape[i] = 0.5 * (1 - std::cos(2 * pi * at / static_cast<double>(samples_))) * wave;
+      if (m == 0)
+        continue;
+      const Complex part = BandLimit::kGaussWeight[m - 1] * std::conj(wave);
+      of_cosine += shape[i].real() * part;
+      of_sine += shape[i].imag() * part;
+      missing -= out[i] * part;
+    }
+    const auto area = [](Complex a, Complex b) {
+      return a.real() * b.imag() - a.imag() * b.real();
+    };
+    const double whole = area(of_cosine, of_sine);
+    const double cosine = area(missing, of_sine) / whole, sine = area(of_cosine, missing) / whole;
+    for (std::size_t i = 0; i < nodes; ++i)
+      out[i] += cosine * shape[i].real() + sine * shape[i].imag();
   }
 
   /// What correct_low_frequencies() needs that is the same for every motion.
@@ -361,6 +400,7 @@ private:
   RadiatingSurface::Scene scene_;
   std::array<RigidDipole, 3> rigid_;
   double mass_kg_;
+  Vec3 listener_;
   MultipoleDirection direction_;
   Vec3 towards_{0, 0, 1};
   double radius_ = 0, distance_ = 0;
