@@ -289,7 +289,8 @@ private:
       std::vector<Plane> kept;
       for (const Plane& p : planes)
         if (std::none_of(kept.begin(), kept.end(), [&](const Plane& q) {
-              return dot(p.first, q.first) > 1 - cosine_tolerance && std::abs(p.second - q.second) < level;
+              return dot(p.first, q.first) > 1 - cosine_tolerance &&
+                     std::abs(p.second - q.second) < level;
             }))
           kept.push_back(p);
       planes = std::move(kept);

@@ -97,7 +97,7 @@ def test_separate_solids_are_refused_by_name_taken_as_regions_by_multi_and_one_b
     words = refusal("set.stl", folder=tmp_path)
     assert "2 separate parts" in words and "gong" in words and "bar" in words and "--multi" in words
     assert "(80, 4, 4) mm" in words
-    both, _ = modes("set.stl", "--multi", "--material", "bar=steel", folder=tmp_path)
+    both, _ = modes("set.stl", "--multi", "--material", "gong=aluminium", "--material", "bar=steel", folder=tmp_path)
     assert both["mass"] == pytest.approx(mass((30, 30, 5)) + STEEL * mass((60, 8, 8)), rel=1e-6)
     assert modes("set.stl", "--only", 2, folder=tmp_path)[0]["mass"] == pytest.approx(mass((60, 8, 8)), rel=1e-6)
     words = refusal("set.stl", "--only", "horn", folder=tmp_path)
@@ -135,7 +135,7 @@ def test_a_surface_of_many_triangles_is_meshed_in_few(n, tmp_path):
 
 def test_touching_parts_of_a_step_file_are_one_body_with_named_regions_and_overlaps_count_once(tmp_path):
     write_step(tmp_path, "Box(1) = {0,0,0, 30,10,10}; Box(2) = {30,0,0, 20,10,10};", ("handle", "blade"))
-    knife, _ = modes("body.step", "--material", "blade=steel", folder=tmp_path)
+    knife, _ = modes("body.step", "--material", "handle=aluminium", "--material", "blade=steel", folder=tmp_path)
     assert knife["mass"] == pytest.approx(mass((30, 10, 10)) + STEEL * mass((20, 10, 10)), rel=1e-6)
     write_step(tmp_path, "Box(1) = {0,0,0, 30,10,10}; Box(2) = {20,2,3, 30,5,5};")
     assert modes("body.step", folder=tmp_path)[0]["mass"] == pytest.approx(mass((30, 10, 10), (20, 5, 5)), rel=1e-6)
@@ -145,7 +145,7 @@ def test_parts_of_a_step_file_with_a_small_gap_are_one_body(tmp_path):
     """0.03 mm on 50 mm; a tenth of a millimetre and more is a gap that was meant."""
     geometry = "Box(1) = {{0,0,0, 30,10,10}}; Box(2) = {{{x},0,0, 20,10,10}}; Line(99) = {{1, 7}};"
     write_step(tmp_path, geometry.format(x=30.03), ("handle", "blade"))
-    knife, said = modes("body.step", "--material", "blade=steel", folder=tmp_path)
+    knife, said = modes("body.step", "--material", "handle=aluminium", "--material", "blade=steel", folder=tmp_path)
     assert knife["mass"] == pytest.approx(mass((30, 10, 10)) + STEEL * mass((20, 10, 10)), rel=2e-3)
     assert "gaps below 0.05 mm" in said
     write_step(tmp_path, geometry.format(x=30.3), ("handle", "blade"))
@@ -156,7 +156,7 @@ def test_separate_parts_of_a_step_file_are_named_before_meshing_debris_is_left_o
     write_step(tmp_path, "Box(1) = {0,0,0, 30,10,10}; Box(2) = {60,0,0, 20,10,10};", ("gong", "bar"))
     words = refusal("body.step", folder=tmp_path)
     assert "2 separate parts" in words and "gong (30 mm) near (15, 5, 5) mm" in words and "--multi" in words
-    both, _ = modes("body.step", "--multi", "--material", "bar=steel", folder=tmp_path)
+    both, _ = modes("body.step", "--multi", "--material", "gong=aluminium", "--material", "bar=steel", folder=tmp_path)
     assert both["mass"] == pytest.approx(mass((30, 10, 10)) + STEEL * mass((20, 10, 10)), rel=1e-6)
     write_step(tmp_path, "Box(1) = {0,0,0, 30,10,10}; Box(2) = {60,0,0, 2,2,2};", ("gong", "screw"))
     gong, said = modes("body.step", folder=tmp_path)

@@ -56,7 +56,7 @@ def moved_frequencies(beam, p):
     moved = beam.with_name("moved.inp")
     moved.write_text("\n".join([*lines[:first], *text, *lines[last:]]) + "\n")
     out = beam.with_name("moved.modal.npz")
-    run(moved, "--unit", "m", "--material", "steel", "--modes", "12", "--tolerance", "0", "--fix", f"x={x[:, 0].min():.15g}",
+    run(moved, "--unit", "m", "--material", "steel", "--modes", str(len(numpy.load(beam)["freq"])), "--tolerance", "0", "--fix", f"x={x[:, 0].min():.15g}",
         "-o", out)
     return numpy.load(out)["freq"]
 

@@ -66,7 +66,7 @@ struct BodySettings {
   /// m, in the body's axes. The defaults are two in front of the body, then two behind it. The
   /// first two are not mirror images: a body that swings from one to the other, as a struck tube
   /// does, would be heard by them in opposite phase, and their sum would be silent.
-  std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0, 0.2, 0.55},
+  std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{-0.03, 0.2, 0.55},
                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
   std::size_t max_modes = 0; ///< the most modes in the bank; 0: no limit
