@@ -53,8 +53,9 @@ inline constexpr std::array kParameters{
     Parameter{"contact", "", 0, 0, 1,
               "striker and body coupled, or half-sine pulses for many strikes at once", kContacts},
     not_realtime(Parameter{"size", "", 1, 0.01, 100, "factor of the table's lengths"}),
-    not_realtime(
-        Parameter{"modes", "", 0, 0, 20000, "the largest number of modes that sound; 0: all"}),
+    not_realtime(Parameter{"modes", "", 0, 0, 20000,
+                           "the largest number of modes that sound, and all of a last group of "
+                           "near-equal frequencies; 0: all"}),
     Parameter{"cull", "dB", 90, 20, 200,
               "modes quieter (A-weighted) than the strike's loudest by this are left out"},
     not_realtime(

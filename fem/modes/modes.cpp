@@ -1,5 +1,6 @@
 #include "fem/modes/modes.hpp"
 
+#include "core/modal/table/mode_groups.hpp"
 #include "fem/modes/dense.hpp"
 #include "fem/modes/rigid.hpp"
 
@@ -86,7 +87,7 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
     modes.shapes = std::move(spectrum.vectors);
     modes.frequency_hz.resize(found);
     sort_by_quotient(matrices, modes);
-    kept = with_whole_groups(modes, settings.count);
+    kept = modal::with_whole_groups(modes.frequency_hz, settings.count);
   } while (kept == asked && found == asked);
   make_canonical(mesh, modes);
   keep_first(modes, kept);
@@ -94,14 +95,6 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   if (settings.inspect)
     settings.inspect(modes, factor);
   return modes;
-}
-
-std::size_t with_whole_groups(const Modes& modes, std::size_t count) {
-  const std::vector<double>& f = modes.frequency_hz;
-  while (count > 0 && count < f.size() &&
-         f[count] - f[count - 1] < std::min(1e-3, .1 / static_cast<double>(count)) * f[count])
-    ++count;
-  return std::min(count, f.size());
 }
 
 void keep_first(Modes& modes, std::size_t count) {

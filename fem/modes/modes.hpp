@@ -50,11 +50,6 @@ struct ModeSettings {
 [[nodiscard]] Modes find_modes(const Mesh&, std::span<const Material>, const Matrices&,
                                const ModeSettings&);
 
-/// How many modes to keep so that `count` cut no group of near-equal frequencies: all of its last
-/// group. Any directions of a group's modes are right, so a part of it would be heard by how the
-/// body is turned. Near is a gap below 0.1 %, and below a tenth of a plate's mean one, 1 / mode.
-[[nodiscard]] std::size_t with_whole_groups(const Modes&, std::size_t count);
-
 /// Leaves out all modes but the first.
 void keep_first(Modes&, std::size_t count);
 

@@ -1,5 +1,6 @@
 #include "programs/modal_fem/run.hpp"
 
+#include "core/modal/table/mode_groups.hpp"
 #include "fem/io/exchange.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
@@ -296,7 +297,7 @@ Solved solve(const ModalOptions& options, ProgressLine& progress) {
     return body;
   body.solved = true;
   if (options.design.requested) {
-    const std::size_t count = with_whole_groups(body.modes, options.modes);
+    const std::size_t count = modal::with_whole_groups(body.modes.frequency_hz, options.modes);
     body.shape =
         shape_derivatives(options.design, body.mesh, body.materials, body.modes, count, progress);
     keep_first(body, count);

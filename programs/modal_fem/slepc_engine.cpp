@@ -1,5 +1,6 @@
 #include "programs/modal_fem/slepc_engine.hpp"
 
+#include "core/modal/table/mode_groups.hpp"
 #include "fem/io/exchange.hpp"
 #include "fem/io/text.hpp"
 #include "fem/modes/rigid.hpp"
@@ -55,7 +56,7 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
 
   progress.stage("importing the modes", 0);
   Modes modes = import_modes(slepc.file("values"), slepc.file("vectors"), mesh, matrices, false);
-  keep_first(modes, with_whole_groups(modes, count));
+  keep_first(modes, modal::with_whole_groups(modes.frequency_hz, count));
   return modes;
 }
 

@@ -1,6 +1,7 @@
 #include "core/modal/body/body_model.hpp"
 
 #include "core/modal/radiation/combined_arrivals.hpp"
+#include "core/modal/table/mode_groups.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -152,7 +153,9 @@ void BodyModel::compute_rates() {
   const double frequency_ratio =
       std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) / settings.size;
   const double highest = kMaxFrequencyRatio * settings.sample_rate;
-  const std::size_t maximum = settings.max_modes > 0 ? settings.max_modes : table.modes();
+  const std::size_t maximum = settings.max_modes > 0
+                                  ? with_whole_groups(table.frequency_hz, settings.max_modes)
+                                  : table.modes();
   const std::vector<double> factor =
       frequency_factors(table.sensitivity, table.frequency_hz, settings.shape_displacement_m);
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;

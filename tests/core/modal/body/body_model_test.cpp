@@ -85,6 +85,14 @@ TEST_CASE("modes below .45 of the sample rate ring, those below 60 kHz add compl
   }
 }
 
+TEST_CASE("a limit of modes that would part a pair of equal frequencies keeps both") {
+  BodySettings settings = no_radiation();
+  settings.max_modes = 2;
+  CHECK(make_model(modes({300, 500, 500.2, 900}, {1, 1, 1, 1}), settings).audible_modes == 3);
+  CHECK(make_model(modes({300, 500, 500.2, 500.4}, {1, 1, 1, 1}), settings).audible_modes == 4);
+  CHECK(make_model(modes({300, 500, 501, 900}, {1, 1, 1, 1}), settings).audible_modes == 2);
+}
+
 TEST_CASE("a rate is the frequency with its decay, which follows the frequency to near critical") {
   BodySettings settings = no_radiation();
   for (const double size : {1., 2.}) {
