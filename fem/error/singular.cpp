@@ -4,20 +4,20 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <tuple>
 
 namespace tactus::fem {
 
-namespace {
-
-/// Nodes on a line where the stress is unbounded.
 std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
-                                         std::span<const std::uint8_t> constrained) {
+                                         std::span<const std::uint8_t> constrained, double turn) {
   std::vector<std::uint8_t> singular_node(mesh.nodes.size(), 0);
   const Surface skin = surface_of(mesh);
   const auto node = [&](int v) {
     return static_cast<std::size_t>(skin.node[static_cast<std::size_t>(v)]);
+  };
+  const auto at = [&](int v) { return mesh.nodes[node(v)]; };
+  const auto normal = [&](const std::array<int, 3>& t) {
+    return cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
   };
   struct Side {
     std::array<std::size_t, 2> edge;
@@ -32,24 +32,22 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
       sides.push_back({{std::min(a, b), std::max(a, b)}, t});
       fixed += constrained[3 * a] || constrained[3 * a + 1] || constrained[3 * a + 2];
     }
-    if (fixed == 1 || fixed == 2)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (const std::size_t n = node(corners[k]);
-            constrained[3 * n] || constrained[3 * n + 1] || constrained[3 * n + 2])
-          singular_node[n] = 1;
+    if (fixed == 1 || fixed == 2) {
+      const Vector3 across = normal(corners);
+      for (const int corner : corners)
+        for (int i = 0; i < 3; ++i)
+          if (constrained[3 * node(corner) + static_cast<std::size_t>(i)] &&
+              std::abs(across[i]) > .3 * length(across))
+            singular_node[node(corner)] = 1;
+    }
   }
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
     return std::tie(a.edge, a.triangle) < std::tie(b.edge, b.triangle);
   });
-  constexpr double kTurn = 20 * std::numbers::pi / 180;
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     if (sides[i].edge != sides[i + 1].edge)
       continue;
     const auto& [a, b] = sides[i].edge;
-    const auto at = [&](int v) { return mesh.nodes[node(v)]; };
-    const auto normal = [&](const std::array<int, 3>& t) {
-      return cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
-    };
     const auto& f = skin.triangles[sides[i].triangle];
     const Vector3 n = normal(f), m = normal(skin.triangles[sides[i + 1].triangle]);
     // From one normal to the next about the edge, as the first triangle runs along it: positive
@@ -59,17 +57,15 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
     for (std::size_t k = 0; k < 3; ++k)
       if (node(f[k]) == b && node(f[(k + 1) % 3]) == a)
         along = -1 * along;
-    if (std::atan2(dot(cross(n, m), along) / length(along), dot(n, m)) < -kTurn)
+    if (std::atan2(dot(cross(n, m), along) / length(along), dot(n, m)) < -turn)
       singular_node[a] = singular_node[b] = 1;
   }
   return singular_node;
 }
 
-} // namespace
-
 std::vector<std::uint8_t> singular_elements(const Mesh& mesh,
                                             std::span<const std::uint8_t> constrained) {
-  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, constrained);
+  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, constrained, kSharpTurn);
   std::vector<std::uint8_t> singular;
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);
@@ -82,7 +78,7 @@ std::vector<std::uint8_t> singular_elements(const Mesh& mesh,
 
 std::vector<std::array<std::uint8_t, 3>> singular_axes(const Mesh& mesh,
                                                        std::span<const std::uint8_t> constrained) {
-  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, constrained);
+  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, constrained, kSharpTurn);
   std::vector<std::array<std::uint8_t, 3>> axes;
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);

@@ -173,27 +173,49 @@ PeakStress peak_stress(const Mesh& mesh, std::span<const Material> materials,
   return peak;
 }
 
-std::vector<Stress> nodal_stress(const Mesh& mesh, std::span<const Material> materials,
-                                 std::span<const double> displacement) {
+std::vector<std::vector<StressSample>> best_stress(const Mesh& mesh,
+                                                   std::span<const Material> materials,
+                                                   std::span<const double> displacement) {
   const auto laws = elastic_laws(mesh, materials);
-  std::vector<Stress> stress(mesh.nodes.size(), Stress{});
-  std::vector<double> weight(mesh.nodes.size(), 0.0);
-  std::vector<Stress> at_points;
+  std::vector<std::vector<StressSample>> samples;
+  samples.reserve(mesh.elements.size());
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);
     const ElementField own = gather(displacement, nodes);
-    const Smoothing& smooth = smoothing(e.shape);
-    at_points.clear();
-    for (const ShapeValues& values : smooth.points.values)
-      at_points.push_back(
-          stress_with(mesh, e, laws[static_cast<std::size_t>(e.region)], own, values));
-    const double volume = volume_of(mesh, e);
+    auto& points = samples.emplace_back();
+    for (const ShapeValues& values : smoothing(e.shape).points.values) {
+      Vector3 at;
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        at += values.value[a] * mesh.nodes[static_cast<std::size_t>(nodes[a])];
+      points.push_back(
+          {at, stress_with(mesh, e, laws[static_cast<std::size_t>(e.region)], own, values)});
+    }
+  }
+  return samples;
+}
+
+std::span<const double> shares_of_best_points(Shape shape, std::size_t node) {
+  const Smoothing& smooth = smoothing(shape);
+  const std::size_t points = smooth.points.values.size();
+  return std::span(smooth.to_nodes).subspan(node * points, points);
+}
+
+std::vector<Stress> nodal_stress(const Mesh& mesh, std::span<const Material> materials,
+                                 std::span<const double> displacement) {
+  const auto samples = best_stress(mesh, materials, displacement);
+  std::vector<Stress> stress(mesh.nodes.size(), Stress{});
+  std::vector<double> weight(mesh.nodes.size(), 0.0);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const auto nodes = mesh.nodes_of(mesh.elements[e]);
+    const auto& points = samples[e];
+    const double volume = volume_of(mesh, mesh.elements[e]);
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       const auto node = static_cast<std::size_t>(nodes[a]);
       weight[node] += volume;
-      for (std::size_t p = 0; p < at_points.size(); ++p)
+      const auto shares = shares_of_best_points(mesh.elements[e].shape, a);
+      for (std::size_t p = 0; p < points.size(); ++p)
         for (std::size_t v = 0; v < 6; ++v)
-          stress[node][v] += volume * smooth.to_nodes[a * at_points.size() + p] * at_points[p][v];
+          stress[node][v] += volume * shares[p] * points[p].stress[v];
     }
   }
   for (std::size_t n = 0; n < stress.size(); ++n)

@@ -38,10 +38,21 @@ struct PeakStress {
 [[nodiscard]] PeakStress peak_stress(const Mesh&, std::span<const Material>,
                                      std::span<const double> displacement);
 
-/// Smoothed at nodes, [node]: in each element the values at its superconvergent points (4 in tet10,
-/// 2x2x2 in hex20, 3x2 in wedge15; Barlow 1976) are extrapolated to its nodes; a node takes the
-/// mean of its elements weighted by their volume. Regions are smoothed together: at the border of
-/// two materials the jump is lost.
+struct StressSample {
+  Vector3 at; ///< m
+  Stress stress;
+};
+/// At each element's superconvergent points (4 in tet10, 2x2x2 in hex20, 3x2 in wedge15; Barlow
+/// 1976), [element][point].
+[[nodiscard]] std::vector<std::vector<StressSample>>
+best_stress(const Mesh&, std::span<const Material>, std::span<const double> displacement);
+
+/// The shares with which values at the best points extend to one of the element's nodes.
+[[nodiscard]] std::span<const double> shares_of_best_points(Shape, std::size_t node);
+
+/// Smoothed at nodes, [node]: in each element best_stress() is extrapolated to its nodes; a node
+/// takes the mean of its elements weighted by their volume. Regions are smoothed together: at the
+/// border of two materials the jump is lost.
 [[nodiscard]] std::vector<Stress> nodal_stress(const Mesh&, std::span<const Material>,
                                                std::span<const double> displacement);
 

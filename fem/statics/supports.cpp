@@ -124,6 +124,15 @@ void check_fixed(const Mesh& mesh, const FixedPatch& patch) {
 
 } // namespace
 
+std::vector<std::uint8_t> held_directions(const Mesh& mesh, std::span<const FixedPatch> fixed) {
+  std::vector<std::uint8_t> held(mesh.dofs(), 0);
+  for (const FixedPatch& patch : fixed)
+    for (const int node : patch.nodes)
+      for (std::size_t i = 0; i < 3; ++i)
+        held[3 * static_cast<std::size_t>(node) + i] |= patch.directions[i];
+  return held;
+}
+
 void add_springs(const Mesh& mesh, std::span<const SpringPatch> springs, Matrices& into) {
   for (const SpringPatch& spring : springs) {
     check_springs(mesh, spring);

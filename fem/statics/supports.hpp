@@ -21,6 +21,9 @@ struct SpringPatch {
   Vector3 stiffness_n_per_m;
 };
 
+/// 1 a degree of freedom that some patch holds.
+[[nodiscard]] std::vector<std::uint8_t> held_directions(const Mesh&, std::span<const FixedPatch>);
+
 /// Adds the consistent matrices (k_i / A) integral of N_a N_b dA of the patches to `stiffness`.
 void add_springs(const Mesh&, std::span<const SpringPatch>, Matrices& into);
 

@@ -14,7 +14,9 @@ namespace {
 constexpr double kDefaultElements =
     2200; ///< asked of a file; curved faces take two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
-constexpr int kElementsPerTurn = 6;        ///< around curved faces; their sides are curved too
+/// Around curved faces, whose sides are curved too: for the peak at a hole or fillet, and for a
+/// table, whose derivatives by every parameter and solutions while a hand drags cost more.
+constexpr int kElementsPerTurn = 12, kElementsPerTurnOfTable = 6;
 
 /// Of K here while it is exported, and of K, its levels and the vectors in PETSc's processes
 /// (measured, docs/part_stress.md); and of the libraries of one process.
@@ -76,7 +78,7 @@ Mesh mesh_of_file(const PartOptions& options, const Budget& budget, ProgressLine
       else if (options.list_faces)
         std::puts(sentence.c_str());
     };
-  load.elements_per_turn = kElementsPerTurn;
+  load.elements_per_turn = options.output.empty() ? kElementsPerTurn : kElementsPerTurnOfTable;
   load.size_for = [](double volume, double, double) {
     return std::cbrt(volume / (kTetrahedronShare * kDefaultElements));
   };
@@ -201,11 +203,7 @@ Load load_of(const LoadOptions& options, const Mesh& mesh) {
 
 /// Refuses a load whose nodal forces all act on held directions: the supports take all of it.
 void check_loads_act(const PartOptions& options, const Mesh& mesh, const StaticModel& model) {
-  std::vector<std::uint8_t> held(mesh.dofs(), 0);
-  for (const FixedPatch& patch : model.fixed)
-    for (const int node : patch.nodes)
-      for (std::size_t i = 0; i < 3; ++i)
-        held[3 * static_cast<std::size_t>(node) + i] |= patch.directions[i];
+  const std::vector<std::uint8_t> held = held_directions(mesh, model.fixed);
   for (std::size_t k = 0; k < options.loads.size(); ++k) {
     const auto force = load_vector(mesh, model.materials, std::span(&model.loads[k], 1));
     double whole = 0, moving = 0;

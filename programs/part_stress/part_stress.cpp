@@ -14,6 +14,7 @@
 #include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
 #include "fem/modes/body.hpp"
+#include "fem/statics/recovery.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
 #include "programs/part_stress/picture.hpp"
@@ -43,8 +44,8 @@ std::string now() {
   return text;
 }
 
-double mean(std::span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+std::size_t index_of_largest(std::span<const double> values) {
+  return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
 
 double volume_mean(std::span<const double> values, std::span<const double> volumes) {
@@ -56,14 +57,26 @@ double volume_mean(std::span<const double> values, std::span<const double> volum
 constexpr double kSmallDisplacement = 0.1;
 
 void print_state(const char* when, const PictureState& s, std::span<const double> volumes) {
-  std::printf("%-7s von Mises: largest %.4g MPa (smoothed) at (%.4g, %.4g, %.4g) mm, %.4g MPa in "
-              "an element's middle; mean %.4g MPa, by volume %.4g MPa\n"
+  const std::size_t at = s.peak, in = index_of_largest(s.at_elements);
+  std::printf("%-7s von Mises: largest %.4g +- %.2g MPa (at nodes) at (%.4g, %.4g, %.4g) mm, "
+              "%.4g +- %.2g MPa in an element's middle; mean %.4g +- %.2g MPa, by volume %.4g +- "
+              "%.2g MPa\n"
               "        largest displacement %.5g mm; volume %.6g cm^3\n",
-              when, 1e-6 * *std::max_element(s.von_mises.begin(), s.von_mises.end()),
-              1e3 * s.peak.x, 1e3 * s.peak.y, 1e3 * s.peak.z,
-              1e-6 * *std::max_element(s.at_elements.begin(), s.at_elements.end()),
-              1e-6 * mean(s.at_elements), 1e-6 * volume_mean(s.at_elements, volumes),
+              when, 1e-6 * s.von_mises[at], 1e-6 * s.error[at], 1e3 * s.nodes[at].x,
+              1e3 * s.nodes[at].y, 1e3 * s.nodes[at].z, 1e-6 * s.at_elements[in],
+              1e-6 * std::abs(s.missing_at_elements[in]), 1e-6 * mean(s.at_elements),
+              1e-6 * std::abs(mean(s.missing_at_elements)),
+              1e-6 * volume_mean(s.at_elements, volumes),
+              1e-6 * std::abs(volume_mean(s.missing_at_elements, volumes)),
               1e3 * s.max_displacement, 1e6 * s.volume);
+  if (s.peak_away) {
+    const std::size_t away = *s.peak_away;
+    std::printf("        the largest is at a singular corner (a concave edge, the border of a "
+                "support, or a point's force), where it grows with each refinement; away from "
+                "corners the largest is %.4g +- %.2g MPa at (%.4g, %.4g, %.4g) mm\n",
+                1e-6 * s.von_mises[away], 1e-6 * s.error[away], 1e3 * s.nodes[away].x,
+                1e3 * s.nodes[away].y, 1e3 * s.nodes[away].z);
+  }
   const double share = s.max_displacement / bounding_box(s.nodes).largest();
   if (share > kSmallDisplacement)
     std::printf("        the largest displacement is %.3g %% of the part's length: the stress is "
@@ -85,7 +98,7 @@ std::array<double, 2> difference(std::span<const double> a, std::span<const doub
 
 void write_fields(const std::string& path, const Mesh& mesh, const StaticModel& model,
                   const StaticSolution& solution) {
-  const auto nodal = nodal_stress(mesh, model.materials, solution.displacement);
+  const auto nodal = recovered_stress(mesh, model.materials, solution.displacement).at_nodes;
   const auto elemental = element_stress(mesh, model.materials, solution.displacement);
   const auto fields = [](std::span<const Stress> stresses) {
     std::array<std::vector<double>, 3> out;

@@ -1,13 +1,17 @@
 #include "programs/part_stress/picture.hpp"
 
+#include "fem/error/singular.hpp"
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/text.hpp"
+#include "fem/statics/recovery.hpp"
 #include "files/json.hpp"
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numbers>
+#include <numeric>
 
 namespace tactus::fem {
 namespace {
@@ -83,20 +87,52 @@ std::vector<double> constrained_points(const Mesh& start, const StaticModel& mod
   return constrained;
 }
 
-/// Largest stress and its place, largest and mean stress of the elements, largest displacement,
-/// volume.
-std::array<double, 8> numbers_of(const PictureState& s) {
-  double sum = 0;
-  for (const double x : s.at_elements)
-    sum += x;
-  return {*std::max_element(s.von_mises.begin(), s.von_mises.end()),
-          s.peak.x,
-          s.peak.y,
-          s.peak.z,
-          *std::max_element(s.at_elements.begin(), s.at_elements.end()),
-          sum / static_cast<double>(s.at_elements.size()),
+/// Largest stress, its place and its error, mean stress of the elements and its error, largest
+/// displacement, volume, whether the largest stress is at a singular corner.
+std::array<double, 10> numbers_of(const PictureState& s) {
+  const Vector3& at = s.nodes[s.peak];
+  return {s.von_mises[s.peak],
+          at.x,
+          at.y,
+          at.z,
+          s.error[s.peak],
+          mean(s.at_elements),
+          std::abs(mean(s.missing_at_elements)),
           s.max_displacement,
-          s.volume};
+          s.volume,
+          double(s.peak_away.has_value())};
+}
+
+/// Nodes near a singular corner: of the elements that touch a concave edge, the border of a support
+/// or a node with a force of its own, and within a quarter of the body's wall (twice its volume
+/// over its skin) of these.
+std::vector<std::uint8_t> singular_corners(const Mesh& mesh, const StaticModel& model) {
+  // The facets of a wall with six elements a turn meet at 30 degrees, at middle nodes.
+  constexpr double kTurn = 40 * std::numbers::pi / 180;
+  const std::vector<std::uint8_t> held = held_directions(mesh, model.fixed);
+  std::vector<std::uint8_t> corner = singular_nodes(mesh, held, kTurn);
+  for (const Load& load : model.loads)
+    if (const auto* point = std::get_if<PointForce>(&load))
+      corner[static_cast<std::size_t>(point->node)] = 1;
+  std::vector<Vector3> corners;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    if (corner[n])
+      corners.push_back(mesh.nodes[n]);
+  std::vector<std::uint8_t> near = corner;
+  for (const Element& e : mesh.elements) {
+    const auto nodes = mesh.nodes_of(e);
+    if (std::any_of(nodes.begin(), nodes.end(),
+                    [&](int n) { return corner[static_cast<std::size_t>(n)] != 0; }))
+      for (const int n : nodes)
+        near[static_cast<std::size_t>(n)] = 1;
+  }
+  const double reach = .5 * volume(mesh) / area(mesh, outer_faces(mesh));
+  const Surface skin = surface_of(mesh); // a peak is on the skin
+  for (const int n : skin.node)
+    for (std::size_t c = 0; c < corners.size() && !near[static_cast<std::size_t>(n)]; ++c)
+      near[static_cast<std::size_t>(n)] =
+          length(mesh.nodes[static_cast<std::size_t>(n)] - corners[c]) < reach;
+  return near;
 }
 
 /// Draws the sheet from the arrays, which stand in a file beside it meanwhile.
@@ -115,21 +151,39 @@ void draw_arrays(const std::string& picture, const NpzWriter& npz) {
 
 } // namespace
 
+double mean(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+}
+
 PictureState picture_of(const Mesh& mesh, const StaticModel& model, const StaticSolution& solution,
                         std::vector<double> von_mises_at_elements) {
   PictureState state;
   state.nodes = mesh.nodes;
-  const auto smoothed = nodal_stress(mesh, model.materials, solution.displacement);
-  for (const Stress& s : smoothed)
-    state.von_mises.push_back(von_mises(s));
+  RecoveredStress recovered = recovered_stress(mesh, model.materials, solution.displacement);
+  state.von_mises = equivalent_stress(recovered.at_nodes, StressMeasure::von_mises);
+  state.error = std::move(recovered.error);
+  state.missing_at_elements =
+      equivalent_stress(at_middles(mesh, recovered.at_nodes), StressMeasure::von_mises);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    state.missing_at_elements[e] -= von_mises_at_elements[e];
   state.at_elements = std::move(von_mises_at_elements);
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
     const double* u = &solution.displacement[3 * i];
     state.max_displacement = std::max(state.max_displacement, length({u[0], u[1], u[2]}));
   }
   state.volume = volume(mesh);
-  const auto peak = std::max_element(state.von_mises.begin(), state.von_mises.end());
-  state.peak = mesh.nodes[static_cast<std::size_t>(peak - state.von_mises.begin())];
+  const std::vector<std::uint8_t> corners = singular_corners(mesh, model);
+  double away = -1;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    if (state.von_mises[n] > state.von_mises[state.peak])
+      state.peak = n;
+    if (!corners[n] && state.von_mises[n] > away) {
+      away = state.von_mises[n];
+      state.peak_away = n;
+    }
+  }
+  if (!corners[state.peak])
+    state.peak_away.reset();
   return state;
 }
 
@@ -178,7 +232,7 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
   npz.add("nodes", vertices, {states.size(), v, 3});
   npz.add("stress", stresses, {states.size(), v});
   npz.add("triangles", triangles, {skin.triangles.size(), 3});
-  npz.add("numbers", numbers, {states.size(), 8});
+  npz.add("numbers", numbers, {states.size(), 10});
   npz.add("arrows", arrow_rows, {arrow_rows.size() / 6, 6});
   npz.add("held", constrained, {constrained.size() / 3, 3});
   npz.add("controls", controls, {c, 3});

@@ -1,17 +1,26 @@
 #pragma once
 #include "programs/part_stress/part.hpp"
 
+#include <optional>
+
 namespace tactus::fem {
 
 /// One state of the part for the sheet: its shape, and the stress there.
 struct PictureState {
-  std::vector<Vector3> nodes;      ///< of the mesh, m
-  std::vector<double> von_mises;   ///< smoothed at the nodes, Pa
-  std::vector<double> at_elements; ///< at the centroids, Pa
-  double max_displacement = 0;     ///< m
-  double volume = 0;               ///< m^3
-  Vector3 peak;                    ///< where the largest smoothed stress is, m
+  std::vector<Vector3> nodes;              ///< of the mesh, m
+  std::vector<double> von_mises;           ///< recovered at the nodes, Pa
+  std::vector<double> error;               ///< estimated, of `von_mises`
+  std::vector<double> at_elements;         ///< at the centroids, Pa
+  std::vector<double> missing_at_elements; ///< estimated: what `at_elements` are too low by
+  double max_displacement = 0;             ///< m
+  double volume = 0;                       ///< m^3
+  std::size_t peak = 0;                    ///< the node of the largest stress
+  /// The same beyond singular corners, where it is another: at a corner the stress has no limit as
+  /// the mesh is refined.
+  std::optional<std::size_t> peak_away;
 };
+
+[[nodiscard]] double mean(std::span<const double>);
 
 /// The state of a solved shape.
 [[nodiscard]] PictureState picture_of(const Mesh&, const StaticModel&, const StaticSolution&,

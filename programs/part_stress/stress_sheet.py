@@ -101,8 +101,10 @@ def draw_state(axes, data, meta, state, top, reach):
 
 
 def words_of(numbers):
-    largest, x, y, z, middle, mean, displacement, volume = numbers
-    return (f"largest {largest / 1e6:.4g} MPa at ({1e3 * x:.1f}, {1e3 * y:.1f}, {1e3 * z:.1f}) mm, mean {mean / 1e6:.3g} MPa\n"
+    largest, x, y, z, error, mean, mean_error, displacement, volume, singular = numbers
+    corner = ", a singular corner" if singular else ""
+    return (f"largest {largest / 1e6:.4g} ± {error / 1e6:.2g} MPa at ({1e3 * x:.1f}, {1e3 * y:.1f}, {1e3 * z:.1f}) mm{corner}\n"
+            f"mean {mean / 1e6:.3g} ± {mean_error / 1e6:.2g} MPa, "
             f"displacement up to {1e3 * displacement:.4g} mm, volume {1e6 * volume:.5g} cm³")
 
 
@@ -144,7 +146,7 @@ def main(data_path, picture_path):
     bar.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=MAP, extent=(0, top / 1e6, 0, 1))
     bar.set_yticks([])
     bar.tick_params(colors=INK, labelsize=9.5)
-    bar.set_title("von Mises stress, MPa (smoothed at nodes)", fontsize=10, color=INK, loc="left", pad=4)
+    bar.set_title("von Mises stress, MPa (at nodes)", fontsize=10, color=INK, loc="left", pad=4)
     for spine in bar.spines.values():
         spine.set_visible(False)
     if with_taylor:

@@ -1,4 +1,6 @@
+#include "fem/error/singular.hpp"
 #include "fem/shapes/shapes.hpp"
+#include "fem/statics/recovery.hpp"
 #include "static_bodies.hpp"
 
 #include <algorithm>
@@ -220,6 +222,53 @@ TEST_CASE("a thick tube under pressure yields as Lame's") {
     errors.push_back(worst_u);
   }
   CHECK(errors[0] / errors[1] > 6); // between h^3 and h^4
+}
+
+TEST_CASE(
+    "recovered stress at Lame's bore is nearer than the smoothed one, and tells what it misses") {
+  const double a = .05, b = .1, p = 1e7, hoop = p * (a * a + b * b) / (b * b - a * a);
+  double last = 1e9;
+  for (const int fine : {1, 2}) {
+    Mesh mesh = quarter_plate(a, b, .01, false, 4 * fine, 6 * fine, 1.01);
+    StaticModel model;
+    model.materials = {steel()};
+    model.fixed = symmetry(mesh, {{0, 0}, {1, 0}, {2, 0}});
+    model.loads = {Pressure{
+        "bore", select_faces(mesh, {OnCylinder{{0, 0, -1}, {0, 0, 1}, a, false}, 1e-6}), p}};
+    const auto u = solve_static(mesh, model).solution.displacement;
+    const RecoveredStress recovered = recovered_stress(mesh, model.materials, u);
+    const auto smoothed = nodal_stress(mesh, model.materials, u);
+    const double exact = von_mises({-p, hoop, 0, 0, 0, 0});
+    double worst = 0, worst_smoothed = 0, min_estimate = exact, largest_estimate = 0;
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+      if (std::abs(std::hypot(mesh.nodes[n].x, mesh.nodes[n].y) - a) < 1e-9) {
+        worst = std::max(worst, std::abs(von_mises(recovered.at_nodes[n]) - exact));
+        worst_smoothed = std::max(worst_smoothed, std::abs(von_mises(smoothed[n]) - exact));
+        min_estimate = std::min(min_estimate, recovered.error[n]);
+        largest_estimate = std::max(largest_estimate, recovered.error[n]);
+      }
+    CAPTURE(worst / exact);
+    CAPTURE(worst_smoothed / exact);
+    CAPTURE(min_estimate / exact);
+    CAPTURE(largest_estimate / exact);
+    CHECK(worst < .6 * worst_smoothed);
+    CHECK(worst < min_estimate);
+    CHECK(worst < (fine == 1 ? .02 : .003) * exact);
+    CHECK(largest_estimate < 8 * worst);
+    CHECK(worst < .5 * last);
+    last = worst;
+  }
+}
+
+TEST_CASE("a support that is a plane of symmetry is no singular corner, a clamp is") {
+  const Mesh mesh = block(even(0, .1, 4), even(0, .03, 3), even(0, .03, 3));
+  const auto singular = [&](std::array<bool, 3> directions) {
+    const std::vector<FixedPatch> patch{{"end", select_nodes(mesh, plane(0, 0)), directions, {}}};
+    const auto nodes = singular_nodes(mesh, held_directions(mesh, patch), kSharpTurn);
+    return std::count(nodes.begin(), nodes.end(), 1);
+  };
+  CHECK(singular({true, false, false}) == 0);
+  CHECK(singular({true, true, true}) == 24); // corners and middle nodes of the end's border
 }
 
 TEST_CASE("supports carry the loads, springs too") {

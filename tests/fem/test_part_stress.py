@@ -73,6 +73,47 @@ def test_supports_take_what_the_loads_bring_and_a_bedding_moves_by_force_over_st
     assert vtu["displacement m"][held, 0].mean() == pytest.approx(1e-5, rel=1e-4)
 
 
+def largest(said, head="before  von Mises: largest"):
+    """MPa, its estimated error, and its point in mm."""
+    found = re.search(re.escape(head) + r" ([\d.]+) \+- ([\d.]+) MPa .*?at \(([^)]*)\) mm", said)
+    return float(found[1]), float(found[2]), np.array(found[3].split(", "), float)
+
+
+def test_the_bore_of_a_tube_is_lames_within_a_percent_and_within_its_estimate(tmp_path):
+    a, b, p = 50, 100, 10  # mm, MPa; free ends: plane stress
+    said = run("ring", "--outer-diameter", 2 * b, "--inner-diameter", 2 * a, "--thickness", 20, "--pressure",
+               f"cylinder:0,0,-10,0,0,10,{a}:{1e6 * p}", "--fix", "x=0:x", "--fix", "y=0:y", "--fix", "z=-10:z",
+               folder=tmp_path).stdout
+    hoop = p * (a * a + b * b) / (b * b - a * a)
+    exact = np.sqrt(hoop**2 + hoop * p + p * p)
+    stress, error, point = largest(said)
+    assert stress == pytest.approx(exact, rel=0.01)
+    assert abs(stress - exact) < error < 0.03 * exact
+    assert np.hypot(*point[:2]) == pytest.approx(a, rel=1e-3)
+    assert "singular corner" not in said  # planes of symmetry are none
+
+
+def test_a_clamp_is_a_singular_corner_and_away_from_it_a_beam_bends(tmp_path):
+    said = run(*BAR, "--fix", "x=-100", "--force", "x=100:0,0,-100", folder=tmp_path).stdout
+    assert "is at a singular corner" in said
+    stress, error, point = largest(said, "away from corners the largest is")
+    bending = 100 * (0.1 - point[0] / 1e3) * 0.01 / (0.02**4 / 12) / 1e6  # M c / I, MPa
+    assert abs(stress - bending) < max(error, 0.01 * bending)
+    assert abs(stress - bending) < 0.015 * bending
+
+
+def test_the_peak_at_a_concave_edge_grows_with_each_refinement_and_is_told_singular(tmp_path):
+    # A pressed cavity, whose edges are of 270 degrees: the stress grows as r^-0.456 (Williams 1952).
+    peaks = []
+    for h in (12, 6):
+        said = run("hollow_disk", "--diameter", 100, "--thickness", 40, "--cavity-diameter", 50, "--cavity-thickness",
+                   16, "--h", h, "--fix", "x=0:x", "--fix", "y=0:y", "--fix", "z=-20:z", "--pressure", "z=20:1e7",
+                   folder=tmp_path).stdout
+        assert "is at a singular corner" in said
+        peaks.append(largest(said)[0])
+    assert peaks[1] > 1.1 * peaks[0]
+
+
 @pytest.mark.parametrize("newton, told", [(1.9e4, False), (2.2e4, True)])
 def test_displacements_that_are_not_small_are_told(newton, told, tmp_path):
     """F L^3/(3 E I) and 1 % by shear are 10 % of 200 mm at 20.8 kN, for a square of 20 mm and E = 210 GPa."""
