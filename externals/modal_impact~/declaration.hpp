@@ -47,8 +47,9 @@ enum ParameterIndex : std::size_t {
 inline constexpr std::array kParameters{
     not_realtime(Parameter{
         "radiation", "", 0, 0, 3,
-        "how the body sounds to a listener: baffled surface mode by mode, recorded or computed "
-        "surface velocities, free body by its multipoles, or bare surface velocity",
+        "how the body sounds to a listener: baffled surface mode by mode (low modes of thin bodies "
+        "come too loud, a bar's first by 18 dB), recorded or computed surface velocities, free "
+        "body by its multipoles, or bare surface velocity",
         kRadiations}),
     Parameter{"contact", "", 0, 0, 1,
               "striker and body coupled, or half-sine pulses for many strikes at once", kContacts},
