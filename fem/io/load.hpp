@@ -18,6 +18,10 @@ struct LoadChoice {
   bool multi = false; ///< several separate bodies may come
   int elements_per_turn =
       12; ///< around curved CAD faces; curved sides are then 1e-4 of the radius off
+  /// Of prisms that are swept: elements around curves, and their smallest size over h. For modes
+  /// the first is enough; a stress at a hole a tenth of the body wide asks for both to be finer.
+  int swept_elements_per_turn = 12;
+  double swept_smallest = 1.0 / 3;
   /// CAD bodies: every face becomes a node set (face_set()) and is described by a notify()
   /// sentence. Prisms are then not swept.
   bool face_sets = false;

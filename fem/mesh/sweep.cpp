@@ -212,9 +212,9 @@ std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadr
     predict_size(
         predict_swept_size(solid, skin, box, height, h, static_cast<double>(levels.size() - 1)));
     gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
-    gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
+    gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", choice.swept_elements_per_turn);
     set_sizes(h / unit, {});
-    gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / unit / 3);
+    gmsh::option::setNumber("Mesh.CharacteristicLengthMin", choice.swept_smallest * h / unit);
   }
   Mesh mesh = sweep(*prism, levels,
                     {.quadrilaterals = quadrilaterals, .curved = choice.curved, .unit = unit});

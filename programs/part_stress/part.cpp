@@ -79,6 +79,10 @@ Mesh mesh_of_file(const PartOptions& options, const Budget& budget, ProgressLine
         std::puts(sentence.c_str());
     };
   load.elements_per_turn = options.output.empty() ? kElementsPerTurn : kElementsPerTurnOfTable;
+  if (options.output.empty()) {
+    load.swept_elements_per_turn = 2 * kElementsPerTurn; // a hole's peak within .5 %
+    load.swept_smallest = 1.0 / 12;
+  }
   load.size_for = [](double volume, double, double) {
     return std::cbrt(volume / (kTetrahedronShare * kDefaultElements));
   };

@@ -93,6 +93,17 @@ def test_the_bore_of_a_tube_is_lames_within_a_percent_and_within_its_estimate(tm
     assert "singular corner" not in said  # planes of symmetry are none
 
 
+def test_a_small_hole_in_a_pulled_plate_has_three_times_its_stress(tmp_path):
+    """Kirsch 1898; on a plate 20 holes wide Howland's 3.00, of the stress far away."""
+    program.write_step(tmp_path, "Box(1) = {-100,-100,-2, 200,200,4}; Cylinder(2) = {0,0,-5, 0,0,10, 5}; "
+                                 "BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; }")
+    said = run("body.step", "--traction", "x=100:1e6,0,0", "--traction", "x=-100:-1e6,0,0", "--fix",
+               "box:-.01,-200,-9,.01,200,9:x", "--fix", "5,0,-2,.001:yz", "--fix", "5,0,2,.001:y", folder=tmp_path).stdout
+    stress, error, point = largest(said)
+    assert stress == pytest.approx(3, rel=0.01) and abs(stress - 3) < error < 0.1
+    assert point[:2] == pytest.approx([0, 5 * np.sign(point[1])], abs=0.2)
+
+
 def test_a_clamp_is_a_singular_corner_and_away_from_it_a_beam_bends(tmp_path):
     said = run(*BAR, "--fix", "x=-100", "--force", "x=100:0,0,-100", folder=tmp_path).stdout
     assert "is at a singular corner" in said
