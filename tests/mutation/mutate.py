@@ -2,7 +2,7 @@
 """Do the tests notice? Small wrong changes, all compiled in at once, of which each run makes one; how many are noticed.
 
     tests/mutation/mutate.py [FOLDER...] [--count 30] [--seed 1] [--jobs 2] [--at-least PERCENT] [--resume]
-                             [--folder build-mutation] [--record docs/results/mutation.md]
+                             [--targets PROGRAM...] [--folder build-mutation] [--record docs/results/mutation.md]
 
 --count changes are drawn with a fixed seed, evenly over the folders. In a copy of the sources each becomes a switch
 between what was and what is wrong (switches.hpp), and the copy is built once. The quick tests of ./test run once
@@ -17,7 +17,9 @@ then made, by the environment, in the tests that pass its switch, programs first
 No switch can stand in a constant expression, a bound, a template's argument, the preprocessor or a file with vectors of
 numbers: these are not drawn.
 The same seed and sources give the same changes. Prints a line for each and a table; FOLDER/SEED.json keeps the verdicts,
-with which --resume goes on. Ctrl-C ends it with the table of what it has by then. --at-least: status 1 where fewer are noticed. --record puts the rows into a page's table.
+with which --resume goes on. Ctrl-C ends it with the table of what it has by then. --at-least: status 1 where fewer are
+noticed. --record puts the rows into a page's table. --targets: only these are built, and what is no program is not run:
+minutes for a folder and its own unit tests.
 """
 import argparse
 import json
@@ -232,6 +234,7 @@ def main():
     words.add_argument("--at-least", metavar="PERCENT", type=float, default=0)
     words.add_argument("--resume", action="store_true")
     words.add_argument("--folder", type=Path, default=ROOT / "build-mutation")
+    words.add_argument("--targets", metavar="PROGRAM", nargs="+", default=[])
     words.add_argument("--record", metavar="PAGE.md", type=Path)
     order = words.parse_args()
     folders = order.folder_of_sources or FOLDERS
@@ -244,9 +247,9 @@ def main():
     verdicts = json.loads(path.read_text()) if order.resume and path.exists() else {}
     shop = Workshop(order.folder.resolve(), order.jobs,
                     [(n, c) for n, c in enumerate(all_drawn, 1) if verdicts.get(str(c)) != "no switch"])
-    shop.make("all", "bodies")
+    shop.make(*order.targets or ["all", "bodies"])
     verdicts.update((str(c), "no switch") for n, c in enumerate(all_drawn, 1) if n not in shop.changes)
-    entries = shop.entries()
+    entries = [e for e in shop.entries() if not order.targets or Path(e.command[0]).is_relative_to(shop.build)]
     with ThreadPoolExecutor(order.jobs) as pool:
         list(pool.map(Entry.measure, entries))
     reached = {n for entry in entries for _, numbers in entry.parts.values() for n in numbers}
