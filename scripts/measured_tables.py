@@ -237,7 +237,7 @@ def main():
     arguments = parser.parse_intermixed_args()
     head = git("rev-parse", "--short=8", "HEAD")
     if arguments.command == "stale":
-        sys.exit(1 if print_stale(arguments.files or sorted(RESULTS.glob("*.md"))) else 0)
+        sys.exit(1 if print_stale([path.resolve() for path in arguments.files] or sorted(RESULTS.glob("*.md"))) else 0)
     if arguments.command == "stamp":
         path, *words = arguments.files or [parser.error("stamp: expected FILE")]
         path.write_text("\n".join(stamp(path.read_text().split("\n"), list(map(str, words)), head)))

@@ -1,6 +1,7 @@
 """scripts/measured_tables.py: tables of the docs against what their programs print."""
 import pathlib
 import shlex
+import subprocess
 import sys
 
 import pytest
@@ -105,6 +106,13 @@ def test_a_table_of_inputs_that_have_changed_since_is_found_by_its_line():
     (STAMPED.format(LAST, "core", LAST).replace("Inputs", "Input", 1), "does not say of which inputs")])
 def test_a_stamp_that_says_nothing_is_named(page, sentence):
     assert [sentence in fault for _, fault, _ in tables.staleness(page.split("\n")) if fault] == [True]
+
+
+@needs_history
+def test_the_script_lists_the_tables_of_a_page_named_from_here():
+    done = subprocess.run([sys.executable, "scripts/measured_tables.py", "stale", "docs/results/packages.md"], cwd=ROOT,
+                          capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.splitlines()[-1].startswith("2 tables, ")
 
 
 def test_every_table_of_the_results_says_of_which_inputs_it_is():
