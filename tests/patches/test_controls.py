@@ -10,7 +10,7 @@ from harness import Patch, stage_folder
 from harness.live import HALF_BLOCK_MS, took_ms
 
 PATCHES = sorted(path for path in stage_folder().glob("*.pd") if "help-play" in path.read_text())
-SILENT = {"arm", "beam", "haptic_server-help", "stress_haptic-help"}  # felt alone
+SILENT = {"arm", "beam", "haptic_server-help", "osc_packet-help", "stress_haptic-help"}  # felt or read alone
 
 # Of a widget's words, where the receive name, the lowest and the highest value stand.
 WIDGETS = {"hsl": (8, 3, 4), "vsl": (8, 3, 4), "nbx": (8, 3, 4), "hradio": (6, None, 4), "vradio": (6, None, 4),
