@@ -2,7 +2,7 @@
 """Do the tests notice? Small wrong changes, all compiled in at once, of which each run makes one; how many are noticed.
 
     tests/mutation/mutate.py [FOLDER...] [--count 30] [--seed 1] [--jobs 2] [--at-least PERCENT] [--resume]
-                             [--targets PROGRAM...] [--folder build-mutation] [--record docs/results/mutation.md]
+                             [--full] [--targets PROGRAM...] [--folder build-mutation] [--record docs/results/mutation.md]
 
 --count changes are drawn with a fixed seed, evenly over the folders. In a copy of the sources each becomes a switch
 between what was and what is wrong (switches.hpp), and the copy is built once. The quick tests of ./test run once
@@ -19,7 +19,7 @@ numbers: these are not drawn.
 The same seed and sources give the same changes. Prints a line for each and a table; FOLDER/SEED.json keeps the verdicts,
 with which --resume goes on. Ctrl-C ends it with the table of what it has by then. --at-least: status 1 where fewer are
 noticed. --record puts the rows into a page's table. --targets: only these are built, and what is no program is not run:
-minutes for a folder and its own unit tests.
+minutes for a folder and its own unit tests. --full: what the quick cases miss is tried against the slow ones too.
 """
 import argparse
 import json
@@ -133,11 +133,12 @@ class Workshop:
         read = output("ninja", "-C", self.build, "-t", "deps")
         self.changes = {n: c for n, c in self.changes.items() if f"{self.source}/{c.path}\n" in read}
 
-    def entries(self):
-        """What `./test` runs of it."""
+    def entries(self, slow=False):
+        """What `./test` runs of it; slow: what `./test --full` adds."""
         tests = json.loads(output("ctest", "--test-dir", self.build, "--show-only=json-v1"))["tests"]
         made = [test for test in tests if "command" in test]  # not the programs of the thread sanitizer
-        return [e for e in map(Entry, made) if not e.labels & {"slow", "threads", "night"} and e.name != "bodies"]
+        return [e for e in map(Entry, made) if not e.labels & {"threads", "night"} and e.name != "bodies"
+                and ("slow" in e.labels) == slow]
 
 
 class Entry:
@@ -235,6 +236,7 @@ def main():
     words.add_argument("--resume", action="store_true")
     words.add_argument("--folder", type=Path, default=ROOT / "build-mutation")
     words.add_argument("--targets", metavar="PROGRAM", nargs="+", default=[])
+    words.add_argument("--full", action="store_true")
     words.add_argument("--record", metavar="PAGE.md", type=Path)
     order = words.parse_args()
     folders = order.folder_of_sources or FOLDERS
@@ -280,6 +282,19 @@ def main():
         rows.append(row(folder, order.seed, fine, len(found), sum(c in equivalents for c in before)))
         noticed, total = noticed + fine, total + len(found)
     print("\n".join(["", HEAD, re.sub("[^|]+", "---", HEAD), *rows]))
+    if order.full:
+        slow = [e for e in shop.entries(slow=True) if not order.targets or Path(e.command[0]).is_relative_to(shop.build)]
+        with ThreadPoolExecutor(order.jobs) as pool:
+            list(pool.map(Entry.measure, slow))
+        missed = [c for c in in_turn if verdicts.get(str(c), "").startswith("missed")]
+
+        def slow_verdict(change):
+            verdict = "not tried" if stopped.is_set() else verdict_of(number_of[change], slow)
+            print(f"slow cases: {verdict}: {change}", flush=True)
+            return verdict.startswith(("missed", "not"))
+        with ThreadPoolExecutor(order.jobs) as pool:
+            more = list(pool.map(slow_verdict, missed)).count(False)
+        print(f"the slow cases notice {more} of the {len(missed)} that the quick ones miss, of {total}")
     if order.record:
         record(order.record, rows)
     if 100 * noticed < order.at_least * total:
