@@ -41,8 +41,8 @@ struct Angles {
 class Edge {
 public:
   Edge() = default;
-  Edge(const Vec3& from, const Vec3& to, const Vec3& normal) {
-    along_ = (to - from) * (1 / norm(to - from));
+  Edge(const Vec3& from, const Vec3& to, const Vec3& normal)
+      : along_((to - from) * (1 / norm(to - from))) {
     const Vec3 outwards = cross(along_, normal);
     const double height = dot(from, outwards);
     sign_ = height < 0 ? -1 : 1;
