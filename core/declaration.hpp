@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -77,9 +79,26 @@ struct Message {
   return parameter;
 }
 
-/// The parameter `seed`.
-[[nodiscard]] constexpr Parameter seed_parameter(std::string_view text) {
-  Parameter parameter{"seed", "", 1, 0, 16777215, text};
+/// A text that is known when it is compiled.
+template <std::size_t size> struct Literal {
+  std::array<char, size> text{};
+  constexpr Literal(const char (&literal)[size]) { std::copy_n(literal, size, text.begin()); }
+};
+
+/// That text, and what is true of every seed.
+template <Literal text>
+inline constexpr auto kSeedText = [] {
+  constexpr std::string_view rule = "; further instances start with 2, 3, ...";
+  std::array<char, text.text.size() - 1 + rule.size()> both{};
+  std::copy_n(rule.begin(), rule.size(),
+              std::copy_n(text.text.begin(), text.text.size() - 1, both.begin()));
+  return both;
+}();
+
+/// The parameter `seed`; the text says of what.
+template <Literal text> [[nodiscard]] constexpr Parameter seed_parameter() {
+  Parameter parameter{
+      "seed", "", 1, 0, 16777215, std::string_view(kSeedText<text>.data(), kSeedText<text>.size())};
   parameter.seeds = true;
   return parameter;
 }

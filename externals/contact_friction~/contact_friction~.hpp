@@ -42,7 +42,7 @@ inline constexpr std::array kParameters{
     Parameter{"viscosity", "N s/m", kLaw.viscosity_ns_per_m, 0, 1e4, "sigma2, as of a grease"},
     Parameter{"roughness", "", kLaw.roughness, 0, 100,
               "random force, times sqrt(normal force times speed)"},
-    seed_parameter("of the roughness; in further instances initially 2, 3 ..."),
+    seed_parameter<"seed of the roughness">(),
     Parameter{"body", "kg", 0.05, 1e-4, 1e5, "modal mass of every mode of gain 1"},
     Parameter{"steps", "", 1, 1, 64, "of a sample at least; a light body takes up to 8 by itself"},
     Parameter{"gain", "s/m", 3, 0, 1e5, "of the sound: times the body's velocity"},

@@ -40,7 +40,7 @@ inline constexpr std::array kParameters{
     Parameter{"gain", "s/m", 5, 0, 1e5, "of the sound: times the body's velocity"},
     Parameter{"variation", "", 0, 0, 1,
               "of strikes: 1 scatters their speed as a hand does, 0 repeats it"},
-    seed_parameter("of the variation; in further instances initially 2, 3 ..."),
+    seed_parameter<"seed of the variation">(),
 };
 
 enum MessageIndex : std::size_t { kModes, kPickup, kStrike, kBang, kDrop, kReset };
@@ -94,7 +94,7 @@ public:
   void prepare(double sample_rate, std::size_t) { body_.prepare(sample_rate); }
   void set(std::size_t parameter, double value) noexcept {
     if (parameter == contact_impact::kSeed)
-      random_.seed(static_cast<std::uint64_t>(value)); // also anew, if the value is the same
+      random_.seed(static_cast<std::uint64_t>(value)); // also where the value is the same
     if (value_[parameter] == value)
       return;
     value_[parameter] = value;

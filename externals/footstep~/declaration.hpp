@@ -58,7 +58,7 @@ inline constexpr std::array kParameters{
     Parameter{"delay", "ms", 0, 0, 200, "of the drives, to wait for a slower path"},
     Parameter{"common", "", 0, 0, 1,
               "of the drives: 0 each plays what is under it, 1 both the whole foot by their force"},
-    seed_parameter("of everything that is left to chance; in further instances initially 2, 3 ..."),
+    seed_parameter<"seed of everything that is random">(),
     Parameter{"room", "", 1, 0, 10,
               "times the room's answer that a surface comes with; 0: in the open"},
     Parameter{"gait", "", 0, 0, 4, "how the walker walks", kStyleNames},

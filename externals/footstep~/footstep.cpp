@@ -271,6 +271,8 @@ double Footstep::second_foot_share(bool on) noexcept {
       (*sides_)[1].sensor.reset();
     }
   }
+  if (second_foot_ == 0 || second_foot_ == 1)
+    return second_foot_;
   return 0.5 - 0.5 * std::cos(std::numbers::pi * second_foot_);
 }
 

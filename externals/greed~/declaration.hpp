@@ -106,7 +106,7 @@ inline constexpr std::array kParameters{
               kOversamplings},
     Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
     Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
-    seed_parameter("of the breath noise; in further instances initially 2, 3 ..."),
+    seed_parameter<"seed of the breath noise">(),
     Parameter{"tune", "", 0, 0, 1, "1: choose the bore so that it plays f_b"},
     Parameter{"ear", "", 1, 0, 1, "1: with tune, correct slowly what is heard out of tune"},
     Parameter{"fingering", "", 0, 0, 127,

@@ -98,8 +98,7 @@ inline constexpr std::array kParameters{
         kResolveModes}),
     Parameter{"variation", "", 0, 0, 1,
               "of strikes: 1 scatters speed, point and direction as a hand does, 0 repeats them"},
-    seed_parameter("of the variation and of a rub's roughness; in further instances initially 2, "
-                   "3 ..."),
+    seed_parameter<"seed of the variation and of a rub's roughness">(),
 };
 
 enum MessageIndex : std::size_t {

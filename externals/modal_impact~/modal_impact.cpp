@@ -84,7 +84,7 @@ void ModalImpact::update_options() noexcept {
 
 void ModalImpact::set(std::size_t parameter, double value) noexcept {
   if (parameter == kSeed)
-    random_.seed(static_cast<std::uint64_t>(value)); // also anew, if the value is the same
+    random_.seed(static_cast<std::uint64_t>(value)); // also where the value is the same
   if (value_[parameter] == value)
     return;
   if (parameter == kRadiation && table_) {

@@ -53,8 +53,7 @@ inline constexpr std::array kParameters{
     Parameter{"level", "", kMaraca.level, 0, 1e4, "strength of the sound, of new collisions"},
     Parameter{"direct", "", 1, 0, 1, "share of the grains that is heard beside the modes"},
     Parameter{"gain", "", 1, 0, 1000, "of the sound, smoothed"},
-    seed_parameter(
-        "of all that is left to chance; begins it anew; in further instances initially 2, 3 ..."),
+    seed_parameter<"seed of everything that is random; setting it restarts the random sequence">(),
 };
 
 enum MessageIndex : std::size_t { kPresetMessage, kModes, kShake, kBang, kReset };

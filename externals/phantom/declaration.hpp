@@ -36,8 +36,7 @@ inline constexpr std::array kParameters{
     Parameter{"stops", "", 1, 0, 1, "simulated: hard stops 5 mm outside the workspace"},
     Parameter{"resolution", "mm", 0, 0, 10, "simulated: encoder step; 0 is exact"},
     Parameter{"noise", "mm", 0, 0, 10, "simulated: reading noise, plus or minus"},
-    seed_parameter(
-        "simulated: of noise, tremor and wander; in further instances initially 2, 3 ..."),
+    seed_parameter<"simulated: seed of noise, tremor and wander">(),
     Parameter{"latency", "ticks", 0, 0, 8, "simulated: from the handle to its reading"},
 };
 enum ParameterIndex : std::size_t {
