@@ -11,6 +11,12 @@
 /// made from this one table.
 namespace tactus {
 
+struct Atom;
+class Host;
+
+/// Its address stands for a class of objects.
+template <class Object> inline constexpr char kOwner{};
+
 /// A number the user can set: creation flag `-name value`, message `name value`, `get name`.
 struct Parameter {
   std::string_view name;
@@ -32,6 +38,11 @@ struct Parameter {
   /// True if it seeds what is left to chance: a host gives every instance, and every channel of
   /// one, a seed of its own (core/instance_numbers.hpp).
   bool seeds = false;
+  /// What sets and gets it in an object of the class `owner`; see core/rows.hpp. The value is
+  /// finite and within the range; neither function throws, allocates nor locks if `realtime`.
+  void (*set)(void* object, double value) = nullptr;
+  double (*get)(const void* object) = nullptr;
+  const char* owner = nullptr;
 };
 
 /// An inlet or outlet.
@@ -56,6 +67,9 @@ struct Message {
   /// True if its first argument may be the name of a file, so that a host can send it a file that
   /// is dropped onto the object's box.
   bool file = false;
+  /// What carries it out in an object of the class `owner`, with as many arguments as are accepted.
+  void (*run)(void* object, std::span<const Atom> arguments, Host& host) = nullptr;
+  const char* owner = nullptr;
 };
 
 /// The message, whose first argument may be the name of a file.

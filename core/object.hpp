@@ -161,16 +161,20 @@ public:
   void set(std::size_t parameter, double value) override {
     if constexpr (requires { object_.set(parameter, value); })
       object_.set(parameter, value);
+    else
+      T::declaration.parameters[parameter].set(&object_, value);
   }
   double get(std::size_t parameter) const override {
     if constexpr (requires { object_.get(parameter); })
       return object_.get(parameter);
     else
-      return 0;
+      return T::declaration.parameters[parameter].get(&object_);
   }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) override {
     if constexpr (requires { object_.message(index, arguments, host); })
       object_.message(index, arguments, host);
+    else
+      T::declaration.messages[index].run(&object_, arguments, host);
   }
   void scalar(std::size_t inlet, double value, Host& host) override {
     if constexpr (requires { object_.scalar(inlet, value, host); })

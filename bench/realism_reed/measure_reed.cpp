@@ -6,8 +6,8 @@
 // of the level s, largest rms of 20 ms, H1..H10 dB; with SWELL 1 in front of H1 the frames' worst
 // foreign tone dB, cents and number in the wrong register.
 #include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/parameter_rows.hpp"
 #include "core/reed/instrument/presets.hpp"
-#include "externals/greed~/declaration.hpp"
 #include "tests/core/reed/note_measure.hpp"
 
 #include <cstdio>
@@ -21,9 +21,9 @@ namespace {
 using namespace tactus::reed;
 
 bool set(Parameters& parameters, const std::string& name, double value) {
-  for (std::size_t i = 0; i < tactus::greed::kParameters.size(); ++i)
-    if (tactus::greed::kParameters[i].name == name) {
-      tactus::greed::kMembers[i].set(parameters, value);
+  for (const Row& row : kRows)
+    if (row.name == name) {
+      row.set(&parameters, value);
       return true;
     }
   return false;

@@ -3,8 +3,8 @@
 // with the parameters of [greed~] by their message names. The mouth pressure rises over 20 ms.
 // FILE receives doubles: sound, p_b and U one after the other.
 #include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/parameter_rows.hpp"
 #include "core/reed/instrument/presets.hpp"
-#include "externals/greed~/declaration.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -17,9 +17,9 @@
 namespace {
 
 bool set(tactus::reed::Parameters& parameters, const std::string& name, double value) {
-  for (std::size_t i = 0; i < tactus::greed::kParameters.size(); ++i)
-    if (tactus::greed::kParameters[i].name == name) {
-      tactus::greed::kMembers[i].set(parameters, value);
+  for (const tactus::reed::Row& row : tactus::reed::kRows)
+    if (row.name == name) {
+      row.set(&parameters, value);
       return true;
     }
   return false;

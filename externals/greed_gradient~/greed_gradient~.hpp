@@ -1,8 +1,9 @@
 #pragma once
 
-#include "core/object.hpp"
 #include "core/reed/playability/gradient.hpp"
 #include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/playability_rows.hpp"
+#include "core/rows.hpp"
 #include "externals/greed_gradient~/guide_updater.hpp"
 #include "externals/greed~/settings.hpp"
 
@@ -18,66 +19,11 @@ namespace tactus {
 /// the force on the hand (core/reed/playability/gradient.hpp, docs/guidance.md).
 class GreedGradient {
 public:
-  static constexpr std::array<std::string_view, 3> kModes{"reed", "growth", "guide"};
   /// Initial breath noise, relative to the mouth pressure. A hand raises the pressure slowly, and
   /// without more noise than greed~ has, notes near their threshold would take too long to start.
   /// In silence -108 dB.
   static constexpr double kBreathNoise = 5e-4;
-  static constexpr std::array kOwnParameters{
-      Parameter{"delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"},
-      Parameter{"mode", "", 0, 0, 2,
-                "slope of five reeds' playability, of linear theory, or the way to a note", kModes},
-      Parameter{"ceiling", "N", 2, 0, 40,
-                "largest force; with reed and growth on each axis, with guide in all"},
-      Parameter{"force_gain", "N", 0.3, 0, 100, "reed and growth: the force for a slope of 1"},
-      Parameter{"background", "", 1, 0, 1,
-                "0: maps are made in the host's time, 3000 nodes a second, as always in a render"},
-      Parameter{"attack", "ms", 5, 0.1, 5000, "playability~: time in which the envelope rises"},
-      Parameter{"release", "ms", 80, 0.1, 5000, "playability~: time in which the envelope falls"},
-      Parameter{"hp", "Hz", 10, 0.1, 1000, "playability~: high-pass of the angle"},
-      Parameter{"ref", "rad", 0.03, 1e-6, 10, "playability~: amplitude that is half playable"},
-      Parameter{"window", "ms", 50, 5, 250, "playability~: time over which crossings count"},
-      Parameter{"hyst", "", 0.2, 0, 0.9, "playability~: hysteresis of the count"},
-  };
-  static constexpr auto kParameters =
-      greed::with_initial("noise", kBreathNoise, greed::with_own(kOwnParameters));
-  static constexpr std::array kInlets{
-      Port{Port::Kind::kSignal, "y", "", "the hand's height 0..1: mouth pressure"},
-      Port{Port::Kind::kSignal, "z", "", "the hand's depth 0..1: reed frequency"},
-      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
-  };
-  static constexpr std::array kOutlets{
-      Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
-      Port{Port::Kind::kControl, "f_p", "", "playability of that reed, after each block"},
-      Port{Port::Kind::kControl, "gradient", "", "list g_y g_z, for one unit of y and of z"},
-      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while one is made"},
-      Port{Port::Kind::kControl, "force", "N", "list F_y F_z, on the hand"},
-  };
-  static constexpr std::array kMessages{
-      Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
-              "all of valve and bore at once, and a range in which it plays"},
-      Message{"range", "p_lo p_hi f_lo f_hi", 4, 4, "what 0 and 1 of y (Pa) and z (Hz) stand for"},
-      realtime(Message{"reset", "", 0, 0, "valves at rest, air still"}),
-  };
-  static constexpr std::array kArguments{CreationArgument{"preset"}};
-  static constexpr Declaration declaration{
-      "greed_gradient~",
-      "a reed and the slope of its playability in one object",
-      "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
-      "reed frequency and one on each side of it, estimated as by playability~; their differences "
-      "are the slope that guides the hand. Costs a third more than one greed~. In mode growth the "
-      "slope comes from linear theory and leads also out of silence, in mode guide the force pulls "
-      "to the nearest note and leaves the hand alone there. Both need a map, made in a thread of "
-      "its own when anything changes, while the last one goes on: map 0..1 at the info outlet.",
-      "reed lips haptic gradient playability guidance",
-      kInlets,
-      kOutlets,
-      kParameters,
-      kMessages,
-      kArguments,
-      "greed~, playability_map, reed_haptic.pd",
-      "the model: guidance.md",
-      "reed/adagio_room.wav: the clarinet of Mozart's Adagio, played by a hand"};
+  static const Declaration declaration;
   enum Timer : std::size_t { kStoppedTimer, kGuideTimer };
   static constexpr std::size_t timers = 2;
 
@@ -87,9 +33,6 @@ public:
     sample_rate_ = sample_rate;
     gradient_.prepare(sample_rate);
   }
-  void set(std::size_t parameter, double value) noexcept;
-  [[nodiscard]] double get(std::size_t parameter) const noexcept;
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void report(Host& host);
   void tick(std::size_t timer, Host& host);
   void dump_first(Host& host) { greed::dump_preset(parameters_, host); }
@@ -116,20 +59,24 @@ public:
   }
 
 private:
-  enum OwnParameter : std::size_t {
-    kDelta,
-    kMode,
-    kCeiling,
-    kForceGain,
-    kBackground,
-    kAttack,
-    kRelease,
-    kHighpass,
-    kReference,
-    kWindow,
-    kHysteresis
-  };
-  static constexpr std::size_t kFirstOwn = greed::kParameters.size();
+  struct Rows;
+
+  [[nodiscard]] const reed::Parameters& parameters() const noexcept { return parameters_; }
+  void take(const reed::Parameters& changed) noexcept {
+    parameters_ = changed;
+    gradient_.set(parameters_);
+  }
+  [[nodiscard]] const reed::PlayabilityParameters& estimator() const noexcept { return estimator_; }
+  void take_estimator(const reed::PlayabilityParameters& changed) noexcept {
+    estimator_ = changed;
+    gradient_.set(estimator_);
+  }
+  void take_preset(const Atom& name, Host& host);
+  void take_range(std::span<const Atom> words, Host& host) {
+    if (const auto range = greed::range_of(words, host))
+      gradient_.set_range(*range);
+  }
+
   static constexpr std::size_t kPlayabilityOutlet = 1, kGradientOutlet = 2, kForceOutlet = 4;
 
   reed::ReedGradient gradient_;
@@ -141,88 +88,12 @@ private:
   reed::GuideUpdater guide_;
 };
 
-inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
-  if (parameter < kFirstOwn) {
-    greed::kMembers[parameter].set(parameters_, value);
-    gradient_.set(parameters_);
+inline void GreedGradient::take_preset(const Atom& name, Host& host) {
+  const auto preset = greed::preset_of(name, parameters_, host);
+  if (!preset)
     return;
-  }
-  switch (parameter - kFirstOwn) {
-  case kDelta:
-    return gradient_.set_delta(value);
-  case kMode:
-    return gradient_.set_mode(static_cast<reed::ReedGradient::Mode>(static_cast<int>(value)));
-  case kCeiling:
-    return gradient_.set_ceiling(value);
-  case kForceGain:
-    return gradient_.set_force_gain(value);
-  case kBackground:
-    background_ = value >= 0.5;
-    return;
-  case kAttack:
-    estimator_.attack_s = 1e-3 * value;
-    break;
-  case kRelease:
-    estimator_.release_s = 1e-3 * value;
-    break;
-  case kHighpass:
-    estimator_.highpass_hz = value;
-    break;
-  case kReference:
-    estimator_.reference_rad = value;
-    break;
-  case kWindow:
-    estimator_.window_s = 1e-3 * value;
-    break;
-  default:
-    estimator_.hysteresis = value;
-    break;
-  }
-  gradient_.set(estimator_);
-}
-
-inline double GreedGradient::get(std::size_t parameter) const noexcept {
-  if (parameter < kFirstOwn)
-    return greed::kMembers[parameter].get(parameters_);
-  switch (parameter - kFirstOwn) {
-  case kDelta:
-    return gradient_.delta();
-  case kMode:
-    return static_cast<double>(gradient_.mode());
-  case kCeiling:
-    return gradient_.ceiling();
-  case kForceGain:
-    return gradient_.force_gain();
-  case kBackground:
-    return background_ ? 1 : 0;
-  case kAttack:
-    return 1e3 * estimator_.attack_s;
-  case kRelease:
-    return 1e3 * estimator_.release_s;
-  case kHighpass:
-    return estimator_.highpass_hz;
-  case kReference:
-    return estimator_.reference_rad;
-  case kWindow:
-    return 1e3 * estimator_.window_s;
-  default:
-    return estimator_.hysteresis;
-  }
-}
-
-inline void GreedGradient::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  if (index == 0) {
-    if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
-      parameters_ = *preset;
-      gradient_.set(parameters_);
-      gradient_.set_range(reed::range_for(parameters_));
-    }
-  } else if (index == 1) {
-    if (const auto range = greed::range_of(arguments, host))
-      gradient_.set_range(*range);
-  } else {
-    gradient_.reset();
-  }
+  take(*preset);
+  gradient_.set_range(reed::range_for(parameters_));
 }
 
 /// After each block: sends force, gradient and playability. Allocates nothing.
@@ -259,5 +130,70 @@ inline void GreedGradient::dump(Host& host) {
   host.info({"P_M", reed::closing_pressure(gradient_.parameters())});
   host.info({"L", gradient_.ensemble().length()});
 }
+
+struct GreedGradient::Rows {
+  using Self = GreedGradient;
+  using Gradient = reed::ReedGradient;
+  static constexpr std::array<std::string_view, 3> modes{"reed", "growth", "guide"};
+  static constexpr auto parameters = joined(
+      joined(
+          greed::with_initial("noise", kBreathNoise,
+                              rows_of_field<&Self::parameters, &Self::take, reed::kRows>()),
+          std::array{
+              property<&Gradient::delta, &Gradient::set_delta, &Self::gradient_>.row(
+                  "delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"),
+              property<&Gradient::mode, &Gradient::set_mode, &Self::gradient_>.row(
+                  "mode", modes,
+                  "slope of five reeds' playability, of linear theory, or the way to a note", 0),
+              property<&Gradient::ceiling, &Gradient::set_ceiling, &Self::gradient_>.row(
+                  "ceiling", "N", 2, 0, 40,
+                  "largest force; with reed and growth on each axis, with guide in all"),
+              property<&Gradient::force_gain, &Gradient::set_force_gain, &Self::gradient_>.row(
+                  "force_gain", "N", 0.3, 0, 100, "reed and growth: the force for a slope of 1"),
+              member<&Self::background_>.row(
+                  "background",
+                  "0: maps are made in the host's time, 3000 nodes a second, as always in a "
+                  "render",
+                  1),
+          }),
+      rows_of_field<&Self::estimator, &Self::take_estimator, reed::kPlayabilityRows>());
+  static constexpr std::array messages{
+      action<&Self::take_preset>(greed::kPresetMessage),
+      action<&Self::take_range>(greed::kRangeMessage),
+      realtime(action<&Self::gradient_, &Gradient::reset>("reset", "", 0, 0,
+                                                          "valves at rest, air still")),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "y", "", "the hand's height 0..1: mouth pressure"},
+      Port{Port::Kind::kSignal, "z", "", "the hand's depth 0..1: reed frequency"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
+      Port{Port::Kind::kControl, "f_p", "", "playability of that reed, after each block"},
+      Port{Port::Kind::kControl, "gradient", "", "list g_y g_z, for one unit of y and of z"},
+      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while one is made"},
+      Port{Port::Kind::kControl, "force", "N", "list F_y F_z, on the hand"},
+  };
+};
+
+inline constexpr Declaration GreedGradient::declaration{
+    "greed_gradient~",
+    "a reed and the slope of its playability in one object",
+    "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
+    "reed frequency and one on each side of it, estimated as by playability~; their differences "
+    "are the slope that guides the hand. Costs a third more than one greed~. In mode growth the "
+    "slope comes from linear theory and leads also out of silence, in mode guide the force pulls "
+    "to the nearest note and leaves the hand alone there. Both need a map, made in a thread of "
+    "its own when anything changes, while the last one goes on: map 0..1 at the info outlet.",
+    "reed lips haptic gradient playability guidance",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    greed::kArguments,
+    "greed~, playability_map, reed_haptic.pd",
+    "the model: guidance.md",
+    "reed/adagio_room.wav: the clarinet of Mozart's Adagio, played by a hand"};
 
 } // namespace tactus

@@ -1,9 +1,8 @@
 #pragma once
 
 #include "core/declaration_text.hpp"
-#include "core/object.hpp"
 #include "core/reed/instrument/instrument.hpp"
-#include "externals/greed~/declaration.hpp"
+#include "core/rows.hpp"
 #include "externals/greed~/settings.hpp"
 
 #include <array>
@@ -17,53 +16,12 @@ namespace tactus {
 /// patch.
 class Greed {
 public:
-  static constexpr Declaration declaration{
-      "greed~",
-      "generalised pressure-controlled valve on a bore",
-      "A reed, a pair of lips, vocal folds or a syrinx, blown by a mouth pressure on a cylindrical "
-      "or conical bore: blown closed, blown open or swinging door, by the sign of its rest angle "
-      "and a stop. Everything is in SI units and can be changed while it sounds.",
-      "physical model reed lips wind instrument waveguide synthesis",
-      greed::kInlets,
-      greed::kOutlets,
-      greed::kParameters,
-      greed::kMessages,
-      greed::kArguments,
-      "playability~, greed_gradient~, wind_controller.pd",
-      "the model: greed.md, wind controllers: wind_controller.md",
-      "fanfare/fanfare.wav: two trumpets and two trombones"};
+  static const Declaration declaration;
   static constexpr bool multichannel = true;
 
   void prepare(double sample_rate, std::size_t max_block) {
     instrument_.prepare(sample_rate, max_block);
   }
-  void set(std::size_t parameter, double value) noexcept {
-    reed::Parameters changed = instrument_.parameters();
-    greed::kMembers[parameter].set(changed, value);
-    if (greed::kParameters[parameter].name == "fingering")
-      instrument_.release_holes();
-    instrument_.set(changed);
-  }
-  [[nodiscard]] double get(std::size_t parameter) const noexcept {
-    return greed::kMembers[parameter].get(instrument_.parameters());
-  }
-
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-    if (index == greed::kReset)
-      return instrument_.restart();
-    if (index == greed::kTongue || (index == greed::kBang && instrument_.parameters().tune))
-      return instrument_.articulate();
-    if (index == greed::kBang)
-      return host.error("bang: expected tune 1, with which a player tongues the note; without it "
-                        "the breath p_m makes the sound");
-    if (index == greed::kHoles)
-      return finger(arguments, host);
-    if (index == greed::kValves)
-      return set_valves(arguments, host);
-    if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
-      instrument_.set(*preset);
-  }
-
   template <class S> void process(const Block<S>& block) noexcept {
     instrument_.process<S>({block.in(0), block.in(1), block.in(2)},
                            {block.out(0), block.out(1), block.out(2), block.out(3)});
@@ -94,6 +52,25 @@ public:
   }
 
 private:
+  struct Rows;
+
+  [[nodiscard]] const reed::Parameters& parameters() const noexcept {
+    return instrument_.parameters();
+  }
+  void take(const reed::Parameters& changed) noexcept { instrument_.set(changed); }
+  void restart() noexcept { instrument_.restart(); }
+  void release_holes() noexcept { instrument_.release_holes(); }
+  void articulate() noexcept { instrument_.articulate(); }
+  void bang(Host& host) {
+    if (!parameters().tune)
+      return host.error("bang: expected tune 1, with which a player tongues the note; without it "
+                        "the breath p_m makes the sound");
+    instrument_.articulate();
+  }
+  void take_preset(const Atom& name, Host& host) {
+    if (const auto preset = greed::preset_of(name, parameters(), host))
+      instrument_.set(*preset);
+  }
   void set_valves(std::span<const Atom> arguments, Host& host) {
     reed::Parameters changed = instrument_.parameters();
     if (changed.end != reed::BoreEnd::kTrumpet)
@@ -142,5 +119,60 @@ private:
   reed::Instrument instrument_;
   unsigned reported_refusals_ = 0; // Refusal::count at the last report
 };
+
+struct Greed::Rows {
+  /// Those of the core; a note that is fingered also ends the message `holes`.
+  static constexpr auto parameters = [] {
+    auto all = rows_of_field<&Greed::parameters, &Greed::take, reed::kRows>();
+    for (Parameter& row : all)
+      if (row.name == "fingering")
+        row.set = field<&Greed::parameters, &Greed::take, &reed::Parameters::fingering>
+                      .then<&Greed::release_holes>()
+                      .row("", "", 0, 0, "")
+                      .set;
+    return all;
+  }();
+  static constexpr std::array messages{
+      action<&Greed::take_preset>(greed::kPresetMessage),
+      realtime(action<&Greed::restart>("reset", "", 0, 0, "valve at rest, air still")),
+      realtime(
+          action<&Greed::articulate>("tongue", "", 0, 0, "with tune: the note is tongued anew")),
+      action<&Greed::finger>(
+          "holes", "CLOSED...", 1, 33,
+          "with tune and tone holes: register vent and each hole from the reed down, 1 closed, 0 "
+          "open, in between partly covered; fingering ends it"),
+      action<&Greed::set_valves>("valves", "[VALVE...|auto]", 0, 3,
+                                 "with tune and end trumpet: valves pressed, of 1 2 3, or none; "
+                                 "auto: the player's choice"),
+      realtime(action<&Greed::bang>("bang", "", 0, 0, "with tune: the note is tongued anew")),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},
+      Port{Port::Kind::kSignal, "f_r", "Hz", "reed frequency; 0: the parameter f_r"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "sound", "", "radiated pressure times gain, within +-1"},
+      Port{Port::Kind::kSignal, "theta", "rad", "angle of the valve"},
+      Port{Port::Kind::kSignal, "p_b", "Pa", "pressure in the bore at the valve"},
+      Port{Port::Kind::kSignal, "U", "m^3/s", "volume flow through the valve"},
+  };
+};
+
+inline constexpr Declaration Greed::declaration{
+    "greed~",
+    "generalised pressure-controlled valve on a bore",
+    "A reed, a pair of lips, vocal folds or a syrinx, blown by a mouth pressure on a cylindrical "
+    "or conical bore: blown closed, blown open or swinging door, by the sign of its rest angle "
+    "and a stop. Everything is in SI units and can be changed while it sounds.",
+    "physical model reed lips wind instrument waveguide synthesis",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    greed::kArguments,
+    "playability~, greed_gradient~, wind_controller.pd",
+    "the model: greed.md, wind controllers: wind_controller.md",
+    "fanfare/fanfare.wav: two trumpets and two trombones"};
 
 } // namespace tactus

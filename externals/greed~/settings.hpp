@@ -2,12 +2,12 @@
 
 #include "core/declaration_text.hpp"
 #include "core/object.hpp"
-#include "core/reed/instrument/parameters.hpp"
+#include "core/reed/instrument/parameter_rows.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/playability/gradient_plane.hpp"
 #include "core/refusal.hpp"
-#include "externals/greed~/declaration.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -15,20 +15,16 @@
 #include <string>
 #include <string_view>
 
-/// Shared by [greed~], [greed_gradient~] and [playability_map]: presets, the message `range`, and
-/// parameter tables that begin with those of [greed~].
+/// Shared by [greed~], [greed_gradient~] and [playability_map]: presets and the message `range`.
 namespace tactus::greed {
 
-/// The parameters of [greed~], then those of an object that contains reeds.
-template <std::size_t count>
-[[nodiscard]] constexpr auto with_own(const std::array<Parameter, count>& own) {
-  std::array<Parameter, kParameters.size() + count> all{};
-  for (std::size_t i = 0; i < kParameters.size(); ++i)
-    all[i] = kParameters[i];
-  for (std::size_t i = 0; i < count; ++i)
-    all[kParameters.size() + i] = own[i];
-  return all;
-}
+/// The messages `preset` and `range`, and the box's positional argument.
+inline constexpr Message kPresetMessage{
+    "preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
+    "all of valve and bore at once; of an object with a range, one in which it plays"};
+inline constexpr Message kRangeMessage{"range", "p_lo p_hi f_lo f_hi", 4, 4,
+                                       "what 0 and 1 of y (Pa) and z (Hz) stand for"};
+inline constexpr std::array kArguments{CreationArgument{"preset"}};
 
 /// The parameter table with another initial value of one parameter.
 template <std::size_t count>
@@ -41,38 +37,32 @@ template <std::size_t count>
 }
 
 /// Valve and bore of the preset with the numerics, player and air of `now`.
-[[nodiscard]] inline Parameters with_numerics(Parameters preset, const Parameters& now) {
-  preset.flow = now.flow;
-  preset.oversampling = now.oversampling;
-  preset.breath_noise = now.breath_noise;
-  preset.seed = now.seed;
-  preset.tune = now.tune;
-  preset.correct_pitch = now.correct_pitch;
-  preset.temperature = now.temperature;
+[[nodiscard]] inline reed::Parameters with_numerics(reed::Parameters preset,
+                                                    const reed::Parameters& now) {
+  for (const reed::Row& row : reed::kRows)
+    if (row.preset == reed::Row::Preset::kLeaves)
+      row.set(&preset, row.get(&now));
   return preset;
 }
 
-/// Sends the name of the preset that the parameters are, apart from numerics, gain and note, to the
-/// 24 bits of Pd's numbers.
-inline void dump_preset(const Parameters& now, Host& host) {
-  const auto same = [&](const Parameters& preset) {
-    for (std::size_t i = 0; i < kParameters.size(); ++i) {
-      const std::string_view name = kParameters[i].name;
-      if (name != "gain" && name != "fingering" && name != "slide" && name != "length" &&
-          static_cast<float>(kMembers[i].get(preset)) != static_cast<float>(kMembers[i].get(now)))
-        return false;
-    }
-    return true;
+/// Sends the name of the preset that the parameters are, apart from gain, note and what a preset
+/// leaves, to the 24 bits of Pd's numbers.
+inline void dump_preset(const reed::Parameters& now, Host& host) {
+  const auto same = [&](const reed::Parameters& preset) {
+    return std::all_of(reed::kRows.begin(), reed::kRows.end(), [&](const reed::Row& row) {
+      return row.preset != reed::Row::Preset::kSets ||
+             static_cast<float>(row.get(&preset)) == static_cast<float>(row.get(&now));
+    });
   };
   for (const reed::Preset& preset : reed::presets())
-    if (same(with_numerics(preset.parameters, now)))
+    if (same(preset.parameters))
       host.info({"preset", preset.name});
 }
 
 /// with_numerics() of the preset of that name. Reports an error and returns nothing when there is
 /// none.
-[[nodiscard]] inline std::optional<Parameters> preset_of(const Atom& name, const Parameters& now,
-                                                         Host& host) {
+[[nodiscard]] inline std::optional<reed::Parameters>
+preset_of(const Atom& name, const reed::Parameters& now, Host& host) {
   const auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
   if (!preset) {
     std::string sentence = "preset " +

@@ -47,23 +47,7 @@ double length_of(const Parameters& parameters, double bore_frequency) {
 
 } // namespace
 
-PlayabilityMapObject::PlayabilityMapObject() {
-  for (std::size_t i = 0; i < own_.size(); ++i)
-    own_[i] = kParameters[kFirstOwn + i].initial;
-  range_ = range_for(parameters_);
-}
-
-void PlayabilityMapObject::set(std::size_t parameter, double value) noexcept {
-  if (parameter < kFirstOwn)
-    greed::kMembers[parameter].set(parameters_, value);
-  else
-    own_[parameter - kFirstOwn] = value;
-}
-
-double PlayabilityMapObject::get(std::size_t parameter) const noexcept {
-  return parameter < kFirstOwn ? greed::kMembers[parameter].get(parameters_)
-                               : own_[parameter - kFirstOwn];
-}
+PlayabilityMapObject::PlayabilityMapObject() { range_ = range_for(parameters_); }
 
 std::string PlayabilityMapObject::key() const {
   std::string text;
@@ -72,22 +56,22 @@ std::string PlayabilityMapObject::key() const {
     std::snprintf(number, sizeof number, "%.17g ", value);
     text += number;
   };
-  for (const greed::Member& member : greed::kMembers)
-    add(member.get(parameters_));
+  for (const Row& row : kRows)
+    add(row.get(&parameters_));
   for (const double value :
        {parameters_.length, parameters_.reed_frequency, range_.lowest_pressure,
         range_.highest_pressure, range_.lowest_frequency, range_.highest_frequency})
     add(value);
-  for (std::size_t i = 0; i < own_.size(); ++i)
-    if (i != kBackground)
-      add(own_[i]);
+  for (const Parameter& row : Rows::own)
+    add(row.get(this));
   return text;
 }
 
 MapWorker::Portion PlayabilityMapObject::portion() const {
   if (growth_) {
-    const PlayingSetup playing = embouchure_for(clamped(parameters_), own_[kBoreFrequency],
-                                                length_of(parameters_, own_[kBoreFrequency]));
+    const PlayingSetup playing =
+        embouchure_for(clamped(parameters_), settings_.bore_frequency_hz,
+                       length_of(parameters_, settings_.bore_frequency_hz));
     const LinearStability theory(playing.valve, playing.length, playing.fingering.end);
     const double scale = playing.reed_scale;
     const ControlRange range = range_;
@@ -105,11 +89,11 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
   }
   PlayabilityMapSettings settings;
   settings.parameters = parameters_;
-  settings.bore_frequency = own_[kBoreFrequency];
+  settings.bore_frequency = settings_.bore_frequency_hz;
   settings.range = range_;
-  settings.sample_rate = own_[kRate];
-  settings.settle_s = 1e-3 * own_[kSettle];
-  settings.listen_s = 1e-3 * own_[kListen];
+  settings.sample_rate = settings_.rate_hz;
+  settings.settle_s = 1e-3 * settings_.settle_ms;
+  settings.listen_s = 1e-3 * settings_.listen_ms;
   auto map = std::make_shared<PlayabilityMap>();
   map->begin(settings, columns_, rows_);
   return [map](std::vector<double>& nodes, std::size_t first) {
@@ -123,9 +107,9 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
 
 void PlayabilityMapObject::compute(Host& host) {
   worker_.cancel();
-  columns_ = count(kColumns);
-  rows_ = count(kRows);
-  growth_ = own_[kQuantity] >= 0.5;
+  columns_ = settings_.columns;
+  rows_ = settings_.rows;
+  growth_ = settings_.growth;
   total_ = columns_ * rows_;
   working_key_ = key();
   computing_ = true;
@@ -134,7 +118,7 @@ void PlayabilityMapObject::compute(Host& host) {
       nodes = stored;
       return nodes.size();
     });
-  } else if (own_[kBackground] >= 0.5 && host.real_time()) {
+  } else if (settings_.background && host.real_time()) {
     if (const std::string error_text = worker_.start(total_, portion()); !error_text.empty())
       host.error("compute: " + error_text);
   } else {
@@ -197,58 +181,41 @@ void PlayabilityMapObject::tick(std::size_t, Host& host) {
     host.wake_in(0, computing_ && steps ? kBatch / kStepsPerBatch : kBatch);
 }
 
-void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  enum { kPreset, kRange, kCompute, kBang, kCancel, kDraw, kWrite, kRead };
-  const auto report = [&host](const std::string& error_text) {
-    if (!error_text.empty())
-      host.error(error_text);
-  };
-  const auto is_name = [&](const char* message) {
-    if (arguments[0].is_word)
-      return true;
-    host.error(refusal(message, arguments, "the name of a file"));
-    return false;
-  };
-  switch (index) {
-  case kPreset:
-    if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
-      parameters_ = *preset;
-      range_ = range_for(parameters_);
-    }
-    break;
-  case kRange:
-    if (const auto range = greed::range_of(arguments, host))
-      range_ = *range;
-    break;
-  case kCompute:
-  case kBang:
-    compute(host);
-    break;
-  case kCancel:
-    worker_.cancel();
-    if (computing_)
-      total_ = 0; // an unfinished map cannot be drawn
-    computing_ = drawing_ = false;
-    host.wake_in(0, -1);
-    break;
-  case kDraw:
-    draw(host);
-    break;
-  case kWrite:
-    if (is_name("write"))
-      report(store_.write(host.new_file(arguments[0].word)));
-    break;
-  case kRead:
-    if (!is_name("read"))
-      break;
-    if (const std::string path = host.find_file(arguments[0].word); !path.empty())
-      report(store_.read(path));
-    else
-      host.error("read: cannot find " + std::string(arguments[0].word));
-    break;
-  default:
-    break;
+void PlayabilityMapObject::take_preset(const Atom& name, Host& host) {
+  if (const auto preset = greed::preset_of(name, parameters_, host)) {
+    parameters_ = *preset;
+    range_ = range_for(parameters_);
   }
+}
+
+void PlayabilityMapObject::take_range(std::span<const Atom> words, Host& host) {
+  if (const auto range = greed::range_of(words, host))
+    range_ = *range;
+}
+
+void PlayabilityMapObject::cancel(Host& host) {
+  worker_.cancel();
+  if (computing_)
+    total_ = 0; // an unfinished map cannot be drawn
+  computing_ = drawing_ = false;
+  host.wake_in(0, -1);
+}
+
+void PlayabilityMapObject::write(std::span<const Atom> words, Host& host) {
+  if (!words[0].is_word)
+    return host.error(refusal("write", words, "the name of a file"));
+  if (const std::string problem = store_.write(host.new_file(words[0].word)); !problem.empty())
+    host.error(problem);
+}
+
+void PlayabilityMapObject::read(std::span<const Atom> words, Host& host) {
+  if (!words[0].is_word)
+    return host.error(refusal("read", words, "the name of a file"));
+  const std::string path = host.find_file(words[0].word);
+  if (path.empty())
+    return host.error("read: cannot find " + std::string(words[0].word));
+  if (const std::string problem = store_.read(path); !problem.empty())
+    host.error(problem);
 }
 
 void PlayabilityMapObject::scalar(std::size_t inlet, double value, Host& host) {

@@ -1,5 +1,6 @@
 #include "core/reed/instrument/presets.hpp"
 #include "externals/greed~/greed~.hpp"
+#include "tests/externals/by_name.hpp"
 #include "tests/externals/recording_host.hpp"
 
 #include <doctest/doctest.h>
@@ -20,17 +21,13 @@ class PlayedObject {
 public:
   PlayedObject(const char* preset, bool tune, double pressure, double note)
       : pressure_(pressure), note_(note) {
-    const Atom name(preset);
-    object.message(greed::kPreset, std::span(&name, 1), host);
-    object.set(index("tune"), tune ? 1 : 0);
+    test::send(object, "preset", {preset}, host);
+    set("tune", tune ? 1 : 0);
     object.prepare(kRate, 64);
   }
-  static std::size_t index(std::string_view name) {
-    for (std::size_t i = 0; i < greed::kParameters.size(); ++i)
-      if (greed::kParameters[i].name == name)
-        return i;
-    FAIL("no such parameter");
-    return 0;
+  void set(std::string_view parameter, double value) { test::set(object, parameter, value); }
+  [[nodiscard]] double get(std::string_view parameter) const {
+    return test::get(object, parameter);
   }
   void play(double seconds) {
     constexpr std::size_t kBlock = 64;
@@ -78,9 +75,9 @@ struct Sounding {
 /// Every stride-th parameter, at its limits and 30 % from its value.
 void check_clicks(std::span<const Sounding> notes, std::size_t stride) {
   for (const Sounding& note : notes)
-    for (std::size_t k = 0; k < greed::kParameters.size(); k += stride) {
-      const Parameter& parameter = greed::kParameters[k];
-      const double now = PlayedObject(note.preset, note.tune, 0, 0).object.get(k);
+    for (std::size_t k = 0; k < Greed::declaration.parameters.size(); k += stride) {
+      const Parameter& parameter = Greed::declaration.parameters[k];
+      const double now = PlayedObject(note.preset, note.tune, 0, 0).get(parameter.name);
       for (const double value : {parameter.lowest, parameter.highest, 1.3 * now, 0.7 * now}) {
         if (value == now || value < parameter.lowest || value > parameter.highest ||
             (!parameter.choices.empty() && value != std::floor(value)))
@@ -96,14 +93,14 @@ void check_clicks(std::span<const Sounding> notes, std::size_t stride) {
         PlayedObject playing(note.preset, note.tune, note.pressure, note.note);
         playing.play(0.8);
         const double before = playing.step(0.2);
-        playing.object.set(k, value);
+        playing.set(parameter.name, value);
         playing.play(0.4);
         const double during = playing.step(0.4);
         playing.play(0.3);
         double largest = std::max(before, playing.step(0.2));
         if (during > 2 * largest) { // a note blown anew is heard from 0.15 s after its beginning
           PlayedObject alone(note.preset, note.tune, note.pressure, note.note);
-          alone.object.set(k, value);
+          alone.set(parameter.name, value);
           alone.play(0.75);
           largest = std::max(largest, alone.step(0.6));
         }
@@ -131,13 +128,11 @@ TEST_CASE("a preset that comes while another sounds does not click") {
     PlayedObject playing("clarinet", true, 2200, 233), alone(next, true, 2200, 233);
     alone.play(1);
     playing.play(0.8);
-    const Atom name(next);
-    playing.object.message(greed::kPreset, std::span(&name, 1), playing.host);
+    test::send(playing.object, "preset", {next}, playing.host);
     const double before = playing.step(0.2);
     playing.play(1);
     CHECK(playing.step(1) <= 2 * std::max(before, alone.step(0.95)));
-    CHECK(playing.object.get(PlayedObject::index("gain")) ==
-          doctest::Approx(reed::find_preset(next)->gain));
+    CHECK(playing.get("gain") == doctest::Approx(reed::find_preset(next)->gain));
   }
 }
 
@@ -147,14 +142,14 @@ TEST_CASE("valves are pressed by a list, dumped, and refused with one sentence")
   test::RecordingHost& host = playing.host;
   const auto press = [&](std::vector<Atom> valves) {
     host.errors.clear();
-    object.message(greed::kValves, valves, host);
+    test::send(object, "valves", std::span<const Atom>(valves), host);
     object.dump(host);
     return host.errors.size();
   };
   CHECK(press({1.0, 3.0}) == 1); // an open end has none
   CHECK(host.errors.front() == "valves: expected end trumpet, which has valves");
   CHECK(host.said("valves") == "valves auto");
-  object.set(PlayedObject::index("end"), static_cast<double>(reed::BoreEnd::kTrumpet));
+  playing.set("end", static_cast<double>(reed::BoreEnd::kTrumpet));
   playing.play(0.1);
   CHECK(press({1.0, 3.0}) == 0);
   CHECK(host.said("valves") == "valves 1 3");
@@ -176,8 +171,8 @@ TEST_CASE("a parameter that takes the value it has changes no bit") {
   PlayedObject one("clarinet", false, 2200, 200), other("clarinet", false, 2200, 200);
   one.play(0.5);
   other.play(0.5);
-  for (std::size_t k = 0; k < greed::kParameters.size(); ++k)
-    other.object.set(k, other.object.get(k));
+  for (const Parameter& parameter : Greed::declaration.parameters)
+    other.set(parameter.name, other.get(parameter.name));
   one.play(0.2);
   other.play(0.2);
   CHECK(one.sound == other.sound);
@@ -185,10 +180,9 @@ TEST_CASE("a parameter that takes the value it has changes no bit") {
 
 TEST_CASE("a gliding parameter ends where an instrument made with it is") {
   PlayedObject made("clarinet", false, 2200, 0), changed("clarinet", false, 2200, 0);
-  const std::size_t end_radius = PlayedObject::index("radius_end");
-  made.object.set(end_radius, 0.009);
+  made.set("radius_end", 0.009);
   changed.play(0.5);
-  changed.object.set(end_radius, 0.009);
+  changed.set("radius_end", 0.009);
   changed.play(1.5);
   made.play(2);
   // The same steady sound, whatever the phase.
@@ -205,13 +199,13 @@ TEST_CASE("a note out of range is told once, with the limits") {
   CHECK(refusals() == 0);
   playing.play_note(1397, 0.2);
   CHECK(refusals() == 1);
-  const double low = playing.object.get(PlayedObject::index("lowest_note"));
-  const double high = playing.object.get(PlayedObject::index("highest_note"));
+  const double low = playing.get("lowest_note");
+  const double high = playing.get("highest_note");
   CHECK(playing.host.said("range") == "range 1397 " + number_text(low) + " " + number_text(high));
   playing.play_note(262, 0.1);
   playing.play_note(82, 0.1);
   CHECK(refusals() == 2);
-  playing.object.set(PlayedObject::index("tune"), 0);
+  playing.set("tune", 0);
   playing.play(0.1); // until the sound has faded
   playing.play_note(60, 0.1);
   CHECK(refusals() == 2);

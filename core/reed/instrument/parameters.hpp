@@ -93,25 +93,31 @@ struct Parameters {
   double lowest_note = 0;  // Hz
   double highest_note = 0; // Hz
 
+  /// Gives theta_0 the sign of the type: closed below 0, open above 0, swinging either.
+  constexpr void orient() noexcept {
+    const double size = rest_angle < 0 ? -rest_angle : rest_angle;
+    if (type != ValveType::kSwinging)
+      rest_angle = type == ValveType::kClosed ? -size : size;
+  }
+
   friend bool operator==(const Parameters&, const Parameters&) = default;
 };
 
-/// The nearest parameters with which the model can be computed: finite, within wide physical
-/// bounds, theta_0 with the sign of the type (closed: below 0, open: above 0).
+/// The nearest parameters that are usable: finite, within the ranges of parameter_rows.hpp, theta_0
+/// with the sign of the type.
 [[nodiscard]] Parameters clamped(const Parameters& parameters) noexcept;
 
-/// Linear interpolation, share in 0..1, of the numbers that ParameterGlide moves; all others, words
-/// and switches as in `to`.
+/// Linear interpolation, share in 0..1, of the numbers that glide; all others, words and switches
+/// as in `to`.
 [[nodiscard]] Parameters interpolate(const Parameters& from, const Parameters& to,
                                      double share) noexcept;
 
-/// Whether interpolate() between the two makes no thump in the sound: no switch or word differs, no
-/// size changes to or from 0 or by a factor of more than 1.25 (Q: of more than 10). What only a
-/// player uses counts only with `tune`.
+/// Whether interpolate() between the two makes no thump in the sound: no parameter changes by more
+/// than its row allows (Change::factor, Change::step).
 [[nodiscard]] bool can_interpolate(const Parameters& a, const Parameters& b) noexcept;
 /// Whether the oscillation in one instrument can continue in the other: the same kind of valve,
-/// bore and player, and no quantity that stores energy changed by a factor of more than 2. What
-/// only a player uses counts only with `tune`.
+/// bore and player, and no quantity that stores energy changed by more than its row allows
+/// (Change::continued_factor, Change::continued_step).
 [[nodiscard]] bool can_continue(const Parameters& a, const Parameters& b) noexcept;
 /// The target note, Hz: that of Parameters::fingering, else bore_frequency.
 [[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;

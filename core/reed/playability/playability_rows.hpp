@@ -1,0 +1,28 @@
+#pragma once
+
+#include "core/reed/playability/playability_follower.hpp"
+#include "core/rows.hpp"
+
+#include <array>
+#include <string_view>
+
+/// The numbers of PlayabilityParameters, a row each.
+namespace tactus::reed {
+
+inline constexpr std::array<std::string_view, 2> kPlayabilityModes{"paper", "robust"};
+inline constexpr std::array kPlayabilityRows{
+    member<&PlayabilityParameters::attack_s>.milli().row("attack", "ms", 0.1, 5000,
+                                                         "time in which the envelope rises"),
+    member<&PlayabilityParameters::release_s>.milli().row("release", "ms", 0.1, 5000,
+                                                          "time in which the envelope falls"),
+    member<&PlayabilityParameters::highpass_hz>.row(
+        "hp", "Hz", 0.1, 1000, "high-pass that takes away where the valve rests"),
+    member<&PlayabilityParameters::reference_rad>.row("ref", "rad", 1e-6, 10,
+                                                      "amplitude that counts as half playable"),
+    member<&PlayabilityParameters::window_s>.milli().row(
+        "window", "ms", 5, 250, "time over which zero crossings are counted"),
+    member<&PlayabilityParameters::hysteresis>.row(
+        "hyst", "", 0, 0.9, "hysteresis of the count, relative to the envelope"),
+};
+
+} // namespace tactus::reed
