@@ -82,7 +82,7 @@ template <class Access> struct Maker {
     return with_access(seed_parameter<text>());
   }
 
-  /// The same, and after it is set the object's function is called.
+  /// The same, and the object's function is called when it has changed.
   template <auto function> static constexpr auto then() { return Maker<Then<function>>(); }
   /// The same, of a member in seconds (rad, m, ...) that the user sets in thousandths.
   static constexpr auto milli() { return Maker<Milli>(); }
@@ -90,8 +90,10 @@ template <class Access> struct Maker {
 private:
   template <auto function> struct Then : Access {
     static constexpr void set(typename Access::Object& object, double number) {
+      const double before = Access::get(object);
       Access::set(object, number);
-      (object.*function)();
+      if (Access::get(object) != before)
+        (object.*function)();
     }
   };
   struct Milli : Access {
@@ -134,15 +136,17 @@ template <auto first, auto... rest> struct MemberAccess {
   }
 };
 
-/// A member of a struct that the object gives and takes as a whole.
+/// A member of a struct that the object gives, and takes as a whole when the number has changed.
 template <auto getter, auto setter, auto... path> struct FieldAccess {
   using Object = typename MemberOf<setter>::Owner;
   using Member = MemberAccess<path...>;
   static constexpr double get(const Object& object) { return Member::get((object.*getter)()); }
   static constexpr void set(Object& object, double number) {
     typename Member::Object changed = (object.*getter)();
+    const double before = Member::get(changed);
     Member::set(changed, number);
-    (object.*setter)(changed);
+    if (Member::get(changed) != before)
+      (object.*setter)(changed);
   }
   static constexpr double initial() { return Member::initial(); }
 };
@@ -199,7 +203,8 @@ inline constexpr rows::Maker<rows::FieldAccess<getter, setter, path...>> field{}
 template <auto getter, auto setter, auto... path>
 inline constexpr rows::Maker<rows::PropertyAccess<getter, setter, path...>> property{};
 
-/// The rows of a struct as those of an object that gives and takes the struct as a whole.
+/// The rows of a struct as those of an object that gives the struct, and takes it as a whole when a
+/// number has changed.
 template <auto getter, auto setter, const auto& table>
 [[nodiscard]] constexpr auto rows_of_field() {
   using Object = typename rows::MemberOf<setter>::Owner;
@@ -211,8 +216,10 @@ template <auto getter, auto setter, const auto& table>
           [](void* object, double number) {
             auto& self = *static_cast<Object*>(object);
             auto changed = (self.*getter)();
+            const double before = table[i].get(&changed);
             table[i].set(&changed, number);
-            (self.*setter)(changed);
+            if (table[i].get(&changed) != before)
+              (self.*setter)(changed);
           }),
      ...);
     ((made[i].get = [](const void* object) -> double {

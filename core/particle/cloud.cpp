@@ -1,5 +1,7 @@
 #include "core/particle/cloud.hpp"
 
+#include "core/particle/cloud_rows.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,17 +26,10 @@ void Cloud::prepare(double sample_rate) noexcept {
 
 void Cloud::set(const CloudSettings& settings) noexcept {
   settings_ = settings;
-  settings_.count = clamped(settings.count, 0, 1e6);
-  settings_.decay_s = clamped(settings.decay_s, 1e-4, 60);
-  settings_.frequency_hz = clamped(settings.frequency_hz, 10, 20000);
-  settings_.spread = clamped(settings.spread, 0, 3);
-  settings_.lower_by_size = clamped(settings.lower_by_size, 0, 2);
-  settings_.quality = clamped(settings.quality, 0.1, 200);
-  settings_.length_s = clamped(settings.length_s, 1e-5, 2);
-  settings_.rise = clamped(settings.rise, 0, 1);
-  settings_.level = clamped(settings.level, 0, 1e4);
+  for (const Parameter& row : kCloudRows)
+    row.set(&settings_, clamped(row.get(&settings_), row.lowest, row.highest));
   set_store();
-  energies_.set(settings.exponent, settings.largest);
+  energies_.set(settings_.exponent, settings_.largest);
   normalisation_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
   tune_rustle();
 }

@@ -2,8 +2,8 @@
 
 #include "core/contact/strike_scatter.hpp"
 #include "core/dsp/random.hpp"
-#include "core/object.hpp"
 #include "core/refusal.hpp"
+#include "core/rows.hpp"
 #include "externals/contact_impact~/sounding_body.hpp"
 
 #include <algorithm>
@@ -14,135 +14,24 @@
 #include <span>
 
 namespace tactus {
-namespace contact_impact {
-
-inline constexpr contact::ImpactLaw kLaw{};
-
-enum ParameterIndex : std::size_t {
-  kMass,
-  kStiffness,
-  kExponent,
-  kDissipation,
-  kGravity,
-  kBody,
-  kGain,
-  kVariation,
-  kSeed,
-};
-inline constexpr std::array kParameters{
-    Parameter{"mass", "kg", 0.02, 1e-5, 1000, "of what strikes"},
-    Parameter{"stiffness", "N/m^exponent", kLaw.stiffness, 1, 1e16, "k of the contact"},
-    Parameter{"exponent", "", kLaw.exponent, 1, 4, "1: a spring, 1.5: round bodies, above: felt"},
-    Parameter{"dissipation", "s/m", kLaw.dissipation_s_per_m, 0, 1000,
-              "mu of the contact: what is lost grows with mu times the speed"},
-    Parameter{"gravity", "m/s^2", 0, 0, 1000, "draws the mass towards the body"},
-    Parameter{"body", "kg", 0.3, 1e-4, 1e5, "modal mass of every mode of gain 1"},
-    Parameter{"gain", "s/m", 5, 0, 1e5, "of the sound: times the body's velocity"},
-    Parameter{"variation", "", 0, 0, 1,
-              "of strikes: 1 scatters their speed as a hand does, 0 repeats it"},
-    seed_parameter<"seed of the variation">(),
-};
-
-enum MessageIndex : std::size_t { kModes, kPickup, kStrike, kBang, kDrop, kReset };
-inline constexpr std::array kMessages{
-    contact::kModesMessage,
-    contact::kPickupMessage,
-    realtime(
-        Message{"strike", "v", 1, 1, "the mass meets the body with v m/s; 0: it is laid on it"}),
-    realtime(Message{"bang", "", 0, 0, "the last strike or drop again"}),
-    realtime(Message{"drop", "h", 1, 1, "the mass falls h mm, with gravity above 0"}),
-    realtime(Message{"reset", "", 0, 0, "silence, the mass 1 m away"}),
-};
-
-inline constexpr std::array kInlets{
-    Port{Port::Kind::kSignal, "force", "N", "pushes the mass into the body"},
-};
-inline constexpr std::array kOutlets{
-    Port{Port::Kind::kSignal, "sound", "", "velocity of the body times gain, within +-1"},
-    Port{Port::Kind::kSignal, "contact", "N", "force between mass and body"},
-    Port{Port::Kind::kControl, "impact", "", "after each contact: duration in ms, impulse in N s"},
-};
-
-} // namespace contact_impact
 
 /// [contact_impact~]: a mass strikes a body of some modes (core/contact/excited_body.hpp).
 class ContactImpact {
 public:
-  static constexpr Declaration declaration{
-      "contact_impact~",
-      "a mass strikes, presses or bounces on a body",
-      "A mass meets a body of up to 64 modes through a contact that stiffens and loses as real "
-      "ones do, coupled both ways: heavy masses stay longer, light ones bounce back, and pressing "
-      "changes the tone. No setting and no sample rate can add energy.",
-      "physical model impact contact modal synthesis percussion",
-      contact_impact::kInlets,
-      contact_impact::kOutlets,
-      contact_impact::kParameters,
-      contact_impact::kMessages,
-      contact::kBodyArguments,
-      "contact_friction~, modal_impact~",
-      "the model: contact.md"};
+  static const Declaration declaration;
   static constexpr bool multichannel = true;
 
   ContactImpact() {
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      value_[i] = contact_impact::kParameters[i].initial;
-    body_.set_gain(value_[contact_impact::kGain]);
+    body_.set_gain(kGain);
+    body_.set_mass(kBodyMass);
     update_law();
   }
 
   void prepare(double sample_rate, std::size_t) { body_.prepare(sample_rate); }
-  void set(std::size_t parameter, double value) noexcept {
-    if (parameter == contact_impact::kSeed)
-      random_.seed(static_cast<std::uint64_t>(value)); // also where the value is the same
-    if (value_[parameter] == value)
-      return;
-    value_[parameter] = value;
-    if (parameter == contact_impact::kBody)
-      body_.set_mass(value);
-    if (parameter == contact_impact::kGain)
-      body_.set_gain(value);
-    if (parameter <= contact_impact::kDissipation)
-      update_law();
-  }
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
-
-  void message(std::size_t index, std::span<const Atom> words, Host& host) {
-    using namespace contact_impact;
-    switch (index) {
-    case kModes:
-      return body_.parse_modes(words, host);
-    case kPickup:
-      return body_.parse_pickup(words, host);
-    case kStrike:
-      if (words[0].is_word || !(std::abs(words[0].number) <= 1000))
-        return host.error(refusal("strike", words, "a velocity in -1000..1000 m/s"));
-      last_ = {0, words[0].number};
-      break;
-    case kDrop:
-      if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1e5))
-        return host.error(refusal("drop", words, "a height in 0..100000 mm"));
-      if (value_[kGravity] <= 0)
-        return host.error("drop: nothing falls while gravity is 0");
-      last_ = {1e-3 * words[0].number, 0};
-      break;
-    case kReset:
-      random_.seed(static_cast<std::uint64_t>(value_[kSeed]));
-      return body_.reset();
-    default:
-      break;
-    }
-    const double variation = value_[kVariation];
-    const double factor =
-        variation > 0 ? contact::StrikeScatter::draw(variation, 0, random_).speed_factor : 1;
-    // Who falls from h arrives with sqrt(2 g h).
-    body_.launch_mass(0, factor * factor * last_.gap_m, factor * last_.velocity_m_per_s);
-  }
-
   template <class S> void process(const Block<S>& block) noexcept {
     const auto force = block.in(0);
     const auto sound = block.out(0), contact = block.out(1);
-    const double weight = value_[contact_impact::kMass] * value_[contact_impact::kGravity];
+    const double weight = mass_kg_ * gravity_m_per_s2_;
     contact::ChunkBuffer drive, output, contact_force;
     for (std::size_t from = 0; from < block.frames; from += drive.size()) {
       const std::size_t count = std::min(drive.size(), block.frames - from);
@@ -169,21 +58,112 @@ public:
   }
 
 private:
-  static constexpr std::size_t kImpactOutlet = 2;
-  void update_law() noexcept {
-    using namespace contact_impact;
-    body_.set_impact(0, {value_[kStiffness], value_[kExponent], value_[kDissipation]},
-                     value_[kMass]);
-  }
-
+  struct Rows;
   struct Launch {
     double gap_m, velocity_m_per_s;
   };
+  static constexpr std::size_t kImpactOutlet = 2;
+  static constexpr double kGain = 5, kBodyMass = 0.3; ///< initially: s/m, kg
+
+  void update_law() noexcept { body_.set_impact(0, law_, mass_kg_); }
+  [[nodiscard]] unsigned seed() const noexcept { return seed_; }
+  void set_seed(unsigned value) noexcept {
+    seed_ = value;
+    random_.seed(value);
+  }
+  void strike(std::span<const Atom> words, Host& host) {
+    if (words[0].is_word || !(std::abs(words[0].number) <= 1000))
+      return host.error(refusal("strike", words, "a velocity in -1000..1000 m/s"));
+    last_ = {0, words[0].number};
+    launch();
+  }
+  void drop(std::span<const Atom> words, Host& host) {
+    if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1e5))
+      return host.error(refusal("drop", words, "a height in 0..100000 mm"));
+    if (gravity_m_per_s2_ <= 0)
+      return host.error("drop: nothing falls while gravity is 0");
+    last_ = {1e-3 * words[0].number, 0};
+    launch();
+  }
+  /// The last strike or drop, with its scatter.
+  void launch() {
+    const double factor =
+        variation_ > 0 ? contact::StrikeScatter::draw(variation_, 0, random_).speed_factor : 1;
+    // Who falls from h arrives with sqrt(2 g h).
+    body_.launch_mass(0, factor * factor * last_.gap_m, factor * last_.velocity_m_per_s);
+  }
+  void reset() {
+    set_seed(seed_);
+    body_.reset();
+  }
+
   contact::SoundingBody body_;
-  std::array<double, contact_impact::kParameters.size()> value_{};
+  contact::ImpactLaw law_;
+  double mass_kg_ = 0.02, gravity_m_per_s2_ = 0, variation_ = 0;
+  unsigned seed_ = 1;
   Launch last_{0, 1}; // as it was meant
   Random random_;     // of variation
   std::size_t reported_ = 0;
 };
+
+struct ContactImpact::Rows {
+  using Self = ContactImpact;
+  using Law = contact::ImpactLaw;
+  using Body = contact::SoundingBody;
+  static constexpr std::array parameters{
+      member<&Self::mass_kg_>.then<&Self::update_law>().row("mass", "kg", 0.02, 1e-5, 1000,
+                                                            "of what strikes"),
+      member<&Self::law_, &Law::stiffness>.then<&Self::update_law>().row(
+          "stiffness", "N/m^exponent", 1, 1e16, "k of the contact"),
+      member<&Self::law_, &Law::exponent>.then<&Self::update_law>().row(
+          "exponent", "", 1, 4, "1: a spring, 1.5: round bodies, above: felt"),
+      member<&Self::law_, &Law::dissipation_s_per_m>.then<&Self::update_law>().row(
+          "dissipation", "s/m", 0, 1000,
+          "mu of the contact: what is lost grows with mu times the speed"),
+      member<&Self::gravity_m_per_s2_>.row("gravity", "m/s^2", 0, 0, 1000,
+                                           "draws the mass towards the body"),
+      property<&Body::mass, &Body::set_mass, &Self::body_>.row(
+          "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of every mode of gain 1"),
+      property<&Body::gain, &Body::set_gain, &Self::body_>.row(
+          "gain", "s/m", kGain, 0, 1e5, "of the sound: times the body's velocity"),
+      member<&Self::variation_>.row(
+          "variation", "", 0, 0, 1,
+          "of strikes: 1 scatters their speed as a hand does, 0 repeats it"),
+      property<&Self::seed, &Self::set_seed>.seed<"seed of the variation">(),
+  };
+  static constexpr std::array messages{
+      action<&Self::body_, &Body::parse_modes>(contact::kModesMessage),
+      action<&Self::body_, &Body::parse_pickup>(contact::kPickupMessage),
+      realtime(action<&Self::strike>("strike", "v", 1, 1,
+                                     "the mass meets the body with v m/s; 0: it is laid on it")),
+      realtime(action<&Self::launch>("bang", "", 0, 0, "the last strike or drop again")),
+      realtime(action<&Self::drop>("drop", "h", 1, 1, "the mass falls h mm, with gravity above 0")),
+      realtime(action<&Self::reset>("reset", "", 0, 0, "silence, the mass 1 m away")),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "force", "N", "pushes the mass into the body"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "sound", "", "velocity of the body times gain, within +-1"},
+      Port{Port::Kind::kSignal, "contact", "N", "force between mass and body"},
+      Port{Port::Kind::kControl, "impact", "",
+           "after each contact: duration in ms, impulse in N s"},
+  };
+};
+
+inline constexpr Declaration ContactImpact::declaration{
+    "contact_impact~",
+    "a mass strikes, presses or bounces on a body",
+    "A mass meets a body of up to 64 modes through a contact that stiffens and loses as real "
+    "ones do, coupled both ways: heavy masses stay longer, light ones bounce back, and pressing "
+    "changes the tone. No setting and no sample rate can add energy.",
+    "physical model impact contact modal synthesis percussion",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    contact::kBodyArguments,
+    "contact_friction~, modal_impact~",
+    "the model: contact.md"};
 
 } // namespace tactus

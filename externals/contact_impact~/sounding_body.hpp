@@ -56,6 +56,7 @@ public:
   }
   /// Factor of the sound; while there is some, it glides.
   void set_gain(double gain) noexcept { gain_ = gain; }
+  [[nodiscard]] double gain() const noexcept { return gain_; }
   /// The sound of a velocity of the body, within +-1.
   template <class S>
   void make_sound(std::span<const double> velocity, std::span<S> sound) noexcept {
@@ -68,6 +69,8 @@ public:
   }
 
   void set_mass(double kg) noexcept {
+    if (kg == mass_kg_)
+      return;
     mass_kg_ = kg;
     update_body();
   }

@@ -39,12 +39,10 @@ bool numbers_of(std::span<const Atom> words, std::vector<double>& numbers) {
 } // namespace
 
 Footstep::Footstep() : sides_(std::make_unique<std::array<Side, Gait::kFeet>>()) {
-  for (std::size_t i = 0; i < value_.size(); ++i)
-    value_[i] = kParameters[i].initial;
   for (Side& side : *sides_)
     side.first = side.second = store_.built_in("wood");
   prepare(48000, 64);
-  set(kSeed, value_[kSeed]);
+  set_seed(settings_.seed);
   update_grounds();
 }
 
@@ -62,87 +60,62 @@ void Footstep::prepare(double sample_rate, std::size_t) {
 }
 
 void Footstep::apply() noexcept {
-  gait_.set({value_[kSpeed], value_[kWeight], value_[kShoe], static_cast<Style>(value_[kGait])},
-            value_[kVariation]);
-  const Drive::Settings drive{value_[kDriveGain], value_[kSensitivity], value_[kLimit],
-                              value_[kDelay] / 1000, value_[kCommon]};
+  gait_.set({settings_.speed_m_per_s, settings_.weight_n, settings_.shoe, settings_.gait},
+            settings_.variation);
+  const Drive::Settings drive{settings_.drive_gain, settings_.sensitivity_g, settings_.limit_g,
+                              settings_.delay_ms / 1000, settings_.common};
   for (Side& side : *sides_) {
-    side.foot.set_weight(value_[kWeight]);
-    side.foot.set_shoe(value_[kShoe]);
-    side.foot.set_room(value_[kRoom]);
-    side.foot.set_mix(value_[kMix]);
+    side.foot.set_weight(settings_.weight_n);
+    side.foot.set_shoe(settings_.shoe);
+    side.foot.set_room(settings_.room);
+    side.foot.set_mix(settings_.mix);
     side.foot.drive().set(drive);
-    side.sensor.set(value_[kWeight]);
+    side.sensor.set(settings_.weight_n);
   }
 }
 
-void Footstep::set(std::size_t parameter, double value) noexcept {
-  value_[parameter] = value;
-  if (parameter == kWalk)
-    return gait_.walk(value >= 0.5);
-  constexpr auto run = static_cast<double>(Style::kRun), walk = static_cast<double>(Style::kWalk);
-  if (parameter == kRun && (value >= 0.5 || value_[kGait] == run))
-    value_[kGait] = value >= 0.5 ? run : walk;
-  if (parameter == kGait)
-    value_[kRun] = value == run ? 1 : 0;
-  if (parameter == kSeed) {
-    const auto seed = static_cast<std::uint64_t>(value);
-    gait_.seed(seed);
-    for (std::size_t i = 0; i < Gait::kFeet; ++i)
-      (*sides_)[i].foot.seed(2 * seed + i);
-    return;
-  }
+void Footstep::set_walk(bool on) noexcept {
+  settings_.walk = on;
+  gait_.walk(on);
+}
+
+void Footstep::set_run(bool on) noexcept {
+  if (on || runs())
+    settings_.gait = on ? Style::kRun : Style::kWalk;
   apply();
+}
+
+void Footstep::set_seed(unsigned value) noexcept {
+  settings_.seed = value;
+  gait_.seed(value);
+  for (std::size_t i = 0; i < Gait::kFeet; ++i)
+    (*sides_)[i].foot.seed(2 * std::uint64_t{value} + i);
 }
 
 void Footstep::update_grounds() noexcept {
   for (Side& side : *sides_)
     side.foot.set_grounds(side.first->id, side.first->recipe, side.second->id, side.second->recipe,
-                          value_[kMix]);
+                          settings_.mix);
 }
 
-void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  switch (index) {
-  case kSurface:
-    return set_surface(arguments, host);
-  case kStep:
-    if (!arguments.empty() && !side_named(arguments))
-      return host.error(refusal("step", arguments, "left or right"));
-    return schedule({kStep, side_named(arguments).value_or(0)}, host);
-  case kBang:
-    return schedule({kStep, next_side()}, host);
-  case kTurn:
-    return turn(arguments, host);
-  case kJump:
-    return jump(arguments, host);
-  case kScuff:
-    return scuff(arguments, host);
-  case kDrag:
-    return drag(arguments, host);
-  case kCalibrate:
-    return calibrate(arguments, host);
-  case kEqualise:
-    return equalise(arguments, host);
-  case kSurfaces: {
-    std::vector<Atom> names{"surfaces"};
-    for (const BuiltInSurface& surface : built_in_surfaces())
-      names.emplace_back(surface.name);
-    return host.info(std::span<const Atom>(names));
+void Footstep::list_surfaces(Host& host) {
+  std::vector<Atom> names{"surfaces"};
+  for (const BuiltInSurface& surface : built_in_surfaces())
+    names.emplace_back(surface.name);
+  host.info(std::span<const Atom>(names));
+}
+
+void Footstep::reset() {
+  fade_.from = fade_.last;
+  fade_.left = fade_.whole;
+  next_foot_ = 0;
+  gait_.reset();
+  for (Side& side : *sides_) {
+    side.foot.reset();
+    side.sensor.reset();
   }
-  case kReset:
-    fade_.from = fade_.last;
-    fade_.left = fade_.whole;
-    next_foot_ = 0;
-    gait_.reset();
-    for (Side& side : *sides_) {
-      side.foot.reset();
-      side.sensor.reset();
-    }
-    movements_ = {};
-    return set(kSeed, value_[kSeed]);
-  default:
-    return;
-  }
+  movements_ = {};
+  set_seed(settings_.seed);
 }
 
 void Footstep::set_surface(std::span<const Atom> given, Host& host) {
@@ -164,14 +137,14 @@ void Footstep::set_surface(std::span<const Atom> given, Host& host) {
     if (!found[i])
       return;
   }
-  double mix = names == 2 ? value_[kMix] : 0;
+  double mix = names == 2 ? settings_.mix : 0;
   if (arguments.size() == 3) {
     mix = arguments[2].number;
     if (arguments[2].is_word || !(mix >= 0 && mix <= 1))
       return host.error(refusal("surface", given, "a mix in 0..1"));
   }
   if (names == 2 || to - from == Gait::kFeet) // one foot on one ground needs no mix
-    value_[kMix] = mix;
+    settings_.mix = mix;
   for (std::size_t i = from; i < to; ++i) {
     (*sides_)[i].first = found[0];
     (*sides_)[i].second = names == 2 ? found[1] : found[0];
@@ -221,19 +194,19 @@ void Footstep::record_events(std::size_t foot, const SoleState& sole) noexcept {
 
 std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
   std::array<SoleState, Gait::kFeet> soles{};
-  const std::size_t feet = value_[kFeet] >= 1.5 ? 2 : 1;
+  const std::size_t feet = settings_.feet >= 1.5 ? 2 : 1;
   const std::array<double, Gait::kFeet> share{1, second_foot_share(feet == 2)};
   const std::size_t sounding = share[1] > 0 ? 2 : 1;
-  if (value_[kSource] < 0.5) {
+  if (!settings_.sensors) {
     gait_.next(soles);
   } else {
-    const double unit = value_[kUnit] < 0.5 ? 1 : value_[kWeight];
+    const double unit = settings_.in_weights ? settings_.weight_n : 1;
     for (std::size_t i = 0; i < sounding; ++i)
       soles[i] = (*sides_)[i].sensor.next(in[2 * i] * unit, in[2 * i + 1] * unit);
   }
   std::array<double, 8> out{};
   measured_ += 1;
-  gain_ += smoothed_gain_ * (value_[kGain] - gain_);
+  gain_ += smoothed_gain_ * (settings_.gain - gain_);
   bool sounds = false;
   for (std::size_t i = 0; i < sounding; ++i) {
     const SoleState& sole = soles[i];
@@ -252,7 +225,7 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
       out[4 * i + 3] = sole.heel_n + sole.ball_n;
   }
   if (!sounds) // in silence a new gain takes effect at once
-    gain_ = value_[kGain];
+    gain_ = settings_.gain;
   if (fade_.left > 0)
     fade(out);
   fade_.last = out;
@@ -280,7 +253,7 @@ double Footstep::second_foot_share(bool on) noexcept {
 void Footstep::fade(std::array<double, 8>& out) noexcept {
   const double part =
       0.5 - 0.5 * std::cos(std::numbers::pi * std::max(fade_.left, 0.0) / fade_.whole);
-  const double max_drive = std::min(value_[kLimit] / value_[kSensitivity], 1.0);
+  const double max_drive = std::min(settings_.limit_g / settings_.sensitivity_g, 1.0);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const double bound = i % 4 == 0 ? 1 : max_drive;
     if (i % 4 != 3)
@@ -294,9 +267,9 @@ void Footstep::report(Host& host) {
     const Event& event = events_[i];
     const auto phase = kPhases[static_cast<std::size_t>(event.phase)];
     if (event.speed > 0)
-      host.info({"step", kSides[event.foot], phase, event.speed});
+      host.info({"step", kSideNames[event.foot], phase, event.speed});
     else
-      host.info({"step", kSides[event.foot], phase});
+      host.info({"step", kSideNames[event.foot], phase});
   }
   event_count_ = 0;
 }
@@ -305,12 +278,12 @@ void Footstep::dump(Host& host) {
   const auto& [left, right] = *sides_;
   const auto send_levels = [&](const Side& side, auto... foot) {
     host.info({"surface", foot..., std::string_view(side.first->name),
-               std::string_view(side.second->name), value_[kMix]});
+               std::string_view(side.second->name), settings_.mix});
   };
   if (left.first == right.first && left.second == right.second)
     return send_levels(left);
-  send_levels(left, kSides[0]);
-  send_levels(right, kSides[1]);
+  send_levels(left, kSideNames[0]);
+  send_levels(right, kSideNames[1]);
 }
 
 } // namespace tactus::footstep

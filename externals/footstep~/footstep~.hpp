@@ -4,8 +4,7 @@
 #include "core/footstep/gait.hpp"
 #include "core/footstep/sole_sensor.hpp"
 #include "core/modal/body/timed_queue.hpp"
-#include "core/object.hpp"
-#include "externals/footstep~/declaration.hpp"
+#include "core/rows.hpp"
 #include "externals/footstep~/surface_store.hpp"
 
 #include <array>
@@ -14,6 +13,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
+#include <variant>
 
 namespace tactus::footstep {
 
@@ -21,27 +22,10 @@ namespace tactus::footstep {
 /// (core/footstep, docs/footstep.md).
 class Footstep {
 public:
-  static constexpr Declaration declaration{
-      "footstep~",
-      "steps on any ground, heard and felt",
-      "The force under heel and ball, from sensors, a recording or a walker made here, meets a "
-      "ground made of a readable recipe: masses that strike, boards that rub, grains and bubbles. "
-      "Sound for the ears and drives for actuators under heel and ball come from the same motion.",
-      "footsteps walking gait ground surface haptic vibrotactile physical model",
-      kInlets,
-      kOutlets,
-      kParameters,
-      kMessages,
-      kArguments,
-      "particle~, modal_impact~, footstep_map.pd",
-      "the model: footstep.md, your own surface: surfaces.md",
-      "walking/tour.wav: one walker in one take"};
+  static const Declaration declaration;
 
   Footstep();
   void prepare(double sample_rate, std::size_t max_block);
-  void set(std::size_t parameter, double value) noexcept;
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void report(Host& host);
   void dump(Host& host);
 
@@ -62,6 +46,7 @@ public:
   }
 
 private:
+  static constexpr std::array<std::string_view, 2> kSideNames{"left", "right"};
   static constexpr std::size_t kMaxEvents = 64; ///< between two reports
   struct Event {
     std::size_t foot;
@@ -80,12 +65,36 @@ private:
     double left = 0, whole = 1; ///< samples
   };
 
-  /// What a message asks of the gait, from its sample on.
-  struct Movement {
-    MessageIndex what = kStep;
-    std::size_t foot = 0;
-    double value = 0, speed = 0; ///< angle, height or length; of a drag
+  struct Rows;
+  struct Settings {
+    bool sensors = false, walk = false;
+    double speed_m_per_s = 1.4, weight_n = 700, shoe = 0.4, feet = 1, variation = 0.04;
+    bool in_weights = false; ///< forces at the inlets are in body weights, not newtons
+    double mix = 0, gain = 1, drive_gain = 1, sensitivity_g = 3, limit_g = 3, delay_ms = 0;
+    double common = 0, room = 1;
+    Style gait = Style::kWalk;
+    unsigned seed = 1;
   };
+
+  // What a message asks of the gait, from its sample on.
+  struct Step {
+    std::size_t foot;
+  };
+  struct Turn {
+    double angle_rad;
+    std::size_t foot;
+  };
+  struct Jump {
+    double height_m;
+  };
+  struct Scuff {
+    std::size_t foot;
+  };
+  struct Drag {
+    std::size_t foot;
+    double length_m, speed_m_per_s;
+  };
+  using Movement = std::variant<Step, Turn, Jump, Scuff, Drag>;
   static constexpr std::size_t kMaxMovements = 64;
 
   void begin_block(double start_ms) noexcept;
@@ -102,6 +111,14 @@ private:
   side_named(std::span<const Atom> arguments) noexcept;
   /// Alternates between the feet; always the left one with feet 1.
   std::size_t next_side() noexcept;
+  [[nodiscard]] bool walks() const noexcept { return settings_.walk; }
+  void set_walk(bool on) noexcept;
+  [[nodiscard]] bool runs() const noexcept { return settings_.gait == Style::kRun; }
+  void set_run(bool on) noexcept;
+  [[nodiscard]] unsigned seed() const noexcept { return settings_.seed; }
+  void set_seed(unsigned value) noexcept;
+  void step(std::span<const Atom> arguments, Host& host);
+  void step_next(Host& host) { schedule(Step{next_side()}, host); }
   void turn(std::span<const Atom> arguments, Host& host);
   void jump(std::span<const Atom> arguments, Host& host);
   void scuff(std::span<const Atom> arguments, Host& host);
@@ -109,8 +126,10 @@ private:
   void set_surface(std::span<const Atom> arguments, Host& host);
   void calibrate(std::span<const Atom> arguments, Host& host);
   void equalise(std::span<const Atom> arguments, Host& host);
+  void list_surfaces(Host& host);
+  void reset();
 
-  std::array<double, kParameters.size()> value_{};
+  Settings settings_;
   Gait gait_;
   modal::TimedQueue<Movement, kMaxMovements> movements_;
   double sample_rate_ = 48000;
@@ -125,5 +144,120 @@ private:
   std::size_t event_count_ = 0;
   double measured_ = 0; ///< samples since the last dump
 };
+
+struct Footstep::Rows {
+  using Self = Footstep;
+  static constexpr std::array<std::string_view, 2> sources{"gait", "sensors"};
+  static constexpr std::array<std::string_view, 5> styles{"walk", "run", "sneak", "upstairs",
+                                                          "downstairs"};
+  static constexpr std::array<std::string_view, 2> units{"newton", "weight"};
+  /// A setting that everything is told of when it has changed.
+  template <auto setting>
+  static constexpr auto applied = member<&Self::settings_, setting>.template then<&Self::apply>();
+  static constexpr std::array parameters{
+      member<&Self::settings_, &Settings::sensors>.row(
+          "source", sources, "whose steps: a walker's, made here, or the inlets' forces"),
+      property<&Self::walks, &Self::set_walk>.row(
+          "walk", "1: the walker sets off and walks on; 0: halts with one more step and stands", 0),
+      applied<&Settings::speed_m_per_s>.row(
+          "speed", "m/s", 0.3, 8,
+          "of the walker on level ground; sneaking and stairs are slower, as people are"),
+      property<&Self::runs, &Self::set_run>.row("run",
+                                                "1: gait run, at 1.5 m/s or more; 0: gait walk", 0),
+      applied<&Settings::weight_n>.row("weight", "N", 1, 10000,
+                                       "of the body; forces count relative to it"),
+      applied<&Settings::shoe>.row("shoe", "", 0, 1,
+                                   "hardness of the sole: 0 soft or barefoot, 1 hard"),
+      member<&Self::settings_, &Settings::feet>.row("feet", "", 1, 2, "feet that sound"),
+      applied<&Settings::variation>.row("variation", "", 0, 0.5,
+                                        "of the walker from step to step (3 to 5 % in people)"),
+      member<&Self::settings_, &Settings::in_weights>.row(
+          "unit", units, "of the inlets: newtons, or body weights"),
+      applied<&Settings::mix>.row("mix", "", 0, 1, "0: the first surface, 1: the second"),
+      member<&Self::settings_, &Settings::gain>.row("gain", "", 0, 1000, "of the sound"),
+      applied<&Settings::drive_gain>.row("drive_gain", "", 0, 1000, "of the drives"),
+      applied<&Settings::sensitivity_g>.row("sensitivity", "g", 0.01, 100,
+                                            "acceleration of the actuator at a drive of 1"),
+      applied<&Settings::limit_g>.row("limit", "g", 0, 3, "largest acceleration"),
+      applied<&Settings::delay_ms>.row("delay", "ms", 0, 200,
+                                       "of the drives, to wait for a slower path"),
+      applied<&Settings::common>.row(
+          "common", "", 0, 1,
+          "of the drives: 0 each plays what is under it, 1 both the whole foot by their force"),
+      property<&Self::seed, &Self::set_seed>.seed<"seed of everything that is random">(),
+      applied<&Settings::room>.row(
+          "room", "", 0, 10, "times the room's answer that a surface comes with; 0: in the open"),
+      applied<&Settings::gait>.row("gait", styles, "how the walker walks"),
+  };
+  static constexpr std::array messages{
+      takes_file(action<&Self::set_surface>(
+          "surface",
+          "[left|right] "
+          "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
+          "dirt|puddle|water|carpet|file.txt [another [mix]]",
+          1, 4, "the ground, or two and how much of the second; of both feet, or of one")),
+      realtime(action<&Self::step>("step", "[left|right]", 0, 1,
+                                   "one step; a foot that is down lands once more beside it")),
+      realtime(
+          action<&Self::step_next>("bang", "", 0, 0, "one step; with feet 2 the feet in turn")),
+      realtime(action<&Self::turn>(
+          "turn", "[degrees]", 0, 1,
+          "the next step pivots by 1 to 180 degrees (90): the ball slides under the load")),
+      realtime(action<&Self::jump>(
+          "jump", "[m]", 0, 1,
+          "crouches, jumps on both feet 0.01 to 1 m high (0.3), lands; a walker halts before")),
+      realtime(action<&Self::scuff>(
+          "scuff", "[left|right]", 0, 1,
+          "the ball strikes and slides 15 cm, in that foot's next swing or at once")),
+      realtime(action<&Self::drag>(
+          "drag", "[left|right] [m [m/s]]", 0, 3,
+          "that foot slides 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) under 30 % of the weight; "
+          "of a walker for its next swing")),
+      action<&Self::calibrate>(
+          "calibrate", "heel|ball [reading N reading N ...]", 1, 65,
+          "at least five rising points from what the sensor reads to newtons; none: as it is"),
+      action<&Self::equalise>("equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,
+                              "undoes the actuator's response at these Hz; none: flat"),
+      action<&Self::list_surfaces>("surfaces", "", 0, 0,
+                                   "names of the fifteen, out of the info outlet"),
+      realtime(
+          action<&Self::reset>("reset", "", 0, 0, "silence within 5 ms, both feet in the air")),
+  };
+  static constexpr std::array arguments{CreationArgument{"surface"}};
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "heel", "N", "source sensors: force under the (left) heel"},
+      Port{Port::Kind::kSignal, "ball", "N", "force under the ball of the (left) foot"},
+      Port{Port::Kind::kSignal, "heel_2", "N", "feet 2: right heel"},
+      Port{Port::Kind::kSignal, "ball_2", "N", "feet 2: ball of the right foot"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "sound", "", "of the (left) foot, within +-1"},
+      Port{Port::Kind::kSignal, "heel_drive", "", "to the actuator under the heel"},
+      Port{Port::Kind::kSignal, "ball_drive", "", "to the actuator under the ball"},
+      Port{Port::Kind::kSignal, "force", "N", "under the foot"},
+      Port{Port::Kind::kSignal, "sound_2", "", "feet 2: of the right foot"},
+      Port{Port::Kind::kSignal, "heel_drive_2", "", "feet 2: right heel"},
+      Port{Port::Kind::kSignal, "ball_drive_2", "", "feet 2: right ball"},
+      Port{Port::Kind::kSignal, "force_2", "N", "feet 2: under the right foot"},
+      Port{Port::Kind::kControl, "info", "",
+           "step left|right heel|ball (with m/s), heel_up|toe_off; answers"},
+  };
+};
+
+inline constexpr Declaration Footstep::declaration{
+    "footstep~",
+    "steps on any ground, heard and felt",
+    "The force under heel and ball, from sensors, a recording or a walker made here, meets a "
+    "ground made of a readable recipe: masses that strike, boards that rub, grains and bubbles. "
+    "Sound for the ears and drives for actuators under heel and ball come from the same motion.",
+    "footsteps walking gait ground surface haptic vibrotactile physical model",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    Rows::arguments,
+    "particle~, modal_impact~, footstep_map.pd",
+    "the model: footstep.md, your own surface: surfaces.md",
+    "walking/tour.wav: one walker in one take"};
 
 } // namespace tactus::footstep

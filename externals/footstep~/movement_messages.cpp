@@ -46,52 +46,57 @@ void Footstep::schedule(const Movement& movement, const Host& host) noexcept {
 }
 
 void Footstep::move(const Movement& movement) noexcept {
-  switch (movement.what) {
-  case kTurn:
-    return gait_.turn(movement.value, movement.foot);
-  case kJump:
-    return gait_.jump(movement.value);
-  case kScuff:
-    return gait_.scuff(movement.foot);
-  case kDrag:
-    return gait_.drag(movement.foot, movement.value, movement.speed);
-  default:
-    return gait_.step(movement.foot);
-  }
+  if (const auto* step = std::get_if<Step>(&movement))
+    gait_.step(step->foot);
+  else if (const auto* turn = std::get_if<Turn>(&movement))
+    gait_.turn(turn->angle_rad, turn->foot);
+  else if (const auto* jump = std::get_if<Jump>(&movement))
+    gait_.jump(jump->height_m);
+  else if (const auto* scuff = std::get_if<Scuff>(&movement))
+    gait_.scuff(scuff->foot);
+  else if (const auto* drag = std::get_if<Drag>(&movement))
+    gait_.drag(drag->foot, drag->length_m, drag->speed_m_per_s);
 }
 
 std::optional<std::size_t> Footstep::side_named(std::span<const Atom> arguments) noexcept {
-  for (std::size_t side = 0; side < kSides.size(); ++side)
-    if (!arguments.empty() && arguments[0].is_word && arguments[0].word == kSides[side])
+  for (std::size_t side = 0; side < kSideNames.size(); ++side)
+    if (!arguments.empty() && arguments[0].is_word && arguments[0].word == kSideNames[side])
       return side;
   return std::nullopt;
 }
 
 std::size_t Footstep::next_side() noexcept {
-  const std::size_t side = value_[kFeet] >= 1.5 ? next_foot_ : 0;
+  const std::size_t side = settings_.feet >= 1.5 ? next_foot_ : 0;
   next_foot_ = 1 - side;
   return side;
+}
+
+void Footstep::step(std::span<const Atom> arguments, Host& host) {
+  const auto side = side_named(arguments);
+  if (!side && !arguments.empty())
+    return host.error(refusal("step", arguments, "left or right"));
+  schedule(Step{side.value_or(0)}, host);
 }
 
 void Footstep::turn(std::span<const Atom> arguments, Host& host) {
   const auto degrees = number(arguments, 0, kTurnDegrees);
   if (!degrees)
     return host.error(refusal("turn", arguments, "1 to 180 degrees"));
-  schedule({kTurn, next_side(), *degrees * std::numbers::pi / 180}, host);
+  schedule(Turn{*degrees * std::numbers::pi / 180, next_side()}, host);
 }
 
 void Footstep::jump(std::span<const Atom> arguments, Host& host) {
   const auto height = number(arguments, 0, kJumpHeight);
   if (!height)
     return host.error(refusal("jump", arguments, "a height of 0.01 to 1 m"));
-  schedule({kJump, 0, *height}, host);
+  schedule(Jump{*height}, host);
 }
 
 void Footstep::scuff(std::span<const Atom> arguments, Host& host) {
   const auto side = side_named(arguments);
   if (!side && !arguments.empty())
     return host.error(refusal("scuff", arguments, "left or right"));
-  schedule({kScuff, side ? *side : next_side()}, host);
+  schedule(Scuff{side ? *side : next_side()}, host);
 }
 
 void Footstep::drag(std::span<const Atom> arguments, Host& host) {
@@ -101,7 +106,7 @@ void Footstep::drag(std::span<const Atom> arguments, Host& host) {
   if (!length || !speed || numbers.size() > 2)
     return host.error(
         refusal("drag", arguments, "left or right, then 0.01 to 20 m and 0.02 to 5 m/s"));
-  schedule({kDrag, side ? *side : next_side(), *length, *speed}, host);
+  schedule(Drag{side ? *side : next_side(), *length, *speed}, host);
 }
 
 } // namespace tactus::footstep

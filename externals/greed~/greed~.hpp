@@ -59,7 +59,13 @@ private:
   }
   void take(const reed::Parameters& changed) noexcept { instrument_.set(changed); }
   void restart() noexcept { instrument_.restart(); }
-  void release_holes() noexcept { instrument_.release_holes(); }
+  [[nodiscard]] double fingering() const noexcept { return parameters().fingering; }
+  void set_fingering(double note) noexcept {
+    reed::Parameters changed = parameters();
+    changed.fingering = note;
+    instrument_.release_holes();
+    instrument_.set(changed);
+  }
   void articulate() noexcept { instrument_.articulate(); }
   void bang(Host& host) {
     if (!parameters().tune)
@@ -126,10 +132,7 @@ struct Greed::Rows {
     auto all = rows_of_field<&Greed::parameters, &Greed::take, reed::kRows>();
     for (Parameter& row : all)
       if (row.name == "fingering")
-        row.set = field<&Greed::parameters, &Greed::take, &reed::Parameters::fingering>
-                      .then<&Greed::release_holes>()
-                      .row("", "", 0, 0, "")
-                      .set;
+        row.set = property<&Greed::fingering, &Greed::set_fingering>.row("", "", 0, 0, 0, "").set;
     return all;
   }();
   static constexpr std::array messages{

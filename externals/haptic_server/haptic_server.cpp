@@ -38,10 +38,7 @@ struct HapticServerObject::Service {
   net::TcpServer sockets;
 };
 
-HapticServerObject::HapticServerObject() {
-  for (std::size_t i = 0; i < kParameters.size(); ++i)
-    values_[i] = kParameters[i].initial;
-}
+HapticServerObject::HapticServerObject() = default;
 
 HapticServerObject::~HapticServerObject() {
   if (service_)
@@ -51,25 +48,24 @@ HapticServerObject::~HapticServerObject() {
 void HapticServerObject::open(Host& host) {
   close(host);
   haptic::Caps caps;
-  caps.peak_force_n = values_[kForceMax];
+  caps.peak_force_n = limits_.force_n;
   caps.workspace_min = workspace_.min;
   caps.workspace_max = workspace_.max;
   caps.has_buttons = true;
   device_.set_caps(caps);
   net::ServerSettings settings;
   settings.device = "patch";
-  settings.force_limit_n = values_[kForceMax];
-  settings.stiffness_limit_n_per_m = values_[kStiffness];
-  settings.damping_limit_n_s_per_m = values_[kDamping];
-  settings.grab_radius_m = values_[kGrab] * kM_per_mm;
+  settings.force_limit_n = limits_.force_n;
+  settings.stiffness_limit_n_per_m = limits_.stiffness_n_per_m;
+  settings.damping_limit_n_s_per_m = limits_.damping_n_s_per_m;
+  settings.grab_radius_m = limits_.grab_mm * kM_per_mm;
   settings.workspace = workspace_;
   settings.token = token_;
   haptic::ChainSettings chain;
   chain.workspace = workspace_;
   servo_.attach(device_, &model_);
   service_ = std::make_unique<Service>(settings, servo_, model_, chain);
-  if (const std::string refusal =
-          service_->sockets.open({static_cast<int>(values_[kPortValue]), listen_});
+  if (const std::string refusal = service_->sockets.open({limits_.port, listen_});
       !refusal.empty()) {
     service_.reset();
     return host.error("open: " + refusal);
@@ -139,53 +135,53 @@ void HapticServerObject::dump(Host& host) {
     host.info({"clients", static_cast<double>(service_->server.clients())});
 }
 
-void HapticServerObject::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  const std::string_view name = kMessages[index].name;
-  if (name == "open")
-    return open(host);
-  if (name == "close")
-    return close(host);
-  if (name == "bang")
-    return host.send(0, {sent_n_.x, sent_n_.y, sent_n_.z});
-  if (name == "list") {
-    std::array<double, 3> mm{};
-    if (!numbers(arguments, mm))
-      return host.error(refusal("list", arguments, "x y z, three numbers of mm"));
-    return device_.set_position(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
-  }
-  if (name == "listen") {
-    listen_ = text_of(arguments[0]) == "loopback" ? std::string() : text_of(arguments[0]);
-  } else if (name == "token") {
-    std::optional<std::string> token = net::read_token(arguments[0], host);
-    if (!token)
-      return;
+void HapticServerObject::set_position(std::span<const Atom> arguments, Host& host) {
+  std::array<double, 3> mm{};
+  if (!numbers(arguments, mm))
+    return host.error(refusal("list", arguments, "x y z, three numbers of mm"));
+  device_.set_position(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
+}
+
+void HapticServerObject::set_address(const Atom& address, Host&) {
+  listen_ = text_of(address) == "loopback" ? std::string() : text_of(address);
+}
+
+void HapticServerObject::set_token(const Atom& file, Host& host) {
+  if (std::optional<std::string> token = net::read_token(file, host))
     token_ = *std::move(token);
-  } else if (name == "workspace") {
-    std::array<double, 6> mm{};
-    const bool given = numbers(arguments, mm);
-    const haptic::Workspace box{Vec3{mm[0], mm[1], mm[2]} * kM_per_mm,
-                                Vec3{mm[3], mm[4], mm[5]} * kM_per_mm};
-    if (!given || !box.valid())
-      return host.error(
-          refusal("workspace", arguments,
-                  "xmin ymin zmin xmax ymax zmax in mm, each minimum below its maximum"));
-    workspace_ = box;
-  } else if (name == "button") {
-    std::array<double, 2> given{};
-    if (!numbers(arguments, given) || !(given[0] >= 0 && given[0] <= 31) ||
-        given[0] != std::floor(given[0]))
-      return host.error(refusal("button", arguments, "n 0 or n 1, n from 0 to 31"));
-    device_.set_button(static_cast<int>(given[0]), given[1] != 0);
-  } else if (name == "estop") {
-    servo_.exchange().motors.emergency_stop();
-    host.info({"status", "estop", 1.0});
-  } else if (arguments[0].is_word || arguments[0].number != 1) {
-    host.error(refusal("motors", arguments, "1; a client's start and stop do the rest"));
-  } else {
-    if (stopped())
-      host.info({"status", "estop", 0.0});
-    servo_.exchange().motors.enable();
-  }
+}
+
+void HapticServerObject::set_workspace(std::span<const Atom> arguments, Host& host) {
+  std::array<double, 6> mm{};
+  const bool given = numbers(arguments, mm);
+  const haptic::Workspace box{Vec3{mm[0], mm[1], mm[2]} * kM_per_mm,
+                              Vec3{mm[3], mm[4], mm[5]} * kM_per_mm};
+  if (!given || !box.valid())
+    return host.error(
+        refusal("workspace", arguments,
+                "xmin ymin zmin xmax ymax zmax in mm, each minimum below its maximum"));
+  workspace_ = box;
+}
+
+void HapticServerObject::set_button(std::span<const Atom> arguments, Host& host) {
+  std::array<double, 2> given{};
+  if (!numbers(arguments, given) || !(given[0] >= 0 && given[0] <= 31) ||
+      given[0] != std::floor(given[0]))
+    return host.error(refusal("button", arguments, "n 0 or n 1, n from 0 to 31"));
+  device_.set_button(static_cast<int>(given[0]), given[1] != 0);
+}
+
+void HapticServerObject::stop(Host& host) {
+  servo_.exchange().motors.emergency_stop();
+  host.info({"status", "estop", 1.0});
+}
+
+void HapticServerObject::enable(std::span<const Atom> arguments, Host& host) {
+  if (arguments[0].is_word || arguments[0].number != 1)
+    return host.error(refusal("motors", arguments, "1; a client's start and stop do the rest"));
+  if (stopped())
+    host.info({"status", "estop", 0.0});
+  servo_.exchange().motors.enable();
 }
 
 } // namespace tactus::haptic_server

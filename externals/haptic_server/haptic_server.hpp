@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/object.hpp"
+#include "core/rows.hpp"
 #include "externals/haptic_server/patch_device.hpp"
 #include "net/servo_link.hpp"
 #include "net/tcp_server.hpp"
@@ -15,73 +15,39 @@ namespace tactus::haptic_server {
 /// [haptic_server]: the haptic protocol's server in a patch. docs/haptic_network.md.
 class HapticServerObject {
 public:
-  static constexpr std::array kParameters{
-      Parameter{"port", "", net::kPort, 0, 65535, "from the next open on; 0: any that is free"},
-      Parameter{"forcemax", "N", 3, 0.01, 40, "no client can raise it; from the next open on"},
-      Parameter{"stiffness", "N/m", 500, 0, 20000,
-                "limit of a client's spring; from the next open on"},
-      Parameter{"damping", "N s/m", 5, 0, 1000,
-                "limit of a client's damper; from the next open on"},
-      Parameter{"grab", "mm", 10, 0, 1000,
-                "reach of the handle for control points; from the next open on"},
-  };
-  static constexpr std::array kInlets{
-      Port{Port::Kind::kControl, "position", "mm", "list x y z of the handle, and all messages"},
-  };
-  static constexpr std::array kOutlets{
-      Port{Port::Kind::kControl, "force", "N", "list fx fy fz for [phantom], whenever it changes"},
-  };
-  static constexpr std::array kMessages{
-      Message{"list", "x y z", 3, 3, "where the handle is, mm"},
-      Message{"open", "", 0, 0, "listen on this machine, or where listen said"},
-      Message{"close", "", 0, 0, "tell all clients, and no force"},
-      Message{"listen", "address|loopback", 1, 1,
-              "a numeric address; another than loopback needs a token"},
-      Message{"token", "file", 1, 1, "16 to 1024 bytes that every client must bring"},
-      Message{"workspace", "xmin ymin zmin xmax ymax zmax", 6, 6,
-              "of the handle, mm, as clients are told"},
-      Message{"button", "n 0|1", 2, 2, "a button of the handle; 0 drags control points"},
-      Message{"estop", "", 0, 0, "no force until motors 1 and a client's start"},
-      Message{"motors", "1", 1, 1, "releases estop"},
-      Message{"bang", "", 0, 0, "send the force now"},
-  };
-  static constexpr std::array kArguments{CreationArgument{"port"}};
-  static constexpr Declaration declaration{
-      "haptic_server",
-      "lets other computers move a haptic device",
-      "Listens for clients of the haptic protocol and gives the force that the one in control asks "
-      "for: forces, or a spring or damper set by its feedback, within limits that no client can "
-      "raise. Stop, a lost connection and 500 ms of silence end the force.",
-      "haptic network server OSC TCP force feedback remote",
-      kInlets,
-      kOutlets,
-      kParameters,
-      kMessages,
-      kArguments,
-      "phantom, stress_haptic",
-      "the protocol: haptic_network.md"};
+  static const Declaration declaration;
   static constexpr std::size_t timers = 1;
 
   HapticServerObject();
   ~HapticServerObject();
-  void set(std::size_t parameter, double value) noexcept { values_[parameter] = value; }
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return values_[parameter]; }
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void tick(std::size_t timer, Host& host);
   void dump(Host& host);
 
 private:
   /// The server, its sockets and its link to the servo, which exist while the object listens.
   struct Service;
-  enum Value : std::size_t { kPortValue, kForceMax, kStiffness, kDamping, kGrab, kValueCount };
+  struct Rows;
+  /// From the next open on.
+  struct Limits {
+    int port = net::kPort;
+    double force_n = 3, stiffness_n_per_m = 500, damping_n_s_per_m = 5, grab_mm = 10;
+  };
 
   void open(Host& host);
   void close(Host& host);
+  void send_again(Host& host) { host.send(0, {sent_n_.x, sent_n_.y, sent_n_.z}); }
+  void set_position(std::span<const Atom> arguments, Host& host);
+  void set_address(const Atom& address, Host& host);
+  void set_token(const Atom& file, Host& host);
+  void set_workspace(std::span<const Atom> arguments, Host& host);
+  void set_button(std::span<const Atom> arguments, Host& host);
+  void stop(Host& host);
+  void enable(std::span<const Atom> arguments, Host& host);
   [[nodiscard]] bool stopped() noexcept;
   void send_force(Host& host);
   void send_notices(Host& host);
 
-  std::array<double, kValueCount> values_{};
+  Limits limits_;
   haptic::Workspace workspace_{};
   std::string listen_{}, token_{};
   PatchDevice device_{};
@@ -92,5 +58,59 @@ private:
   double stepped_s_ = 0;
   haptic::Vec3 sent_n_{};
 };
+
+struct HapticServerObject::Rows {
+  using Self = HapticServerObject;
+  template <auto limit> static constexpr auto limits = member<&Self::limits_, limit>;
+  static constexpr std::array parameters{
+      limits<&Limits::port>.row("port", "", 0, 65535, "from the next open on; 0: any that is free"),
+      limits<&Limits::force_n>.row("forcemax", "N", 0.01, 40,
+                                   "no client can raise it; from the next open on"),
+      limits<&Limits::stiffness_n_per_m>.row("stiffness", "N/m", 0, 20000,
+                                             "limit of a client's spring; from the next open on"),
+      limits<&Limits::damping_n_s_per_m>.row("damping", "N s/m", 0, 1000,
+                                             "limit of a client's damper; from the next open on"),
+      limits<&Limits::grab_mm>.row("grab", "mm", 0, 1000,
+                                   "reach of the handle for control points; from the next open on"),
+  };
+  static constexpr std::array messages{
+      action<&Self::set_position>("list", "x y z", 3, 3, "where the handle is, mm"),
+      action<&Self::open>("open", "", 0, 0, "listen on this machine, or where listen said"),
+      action<&Self::close>("close", "", 0, 0, "tell all clients, and no force"),
+      action<&Self::set_address>("listen", "address|loopback", 1, 1,
+                                 "a numeric address; another than loopback needs a token"),
+      action<&Self::set_token>("token", "file", 1, 1,
+                               "16 to 1024 bytes that every client must bring"),
+      action<&Self::set_workspace>("workspace", "xmin ymin zmin xmax ymax zmax", 6, 6,
+                                   "of the handle, mm, as clients are told"),
+      action<&Self::set_button>("button", "n 0|1", 2, 2,
+                                "a button of the handle; 0 drags control points"),
+      action<&Self::stop>("estop", "", 0, 0, "no force until motors 1 and a client's start"),
+      action<&Self::enable>("motors", "1", 1, 1, "releases estop"),
+      action<&Self::send_again>("bang", "", 0, 0, "send the force now"),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kControl, "position", "mm", "list x y z of the handle, and all messages"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kControl, "force", "N", "list fx fy fz for [phantom], whenever it changes"},
+  };
+  static constexpr std::array arguments{CreationArgument{"port"}};
+};
+
+inline constexpr Declaration HapticServerObject::declaration{
+    "haptic_server",
+    "lets other computers move a haptic device",
+    "Listens for clients of the haptic protocol and gives the force that the one in control asks "
+    "for: forces, or a spring or damper set by its feedback, within limits that no client can "
+    "raise. Stop, a lost connection and 500 ms of silence end the force.",
+    "haptic network server OSC TCP force feedback remote",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    Rows::arguments,
+    "phantom, stress_haptic",
+    "the protocol: haptic_network.md"};
 
 } // namespace tactus::haptic_server

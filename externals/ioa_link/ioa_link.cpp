@@ -162,20 +162,7 @@ void IoaLink::dump(Host& host) {
   host.info({"transit", kPerSecond * link_.transit_s()});
 }
 
-void IoaLink::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  const std::string_view name = kMessages[index].name;
-  if (name == "send")
-    return send(arguments, host);
-  if (name == "listen")
-    return listen(arguments, host);
-  if (name == "connect")
-    return connect(arguments, host);
-  if (name == "disconnect")
-    return disconnect(host);
-  if (name == "token")
-    return set_token(arguments[0], host);
-  if (name == "playout")
-    return set_playout(arguments[0], host);
+void IoaLink::set_time(std::span<const Atom> arguments, Host& host) {
   if (arguments[0].is_word || !std::isfinite(arguments[0].number))
     return host.error(refusal("time", arguments, "a number of ms"));
   bus_ahead_ms_ = arguments[0].number - host.now_ms();

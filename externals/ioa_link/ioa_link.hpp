@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/object.hpp"
+#include "core/rows.hpp"
 #include "net/bus_link.hpp"
 #include "net/bus_topic.hpp"
 
@@ -12,66 +12,21 @@ namespace tactus::ioa_link {
 /// [ioa_link]: a bus of modules mirrored over TCP. docs/audiohaptics.md, "Elsewhere".
 class IoaLink {
 public:
-  static constexpr std::array kInlets{
-      Port{Port::Kind::kControl, "messages", "", "all messages"},
-  };
-  static constexpr std::array kOutlets{
-      Port{Port::Kind::kControl, "topics", "",
-           "TOPIC fields... from the other side, at its playout time; times among the fields are "
-           "this side's, ms, from 0 to 65536 and again from 0"},
-  };
-  static constexpr std::array kMessages{
-      Message{
-          "send", "topic fields...", 1, 1 + net::kMaxTopicFields,
-          "to all peers; of raw, hand, contact, force and listener a sample may be left out on a "
-          "line that is too slow, all else arrives while the connection stands"},
-      Message{"listen", "port [address]", 1, 2,
-              "wait for others on 127.0.0.1 and ::1, or on a numeric address, which needs a token; "
-              "port 0: any that is free"},
-      Message{
-          "connect", "[host] port", 1, 2,
-          "call a link that listens, again and again until disconnect; without host this machine"},
-      Message{"disconnect", "", 0, 0, "end what listen or connect began"},
-      Message{"token", "file", 1, 1,
-              "16 to 1024 bytes that both sides share; from the next listen or connect on"},
-      Message{
-          "playout", "auto|ms", 1, 1,
-          "let messages out so long after they were sent, 0 to 400 ms; auto: as the line needs; "
-          "0: at once"},
-      Message{
-          "time", "ms", 1, 1,
-          "the time on this side's bus now; without it bus time begins with the object. It begins "
-          "again at 0 after 65536 ms: times are taken as those nearest to now"},
-  };
-  static constexpr std::array kArguments{CreationArgument{"listen"}};
-  static constexpr Declaration declaration{
-      "ioa_link",
-      "mirrors a bus of modules over TCP",
-      "Sends messages of the AudioHaptics bus to links on other computers and lets theirs out "
-      "evenly, "
-      "in order, with times translated to this side's clock. Events are never lost while a "
-      "connection stands; a lost connection is taken up again by itself.",
-      "network bus IOA OSC TCP playout jitter buffer clock",
-      kInlets,
-      kOutlets,
-      {},
-      kMessages,
-      kArguments,
-      "ioa_net, audiohaptics.pd",
-      "AudioHaptics: audiohaptics.md, four computers: four_computers.md"};
+  static const Declaration declaration;
   static constexpr std::size_t timers = 1;
 
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void tick(std::size_t timer, Host& host);
   void dump(Host& host);
 
 private:
+  struct Rows;
   void send(std::span<const Atom> arguments, Host& host);
   void listen(std::span<const Atom> arguments, Host& host);
   void connect(std::span<const Atom> arguments, Host& host);
   void disconnect(Host& host);
   void set_playout(const Atom& delay, Host& host);
   void set_token(const Atom& file, Host& host);
+  void set_time(std::span<const Atom> arguments, Host& host);
   void deliver(const net::BusLink::Delivered& delivered, Host& host);
   void tell(Host& host);
 
@@ -80,5 +35,59 @@ private:
   double reported_ms_ = 0;  ///< when late messages were last reported
   std::uint64_t late_ = 0, late_reported_ = 0;
 };
+
+struct IoaLink::Rows {
+  using Self = IoaLink;
+  static constexpr std::array messages{
+      action<&Self::send>(
+          "send", "topic fields...", 1, 1 + net::kMaxTopicFields,
+          "to all peers; of raw, hand, contact, force and listener a sample may be left out on a "
+          "line that is too slow, all else arrives while the connection stands"),
+      action<&Self::listen>(
+          "listen", "port [address]", 1, 2,
+          "wait for others on 127.0.0.1 and ::1, or on a numeric address, which needs a token; "
+          "port 0: any that is free"),
+      action<&Self::connect>(
+          "connect", "[host] port", 1, 2,
+          "call a link that listens, again and again until disconnect; without host this machine"),
+      action<&Self::disconnect>("disconnect", "", 0, 0, "end what listen or connect began"),
+      action<&Self::set_token>(
+          "token", "file", 1, 1,
+          "16 to 1024 bytes that both sides share; from the next listen or connect on"),
+      action<&Self::set_playout>(
+          "playout", "auto|ms", 1, 1,
+          "let messages out so long after they were sent, 0 to 400 ms; auto: as the line needs; "
+          "0: at once"),
+      action<&Self::set_time>(
+          "time", "ms", 1, 1,
+          "the time on this side's bus now; without it bus time begins with the object. It begins "
+          "again at 0 after 65536 ms: times are taken as those nearest to now"),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kControl, "messages", "", "all messages"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kControl, "topics", "",
+           "TOPIC fields... from the other side, at its playout time; times among the fields are "
+           "this side's, ms, from 0 to 65536 and again from 0"},
+  };
+  static constexpr std::array arguments{CreationArgument{"listen"}};
+};
+
+inline constexpr Declaration IoaLink::declaration{
+    "ioa_link",
+    "mirrors a bus of modules over TCP",
+    "Sends messages of the AudioHaptics bus to links on other computers and lets theirs out "
+    "evenly, "
+    "in order, with times translated to this side's clock. Events are never lost while a "
+    "connection stands; a lost connection is taken up again by itself.",
+    "network bus IOA OSC TCP playout jitter buffer clock",
+    Rows::inlets,
+    Rows::outlets,
+    {},
+    Rows::messages,
+    Rows::arguments,
+    "ioa_net, audiohaptics.pd",
+    "AudioHaptics: audiohaptics.md, four computers: four_computers.md"};
 
 } // namespace tactus::ioa_link

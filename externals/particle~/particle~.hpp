@@ -2,11 +2,11 @@
 
 #include "core/declaration_text.hpp"
 #include "core/dsp/soft_clip.hpp"
-#include "core/object.hpp"
+#include "core/particle/cloud_rows.hpp"
 #include "core/particle/particle_system.hpp"
 #include "core/particle/presets.hpp"
 #include "core/refusal.hpp"
-#include "externals/particle~/declaration.hpp"
+#include "core/rows.hpp"
 
 #include <array>
 #include <cstddef>
@@ -24,60 +24,14 @@ namespace tactus {
 /// (core/particle/particle_system.hpp, docs/particle.md).
 class ParticleObject {
 public:
-  static constexpr Declaration declaration{
-      "particle~",
-      "particles that are shaken, rolled or stepped on",
-      "Energy comes in as a signal of power or as shakes, and dies down. While there is some, "
-      "grains "
-      "collide or bubbles rise at random: a Poisson process, so that rates and levels are the same "
-      "at any sample rate. Each has a frequency, a size and a decay of its own, and strikes the "
-      "modes of what holds it. Collisions come out as impulses, too, for any other body.",
-      "physical model PhISEM particles shaker granular collisions rain gravel bubbles Poisson",
-      particle::kInlets,
-      particle::kOutlets,
-      particle::kParameters,
-      particle::kMessages,
-      particle::kArguments,
-      "footstep~, modal_impact~",
-      "the model: particle.md",
-      "particles/piece.wav: maraca, cabasa, tambourine and coins over rain and bubbles"};
+  static const Declaration declaration;
 
   ParticleObject() {
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      value_[i] = particle::kParameters[i].initial;
-    system_.seed(static_cast<std::uint64_t>(value_[particle::kSeed]));
+    set_seed(seed_);
     update();
   }
 
   void prepare(double sample_rate, std::size_t) { system_.prepare(sample_rate); }
-  void set(std::size_t parameter, double value) noexcept {
-    value_[parameter] = value;
-    if (parameter == particle::kSeed)
-      system_.seed(static_cast<std::uint64_t>(value));
-    else
-      update();
-  }
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
-
-  void message(std::size_t index, std::span<const Atom> words, Host& host) {
-    switch (index) {
-    case particle::kPresetMessage:
-      return take_preset(words[0], host);
-    case particle::kModes:
-      return take_modes(words, host);
-    case particle::kShake:
-      if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1000))
-        return host.error(refusal("shake", words, "an energy in 0..1000"));
-      last_shake_ = words[0].number;
-      break;
-    case particle::kReset:
-      return system_.reset();
-    default:
-      break;
-    }
-    system_.shake(last_shake_);
-  }
-
   template <class S> void process(const Block<S>& block) noexcept {
     const auto power = block.in(0);
     const auto sound = block.out(0), collisions = block.out(1), energy = block.out(2);
@@ -100,30 +54,33 @@ public:
   }
 
 private:
+  struct Rows;
+
+  [[nodiscard]] const particle::CloudSettings& cloud() const noexcept { return cloud_; }
+  void take_cloud(const particle::CloudSettings& changed) noexcept {
+    cloud_ = changed;
+    update();
+  }
+  [[nodiscard]] unsigned seed() const noexcept { return seed_; }
+  void set_seed(unsigned value) noexcept {
+    seed_ = value;
+    system_.seed(value);
+  }
+  void shake(std::span<const Atom> words, Host& host) {
+    if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1000))
+      return host.error(refusal("shake", words, "an energy in 0..1000"));
+    last_shake_ = words[0].number;
+    shake_again();
+  }
+  void shake_again() noexcept { system_.shake(last_shake_); }
   void take_preset(const Atom& name, Host& host) {
     const particle::Preset* preset = name.is_word ? particle::find_preset(name.word) : nullptr;
     if (preset == nullptr)
       return host.error("preset " +
                         (name.is_word ? std::string(name.word) : number_text(name.number)) +
-                        ": expected " + std::string(particle::kMessages[0].arguments));
-    using namespace particle;
-    const CloudSettings& c = preset->cloud;
-    for (const auto& [parameter, value] : std::initializer_list<std::pair<ParameterIndex, double>>{
-             {kKind, static_cast<double>(c.kind)},
-             {kCount, c.count},
-             {kDecay, c.decay_s},
-             {kAttack, c.attack_s},
-             {kExponent, c.exponent},
-             {kLargest, c.largest},
-             {kFrequency, c.frequency_hz},
-             {kSpread, c.spread},
-             {kLowerBySize, c.lower_by_size},
-             {kQuality, c.quality},
-             {kLength, c.length_s},
-             {kRise, c.rise},
-             {kLevel, c.level},
-             {kDirect, preset->direct}})
-      value_[parameter] = value;
+                        ": expected " + kPresets);
+    cloud_ = preset->cloud;
+    direct_ = preset->direct;
     preset_ = preset->name;
     modes_.assign(preset->body().begin(), preset->body().end());
     update();
@@ -140,20 +97,78 @@ private:
   }
 
   void update() noexcept {
-    using namespace particle;
-    system_.set({static_cast<CloudSettings::Kind>(value_[kKind]), value_[kCount], value_[kAttack],
-                 value_[kDecay], value_[kExponent], value_[kLargest], value_[kFrequency],
-                 value_[kSpread], value_[kLowerBySize], value_[kQuality], value_[kLength],
-                 value_[kRise], value_[kLevel]});
-    system_.set_body(modes_, value_[kDirect]);
-    system_.set_gain(value_[kGain]);
+    system_.set(cloud_);
+    system_.set_body(modes_, direct_);
+    system_.set_gain(gain_);
   }
 
+  static constexpr const char* kPresets =
+      "maraca|sekere|cabasa|tambourine|gravel|ice|coins|rain|sand|leaves|bubbles";
   particle::ParticleSystem system_;
-  std::array<double, particle::kParameters.size()> value_{};
+  particle::CloudSettings cloud_ = particle::kMaraca;
+  double direct_ = 1, gain_ = 1;
+  unsigned seed_ = 1;
   std::vector<particle::RingingMode> modes_;
   std::string_view preset_ = "maraca"; // the last one chosen
   double last_shake_ = 1;
 };
+
+struct ParticleObject::Rows {
+  using Self = ParticleObject;
+  static constexpr auto kCloud = particle::cloud_rows(particle::kMaraca);
+  static constexpr auto parameters = joined(
+      rows_of_field<&Self::cloud, &Self::take_cloud, kCloud>(),
+      std::array{
+          member<&Self::direct_>.then<&Self::update>().row(
+              "direct", "", 1, 0, 1, "share of the grains that is heard beside the modes"),
+          member<&Self::gain_>.then<&Self::update>().row("gain", "", 1, 0, 1000,
+                                                         "of the sound, smoothed"),
+          property<&Self::seed, &Self::set_seed>.seed<"seed of everything that is random; setting it restarts the random sequence">(),
+      });
+  static constexpr std::array messages{
+      action<&Self::take_preset>("preset", kPresets, 1, 1,
+                                 "particles and modes at once; gain and seed stay"),
+      action<&Self::take_modes>(
+          "modes", "[f1 t1 g1 f2 t2 g2 ...]", 0, 3 * particle::RingingBody::kMaxModes,
+          "what the particles strike, or coins: of each mode frequency in Hz, time in s in which "
+          "it falls by 60 dB, and gain, the root of its ring's energy over a grain's; none: "
+          "nothing"),
+      realtime(action<&Self::shake>("shake", "e", 1, 1,
+                                    "energy e arrives, 0 to 1000; 1: an ordinary shake or step")),
+      realtime(action<&Self::shake_again>("bang", "", 0, 0, "the last shake again; 1 at first")),
+      realtime(action<&Self::system_, &particle::ParticleSystem::reset>(
+          "reset", "", 0, 0, "silence within 5 ms, no energy")),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "power", "1/s",
+           "energy each second; the energy tends to power * decay"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "sound", "", "within +-1"},
+      Port{Port::Kind::kSignal, "collisions", "",
+           "impulses: root of each one's energy (1: a mean one at energy 1)"},
+      Port{Port::Kind::kSignal, "energy", "", "of the system, in ordinary shakes"},
+  };
+
+  static constexpr std::array arguments{CreationArgument{"preset"}};
+};
+
+inline constexpr Declaration ParticleObject::declaration{
+    "particle~",
+    "particles that are shaken, rolled or stepped on",
+    "Energy comes in as a signal of power or as shakes, and dies down. While there is some, "
+    "grains "
+    "collide or bubbles rise at random: a Poisson process, so that rates and levels are the same "
+    "at any sample rate. Each has a frequency, a size and a decay of its own, and strikes the "
+    "modes of what holds it. Collisions come out as impulses, too, for any other body.",
+    "physical model PhISEM particles shaker granular collisions rain gravel bubbles Poisson",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    Rows::arguments,
+    "footstep~, modal_impact~",
+    "the model: particle.md",
+    "particles/piece.wav: maraca, cabasa, tambourine and coins over rain and bubbles"};
 
 } // namespace tactus

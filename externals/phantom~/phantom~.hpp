@@ -2,10 +2,9 @@
 
 #include "core/declaration_text.hpp"
 #include "core/haptic/signal/signal_player.hpp"
-#include "core/object.hpp"
+#include "core/rows.hpp"
 #include "devices/servo_thread.hpp"
 #include "externals/phantom/signal_link_name.hpp"
-#include "externals/phantom~/declaration.hpp"
 
 #include <array>
 #include <memory>
@@ -17,21 +16,7 @@ namespace tactus {
 /// two find each other by name, in any order of creation and deletion.
 class PhantomSignal {
 public:
-  static constexpr Declaration declaration{
-      "phantom~",
-      "haptic device at audio rate",
-      "Adds signals to the force of a phantom object and sends its position as signals, so that "
-      "what sounds can be felt and what moves can sound. In logical time each servo tick falls on "
-      "its exact sample.",
-      "haptic force feedback device audio rate vibration texture",
-      phantom_signal::kInlets,
-      phantom_signal::kOutlets,
-      phantom_signal::kParameters,
-      phantom_signal::kMessages,
-      phantom_signal::kArguments,
-      "phantom, modal_impact~, mass_spring.pd",
-      "the servo: phantom.md, masses and springs: network.md",
-      "spring/string.wav: a string that a hand plucks"};
+  static const Declaration declaration;
   static constexpr std::size_t timers = 1;
 
   PhantomSignal() = default;
@@ -40,19 +25,6 @@ public:
   PhantomSignal& operator=(const PhantomSignal&) = delete;
 
   void prepare(double sample_rate, std::size_t) noexcept { player_.prepare(sample_rate); }
-  void set(std::size_t parameter, double value) noexcept {
-    values_[parameter] = value;
-    player_.set_delay(values_[phantom_signal::kDelay] * 1e-3);
-    player_.set_gate(values_[phantom_signal::kGate] >= 0.5);
-  }
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return values_[parameter]; }
-
-  void message(std::size_t, std::span<const Atom> words, Host& host) {
-    name_ = words[0].is_word ? std::string(words[0].word) : number_text(words[0].number);
-    searches_ = 0;
-    if (created_)
-      find_device(host);
-  }
   /// Searches at the first tick, when all objects of the patch exist.
   void created(Host& host) {
     created_ = true;
@@ -66,7 +38,7 @@ public:
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
-    const bool velocities = values_[phantom_signal::kVel] >= 0.5;
+    const bool velocities = velocities_;
     player_.begin_block(block.frames, 1e-3 * (block.output_ms + created_ms_));
     for (std::size_t i = 0; i < block.frames; ++i) {
       const auto in = [&](std::size_t port) { return static_cast<double>(block.inputs[port][i]); };
@@ -83,6 +55,23 @@ public:
   }
 
 private:
+  struct Rows;
+  [[nodiscard]] double delay_ms() const noexcept { return delay_ms_; }
+  void set_delay(double ms) noexcept {
+    delay_ms_ = ms;
+    player_.set_delay(ms * 1e-3);
+  }
+  [[nodiscard]] bool gate() const noexcept { return gate_; }
+  void set_gate(bool on) noexcept {
+    gate_ = on;
+    player_.set_gate(on);
+  }
+  void set_name(const Atom& word, Host& host) {
+    name_ = word.is_word ? std::string(word.word) : number_text(word.number);
+    searches_ = 0;
+    if (created_)
+      find_device(host);
+  }
   static constexpr double kSearchInterval_ms = 100;
   static constexpr int kSearchesBeforeNotice = 20; // 2 s, in which a patch makes all its objects
 
@@ -119,12 +108,66 @@ private:
   }
 
   haptic::SignalPlayer player_;
-  std::array<double, 3> values_{};
+  bool velocities_ = false, gate_ = true;
+  double delay_ms_ = 3;
   std::string name_ = "-";
   std::shared_ptr<haptic::SignalLink> link_;
   bool created_ = false, waiting_ = true, refused_ = false;
   double created_ms_ = 0; // on the clock of all objects
   int searches_ = 0;      // in vain, since the name was set or the phantom was lost
 };
+
+struct PhantomSignal::Rows {
+  using Self = PhantomSignal;
+  static constexpr std::array parameters{
+      member<&Self::velocities_>.row("vel", "1: velocities at the outlets vx, vy and vz", 0),
+      property<&Self::delay_ms, &Self::set_delay>.row(
+          "delay", "ms", 3, 0, 100,
+          "wall clock: how far behind the newest position the outlets play"),
+      property<&Self::gate, &Self::set_gate>.row(
+          "gate", "1: vib acts only while the handle touches a body of the scene, along its normal",
+          1),
+  };
+  static constexpr std::array messages{
+      action<&Self::set_name>("name", "word", 1, 1,
+                              "of the phantom whose servo this is; - is one without a name"),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "fx", "N", "force to the right, added to the phantom's"},
+      Port{Port::Kind::kSignal, "fy", "N", "force up"},
+      Port{Port::Kind::kSignal, "fz", "N", "force towards the user"},
+      Port{Port::Kind::kSignal, "vib", "N",
+           "vibration along the normal of what is touched, low-passed at 0.4 of the servo's rate"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "x", "", "position from left to right, 0..1 over the workspace"},
+      Port{Port::Kind::kSignal, "y", "", "position from bottom to top, 0..1"},
+      Port{Port::Kind::kSignal, "z", "", "position from far to near, 0..1"},
+      Port{Port::Kind::kControl, kInfoOutlet, "", "status attached|waiting name; answers to get"},
+      Port{Port::Kind::kSignal, "vx", "m/s", "with -vel 1: velocity to the right"},
+      Port{Port::Kind::kSignal, "vy", "m/s", "velocity up"},
+      Port{Port::Kind::kSignal, "vz", "m/s", "velocity towards the user"},
+      Port{Port::Kind::kSignal, "net1", "",
+           "first pickup of the phantom's mass-spring network, SI"},
+      Port{Port::Kind::kSignal, "net2", "", "second pickup"},
+  };
+  static constexpr std::array arguments{CreationArgument{"name"}};
+};
+
+inline constexpr Declaration PhantomSignal::declaration{
+    "phantom~",
+    "haptic device at audio rate",
+    "Adds signals to the force of a phantom object and sends its position as signals, so that "
+    "what sounds can be felt and what moves can sound. In logical time each servo tick falls on "
+    "its exact sample.",
+    "haptic force feedback device audio rate vibration texture",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    Rows::arguments,
+    "phantom, modal_impact~, mass_spring.pd",
+    "the servo: phantom.md, masses and springs: network.md",
+    "spring/string.wav: a string that a hand plucks"};
 
 } // namespace tactus

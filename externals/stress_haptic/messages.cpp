@@ -7,7 +7,6 @@
 
 namespace tactus::stress {
 
-using namespace stress_haptic;
 using haptic::Vec3;
 
 namespace {
@@ -38,54 +37,17 @@ std::string sentence_of(std::string_view message, std::span<const Atom> argument
   return sentence;
 }
 
-void StressHaptic::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  switch (index) {
-  case kLoad:
-    return load(arguments[0], host);
-  case kSolver:
-    return set_solver(arguments[0], host);
-  case kRange:
-    return set_range(arguments, host);
-  case kAnchor:
-    return set_anchor(arguments, host);
-  case kRelease:
-    return release(host);
-  case kReset:
-    if (has_table("reset", host)) {
-      std::fill(request_.displacement_m.begin(), request_.displacement_m.end(), 0.0);
-      submit(host);
-    }
+void StressHaptic::reset(Host& host) {
+  if (!has_table("reset", host))
     return;
-  case kBang:
-    if (host_)
-      send(host, true);
-    return;
-  case kPoints:
-    return send_points(host);
-  case kDraw:
-    return draw(arguments, host);
-  default:
-    break;
-  }
-  const std::vector<double> numbers = numbers_of(kMessages[index].name, arguments, host);
-  if (numbers.empty())
-    return;
-  switch (index) {
-  case kCp:
-    return set_control_point(numbers, host);
-  case kList:
-    return set_parameters(numbers, host);
-  case kGrab:
-    return grab(numbers, host);
-  default:
-    return set_gains(numbers, host);
-  }
+  std::fill(request_.displacement_m.begin(), request_.displacement_m.end(), 0.0);
+  submit(host);
 }
 
 void StressHaptic::scalar(std::size_t inlet, double value, Host& host) {
   const Atom atom(value);
   if (inlet == 0)
-    message(kList, std::span(&atom, 1), host);
+    set_parameters(std::span(&atom, 1), host);
 }
 
 /// Inlet 2: position, or position and velocity, of the handle.
@@ -108,9 +70,9 @@ void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
     anchor_.jump(position_m_);
     anchored_ = true;
   }
-  if (table_ && request_.control_point >= 0 && value_[kDrag] >= 0.5) {
+  if (table_ && request_.control_point >= 0 && device_.drag) {
     displace(static_cast<std::size_t>(request_.control_point),
-             grab_displacement_m_ + (position_m_ - grab_position_m_) * value_[kScale]);
+             grab_displacement_m_ + (position_m_ - grab_position_m_) * device_.scale);
     submit(host);
   }
   collect(host);
@@ -143,7 +105,10 @@ Vec3 StressHaptic::displacement_of(std::size_t control_point) const noexcept {
   return design::displacement_of(table_->parameters, control_point, request_.displacement_m);
 }
 
-void StressHaptic::set_control_point(Numbers numbers, Host& host) {
+void StressHaptic::set_control_point(std::span<const Atom> arguments, Host& host) {
+  const std::vector<double> numbers = numbers_of("cp", arguments, host);
+  if (numbers.empty())
+    return;
   const auto point = control_point("cp", numbers[0], host);
   if (!point)
     return;
@@ -152,7 +117,10 @@ void StressHaptic::set_control_point(Numbers numbers, Host& host) {
   submit(host);
 }
 
-void StressHaptic::set_parameters(Numbers numbers, Host& host) {
+void StressHaptic::set_parameters(std::span<const Atom> arguments, Host& host) {
+  const std::vector<double> numbers = numbers_of("list", arguments, host);
+  if (numbers.empty())
+    return;
   if (!has_table("list", host))
     return;
   const auto& parameters = table_->parameters;
@@ -165,7 +133,10 @@ void StressHaptic::set_parameters(Numbers numbers, Host& host) {
   submit(host);
 }
 
-void StressHaptic::grab(Numbers numbers, Host& host) {
+void StressHaptic::grab(std::span<const Atom> arguments, Host& host) {
+  const std::vector<double> numbers = numbers_of("grab", arguments, host);
+  if (numbers.empty())
+    return;
   const auto point = control_point("grab", numbers[0], host);
   if (!point)
     return;
@@ -208,7 +179,10 @@ void StressHaptic::set_range(std::span<const Atom> arguments, Host& host) {
   submit(host);
 }
 
-void StressHaptic::set_gains(Numbers numbers, Host& host) {
+void StressHaptic::set_gains(std::span<const Atom> arguments, Host& host) {
+  const std::vector<double> numbers = numbers_of("gains", arguments, host);
+  if (numbers.empty())
+    return;
   if (const auto x = std::find_if(numbers.begin(), numbers.end(), [](double g) { return g < 0; });
       x != numbers.end())
     return host.error("gains: " + number_text(*x) +
@@ -218,9 +192,9 @@ void StressHaptic::set_gains(Numbers numbers, Host& host) {
     host.error("gains: " + number_text(k) + " N/m: expected at most " +
                number_text(stiffness_limit()) +
                ", share times nominal stiffness of the device; it is cut to that");
-  else if (const double b = std::max(numbers[2], numbers[3]); b > value_[kDamping])
+  else if (const double b = std::max(numbers[2], numbers[3]); b > device_.damping_n_s_per_m)
     host.error("gains: " + number_text(b) + " N s/m: expected at most " +
-               number_text(value_[kDamping]) + ", the limit damping; it is cut to that");
+               number_text(device_.damping_n_s_per_m) + ", the limit damping; it is cut to that");
   if (host_)
     collect(host);
 }

@@ -6,7 +6,6 @@
 
 namespace tactus::stress {
 
-using namespace stress_haptic;
 using haptic::Vec3;
 
 namespace {

@@ -6,13 +6,9 @@
 
 namespace tactus::stress {
 
-using namespace stress_haptic;
 using haptic::Vec3;
 
-StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::move(solvers)) {
-  for (std::size_t i = 0; i < value_.size(); ++i)
-    value_[i] = kParameters[i].initial;
-}
+StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::move(solvers)) {}
 
 StressHaptic::StressHaptic()
     : StressHaptic([](SolverOptions options) -> std::unique_ptr<Reanalysis> {
@@ -21,56 +17,52 @@ StressHaptic::StressHaptic()
         return std::make_unique<PartSolver>(std::move(options));
       }) {}
 
-void StressHaptic::set(std::size_t parameter, double value) noexcept {
-  if (value_[parameter] == value)
+void StressHaptic::set_power(double q) noexcept {
+  const auto whole = static_cast<unsigned>(std::lround(q));
+  if (whole == request_.settings.power)
     return;
-  value_[parameter] = value;
-  auto& settings = request_.settings;
-  const auto word = static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); // of a choice
-  switch (parameter) {
-  case kMode:
-    settings.mapping = static_cast<Mapping>(word);
-    break;
-  case kWeights:
-    settings.weights = static_cast<Weights>(word);
-    break;
-  case kSens:
-    settings.sensitivity = static_cast<Sensitivity>(word);
-    break;
-  case kState:
-    settings.state = static_cast<State>(word);
-    break;
-  case kNorm:
-    settings.norm = static_cast<Norm>(word);
-    break;
-  case kPower:
-    settings.power =
-        static_cast<unsigned>(std::lround(std::clamp(value, 1.0, static_cast<double>(kMaxPower))));
-    break;
-  case kResolve:
-    request_.resolve = static_cast<Resolve>(word);
-    break;
-  default:
-    return;
-  }
-  if (!host_)
-    return;
-  warn_if_inactive(parameter, *host_);
-  submit(*host_);
+  request_.settings.power = whole;
+  settings_changed();
 }
 
-void StressHaptic::warn_if_inactive(std::size_t parameter, Host& host) const {
-  const auto& settings = request_.settings;
-  const Resolve resolve = request_.resolve;
-  if (parameter == kState && table_ && settings.state == State::kShear && !table_->has_shear())
+void StressHaptic::settings_changed() {
+  if (host_)
+    submit(*host_);
+}
+
+void StressHaptic::state_changed() {
+  if (host_)
+    warn_about_state(*host_);
+  settings_changed();
+}
+
+void StressHaptic::weights_changed() {
+  if (host_)
+    warn_about_weights(*host_);
+  settings_changed();
+}
+
+void StressHaptic::resolve_changed() {
+  if (host_)
+    warn_about_resolve(*host_);
+  settings_changed();
+}
+
+void StressHaptic::warn_about_state(Host& host) const {
+  if (table_ && request_.settings.state == State::kShear && !table_->has_shear())
     host.error("state shear: the table has no arrays shear0 and S_shear: expected vonmises, which "
                "is used");
-  if (parameter == kWeights && table_ && settings.weights == Weights::kVolume &&
-      table_->weight.empty())
+}
+
+void StressHaptic::warn_about_weights(Host& host) const {
+  if (table_ && request_.settings.weights == Weights::kVolume && table_->weight.empty())
     host.error("weights volume: the table has no array weights: expected uniform, which is used");
-  if (parameter == kResolve && table_ && !can_solve_ &&
-      (resolve == Resolve::kPcg || resolve == Resolve::kFull))
-    host.error("resolve " + std::string(kResolves[static_cast<std::size_t>(resolve)]) +
+}
+
+void StressHaptic::warn_about_resolve(Host& host) const {
+  const Resolve resolve = request_.resolve;
+  if (table_ && !can_solve_ && (resolve == Resolve::kPcg || resolve == Resolve::kFull))
+    host.error("resolve " + std::string(Rows::resolves[static_cast<std::size_t>(resolve)]) +
                ": no solver for a table without its mesh: expected one of part_stress, or resolve "
                "auto or taylor; Taylor's series goes on");
 }
@@ -136,8 +128,9 @@ void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
              static_cast<double>(table_->elements()),
              static_cast<double>(table_->parameters.size()),
              static_cast<double>(table_->control_point_m.size())});
-  for (const std::size_t parameter : {kState, kWeights, kResolve})
-    warn_if_inactive(parameter, host);
+  warn_about_state(host);
+  warn_about_weights(host);
+  warn_about_resolve(host);
   submit(host);
   if (std::exchange(draw_when_loaded_, false))
     draw({}, host);
@@ -181,21 +174,20 @@ RenderGains StressHaptic::gains_in_force() const noexcept {
   for (double* k : {&gains.stiffness_min_n_per_m, &gains.stiffness_max_n_per_m})
     *k = std::min(*k, stiffness_limit());
   for (double* b : {&gains.damping_min_n_s_per_m, &gains.damping_max_n_s_per_m})
-    *b = std::min(*b, value_[kDamping]);
+    *b = std::min(*b, device_.damping_n_s_per_m);
   return gains;
 }
 
 Vec3 StressHaptic::force(double now_s) noexcept {
-  enum { kSpring, kDamper, kBoth, kOff };
-  const auto render = static_cast<int>(value_[kRender]);
-  if (!table_ || !has_position_ || render == kOff)
+  const Feel feel = device_.feel;
+  if (!table_ || !has_position_ || feel == Feel::kOff)
     return {};
   const Vec3 gamma = gamma_.at(now_s);
   const RenderGains gains = gains_in_force();
   Vec3 force_n;
-  if (render == kSpring || render == kBoth)
+  if (feel == Feel::kSpring || feel == Feel::kBoth)
     force_n += spring_force(gains, gamma, position_m_ - anchor_.at(now_s));
-  if (render == kDamper || render == kBoth)
+  if (feel == Feel::kDamper || feel == Feel::kBoth)
     force_n += damper_force(gains, gamma, velocity_m_per_s_);
   return force_n;
 }

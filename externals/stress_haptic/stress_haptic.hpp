@@ -1,10 +1,9 @@
 #pragma once
 
 #include "core/haptic/chain/velocity.hpp"
-#include "core/object.hpp"
+#include "core/rows.hpp"
 #include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"
-#include "externals/stress_haptic/declaration.hpp"
 #include "externals/stress_haptic/stress_worker.hpp"
 
 #include <array>
@@ -22,28 +21,11 @@ inline constexpr double kMm_per_m = 1e3;
 /// docs/stress_haptic.md).
 class StressHaptic {
 public:
-  static constexpr Declaration declaration{
-      "stress_haptic",
-      "the stress of a part, felt while it is reshaped",
-      "Moves the control points of a part, recomputes the stress of every element by its "
-      "sensitivities, and renders one number of it, gamma, as a spring or a damper: where the part "
-      "is strained, the handle is stiff. The table of a part is made offline by finite elements.",
-      "stress design optimisation haptic finite elements sensitivity spring damper",
-      stress_haptic::kInlets,
-      stress_haptic::kOutlets,
-      stress_haptic::kParameters,
-      stress_haptic::kMessages,
-      stress_haptic::kArguments,
-      "phantom, haptic_server, beam.pd",
-      "the model: stress_haptic.md, making a table: part_stress.md",
-      "design/struck_beam.wav: a beam struck while it changes shape"};
+  static const Declaration declaration;
   static constexpr std::size_t timers = 1;
 
   explicit StressHaptic(StressWorker::SolverFactory solvers);
   StressHaptic(); ///< solves by part_stress
-  void set(std::size_t parameter, double value) noexcept;
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void scalar(std::size_t inlet, double value, Host& host);
   void list(std::size_t inlet, std::span<const Atom> atoms, Host& host);
   void tick(std::size_t timer, Host& host);
@@ -52,17 +34,36 @@ public:
   void dump(Host& host);
 
 private:
+  struct Rows;
+  /// What gamma is felt as.
+  enum class Feel : std::uint8_t { kSpring, kDamper, kBoth, kOff };
+  struct Device {
+    Feel feel = Feel::kSpring;
+    bool drag = true; ///< the handle moves the grabbed control point
+    double scale = 1, nominal_n_per_m = 1000, share = 0.6, damping_n_s_per_m = 5;
+  };
+  static constexpr std::size_t kGammaOutlet = 0, kForceOutlet = 1, kProtocolOutlet = 3;
   static constexpr double kFade_s = 0.1; ///< of gamma at a swap, and of a moved anchor
-  using Numbers = std::span<const double>;
   void load(const Atom& name, Host& host);
   void take_table(StressWorker::Loaded loaded, Host& host);
   void set_solver(const Atom& program, Host& host);
-  void set_control_point(Numbers numbers, Host& host);
-  void set_parameters(Numbers numbers, Host& host);
-  void grab(Numbers numbers, Host& host);
+  void set_control_point(std::span<const Atom> arguments, Host& host);
+  void set_parameters(std::span<const Atom> arguments, Host& host);
+  void grab(std::span<const Atom> arguments, Host& host);
   void release(Host& host);
+  void reset(Host& host);
+  void send_all(Host& host) {
+    if (host_)
+      send(host, true);
+  }
+  void settings_changed();
+  void state_changed();
+  void weights_changed();
+  void resolve_changed();
+  [[nodiscard]] double power() const noexcept { return request_.settings.power; }
+  void set_power(double q) noexcept;
   void set_range(std::span<const Atom> arguments, Host& host);
-  void set_gains(Numbers numbers, Host& host);
+  void set_gains(std::span<const Atom> arguments, Host& host);
   void set_anchor(std::span<const Atom> arguments, Host& host);
   void send_points(Host& host);
   void draw(std::span<const Atom> arguments, Host& host);
@@ -76,8 +77,10 @@ private:
   /// Displacements of a control point's parameters, within their bounds.
   void displace(std::size_t control_point, const haptic::Vec3& displacement_m) noexcept;
   [[nodiscard]] haptic::Vec3 displacement_of(std::size_t control_point) const noexcept;
-  /// Reports settings that the table or the object does not support; the rest continues to work.
-  void warn_if_inactive(std::size_t parameter, Host& host) const;
+  // Each reports a setting that the table or the object does not support; the rest goes on.
+  void warn_about_state(Host& host) const;
+  void warn_about_weights(Host& host) const;
+  void warn_about_resolve(Host& host) const;
   void submit(Host& host);
   void collect(Host& host);
   void send(Host& host, bool all);
@@ -87,11 +90,13 @@ private:
   [[nodiscard]] haptic::Vec3 force(double now_s) noexcept;
   [[nodiscard]] RenderGains gains_in_force() const noexcept;
   [[nodiscard]] double stiffness_limit() const noexcept {
-    return value_[stress_haptic::kShare] * value_[stress_haptic::kNominal];
+    return device_.share * device_.nominal_n_per_m;
   }
-  [[nodiscard]] bool is_axis() const noexcept { return value_[stress_haptic::kMode] >= 1.5; }
+  [[nodiscard]] bool is_axis() const noexcept {
+    return request_.settings.mapping == Mapping::kAxis;
+  }
 
-  std::array<double, stress_haptic::kParameterCount> value_{};
+  Device device_;
   Host* host_ = nullptr;   ///< outlives the object
   std::string first_name_; ///< creation argument; loaded after all flags are set
   std::uint64_t loads_ = 0;
@@ -116,5 +121,119 @@ private:
   std::vector<PictureFace> sent_faces_; ///< empty: all must be sent
   StressWorker worker_;
 };
+
+/// The words of a choice have the order of the enumerations in core/stress.
+struct StressHaptic::Rows {
+  using Self = StressHaptic;
+  using Feedback = FeedbackSettings;
+  using Words = std::string_view;
+  static constexpr std::array<Words, 3> modes{"mean", "weighted", "axis"};
+  static constexpr std::array<Words, 2> weightings{"uniform", "volume"}, signs{"signed", "abs"},
+      states{"vonmises", "shear"}, norms{"mean", "sum"};
+  static constexpr std::array<Words, 4> renders{"spring", "damper", "both", "off"},
+      resolves{"auto", "taylor", "pcg", "full"};
+  /// A member of the settings of the feedback.
+  template <auto setting, auto changed = &Self::settings_changed>
+  static constexpr auto feedback =
+      member<&Self::request_, &SessionRequest::settings, setting>.template then<changed>();
+  static constexpr std::array parameters{
+      feedback<&Feedback::mapping>.row(
+          "mode", modes,
+          "what is felt: the mean stress, the stress weighted by its sensitivity, or that for each "
+          "axis"),
+      feedback<&Feedback::weights, &Self::weights_changed>.row(
+          "weights", weightings, "of the elements: all alike, or by volume"),
+      feedback<&Feedback::sensitivity>.row("sens", signs,
+                                           "sensitivities with their sign, or their magnitude"),
+      member<&Self::device_, &Device::feel>.row(
+          "render", renders, "what gamma sets: stiffness, damping, both or no force"),
+      feedback<&Feedback::state, &Self::state_changed>.row(
+          "state", states, "which stress: von Mises or maximum shear"),
+      member<&Self::request_, &SessionRequest::resolve>.then<&Self::resolve_changed>().row(
+          "resolve", resolves,
+          "when the shape has moved: the cheapest solver, Taylor's series alone, conjugate "
+          "gradients, or a new factor"),
+      feedback<&Feedback::norm>.row("norm", norms,
+                                    "mean, or sum as the paper prints equations 1 and 2"),
+      property<&Self::power, &Self::set_power>.row(
+          "power", "", 1, 1, kMaxPower,
+          "q of mode mean: 1 the mean, above it (mean of s^q)^(1/q), which follows the largest "
+          "stresses; rounded to a whole number"),
+      member<&Self::device_, &Device::drag>.row("drag",
+                                                "1: the handle moves the grabbed control point"),
+      member<&Self::device_, &Device::scale>.row(
+          "scale", "", 1e-3, 1000, "motion of the control point over that of the handle"),
+      member<&Self::device_, &Device::nominal_n_per_m>.row("nominal", "N/m", 0, 100000,
+                                                           "nominal stiffness of the device"),
+      member<&Self::device_, &Device::share>.row(
+          "share", "", 0, 1, "of the nominal stiffness: limit of kmin and kmax"),
+      member<&Self::device_, &Device::damping_n_s_per_m>.row("damping", "N s/m", 0, 1000,
+                                                             "limit of bmin and bmax"),
+  };
+  static constexpr std::array messages{
+      takes_file(action<&Self::load>("load", "name", 1, 1,
+                                     "a stress table, NAME or NAME.stress.npz: beside the patch, "
+                                     "in the search path, beside the "
+                                     "object")),
+      action<&Self::set_control_point>("cp", "id x y z", 4, 4, "position of a control point, mm"),
+      action<&Self::set_parameters>("list", "d ...", 1, 12288,
+                                    "displacements of all parameters, mm, in the table's order"),
+      action<&Self::grab>(
+          "grab", "id [0|1]", 1, 2,
+          "the control point that is dragged, whose sensitivities weigh; 0 lets go"),
+      action<&Self::release>("release", "", 0, 0,
+                             "let go: sensitivities are means over all control points"),
+      action<&Self::reset>("reset", "", 0, 0, "the table's shape again"),
+      action<&Self::set_range>(
+          "range", "current | initial | fixed a b", 1, 3,
+          "what gamma 0 and 1 stand for: least and largest value of this shape, of the table's "
+          "shape, or two numbers (Pa; Pa^2/m in the modes weighted and axis)"),
+      action<&Self::set_gains>("gains", "kmin kmax bmin bmax", 4, 4,
+                               "stiffness N/m and damping N s/m at gamma 0, 1"),
+      action<&Self::set_anchor>("anchor", "here | x y z", 1, 3,
+                                "where the spring has no force, mm"),
+      action<&Self::send_all>("bang", "", 0, 0, "send gamma, force and info now"),
+      action<&Self::send_points>(
+          "points", "", 0, 0,
+          "send workspace and control points to the protocol outlet, for haptic_server"),
+      action<&Self::set_solver>(
+          "solver", "path | auto", 1, 1,
+          "the program part_stress that solves the part again, or the one that is found beside "
+          "the object or in PATH; starts it anew"),
+      action<&Self::draw>(
+          "draw", "[all]", 0, 1,
+          "send the picture to the info outlet: faces that have changed, or all of them"),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kControl, "shape", "mm",
+           "cp id x y z, or a list of parameters; all messages"},
+      Port{Port::Kind::kList, "device", "mm, m/s", "list x y z [vx vy vz] of the handle"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kControl, "gamma", "", "0..1; three numbers in mode axis"},
+      Port{Port::Kind::kControl, "force", "N", "list fx fy fz"},
+      Port{Port::Kind::kControl, kInfoOutlet, "",
+           "gmin gmax raw err method iters ms and more; answers"},
+      Port{Port::Kind::kControl, "protocol", "",
+           "`hap feedback sequence gamma` and `hap cp ...`, for a haptic_server"},
+  };
+  static constexpr std::array arguments{CreationArgument{"load"}};
+};
+
+inline constexpr Declaration StressHaptic::declaration{
+    "stress_haptic",
+    "the stress of a part, felt while it is reshaped",
+    "Moves the control points of a part, recomputes the stress of every element by its "
+    "sensitivities, and renders one number of it, gamma, as a spring or a damper: where the part "
+    "is strained, the handle is stiff. The table of a part is made offline by finite elements.",
+    "stress design optimisation haptic finite elements sensitivity spring damper",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    Rows::arguments,
+    "phantom, haptic_server, beam.pd",
+    "the model: stress_haptic.md, making a table: part_stress.md",
+    "design/struck_beam.wav: a beam struck while it changes shape"};
 
 } // namespace tactus::stress

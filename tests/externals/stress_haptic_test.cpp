@@ -2,6 +2,7 @@
 // solver, the worker's thread.
 #include "externals/stress_haptic/stress_haptic.hpp"
 #include "tests/core/stress/beam_solver.hpp"
+#include "tests/externals/by_name.hpp"
 #include "tests/externals/recording_host.hpp"
 #include "tests/externals/table_folder.hpp"
 
@@ -42,13 +43,10 @@ struct Rig {
     return rig;
   }
   void say(std::string_view name, std::vector<Atom> arguments = {}) {
-    for (std::size_t i = 0; i < StressHaptic::declaration.messages.size(); ++i)
-      if (StressHaptic::declaration.messages[i].name == name)
-        return object.message(i, arguments, host);
-    for (std::size_t i = 0; i < StressHaptic::declaration.parameters.size(); ++i)
-      if (StressHaptic::declaration.parameters[i].name == name)
-        return object.set(i, arguments.at(0).number);
-    FAIL("no message of that name");
+    for (const Parameter& row : StressHaptic::declaration.parameters)
+      if (row.name == name)
+        return row.set(&object, arguments.at(0).number);
+    test::send(object, name, std::span<const Atom>(arguments), host);
   }
   void handle(const std::vector<Atom>& atoms) { object.list(1, atoms, host); }
   /// The handle at rest at a position.
