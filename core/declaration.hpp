@@ -67,8 +67,10 @@ struct Message {
   /// True if its first argument may be the name of a file, so that a host can send it a file that
   /// is dropped onto the object's box.
   bool file = false;
-  /// What carries it out in an object of the class `owner`, with as many arguments as are accepted.
-  void (*run)(void* object, std::span<const Atom> arguments, Host& host) = nullptr;
+  /// What carries it out in an object of the class `owner`, with as many arguments as are accepted;
+  /// `row` is this message.
+  void (*run)(void* object, const Message& row, std::span<const Atom> arguments,
+              Host& host) = nullptr;
   const char* owner = nullptr;
 };
 

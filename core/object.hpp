@@ -174,7 +174,7 @@ public:
     if constexpr (requires { object_.message(index, arguments, host); })
       object_.message(index, arguments, host);
     else
-      T::declaration.messages[index].run(&object_, arguments, host);
+      T::declaration.messages[index].run(&object_, T::declaration.messages[index], arguments, host);
   }
   void scalar(std::size_t inlet, double value, Host& host) override {
     if constexpr (requires { object_.scalar(inlet, value, host); })

@@ -127,7 +127,7 @@ template <auto first, auto... rest> struct MemberAccess {
     auto& member = of(object);
     member = value_of<std::remove_reference_t<decltype(member)>>(number);
   }
-  /// In a struct made by default: the outermost that can be.
+  /// In the innermost struct, made by default.
   static constexpr double initial() {
     if constexpr (sizeof...(rest) == 0)
       return static_cast<double>(Object{}.*first);
@@ -184,15 +184,20 @@ struct PropertyAccess<getter, setter, first, rest...> {
 };
 
 template <auto handler, class Object>
-constexpr void carry_out(Object& object, std::span<const Atom> arguments, Host& host) {
-  if constexpr (requires { (object.*handler)(arguments, host); })
+constexpr void carry_out(Object& object, const Message& row, std::span<const Atom> arguments,
+                         Host& host) {
+  if constexpr (requires { (object.*handler)(row, arguments, host); })
+    (object.*handler)(row, arguments, host);
+  else if constexpr (requires { (object.*handler)(arguments, host); })
     (object.*handler)(arguments, host);
   else if constexpr (requires { (object.*handler)(host); })
     (object.*handler)(host);
   else if constexpr (requires { (object.*handler)(arguments[0], host); })
     (object.*handler)(arguments[0], host);
-  else
+  else {
+    static_cast<void>(row);
     (object.*handler)();
+  }
 }
 
 } // namespace rows
@@ -244,16 +249,16 @@ template <class Row, std::size_t one, std::size_t other>
 }
 
 /// The message, carried out by a function of the object; with more than one pointer, of that
-/// member. It takes the arguments and the host, the first argument and the host, the host, or
-/// nothing.
+/// member. It takes the row, the arguments and the host; the last two; the first argument and the
+/// host; the host; or nothing.
 template <auto first, auto... rest> [[nodiscard]] constexpr Message action(Message message) {
   using Object = typename rows::MemberOf<first>::Owner;
-  message.run = [](void* object, std::span<const Atom> arguments, Host& host) {
+  message.run = [](void* object, const Message& row, std::span<const Atom> arguments, Host& host) {
     auto& self = *static_cast<Object*>(object);
     if constexpr (sizeof...(rest) == 0)
-      rows::carry_out<first>(self, arguments, host);
+      rows::carry_out<first>(self, row, arguments, host);
     else
-      rows::carry_out<rest...>(self.*first, arguments, host);
+      rows::carry_out<rest...>(self.*first, row, arguments, host);
   };
   message.owner = &kOwner<Object>;
   return message;

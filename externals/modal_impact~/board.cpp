@@ -84,13 +84,10 @@ bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* 
     host->error("rest: " + model.resting_refusal);
   // Back to the last valid points, if they differ and belong to the same table; else to none.
   const bool another = same_table && !(last_valid_.rest == rest);
-  settings_.rest.point_m = another ? last_valid_.rest.point_m : std::vector<Vec3>{};
-  if (another) {
-    value_[kRestStiffness] = last_valid_.rest.law.stiffness;
-    value_[kRestExponent] = last_valid_.rest.law.exponent;
-    value_[kRestLoss] = last_valid_.rest.law.dissipation_s_per_m;
-    value_[kRestForce] = last_valid_.rest.pressing_n;
-  }
+  if (another)
+    settings_.rest = last_valid_.rest;
+  else
+    settings_.rest.point_m.clear();
   last_valid_.rest = {};
   if (!another)
     return true;

@@ -13,30 +13,19 @@ namespace tactus::modal {
 
 using namespace modal_impact;
 
-namespace {
-
-bool is_strike(std::size_t message) { return message >= kHit && message <= kBang; }
-
-} // namespace
-
-bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host) {
-  const bool for_a_body = is_strike(index) || index == kPoint || index == kRub || index == kShape ||
-                          index == kControlPoint;
-  if (index == kReset) // silence: strikes that wait are not for later
-    waiting_count_ = static_cast<std::size_t>(
-        std::remove_if(waiting_.begin(),
-                       waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_),
-                       [](const WaitingMessage& kept) { return is_strike(kept.index); }) -
-        waiting_.begin());
+bool ModalImpact::must_wait(const Message& row, Numbers numbers,
+                            void (ModalImpact::*handler)(Numbers, Host&), Waits waits, Host& host) {
+  const bool strikes = waits == Waits::kAsStrike;
   const bool changes =
-      value_[kSync] == kInOrder && body_change_ > answered_ && (is_strike(index) || index == kInfo);
+      sync_ == Sync::kInOrder && body_change_ > answered_ && (strikes || waits == Waits::kAsInfo);
+  const bool for_a_body = strikes || waits == Waits::kForBody;
   if (!changes && !(for_a_body && worker_.loads_first()))
     return false;
   body_.adopt();
   if (body_.model() && !changes)
     return false;
   if (waiting_count_ == waiting_.size() || numbers.size() > kFewNumbers) {
-    Sentence sentence(kMessages[index].name);
+    Sentence sentence(row.name);
     sentence += body_.model()
                     ? ": 64 messages wait already for a change that is being computed"
                     : ": 64 messages wait already for the body that is being read; send more after "
@@ -45,11 +34,23 @@ bool ModalImpact::waits_for_body(std::size_t index, Numbers numbers, Host& host)
     return true;
   }
   WaitingMessage& kept = waiting_[waiting_count_++];
-  kept.index = index;
+  kept.carry_out = handler;
+  kept.strikes = strikes;
   kept.after = changes ? body_change_ : 0;
   kept.count = numbers.size();
   std::copy(numbers.begin(), numbers.end(), kept.numbers.begin());
   return true;
+}
+
+/// Silence: strikes that wait are not for later.
+void ModalImpact::reset(Numbers, Host& host) {
+  waiting_count_ = static_cast<std::size_t>(
+      std::remove_if(waiting_.begin(),
+                     waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_),
+                     [](const WaitingMessage& kept) { return kept.strikes; }) -
+      waiting_.begin());
+  random_.seed(options_.seed);
+  body_.schedule_reset(sample_now(host));
 }
 
 void ModalImpact::carry_out_waiting(Host& host) {
@@ -61,7 +62,7 @@ void ModalImpact::carry_out_waiting(Host& host) {
     ++count;
   if (body_.model()) // else an error has said why there is none
     for (const WaitingMessage& kept : std::span(waiting_).first(count))
-      carry_out(kept.index, std::span(kept.numbers).first(kept.count), host);
+      (this->*kept.carry_out)(std::span(kept.numbers).first(kept.count), host);
   std::move(waiting_.begin() + static_cast<std::ptrdiff_t>(count),
             waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_), waiting_.begin());
   waiting_count_ -= count;
@@ -76,7 +77,7 @@ std::string ModalImpact::find_table(std::string_view message, const std::string&
   return {};
 }
 
-void ModalImpact::load(std::span<const Atom> arguments, Host& host) {
+void ModalImpact::load_named(std::span<const Atom> arguments, Host& host) {
   if (!arguments[0].is_word)
     return host.error(refusal("load", arguments, "a file's name"));
   bool sync = at_once();

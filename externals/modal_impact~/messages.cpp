@@ -1,3 +1,4 @@
+#include "core/contact/friction_rows.hpp"
 #include "core/contact/strike_scatter.hpp"
 #include "core/declaration_text.hpp"
 #include "core/modal/table/materials.hpp"
@@ -73,21 +74,12 @@ constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, 
 
 } // namespace
 
-void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+void ModalImpact::carry_out(const Message& row, std::span<const Atom> arguments,
+                            void (ModalImpact::*handler)(Numbers, Host&), Waits waits, Host& host) {
   host_ = &host;
-  if (index == kLoad)
-    return load(arguments, host);
-  if (index == kBoard)
-    return set_board(arguments, host);
-  if (index == kSolver)
-    return set_solver(arguments[0], host);
-  if (index == kPreset)
-    return set_preset(arguments[0], host);
-  if (index == kDamping)
-    return choose_damping(arguments, host);
   for (const Atom& atom : arguments)
     if (atom.is_word || !std::isfinite(atom.number))
-      return refuse_words(kMessages[index], arguments, host);
+      return refuse_words(row, arguments, host);
   // Realtime messages have few numbers, and allocate nothing.
   std::array<double, kFewNumbers> few{};
   std::vector<double> many;
@@ -97,60 +89,8 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
       (many.empty() ? std::span<double>(few) : std::span<double>(many)).first(arguments.size());
   std::transform(arguments.begin(), arguments.end(), numbers.begin(),
                  [](const Atom& atom) { return atom.number; });
-  if (!waits_for_body(index, numbers, host))
-    carry_out(index, numbers, host);
-}
-
-// One piece: a table from messages to functions.
-void ModalImpact::carry_out(std::size_t index, Numbers numbers, Host& host) {
-  switch (index) {
-  case kHit:
-    return hit(numbers, host);
-  case kHitVertex:
-    return hit_vertex(numbers, host);
-  case kHitFace:
-    return hit_face(numbers, host);
-  case kDrop:
-    return drop(numbers, host);
-  case kBang:
-    return repeat_last(host);
-  case kNormal:
-    return set_normal(numbers, host);
-  case kStriker:
-    return set_striker(numbers, host);
-  case kHardness:
-    return set_hardness(numbers, host);
-  case kPoint:
-    return set_point(numbers, host);
-  case kRub:
-    return set_rub(numbers, host);
-  case kFriction:
-    return set_friction(numbers, host);
-  case kRest:
-    return set_rest(numbers, host);
-  case kListener:
-    return set_listener(numbers, host);
-  case kMaterial:
-    return set_material(numbers, host);
-  case kShape:
-    return set_shape(numbers, host);
-  case kControlPoint:
-    return set_control_point(numbers, host);
-  case kRayleigh:
-  case kLoss:
-  case kLossCurve:
-    return set_damping(index, numbers, host);
-  case kReset:
-    random_.seed(static_cast<std::uint64_t>(value_[kSeed]));
-    return body_.schedule_reset(sample_now(host));
-  case kInfo:
-    body_.adopt();
-    return post_info(host);
-  case kRing:
-    return post_ring(host);
-  default:
-    return;
-  }
+  if (!must_wait(row, numbers, handler, waits, host))
+    (this->*handler)(numbers, host);
 }
 
 void ModalImpact::warn_if_far(const SurfacePoint& point, Host& host) {
@@ -190,13 +130,13 @@ void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bo
 }
 
 Hit ModalImpact::varied(Hit hit) noexcept {
-  if (value_[kVariation] <= 0)
+  if (variation_ <= 0)
     return hit;
   const BodyModel& model = *body_.model();
   const Surface& surface = model.loaded->surface;
   const double size = model.settings.size;
   const auto scatter = contact::StrikeScatter::draw(
-      value_[kVariation], surface.empty() ? 0 : size * surface.diagonal(), random_);
+      variation_, surface.empty() ? 0 : size * surface.diagonal(), random_);
   hit.speed_m_per_s *= scatter.speed_factor;
   if (surface.empty())
     return hit;
@@ -237,7 +177,7 @@ void ModalImpact::drop(Numbers n, Host& host) {
          speed, host, true);
 }
 
-void ModalImpact::repeat_last(Host& host) {
+void ModalImpact::repeat_last(Numbers, Host& host) {
   if (body(host))
     strike(last_point_.value_or(body_.point()), last_speed_, host, last_was_drop_);
 }
@@ -376,30 +316,15 @@ void ModalImpact::set_rub(Numbers n, Host& host) {
 }
 
 void ModalImpact::set_friction(Numbers n, Host& host) {
-  if (!within("friction", n,
-              {{"static", "", 0.001, 10},
-               {"dynamic", "", 0.001, 10},
-               {"stribeck", "m/s", 1e-4, 10},
-               {"breakaway", "", 0.01, 0.99},
-               {"stiffness", "N/m", 10, 1e9},
-               {"damping", "N s/m", 0, 1e6},
-               {"viscosity", "N s/m", 0, 1e4},
-               {"roughness", "", 0, 100}},
-              host))
-    return;
-  const contact::FrictionLaw usual;
-  const auto number = [&](std::size_t i, double otherwise) {
-    return i < n.size() ? n[i] : otherwise;
-  };
+  contact::FrictionLaw law;
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    const Parameter& row = contact::kFrictionRows[i];
+    if (!within("friction", n.subspan(i, 1), {{row.name, row.unit, row.lowest, row.highest}}, host))
+      return;
+    row.set(&law, n[i]);
+  }
   Rub rub = body_.requested_rub();
-  rub.law = {n[0],
-             number(1, usual.dynamic_coefficient),
-             number(2, usual.stribeck_m_per_s),
-             number(3, usual.breakaway),
-             number(4, usual.stiffness_n_per_m),
-             number(5, usual.damping_ns_per_m),
-             number(6, usual.viscosity_ns_per_m),
-             number(7, usual.roughness)};
+  rub.law = law;
   body_.schedule_rub(rub, sample_now(host));
 }
 
@@ -460,44 +385,47 @@ void ModalImpact::set_preset(const Atom& name, Host& host) {
   rebuild_model();
 }
 
-void ModalImpact::choose_damping(std::span<const Atom> arguments, Host& host) {
+void ModalImpact::choose_damping(const Message& row, std::span<const Atom> arguments, Host& host) {
   const std::string_view law = arguments[0].is_word ? arguments[0].word : std::string_view();
   const auto numbers = arguments.subspan(1);
   if (law == "table" && numbers.empty())
     return change(settings_.damping, Damping::kTable);
-  for (const std::size_t i : {kRayleigh, kLoss, kLossCurve})
-    if (const Message& m = kMessages[i];
-        law == m.name && numbers.size() >= m.min_arguments && numbers.size() <= m.max_arguments)
-      return message(i, numbers, host);
-  host.error(refusal("damping", arguments, kMessages[kDamping].arguments));
+  for (const Message& m : Rows::messages)
+    if ((m.name == "rayleigh" || m.name == "loss" || m.name == "losscurve") && law == m.name &&
+        numbers.size() >= m.min_arguments && numbers.size() <= m.max_arguments)
+      return m.run(this, m, numbers, host);
+  host.error(refusal("damping", arguments, row.arguments));
 }
 
-void ModalImpact::set_damping(std::size_t index, Numbers n, Host& host) {
-  if (index == kRayleigh) {
-    if (!within("rayleigh", n, {{"a", "1/s", 0, 1e6}, {"b", "s", 0, 1}}, host))
+void ModalImpact::set_rayleigh(Numbers n, Host& host) {
+  if (!within("rayleigh", n, {{"a", "1/s", 0, 1e6}, {"b", "s", 0, 1}}, host))
+    return;
+  settings_.damping = Damping::kRayleigh;
+  settings_.rayleigh_a_per_s = n[0];
+  settings_.rayleigh_b_s = n[1];
+  rebuild_model();
+}
+
+void ModalImpact::set_loss(Numbers n, Host& host) {
+  if (!within("loss", n, {{"eta", "", 0, 2}}, host))
+    return;
+  settings_.damping = Damping::kLoss;
+  settings_.loss_factor = n[0];
+  rebuild_model();
+}
+
+void ModalImpact::set_loss_curve(Numbers n, Host& host) {
+  if (n.size() % 2 != 0)
+    return host.error("losscurve: expected pairs of frequency and loss factor");
+  std::vector<std::array<double, 2>> curve;
+  for (std::size_t i = 0; i < n.size(); i += 2) {
+    const double minimum = curve.empty() ? 1e-3 : curve.back()[0] * (1 + 1e-9);
+    if (!within("losscurve", n.subspan(i, 2), {{"f", "Hz", minimum, 1e6}, {"eta", "", 0, 2}}, host))
       return;
-    settings_.damping = Damping::kRayleigh;
-    settings_.rayleigh_a_per_s = n[0];
-    settings_.rayleigh_b_s = n[1];
-  } else if (index == kLoss) {
-    if (!within("loss", n, {{"eta", "", 0, 2}}, host))
-      return;
-    settings_.damping = Damping::kLoss;
-    settings_.loss_factor = n[0];
-  } else {
-    if (n.size() % 2 != 0)
-      return host.error("losscurve: expected pairs of frequency and loss factor");
-    std::vector<std::array<double, 2>> curve;
-    for (std::size_t i = 0; i < n.size(); i += 2) {
-      const double minimum = curve.empty() ? 1e-3 : curve.back()[0] * (1 + 1e-9);
-      if (!within("losscurve", n.subspan(i, 2), {{"f", "Hz", minimum, 1e6}, {"eta", "", 0, 2}},
-                  host))
-        return;
-      curve.push_back({n[i], n[i + 1]});
-    }
-    settings_.damping = Damping::kCurve;
-    settings_.loss_curve = std::move(curve);
+    curve.push_back({n[i], n[i + 1]});
   }
+  settings_.damping = Damping::kCurve;
+  settings_.loss_curve = std::move(curve);
   rebuild_model();
 }
 

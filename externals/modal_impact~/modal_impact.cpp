@@ -20,8 +20,6 @@ constexpr double kNepersIn60dB = 6.907755278982137;
 } // namespace
 
 ModalImpact::ModalImpact() {
-  for (std::size_t i = 0; i < value_.size(); ++i)
-    value_[i] = kParameters[i].initial;
   body_.prepare(sample_rate_);
   update_options();
 }
@@ -53,63 +51,48 @@ std::int64_t ModalImpact::sample_now(const Host& host) const {
 BodySettings ModalImpact::settings() const {
   BodySettings now = settings_;
   now.sample_rate = sample_rate_;
-  now.size = value_[kSize];
-  now.choke_t60_s = value_[kChoke];
-  now.max_modes = static_cast<std::size_t>(value_[kModes]);
-  now.voices = static_cast<std::size_t>(value_[kVoices]);
-  now.listeners = static_cast<std::size_t>(value_[kOut]);
-  now.rest.law = {value_[kRestStiffness], value_[kRestExponent], value_[kRestLoss]};
-  now.rest.pressing_n = value_[kRestForce];
-  now.radiation = static_cast<Radiation>(static_cast<int>(value_[kRadiation]));
   return now;
 }
 
 void ModalImpact::update_options() noexcept {
-  StruckBody::Options options;
-  options.coupled = value_[kContact] < 0.5;
-  options.driven = value_[kPosition] >= 0.5;
-  options.doppler = value_[kDoppler] >= 0.5;
-  options.spring_n_per_m = value_[kSpring];
-  options.gain = value_[kGain];
-  constexpr double kAuto = 0, kOn = 1; // of kLimits
-  options.soft_limit =
-      value_[kLimit] == kOn || (value_[kLimit] == kAuto && value_[kGain] < kMeasuringGain);
-  options.cull_db = value_[kCull];
-  options.seed = static_cast<std::uint64_t>(value_[kSeed]);
-  body_.set_options(options);
+  options_.soft_limit =
+      limit_ == Limit::kOn || (limit_ == Limit::kAuto && options_.gain < kMeasuringGain);
+  body_.set_options(options_);
   Striker striker = body_.striker();
-  striker.restitution = value_[kRestitution];
+  striker.restitution = restitution_;
   body_.set_striker(striker);
 }
 
-void ModalImpact::set(std::size_t parameter, double value) noexcept {
-  if (parameter == kSeed)
-    random_.seed(static_cast<std::uint64_t>(value)); // also where the value is the same
-  if (value_[parameter] == value)
+void ModalImpact::set_radiation(Radiation wanted) {
+  if (wanted == settings_.radiation)
     return;
-  if (parameter == kRadiation && table_) {
-    const auto wanted = static_cast<Radiation>(static_cast<int>(value));
-    if (const std::string refusal =
-            TableWorker::radiation_refusal(*table_, wanted, settings().radiation);
-        !refusal.empty()) {
-      if (host_)
-        host_->error(refusal);
-      return;
-    }
+  if (const std::string refusal =
+          table_ ? TableWorker::radiation_refusal(*table_, wanted, settings_.radiation)
+                 : std::string();
+      !refusal.empty()) {
+    if (host_)
+      host_->error(refusal);
+    return;
   }
-  value_[parameter] = value;
+  settings_.radiation = wanted;
+  model_changed();
+}
+
+void ModalImpact::set_pulses(bool on) noexcept {
+  options_.coupled = !on;
   update_options();
-  const bool of_the_model = parameter == kRadiation || parameter == kSize || parameter == kModes ||
-                            parameter == kChoke || parameter == kVoices || parameter == kOut ||
-                            (parameter >= kRestStiffness && parameter <= kRestForce);
-  if (of_the_model && table_)
-    rebuild_model();
-  if (parameter == kResolve && host_ && table_)
-    shape_moved(false, *host_);
+}
+
+void ModalImpact::set_seed(unsigned value) noexcept {
+  random_.seed(value); // also where the value is the same
+  if (options_.seed == value)
+    return;
+  options_.seed = value;
+  update_options();
 }
 
 bool ModalImpact::at_once() const {
-  return value_[kSync] == kAtOnce || (host_ && !host_->real_time());
+  return sync_ == Sync::kAtOnce || (host_ && !host_->real_time());
 }
 
 void ModalImpact::rebuild_model(bool changes_body) {
@@ -152,7 +135,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
       (solved && result.model->settings.shape_displacement_m != wanted.shape_displacement_m);
   table_ = result.table;
   if (!missing_arrays(*table_, wanted.radiation).empty()) // an error has said so
-    value_[kRadiation] = static_cast<double>(BodySettings().radiation);
+    settings_.radiation = BodySettings().radiation;
   if (result.loaded) { // the displacements belong to the old body
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = warned_still_ = false;
@@ -262,7 +245,7 @@ void ModalImpact::post_info(Host& host) {
   host.info(times);
 }
 
-void ModalImpact::post_ring(Host& host) {
+void ModalImpact::post_ring(Numbers, Host& host) {
   body_.adopt();
   constexpr std::size_t kMaxListed = 64;
   const auto levels = body_.levels(kMaxListed);

@@ -2,10 +2,10 @@
 
 #include "core/dsp/random.hpp"
 #include "core/modal/body/struck_body.hpp"
-#include "core/object.hpp"
-#include "externals/modal_impact~/declaration.hpp"
+#include "core/rows.hpp"
 #include "externals/modal_impact~/mode_solver.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
+#include "externals/modal_impact~/units.hpp"
 
 #include <array>
 #include <cstddef>
@@ -24,29 +24,12 @@ namespace tactus::modal {
 /// models in threads. See docs/modal_impact.md.
 class ModalImpact {
 public:
-  static constexpr Declaration declaration{
-      "modal_impact~",
-      "any solid body, struck anywhere and heard anywhere",
-      "Plays a body whose modes modal_fem has computed. Strikes are contacts in which striker and "
-      "body are coupled; material, size and damping can be changed while it sounds, forces from "
-      "other objects push it, and the contact force comes out for a haptic device.",
-      "physical model modal synthesis impact contact finite elements",
-      modal_impact::kInlets,
-      modal_impact::kOutlets,
-      modal_impact::kParameters,
-      modal_impact::kMessages,
-      modal_impact::kArguments,
-      "contact_impact~, struck_disk.pd, struck_beam.pd",
-      "the model: modal_impact.md, making a body: modal_fem.md",
-      "bodies/piece.wav: a piece for nine bodies"};
+  static const Declaration declaration;
   enum Timer : std::size_t { kSettleTimer, kReplyTimer, kLoadedTimer };
   static constexpr std::size_t timers = 3;
 
   ModalImpact();
   void prepare(double sample_rate, std::size_t max_block);
-  void set(std::size_t parameter, double value) noexcept;
-  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void posted(Host& host);
   void tick(std::size_t timer, Host& host);
   void created(Host& host);
@@ -62,33 +45,50 @@ public:
   }
 
 private:
+  struct Rows;
   using Numbers = std::span<const double>;
+  enum class Limit { kAuto, kOn, kOff };
+  enum class Sync { kBackground, kAtOnce, kInOrder };
+  enum class Resolve { kAuto, kOff };
+  /// What a message waits for: the first body while it is read; strikes and info with `sync 2` also
+  /// for changes before them.
+  enum class Waits { kNever, kForBody, kAsStrike, kAsInfo };
   static constexpr std::size_t kFewNumbers = 8; ///< of a message that allocates nothing
   static constexpr std::size_t kMaxWaiting = 64;
   /// A message to a body that is still being read, or changed.
   struct WaitingMessage {
-    std::size_t index = 0, count = 0;
+    void (ModalImpact::*carry_out)(Numbers, Host&) = nullptr;
+    bool strikes = false;
+    std::size_t count = 0;
     std::uint64_t after = 0; ///< number of the request that must be answered first
     std::array<double, kFewNumbers> numbers{};
   };
   void begin_block(double start_ms) noexcept;
   /// The sample of a message that arrives now.
   [[nodiscard]] std::int64_t sample_now(const Host& host) const;
-  void carry_out(std::size_t index, Numbers numbers, Host& host);
+  /// A message of numbers, at once or when what it waits for is there.
+  template <auto handler, Waits waits = Waits::kNever>
+  void numeric(const Message& row, std::span<const Atom> arguments, Host& host) {
+    carry_out(row, arguments, handler, waits, host);
+  }
+  void carry_out(const Message& row, std::span<const Atom> arguments,
+                 void (ModalImpact::*handler)(Numbers, Host&), Waits waits, Host& host);
   /// Whether changes are computed where they are asked for.
   [[nodiscard]] bool at_once() const;
   /// Whether the message must wait for the first body, which is being read, or with `sync 2` for
   /// changes before it: it is then kept. A full queue refuses it in a sentence. Allocates nothing.
-  [[nodiscard]] bool waits_for_body(std::size_t index, Numbers numbers, Host& host);
+  [[nodiscard]] bool must_wait(const Message& row, Numbers numbers,
+                               void (ModalImpact::*handler)(Numbers, Host&), Waits waits,
+                               Host& host);
   void carry_out_waiting(Host& host);
   /// Full path of a table, by its name with or without .modal.npz; empty after an error.
   [[nodiscard]] static std::string find_table(std::string_view message, const std::string& name,
                                               Host& host);
-  void load(std::span<const Atom> arguments, Host& host);
+  void load_named(std::span<const Atom> arguments, Host& host);
   void load(const std::string& name, bool at_once, Host& host);
   void hit(Numbers numbers, Host& host);
   void drop(Numbers numbers, Host& host);
-  void repeat_last(Host& host);
+  void repeat_last(Numbers, Host& host);
   void hit_vertex(Numbers numbers, Host& host);
   void hit_face(Numbers numbers, Host& host);
   void strike(const SurfacePoint& point, double speed, Host& host, bool falls = false);
@@ -107,11 +107,18 @@ private:
   void set_preset(const Atom& name, Host& host);
   void set_shape(Numbers numbers, Host& host);
   void set_control_point(Numbers numbers, Host& host);
-  void choose_damping(std::span<const Atom> arguments, Host& host);
-  void set_damping(std::size_t index, Numbers numbers, Host& host);
+  void choose_damping(const Message& row, std::span<const Atom> arguments, Host& host);
+  void set_rayleigh(Numbers numbers, Host& host);
+  void set_loss(Numbers numbers, Host& host);
+  void set_loss_curve(Numbers numbers, Host& host);
+  void reset(Numbers, Host& host);
+  void post_info_now(Numbers, Host& host) {
+    body_.adopt();
+    post_info(host);
+  }
   void post_info(Host& host);
   void post_loaded(Host& host);
-  void post_ring(Host& host);
+  void post_ring(Numbers, Host& host);
   /// The settings by message, each as the message that sets it.
   void post_settings(Host& host) const;
   void post_damping(Host& host) const;
@@ -146,6 +153,20 @@ private:
                      Host& host);
   [[nodiscard]] BodySettings settings() const;
   void update_options() noexcept;
+  [[nodiscard]] Radiation radiation() const noexcept { return settings_.radiation; }
+  void set_radiation(Radiation wanted);
+  [[nodiscard]] bool pulses() const noexcept { return !options_.coupled; }
+  void set_pulses(bool on) noexcept;
+  [[nodiscard]] unsigned seed() const noexcept { return static_cast<unsigned>(options_.seed); }
+  void set_seed(unsigned value) noexcept;
+  void model_changed() {
+    if (table_)
+      rebuild_model();
+  }
+  void resolve_changed() {
+    if (host_ && table_)
+      shape_moved(false, *host_);
+  }
   /// Builds a model of the present settings: at once if that is quick or `sync` is set, else in the
   /// worker's thread.
   /// changes_body: strikes may have to wait for it (`sync 2`).
@@ -164,8 +185,12 @@ private:
   /// False if the body cannot rest on its points: the last valid ones are restored.
   bool accept_support(const BodyModel& model, bool same_table, Host* host);
 
-  std::array<double, modal_impact::kParameters.size()> value_{};
   BodySettings settings_;
+  StruckBody::Options options_;
+  Limit limit_ = Limit::kAuto;
+  Sync sync_ = Sync::kBackground;
+  Resolve resolve_ = Resolve::kAuto;
+  double restitution_ = 1, variation_ = 0;
   BodySettings last_valid_; ///< the last valid `rest`
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
@@ -201,5 +226,209 @@ private:
   ModeSolver solver_;
   TableWorker worker_;
 };
+
+struct ModalImpact::Rows {
+  using Self = ModalImpact;
+  using Options = StruckBody::Options;
+  using Words = std::string_view;
+  static constexpr std::array<Words, 2> contacts{"coupled", "pulse"}, resolves{"auto", "off"};
+  static constexpr std::array<Words, 3> limits{"auto", "on", "off"};
+  /// Settings of the model, which is then built again.
+  template <auto... path>
+  static constexpr auto
+      model = member<&Self::settings_, path...>.template then<&Self::model_changed>();
+  /// Settings of the layer between body and board.
+  template <auto... path>
+  static constexpr auto layer = model<&BodySettings::rest, &RestSettings::law, path...>;
+  template <auto option>
+  static constexpr auto
+      options = member<&Self::options_, option>.template then<&Self::update_options>();
+  using Law = contact::ImpactLaw;
+  static constexpr std::array parameters{
+      not_realtime(property<&Self::radiation, &Self::set_radiation>.row(
+          "radiation", modal_impact::kRadiations,
+          "how the body sounds to a listener: baffled surface mode by mode (low modes of thin "
+          "bodies come too loud, a bar's first by 18 dB), recorded or computed surface velocities, "
+          "free body by its multipoles, or bare surface velocity",
+          0)),
+      property<&Self::pulses, &Self::set_pulses>.row(
+          "contact", contacts,
+          "striker and body coupled, or half-sine pulses for many strikes at once", 0),
+      not_realtime(model<&BodySettings::size>.row("size", "", 1, 0.01, 100,
+                                                  "factor of the table's lengths")),
+      not_realtime(model<&BodySettings::max_modes>.row(
+          "modes", "", 0, 0, 20000,
+          "the largest number of modes that sound, and all of a last group of near-equal "
+          "frequencies; 0: all")),
+      options<&Options::cull_db>.row(
+          "cull", "dB", 20, 200,
+          "modes quieter (A-weighted) than the strike's loudest by this are left out"),
+      not_realtime(
+          model<&BodySettings::choke_t60_s>.row("choke", "s", 0, 0, 100,
+                                                "decay time by which a hand damps the body; 0: "
+                                                "none")),
+      options<&Options::gain>.row(
+          "gain", "1/Pa", 0, 1000,
+          "output for 1 Pa of sound pressure: 100 Pa reach full scale at 0.01"),
+      member<&Self::limit_>.then<&Self::update_options>().row(
+          "limit", limits,
+          "soft limit of the sound, within +-1 and linear up to 0.5; auto: on for gains below "
+          "0.1, off above, where the outlets are for measuring",
+          0),
+      member<&Self::restitution_>.then<&Self::update_options>().row(
+          "restitution", "", 1, 0.01, 1,
+          "speed after over speed before on a wall; below 1 it sets the contact's loss"),
+      options<&Options::spring_n_per_m>.row(
+          "spring", "N/m", 0, 100000,
+          "above 0, with pos 1: the contact outlet gives the force of this spring instead"),
+      options<&Options::driven>.row(
+          "pos", "1: inlet 2 is the height above the point of a striker that a hand moves"),
+      options<&Options::doppler>.row("doppler", "1: a listener that moves hears the pitch bend"),
+      not_realtime(model<&BodySettings::voices>.row(
+          "voices", "", 8, 1, 64, "contacts at once; one more strike ends the oldest")),
+      not_realtime(model<&BodySettings::listeners>.row(
+          "out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost")),
+      member<&Self::sync_>.row(
+          "sync", "", 0, 0, 2,
+          "1: tables and changes are computed at once, as always in a render; 0: in the "
+          "background; 2: in the background, and strikes and info that come after them wait for "
+          "them"),
+      not_realtime(layer<&Law::stiffness>.row(
+          "rest_stiffness", "N/m^a", 4e8, 100, 1e13,
+          "k of the layer between body and board at each contact point, F = k d^a; default: "
+          "felt")),
+      not_realtime(layer<&Law::exponent>.row(
+          "rest_exponent", "", 2.3, 1, 5,
+          "exponent a of the layer: 1 a spring, 1.5 hard and round, 2.3 felt")),
+      not_realtime(layer<&Law::dissipation_s_per_m>.row(
+          "rest_loss", "s/m", 2, 0, 100, "loss of the layer: F = k d^a (1 + loss v)")),
+      not_realtime(model<&BodySettings::rest, &RestSettings::pressing_n>.row(
+          "rest_force", "N", 0, 0, 1000,
+          "force that presses body and board together besides the weight, over all points")),
+      not_realtime(member<&Self::resolve_>.then<&Self::resolve_changed>().row(
+          "resolve", resolves,
+          "when the shape has moved: solve its modes anew in the background, or only extrapolate",
+          0)),
+      member<&Self::variation_>.row(
+          "variation", "", 0, 0, 1,
+          "of strikes: 1 scatters speed, point and direction as a hand does, 0 repeats them"),
+      property<&Self::seed, &Self::set_seed>.seed<"seed of the variation and of a rub's roughness">(),
+  };
+  static constexpr std::array messages{
+      takes_file(action<&Self::load_named>(
+          "load", "name [-sync]", 1, 2,
+          "read a body's table, NAME or NAME.modal.npz: beside the patch, in the search path, "
+          "beside the object (bar bell board bowl glass plate tube ...); the old body sounds until "
+          "then")),
+      realtime(action<&Self::numeric<&Self::hit, Waits::kAsStrike>>(
+          "hit", "[x y z] v", 1, 4,
+          "strike at x y z mm with v m/s; without a position where the last one was")),
+      realtime(action<&Self::numeric<&Self::hit_vertex, Waits::kAsStrike>>(
+          "hitv", "vertex v", 2, 2, "strike at a vertex of the table")),
+      realtime(action<&Self::numeric<&Self::hit_face, Waits::kAsStrike>>(
+          "hitf", "face u v speed", 4, 4,
+          "strike on a triangle, u and v the weights of its second and third corner")),
+      realtime(action<&Self::numeric<&Self::drop, Waits::kAsStrike>>(
+          "drop", "[x y z] h", 1, 4,
+          "the striker falls h mm onto x y z mm and bounces until it lies")),
+      realtime(action<&Self::numeric<&Self::repeat_last, Waits::kAsStrike>>(
+          "bang", "", 0, 0, "repeat the last strike")),
+      action<&Self::numeric<&Self::set_normal>>(
+          "normal", "[x y z]", 0, 3,
+          "direction out of the body, against which strikers move; none: the surface normal"),
+      action<&Self::numeric<&Self::set_striker>>("striker", "mass radius E nu", 4, 4,
+                                                 "a ball: kg, m, Pa (Hertz' contact)"),
+      action<&Self::numeric<&Self::set_hardness>>(
+          "hardness", "k exponent loss", 1, 3,
+          "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"),
+      action<&Self::numeric<&Self::set_point, Waits::kForBody>>(
+          "point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"),
+      action<&Self::numeric<&Self::set_rub, Waits::kForBody>>(
+          "rub", "[x y z [dx dy dz]]", 0, 6,
+          "where inlets 3 and 4 rub the body, mm, and the direction of positive velocity; none: at "
+          "the point"),
+      action<&Self::numeric<&Self::set_friction>>(
+          "friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness", 1,
+          8, "friction law as in contact_friction~, with its defaults for missing numbers"),
+      action<&Self::set_board>(
+          "board", "name [dx dy dz] or none", 1, 4,
+          "read the table of a second body, held by supports, that the first lies on; displaced "
+          "by dx dy dz mm in its axes"),
+      action<&Self::numeric<&Self::set_rest>>(
+          "rest", "[x y z] ...", 0, 24,
+          "up to 8 points where body and board touch, mm in the body's axes; none: nowhere"),
+      action<&Self::numeric<&Self::set_listener>>(
+          "listener", "i x y z or x1 y1 z1 ...", 3, 12,
+          "position of listener i of 1 to 4, or of all from the first on, mm; nearer than 18 cm "
+          "sound is up to 0.5 ms late"),
+      action<&Self::numeric<&Self::set_material>>("material", "E rho", 2, 2,
+                                                  "Pa and kg/m^3; 0: the table's"),
+      action<&Self::set_preset>(
+          "preset",
+          "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
+          "polycarbonate|rubber|table",
+          1, 1, "elasticity, density and damping of a material; table: as it was read"),
+      action<&Self::numeric<&Self::set_shape, Waits::kForBody>>(
+          "shape", "d1 d2 ...", 1, 3 * 4096,
+          "displacements of the table's shape parameters, mm, in their order; 0: the table's "
+          "shape"),
+      action<&Self::numeric<&Self::set_control_point, Waits::kForBody>>(
+          "cp", "id x y z", 4, 4, "position of a control point of the body's shape, mm"),
+      action<&Self::set_solver>(
+          "solver", "path | auto", 1, 1,
+          "the program modal_fem that solves shapes anew; auto: beside the object or in PATH; "
+          "restarts it"),
+      action<&Self::numeric<&Self::set_rayleigh>>("rayleigh", "a b", 2, 2,
+                                                  "damping (a + b omega^2)/2 in 1/s"),
+      action<&Self::numeric<&Self::set_loss>>("loss", "eta", 1, 1,
+                                              "the same loss factor at all frequencies"),
+      action<&Self::numeric<&Self::set_loss_curve>>("losscurve", "f1 eta1 f2 eta2 ...", 2, 64,
+                                                    "loss factor over frequency in Hz"),
+      action<&Self::choose_damping>(
+          "damping", "table | rayleigh a b | loss eta | losscurve f1 eta1 ...", 1, 65,
+          "the table's own damping, or the message of that name; as dump says it"),
+      realtime(action<&Self::numeric<&Self::reset>>("reset", "", 0, 0, "silence")),
+      action<&Self::numeric<&Self::post_info_now, Waits::kAsInfo>>(
+          "info", "", 0, 0, "body, counts, frequencies and decay times, out of the info outlet"),
+      action<&Self::numeric<&Self::post_ring>>(
+          "ring", "", 0, 0,
+          "levels of the modes, dB from full scale, by frequency, out of the info outlet"),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "force", "N", "external force into the body at the point"},
+      Port{Port::Kind::kSignal, "height", "m", "with pos 1: of a hand's striker above the point"},
+      Port{Port::Kind::kSignal, "normal", "N",
+           "normal force of a rubbing surface; 0: it does not touch"},
+      Port{Port::Kind::kSignal, "velocity", "m/s", "of the rubbing surface, along its direction"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "left", "", "pressure at listener 1 times gain"},
+      Port{Port::Kind::kSignal, "right", "", "pressure at listener 2 times gain"},
+      Port{Port::Kind::kSignal, "contact", "N", "force between strikers and body, impulses exact"},
+      Port{Port::Kind::kControl, kInfoOutlet, "", "answers to info, ring, get and dump"},
+      Port{Port::Kind::kSignal, "third", "",
+           "with -out 3 or more: pressure at listener 3 times gain"},
+      Port{Port::Kind::kSignal, "fourth", "", "with -out 4: pressure at listener 4 times gain"},
+      Port{Port::Kind::kSignal, "friction", "N", "friction force along the body's surface"},
+  };
+
+  static constexpr std::array arguments{CreationArgument{"load"}};
+};
+
+inline constexpr Declaration ModalImpact::declaration{
+    "modal_impact~",
+    "any solid body, struck anywhere and heard anywhere",
+    "Plays a body whose modes modal_fem has computed. Strikes are contacts in which striker and "
+    "body are coupled; material, size and damping can be changed while it sounds, forces from "
+    "other objects push it, and the contact force comes out for a haptic device.",
+    "physical model modal synthesis impact contact finite elements",
+    Rows::inlets,
+    Rows::outlets,
+    Rows::parameters,
+    Rows::messages,
+    Rows::arguments,
+    "contact_impact~, struck_disk.pd, struck_beam.pd",
+    "the model: modal_impact.md, making a body: modal_fem.md",
+    "bodies/piece.wav: a piece for nine bodies"};
 
 } // namespace tactus::modal

@@ -28,7 +28,7 @@ double max_norm(const std::vector<Vec3>& offsets) {
 } // namespace
 
 bool ModalImpact::needs_solve() const {
-  if (!table_ || !table_->body().table.has_mesh || value_[kResolve] >= 0.5)
+  if (!table_ || !table_->body().table.has_mesh || resolve_ == Resolve::kOff)
     return false;
   return trust_ratio() > kMovedRatio;
 }
@@ -123,7 +123,7 @@ void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
     solve_failed_ = true; // until the shape moves
     return host.error("resolve: " + result.refusal + "; frequencies are extrapolated");
   }
-  if (value_[kResolve] >= 0.5)
+  if (resolve_ == Resolve::kOff)
     return;
   if (result.before != table_) // another board came meanwhile
     return start_settle_timer(0, host);

@@ -46,8 +46,8 @@ void ModalImpact::set_shape(Numbers n, Host& host) {
                       ", one for each shape parameter of the table");
   std::vector<double> displacement(n.size());
   for (std::size_t p = 0; p < n.size(); ++p)
-    displacement[p] = std::clamp(n[p] * kMillimetre / value_[modal_impact::kSize],
-                                 shape->parameters[p].low_m, shape->parameters[p].high_m);
+    displacement[p] = std::clamp(n[p] * kMillimetre / settings_.size, shape->parameters[p].low_m,
+                                 shape->parameters[p].high_m);
   deform(std::move(displacement), *shape, host);
 }
 
@@ -61,7 +61,7 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
     return host.error("cp: " + refusal);
   const auto point = static_cast<std::size_t>(n[0]);
   std::vector<double> displacement = shape_displacement_m(*shape);
-  const Vec3 position = Vec3{n[1], n[2], n[3]} * (kMillimetre / value_[modal_impact::kSize]);
+  const Vec3 position = Vec3{n[1], n[2], n[3]} * (kMillimetre / settings_.size);
   displace(shape->parameters, point, position - shape->control_point_m[point], displacement);
   deform(std::move(displacement), *shape, host);
 }
@@ -75,7 +75,7 @@ void ModalImpact::deform(std::vector<double> displacement, const design::ShapePa
       moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });
   const bool beyond = norm(*largest) > shape.trust_m * (1 + 1e-9);
   const bool solves =
-      table_->body().table.has_mesh && !solver_unavailable_ && value_[modal_impact::kResolve] < 0.5;
+      table_->body().table.has_mesh && !solver_unavailable_ && resolve_ == Resolve::kAuto;
   if (!warned_of_trust_ && beyond && !solves) {
     warned_of_trust_ = true;
     host.log("control point " + std::to_string(largest - moved.begin()) + " is moved by " +
@@ -91,7 +91,7 @@ void ModalImpact::post_shape(Host& host) const {
   const ShapeSensitivity& sensitivity = table_->table.sensitivity;
   if (sensitivity.empty())
     return;
-  const double mm = value_[modal_impact::kSize] / kMillimetre;
+  const double mm = settings_.size / kMillimetre;
   const design::ShapeParameters& shape = sensitivity.shape;
   const std::vector<double> displacement = shape_displacement_m(shape);
   std::vector<Atom> list{"shape"};

@@ -1,6 +1,6 @@
 #include "externals/modal_impact~/table_worker.hpp"
 
-#include "externals/modal_impact~/declaration.hpp"
+#include "externals/modal_impact~/units.hpp"
 #include "files/file_bytes.hpp"
 #include "files/modal_table.hpp"
 

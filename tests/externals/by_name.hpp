@@ -33,7 +33,7 @@ template <class Object>
 void send(Object& object, std::string_view name, std::span<const Atom> arguments, Host& host) {
   for (const Message& row : Object::declaration.messages)
     if (row.name == name)
-      return row.run(&object, arguments, host);
+      return row.run(&object, row, arguments, host);
   FAIL("no such message: " << std::string(name));
 }
 template <class Object>

@@ -1,6 +1,7 @@
 // [modal_impact~] in real time: what waits for its worker, whose answers the test hands on when it
 // wants to.
 #include "externals/modal_impact~/modal_impact~.hpp"
+#include "tests/externals/by_name.hpp"
 #include "tests/externals/recording_host.hpp"
 #include "tests/externals/table_folder.hpp"
 #include "tests/files/modal_members.hpp"
@@ -43,15 +44,15 @@ struct Rig {
     meta.replace(meta.find("free"), 4, "held");
     std::ofstream(folder.path / "held.modal.npz", std::ios::binary) << test::archive(members);
     object.prepare(48000, 64);
-    object.set(kRadiation, 2); // of the body: models are built by the worker, however small
-    object.set(kSync, kInOrder);
-    object.set(kChoke, 0.001); // 60 dB in a millisecond after a reset
-    say(kLoad, {"small.modal.npz"});
+    test::set(object, "radiation", 2); // of the body: models are built by the worker, however small
+    test::set(object, "sync", 2);
+    test::set(object, "choke", 0.001); // 60 dB in a millisecond after a reset
+    say("load", {"small.modal.npz"});
     object.created(host);
     take_answer();
   }
-  void say(std::size_t message, const std::vector<Atom>& atoms) {
-    object.message(message, atoms, host);
+  void say(std::string_view message, const std::vector<Atom>& atoms) {
+    test::send(object, message, std::span<const Atom>(atoms), host);
   }
   void take_answer() {
     while (host.woken == answers)
@@ -80,7 +81,7 @@ struct Rig {
   }
   double width() {
     host.infos.clear();
-    say(kInfo, {});
+    say("info", {});
     const std::string box = host.said("box ");
     return box.empty() ? 0 : std::stod(box.substr(box.rfind(' ')));
   }
@@ -94,16 +95,16 @@ TEST_CASE(
   const double width = rig.width();
   REQUIRE(width > 0);
   CHECK(rig.peak() == 0);
-  rig.say(kListener, {1.0, 0.0, 0.0, 200.0});
-  rig.say(kHit, {1.0});
+  rig.say("listener", {1.0, 0.0, 0.0, 200.0});
+  rig.say("hit", {1.0});
   CHECK(rig.peak() > kSilent);
   rig.take_answer();
-  rig.say(kReset, {});
+  rig.say("reset", {});
   rig.peak();
   REQUIRE(rig.peak() < kSilent);
 
-  rig.object.set(kSize, 2);
-  rig.say(kHit, {1.0});
+  test::set(rig.object, "size", 2);
+  rig.say("hit", {1.0});
   CHECK(rig.width() == 0); // waits behind the strike
   CHECK(rig.peak() < kSilent);
   rig.take_answer();
@@ -112,16 +113,16 @@ TEST_CASE(
   CHECK(rig.width() == doctest::Approx(2 * width));
   CHECK(rig.host.errors.empty());
 
-  rig.object.set(kSize, 1);
+  test::set(rig.object, "size", 1);
   for (std::size_t i = 0; i < 65; ++i)
-    rig.say(kHit, {1.0});
+    rig.say("hit", {1.0});
   REQUIRE(rig.host.errors.size() == 1);
   CHECK(rig.host.errors[0].find("64 messages wait") != std::string::npos);
   rig.take_answer();
 
-  rig.object.set(kSize, 3); // a reset silences what waits, too
-  rig.say(kHit, {1.0});
-  rig.say(kReset, {});
+  test::set(rig.object, "size", 3); // a reset silences what waits, too
+  rig.say("hit", {1.0});
+  rig.say("reset", {});
   rig.take_answer();
   rig.peak();
   CHECK(rig.peak() < kSilent);
@@ -129,19 +130,19 @@ TEST_CASE(
 
 TEST_CASE("a radiation for which the table has no arrays is refused, and get tells what is used") {
   Rig rig;
-  REQUIRE(rig.object.get(kRadiation) == 2);
-  rig.object.set(kRadiation, 1);
+  REQUIRE(test::get(rig.object, "radiation") == 2);
+  test::set(rig.object, "radiation", 1);
   REQUIRE(rig.host.errors.size() == 1);
   CHECK(rig.host.errors[0].find("radiation raw: the table has no arrays raw_v") == 0);
   CHECK(rig.host.errors[0].ends_with("body is used"));
-  CHECK(rig.object.get(kRadiation) == 2);
-  rig.say(kLoad, {"mute.modal.npz"});
+  CHECK(test::get(rig.object, "radiation") == 2);
+  rig.say("load", {"mute.modal.npz"});
   rig.take_answer();
   REQUIRE(rig.host.errors.size() == 2);
   CHECK(rig.host.errors[1].find("radiation body: the table has no arrays mp_coef") == 0);
   CHECK(rig.host.errors[1].ends_with("modal is used"));
-  CHECK(rig.object.get(kRadiation) == 0);
-  rig.say(kHit, {1.0});
+  CHECK(test::get(rig.object, "radiation") == 0);
+  rig.say("hit", {1.0});
   CHECK(rig.peak() > kSilent);
   CHECK(rig.host.errors.size() == 2);
 }
@@ -157,12 +158,12 @@ TEST_CASE("a board that waits to be read is not lost by the changes that come af
     return rig.host.said("board ");
   };
   for (int round = 0; round < 20; ++round) {
-    REQUIRE(board_after([&] { rig.say(kBoard, {"none"}); }) == "board none");
+    REQUIRE(board_after([&] { rig.say("board", {"none"}); }) == "board none");
     const std::string board = board_after([&] {
-      rig.object.set(kSize, 2); // the worker is busy
-      rig.say(kBoard, {"held.modal.npz", 0.0, 0.0, -300.0});
-      rig.object.set(kSize, 1);
-      rig.object.set(kSize, 1.5);
+      test::set(rig.object, "size", 2); // the worker is busy
+      rig.say("board", {"held.modal.npz", 0.0, 0.0, -300.0});
+      test::set(rig.object, "size", 1);
+      test::set(rig.object, "size", 1.5);
     });
     CHECK(board == "board held.modal.npz 0 0 -300");
   }
