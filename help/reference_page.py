@@ -113,8 +113,8 @@ def page(declaration):
                        p["text"]] for p in d["parameters"]])
     out += ["## Messages", ""]
     rows = [[forms(m), m["text"]] for m in d["messages"]]
-    rows += [(["`get [name ...]`"], "the named lines of `dump`, without a name all parameters, out of the info outlet"),
-             (["`dump`"], "all parameters and what follows from them, out of the info outlet")]
+    rows += [(["`get [name ...]`"], "send the named lines of `dump`, without a name all parameters, to the info outlet"),
+             (["`dump`"], "send all parameters and derived values to the info outlet")]
     out += table(["message", "meaning"], [["<br>".join(typed), text] for typed, text in rows])
     return "\n".join(out + ["Written from the object's own declaration by `help/reference_page.py`.", ""])
 

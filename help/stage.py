@@ -85,7 +85,7 @@ def ports(declaration, side):
     """The declared ports of one side, and the info outlet at the right if it is not among them."""
     listed = [(p["kind"], p["name"], p["unit"], p["text"]) for p in declaration[side]]
     if side == "outlets" and "info" not in (name for _, name, *_ in listed):
-        listed.append(("control", "info", "", "answers to get, dump and other questions"))
+        listed.append(("control", "info", "", "answers to `get`, `dump` and other queries"))
     return listed
 
 
@@ -112,8 +112,8 @@ def reference_rows(declaration):
     yield "messages, and flags: -name with what follows", None
     for m in declaration["messages"]:
         yield f"{m['name']} {m['arguments']}".strip(), m["text"]
-    yield "get [name ...]", "the named lines of dump, or all parameters, out of the info outlet"
-    yield "dump", "all parameters and what follows from them, out of the info outlet"
+    yield "get [name ...]", "send the named lines of dump, or all parameters, to the info outlet"
+    yield "dump", "send all parameters and derived values to the info outlet"
 
 
 def reference_patch(declaration):

@@ -9,22 +9,24 @@
 namespace tactus::contact {
 
 inline constexpr std::array kFrictionRows{
-    member<&FrictionLaw::static_coefficient>.row(
-        "static", "", 0.001, 10, "friction coefficient at rest; below dynamic it counts as that"),
+    member<&FrictionLaw::static_coefficient>.row("static", "", 0.001, 10,
+                                                 "static friction coefficient; at least `dynamic`"),
     member<&FrictionLaw::dynamic_coefficient>.row("dynamic", "", 0.001, 10,
-                                                  "friction coefficient of fast sliding"),
-    member<&FrictionLaw::stribeck_m_per_s>.row("stribeck", "m/s", 1e-4, 10,
-                                               "how fast it slides when it has let go"),
-    member<&FrictionLaw::breakaway>.row("breakaway", "", 0.01, 0.99,
-                                        "share of the sliding force up to which it only bends"),
+                                                  "dynamic friction coefficient"),
+    member<&FrictionLaw::stribeck_m_per_s>.row(
+        "stribeck", "m/s", 1e-4, 10,
+        "Stribeck velocity: sliding speed above which friction falls to `dynamic`"),
+    member<&FrictionLaw::breakaway>.row(
+        "breakaway", "", 0.01, 0.99,
+        "share of the sliding force up to which the bristles only bend"),
     member<&FrictionLaw::stiffness_n_per_m>.row("stiffness", "N/m", 10, 1e9,
-                                                "sigma0 of the bristles"),
+                                                "bristle stiffness sigma0"),
     member<&FrictionLaw::damping_ns_per_m>.row("damping", "N s/m", 0, 1e6,
-                                               "sigma1 of the bristles"),
+                                               "bristle damping sigma1"),
     member<&FrictionLaw::viscosity_ns_per_m>.row("viscosity", "N s/m", 0, 1e4,
-                                                 "sigma2, as of a grease"),
-    member<&FrictionLaw::roughness>.row("roughness", "", 0, 100,
-                                        "random force, times sqrt(normal force times speed)"),
+                                                 "viscous friction sigma2, as of a lubricant"),
+    member<&FrictionLaw::roughness>.row(
+        "roughness", "", 0, 100, "random friction force over sqrt(normal force times speed)"),
 };
 
 } // namespace tactus::contact

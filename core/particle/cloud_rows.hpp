@@ -13,37 +13,39 @@ inline constexpr std::array<std::string_view, 3> kKinds{"grains", "bubbles", "ru
 /// With these first values.
 [[nodiscard]] constexpr auto cloud_rows(const CloudSettings& first) {
   return std::array{
-      member<&CloudSettings::kind>.row("kind", kKinds,
-                                       "noisy grains, bubbles, or a rustle of countless grains",
-                                       static_cast<double>(first.kind)),
+      member<&CloudSettings::kind>.row(
+          "kind", kKinds,
+          "kind of particles: noisy grains, bubbles, or the rustle of countless grains",
+          static_cast<double>(first.kind)),
       member<&CloudSettings::count>.row("count", "", first.count, 0, 50000,
                                         "collisions for each unit of energy"),
       member<&CloudSettings::decay_s>.row("decay", "s", first.decay_s, 1e-4, 60,
-                                          "in which the energy falls to 1/e"),
+                                          "time in which the energy falls to 1/e"),
       member<&CloudSettings::attack_s>.row("attack", "s", first.attack_s, 1e-4, 5,
-                                           "in which the energy of a shake arrives"),
+                                           "time in which the energy of a shake arrives"),
       member<&CloudSettings::exponent>.row(
           "exponent", "", first.exponent, 0.05, 20,
-          "of the collisions' energies: density ~ e^-(exponent + 1)"),
+          "exponent of the collisions' energies e: density ~ e^-(exponent + 1)"),
       member<&CloudSettings::largest>.row(
           "largest", "", first.largest, 1.001, 1e6,
-          "collision over the smallest, in energy; 1.001: all alike"),
+          "energy of the largest collision over the smallest; 1.001: all alike"),
       member<&CloudSettings::frequency_hz>.row(
           "frequency", "Hz", first.frequency_hz, 20, 20000,
-          "median of the grains', of the smallest ones' with lower_by_size"),
-      member<&CloudSettings::spread>.row("spread", "", first.spread, 0, 3,
-                                         "standard deviation of its natural logarithm"),
+          "median frequency of the grains; with `lower_by_size` of the smallest ones"),
+      member<&CloudSettings::spread>.row(
+          "spread", "", first.spread, 0, 3,
+          "standard deviation of the natural logarithm of the frequency"),
       member<&CloudSettings::lower_by_size>.row(
           "lower_by_size", "", first.lower_by_size, 0, 2,
-          "frequency ~ collision energy^-this: big grains sound lower"),
+          "exponent by which large grains sound lower: frequency ~ collision energy^-this"),
       member<&CloudSettings::quality>.row("quality", "", first.quality, 0.1, 200,
-                                          "Q of a grain's band-pass"),
+                                          "quality factor of a grain's band-pass"),
       member<&CloudSettings::length_s>.row("length", "s", first.length_s, 1e-5, 1,
                                            "median time in which a grain's amplitude falls to 1/e"),
       member<&CloudSettings::rise>.row("rise", "", first.rise, 0, 1,
-                                       "of a bubble's pitch while it decays"),
+                                       "rise of a bubble's pitch while it decays"),
       member<&CloudSettings::level>.row("level", "", first.level, 0, 1e4,
-                                        "strength of the sound, of new collisions"),
+                                        "amplitude of new collisions"),
   };
 }
 inline constexpr auto kCloudRows = cloud_rows({});

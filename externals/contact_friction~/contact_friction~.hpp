@@ -72,28 +72,32 @@ private:
 struct ContactFriction::Rows {
   using Self = ContactFriction;
   using Body = contact::SoundingBody;
-  static constexpr auto parameters = joined(
-      rows_of_field<&Self::law, &Self::take_law, contact::kFrictionRows>(),
-      std::array{
-          property<&Self::seed, &Self::set_seed>.seed<"seed of the roughness">(),
-          property<&Body::mass, &Body::set_mass, &Self::body_>.row(
-              "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of every mode of gain 1"),
-          member<&Self::steps_>.then<&Self::update_steps>().row(
-              "steps", "", 1, 1, 64, "of a sample at least; a light body takes up to 8 by itself"),
-          property<&Body::gain, &Body::set_gain, &Self::body_>.row(
-              "gain", "s/m", kGain, 0, 1e5, "of the sound: times the body's velocity"),
-      });
+  static constexpr auto parameters =
+      joined(rows_of_field<&Self::law, &Self::take_law, contact::kFrictionRows>(),
+             std::array{
+                 property<&Self::seed, &Self::set_seed>.seed<"seed of the roughness">(),
+                 property<&Body::mass, &Body::set_mass, &Self::body_>.row(
+                     "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of every mode of gain 1"),
+                 member<&Self::steps_>.then<&Self::update_steps>().row(
+                     "steps", "", 1, 1, 64,
+                     "least number of integration steps a sample; a light body takes up to 8 "
+                     "without being asked"),
+                 property<&Body::gain, &Body::set_gain, &Self::body_>.row(
+                     "gain", "s/m", kGain, 0, 1e5, "output for a body velocity of 1 m/s"),
+             });
   static constexpr std::array messages{
       action<&Self::body_, &Body::parse_modes>(contact::kModesMessage),
       action<&Self::body_, &Body::parse_pickup>(contact::kPickupMessage),
-      realtime(action<&Self::reset>("reset", "", 0, 0, "silence, bristles straight")),
+      realtime(
+          action<&Self::reset>("reset", "", 0, 0, "stop all motion: silence, bristles unbent")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "velocity", "m/s", "of the surface that rubs"},
-      Port{Port::Kind::kSignal, "normal", "N", "how hard it presses; 0: it does not touch"},
+      Port{Port::Kind::kSignal, "velocity", "m/s", "velocity of the rubbing surface"},
+      Port{Port::Kind::kSignal, "normal", "N",
+           "normal force of the rubbing surface; 0: no contact"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "velocity of the body times gain, within +-1"},
+      Port{Port::Kind::kSignal, "sound", "", "velocity of the body times `gain`, within +-1"},
       Port{Port::Kind::kSignal, "friction", "N", "force along the surface, on the body"},
   };
 };

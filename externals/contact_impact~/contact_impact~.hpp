@@ -112,42 +112,45 @@ struct ContactImpact::Rows {
   using Body = contact::SoundingBody;
   static constexpr std::array parameters{
       member<&Self::mass_kg_>.then<&Self::update_law>().row("mass", "kg", 0.02, 1e-5, 1000,
-                                                            "of what strikes"),
+                                                            "mass of the striker"),
       member<&Self::law_, &Law::stiffness>.then<&Self::update_law>().row(
-          "stiffness", "N/m^exponent", 1, 1e16, "k of the contact"),
+          "stiffness", "N/m^exponent", 1, 1e16, "contact stiffness k"),
       member<&Self::law_, &Law::exponent>.then<&Self::update_law>().row(
-          "exponent", "", 1, 4, "1: a spring, 1.5: round bodies, above: felt"),
+          "exponent", "", 1, 4,
+          "exponent of the contact law: 1 a spring, 1.5 round bodies, above that felt"),
       member<&Self::law_, &Law::dissipation_s_per_m>.then<&Self::update_law>().row(
           "dissipation", "s/m", 0, 1000,
-          "mu of the contact: what is lost grows with mu times the speed"),
+          "contact dissipation mu; the energy loss grows with mu times the impact speed"),
       member<&Self::gravity_m_per_s2_>.row("gravity", "m/s^2", 0, 0, 1000,
-                                           "draws the mass towards the body"),
+                                           "acceleration of the mass towards the body"),
       property<&Body::mass, &Body::set_mass, &Self::body_>.row(
           "body", "kg", kBodyMass, 1e-4, 1e5, "modal mass of every mode of gain 1"),
       property<&Body::gain, &Body::set_gain, &Self::body_>.row(
-          "gain", "s/m", kGain, 0, 1e5, "of the sound: times the body's velocity"),
-      member<&Self::variation_>.row(
-          "variation", "", 0, 0, 1,
-          "of strikes: 1 scatters their speed as a hand does, 0 repeats it"),
+          "gain", "s/m", kGain, 0, 1e5, "output for a body velocity of 1 m/s"),
+      member<&Self::variation_>.row("variation", "", 0, 0, 1,
+                                    "scatter of the strikes' speed: 0 none, 1 that of a hand"),
       property<&Self::seed, &Self::set_seed>.seed<"seed of the variation">(),
   };
   static constexpr std::array messages{
       action<&Self::body_, &Body::parse_modes>(contact::kModesMessage),
       action<&Self::body_, &Body::parse_pickup>(contact::kPickupMessage),
-      realtime(action<&Self::strike>("strike", "v", 1, 1,
-                                     "the mass meets the body with v m/s; 0: it is laid on it")),
-      realtime(action<&Self::launch>("bang", "", 0, 0, "the last strike or drop again")),
-      realtime(action<&Self::drop>("drop", "h", 1, 1, "the mass falls h mm, with gravity above 0")),
-      realtime(action<&Self::reset>("reset", "", 0, 0, "silence, the mass 1 m away")),
+      realtime(action<&Self::strike>(
+          "strike", "v", 1, 1,
+          "strike: the mass meets the body at v m/s; 0: it is laid on the body")),
+      realtime(action<&Self::launch>("bang", "", 0, 0, "repeat the last strike or drop")),
+      realtime(action<&Self::drop>("drop", "h", 1, 1,
+                                   "drop the mass from h mm; needs `gravity` above 0")),
+      realtime(
+          action<&Self::reset>("reset", "", 0, 0, "stop all motion: silence, the mass 1 m away")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "force", "N", "pushes the mass into the body"},
+      Port{Port::Kind::kSignal, "force", "N", "external force on the mass, positive into the body"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "velocity of the body times gain, within +-1"},
-      Port{Port::Kind::kSignal, "contact", "N", "force between mass and body"},
+      Port{Port::Kind::kSignal, "sound", "", "velocity of the body times `gain`, within +-1"},
+      Port{Port::Kind::kSignal, "contact", "N", "contact force between mass and body"},
       Port{Port::Kind::kControl, "impact", "",
-           "after each contact: duration in ms, impulse in N s"},
+           "list after each contact: duration in ms, impulse in N s"},
   };
 };
 

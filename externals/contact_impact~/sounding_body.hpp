@@ -25,11 +25,11 @@ inline constexpr ModeRanges kModeRanges{1, 20000, 1e-3, 1000, -kMaxGain, kMaxGai
 /// The messages, in the order in which both objects declare them first.
 inline constexpr Message kModesMessage{
     "modes", "f1 t1 g1 f2 t2 g2 ... or none", 1, 3 * kMaxModes,
-    "the body: of each mode frequency in Hz, time in s in which it falls by 60 dB, and gain, the "
-    "mode's displacement at the place touched; none: a rigid wall, silent itself"};
+    "modes of the body: frequency in Hz, decay time T60 in s, and gain, the mode's displacement at "
+    "the contact point; none: a rigid wall, which makes no sound"};
 inline constexpr Message kPickupMessage{
     "pickup", "[g1 g2 ...]", 0, kMaxModes,
-    "gains of the modes where the body is heard; none: where it is touched"};
+    "gains of the modes at the pickup; without numbers those of the contact point"};
 
 /// The box's positional argument: the body.
 inline constexpr std::array kBodyArguments{CreationArgument{"modes"}};

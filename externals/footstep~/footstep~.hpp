@@ -156,38 +156,39 @@ struct Footstep::Rows {
   static constexpr auto applied = member<&Self::settings_, setting>.template then<&Self::apply>();
   static constexpr std::array parameters{
       member<&Self::settings_, &Settings::sensors>.row(
-          "source", sources, "whose steps: a walker's, made here, or the inlets' forces"),
+          "source", sources,
+          "source of the steps: the built-in walker, or the forces at the inlets"),
       property<&Self::walks, &Self::set_walk>.row(
-          "walk", "1: the walker sets off and walks on; 0: halts with one more step and stands", 0),
+          "walk", "switch of the walker: 1 starts to walk; 0 stops after one more step", 0),
       applied<&Settings::speed_m_per_s>.row(
-          "speed", "m/s", 0.3, 8,
-          "of the walker on level ground; sneaking and stairs are slower, as people are"),
-      property<&Self::runs, &Self::set_run>.row("run",
-                                                "1: gait run, at 1.5 m/s or more; 0: gait walk", 0),
+          "speed", "m/s", 0.3, 8, "walking speed on level ground; sneaking and stairs are slower"),
+      property<&Self::runs, &Self::set_run>.row(
+          "run", "switch between gait run (1, at 1.5 m/s or more) and gait walk (0)", 0),
       applied<&Settings::weight_n>.row("weight", "N", 1, 10000,
-                                       "of the body; forces count relative to it"),
+                                       "body weight, which scales forces and impacts"),
       applied<&Settings::shoe>.row("shoe", "", 0, 1,
                                    "hardness of the sole: 0 soft or barefoot, 1 hard"),
-      member<&Self::settings_, &Settings::feet>.row("feet", "", 1, 2, "feet that sound"),
+      member<&Self::settings_, &Settings::feet>.row("feet", "", 1, 2, "number of feet"),
       applied<&Settings::variation>.row("variation", "", 0, 0.5,
-                                        "of the walker from step to step (3 to 5 % in people)"),
+                                        "variation from step to step (people: 0.03 to 0.05)"),
       member<&Self::settings_, &Settings::in_weights>.row(
-          "unit", units, "of the inlets: newtons, or body weights"),
-      applied<&Settings::mix>.row("mix", "", 0, 1, "0: the first surface, 1: the second"),
-      member<&Self::settings_, &Settings::gain>.row("gain", "", 0, 1000, "of the sound"),
-      applied<&Settings::drive_gain>.row("drive_gain", "", 0, 1000, "of the drives"),
+          "unit", units, "unit of the inlets' forces: newtons or body weights"),
+      applied<&Settings::mix>.row("mix", "", 0, 1,
+                                  "mix of two surfaces: 0 the first, 1 the second"),
+      member<&Self::settings_, &Settings::gain>.row("gain", "", 0, 1000, "gain of the sound"),
+      applied<&Settings::drive_gain>.row("drive_gain", "", 0, 1000, "gain of the actuator signals"),
       applied<&Settings::sensitivity_g>.row("sensitivity", "g", 0.01, 100,
-                                            "acceleration of the actuator at a drive of 1"),
-      applied<&Settings::limit_g>.row("limit", "g", 0, 3, "largest acceleration"),
-      applied<&Settings::delay_ms>.row("delay", "ms", 0, 200,
-                                       "of the drives, to wait for a slower path"),
-      applied<&Settings::common>.row(
-          "common", "", 0, 1,
-          "of the drives: 0 each plays what is under it, 1 both the whole foot by their force"),
+                                            "acceleration of the actuator at a signal of 1"),
+      applied<&Settings::limit_g>.row("limit", "g", 0, 3, "largest acceleration of the actuator"),
+      applied<&Settings::delay_ms>.row(
+          "delay", "ms", 0, 200, "delay of the actuator signals, to match a slower audio path"),
+      applied<&Settings::common>.row("common", "", 0, 1,
+                                     "distribution of the actuator signals: 0 each plays its own "
+                                     "contact, 1 both play the whole foot, weighted by force"),
       property<&Self::seed, &Self::set_seed>.seed<"seed of everything that is random">(),
-      applied<&Settings::room>.row(
-          "room", "", 0, 10, "times the room's answer that a surface comes with; 0: in the open"),
-      applied<&Settings::gait>.row("gait", styles, "how the walker walks"),
+      applied<&Settings::room>.row("room", "", 0, 10,
+                                   "gain of the surface's own room response; 0: outdoors"),
+      applied<&Settings::gait>.row("gait", styles, "gait of the walker"),
   };
   static constexpr std::array messages{
       takes_file(action<&Self::set_surface>(
@@ -195,52 +196,56 @@ struct Footstep::Rows {
           "[left|right] "
           "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
           "dirt|puddle|water|carpet|file.txt [another [mix]]",
-          1, 4, "the ground, or two and how much of the second; of both feet, or of one")),
-      realtime(action<&Self::step>("step", "[left|right]", 0, 1,
-                                   "one step; a foot that is down lands once more beside it")),
+          1, 4, "surface under both feet or one; a second surface and its share")),
       realtime(
-          action<&Self::step_next>("bang", "", 0, 0, "one step; with feet 2 the feet in turn")),
+          action<&Self::step>("step", "[left|right]", 0, 1,
+                              "make one step; a foot that is down lands again beside its place")),
+      realtime(action<&Self::step_next>("bang", "", 0, 0,
+                                        "make one step; with `feet 2` left and right in turn")),
       realtime(action<&Self::turn>(
           "turn", "[degrees]", 0, 1,
-          "the next step pivots by 1 to 180 degrees (90): the ball slides under the load")),
+          "pivot in the next step by 1 to 180 degrees (90): the loaded ball of the foot slides")),
       realtime(action<&Self::jump>(
           "jump", "[m]", 0, 1,
-          "crouches, jumps on both feet 0.01 to 1 m high (0.3), lands; a walker halts before")),
+          "crouch, jump 0.01 to 1 m high (0.3) on both feet and land; a walker stops first")),
       realtime(action<&Self::scuff>(
           "scuff", "[left|right]", 0, 1,
-          "the ball strikes and slides 15 cm, in that foot's next swing or at once")),
-      realtime(action<&Self::drag>(
-          "drag", "[left|right] [m [m/s]]", 0, 3,
-          "that foot slides 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) under 30 % of the weight; "
-          "of a walker for its next swing")),
-      action<&Self::calibrate>(
-          "calibrate", "heel|ball [reading N reading N ...]", 1, 65,
-          "at least five rising points from what the sensor reads to newtons; none: as it is"),
+          "scuff: the ball of the foot strikes and slides 15 cm, in its next swing or at once")),
+      realtime(action<&Self::drag>("drag", "[left|right] [m [m/s]]", 0, 3,
+                                   "slide that foot 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) "
+                                   "under 30 % of the weight; a walker does so in its next swing")),
+      action<&Self::calibrate>("calibrate", "heel|ball [reading N reading N ...]", 1, 65,
+                               "calibration of a sensor: at least five rising pairs of reading and "
+                               "newtons; without pairs the reading is the force"),
       action<&Self::equalise>("equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,
-                              "undoes the actuator's response at these Hz; none: flat"),
+                              "equaliser of the actuator signals: response of the actuator in dB "
+                              "at these frequencies in Hz; without numbers flat"),
       action<&Self::list_surfaces>("surfaces", "", 0, 0,
-                                   "names of the fifteen, out of the info outlet"),
-      realtime(
-          action<&Self::reset>("reset", "", 0, 0, "silence within 5 ms, both feet in the air")),
+                                   "send the names of the fifteen surfaces to the info outlet"),
+      realtime(action<&Self::reset>("reset", "", 0, 0,
+                                    "stop: silence within 5 ms, both feet in the air")),
   };
   static constexpr std::array arguments{CreationArgument{"surface"}};
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "heel", "N", "source sensors: force under the (left) heel"},
+      Port{Port::Kind::kSignal, "heel", "N", "force under the (left) heel, with `source sensors`"},
       Port{Port::Kind::kSignal, "ball", "N", "force under the ball of the (left) foot"},
-      Port{Port::Kind::kSignal, "heel_2", "N", "feet 2: right heel"},
-      Port{Port::Kind::kSignal, "ball_2", "N", "feet 2: ball of the right foot"},
+      Port{Port::Kind::kSignal, "heel_2", "N", "force under the right heel, with `feet 2`"},
+      Port{Port::Kind::kSignal, "ball_2", "N",
+           "force under the ball of the right foot, with `feet 2`"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "of the (left) foot, within +-1"},
-      Port{Port::Kind::kSignal, "heel_drive", "", "to the actuator under the heel"},
-      Port{Port::Kind::kSignal, "ball_drive", "", "to the actuator under the ball"},
-      Port{Port::Kind::kSignal, "force", "N", "under the foot"},
-      Port{Port::Kind::kSignal, "sound_2", "", "feet 2: of the right foot"},
-      Port{Port::Kind::kSignal, "heel_drive_2", "", "feet 2: right heel"},
-      Port{Port::Kind::kSignal, "ball_drive_2", "", "feet 2: right ball"},
-      Port{Port::Kind::kSignal, "force_2", "N", "feet 2: under the right foot"},
+      Port{Port::Kind::kSignal, "sound", "", "sound of the (left) foot, within +-1"},
+      Port{Port::Kind::kSignal, "heel_drive", "", "signal for the actuator under the heel"},
+      Port{Port::Kind::kSignal, "ball_drive", "", "signal for the actuator under the ball"},
+      Port{Port::Kind::kSignal, "force", "N", "force under the (left) foot"},
+      Port{Port::Kind::kSignal, "sound_2", "", "sound of the right foot, with `feet 2`"},
+      Port{Port::Kind::kSignal, "heel_drive_2", "", "force under the right heel, with `feet 2`"},
+      Port{Port::Kind::kSignal, "ball_drive_2", "",
+           "signal for the actuator under the right ball, with `feet 2`"},
+      Port{Port::Kind::kSignal, "force_2", "N", "force under the right foot, with `feet 2`"},
       Port{Port::Kind::kControl, "info", "",
-           "step left|right heel|ball (with m/s), heel_up|toe_off; answers"},
+           "events: step left|right heel|ball (with landing speed in m/s), heel_up|toe_off; "
+           "answers"},
   };
 };
 

@@ -141,39 +141,44 @@ struct GreedGradient::Rows {
                               rows_of_field<&Self::parameters, &Self::take, reed::kRows>()),
           std::array{
               property<&Gradient::delta, &Gradient::set_delta, &Self::gradient_>.row(
-                  "delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"),
+                  "delta", "", 0.01, 1e-3, 0.25,
+                  "distance of the four neighbours, relative to the plane's side"),
               property<&Gradient::mode, &Gradient::set_mode, &Self::gradient_>.row(
                   "mode", modes,
-                  "slope of five reeds' playability, of linear theory, or the way to a note", 0),
+                  "guidance by the playability of five reeds, by the growth rate of linear theory, "
+                  "or towards the nearest note",
+                  0),
               property<&Gradient::ceiling, &Gradient::set_ceiling, &Self::gradient_>.row(
                   "ceiling", "N", 2, 0, 40,
-                  "largest force; with reed and growth on each axis, with guide in all"),
+                  "largest force: on each axis with reed and growth, of the vector with guide"),
               property<&Gradient::force_gain, &Gradient::set_force_gain, &Self::gradient_>.row(
-                  "force_gain", "N", 0.3, 0, 100, "reed and growth: the force for a slope of 1"),
-              member<&Self::background_>.row(
-                  "background",
-                  "0: maps are made in the host's time, 3000 nodes a second, as always in a "
-                  "render",
-                  1),
+                  "force_gain", "N", 0.3, 0, 100, "force for a slope of 1, with reed and growth"),
+              member<&Self::background_>.row("background",
+                                             "switch: 1 computes maps in a thread; 0 in the host's "
+                                             "time, 3000 nodes a second, as always in a render",
+                                             1),
           }),
       rows_of_field<&Self::estimator, &Self::take_estimator, reed::kPlayabilityRows>());
   static constexpr std::array messages{
       action<&Self::take_preset>(greed::kPresetMessage),
       action<&Self::take_range>(greed::kRangeMessage),
       realtime(action<&Self::gradient_, &Gradient::reset>("reset", "", 0, 0,
-                                                          "valves at rest, air still")),
+                                                          "stop: valves at rest, air still")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kSignal, "y", "", "the hand's height 0..1: mouth pressure"},
-      Port{Port::Kind::kSignal, "z", "", "the hand's depth 0..1: reed frequency"},
-      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
+      Port{Port::Kind::kSignal, "y", "", "height of the hand 0..1, which sets the mouth pressure"},
+      Port{Port::Kind::kSignal, "z", "", "depth of the hand 0..1, which sets the reed frequency"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: as `own_length` gives it"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
-      Port{Port::Kind::kControl, "f_p", "", "playability of that reed, after each block"},
-      Port{Port::Kind::kControl, "gradient", "", "list g_y g_z, for one unit of y and of z"},
-      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while one is made"},
-      Port{Port::Kind::kControl, "force", "N", "list F_y F_z, on the hand"},
+      Port{Port::Kind::kSignal, "sound", "",
+           "sound of the reed at the hand's position, within +-1"},
+      Port{Port::Kind::kControl, "f_p", "", "playability of that reed 0..1, after each block"},
+      Port{Port::Kind::kControl, "gradient", "",
+           "list g_y g_z: slope of the playability for one unit of y and of z"},
+      Port{Port::Kind::kControl, "info", "",
+           "answers; `map` with the share computed 0..1 while a map is made"},
+      Port{Port::Kind::kControl, "force", "N", "list F_y F_z: force on the hand"},
   };
 };
 

@@ -137,25 +137,26 @@ struct Greed::Rows {
   }();
   static constexpr std::array messages{
       action<&Greed::take_preset>(greed::kPresetMessage),
-      realtime(action<&Greed::restart>("reset", "", 0, 0, "valve at rest, air still")),
+      realtime(action<&Greed::restart>("reset", "", 0, 0, "stop: valve at rest, air still")),
       realtime(
-          action<&Greed::articulate>("tongue", "", 0, 0, "with tune: the note is tongued anew")),
+          action<&Greed::articulate>("tongue", "", 0, 0, "tongue the note again, with `tune 1`")),
       action<&Greed::finger>(
           "holes", "CLOSED...", 1, 33,
-          "with tune and tone holes: register vent and each hole from the reed down, 1 closed, 0 "
-          "open, in between partly covered; fingering ends it"),
+          "state of the register vent and of each tone hole from the reed down, with `tune`: 1 "
+          "closed, 0 open, between them partly covered; `fingering` ends it"),
       action<&Greed::set_valves>("valves", "[VALVE...|auto]", 0, 3,
-                                 "with tune and end trumpet: valves pressed, of 1 2 3, or none; "
-                                 "auto: the player's choice"),
-      realtime(action<&Greed::bang>("bang", "", 0, 0, "with tune: the note is tongued anew")),
+                                 "valves pressed, any of 1 2 3, with `tune` and `end trumpet`; "
+                                 "auto: chosen by the player"),
+      realtime(action<&Greed::bang>("bang", "", 0, 0, "tongue the note again, with `tune 1`")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},
-      Port{Port::Kind::kSignal, "f_r", "Hz", "reed frequency; 0: the parameter f_r"},
-      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the parameter own_length"},
+      Port{Port::Kind::kSignal, "f_r", "Hz",
+           "natural frequency of the valve; 0: the parameter `f_r`"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: as `own_length` gives it"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "radiated pressure times gain, within +-1"},
+      Port{Port::Kind::kSignal, "sound", "", "radiated pressure times `gain`, within +-1"},
       Port{Port::Kind::kSignal, "theta", "rad", "angle of the valve"},
       Port{Port::Kind::kSignal, "p_b", "Pa", "pressure in the bore at the valve"},
       Port{Port::Kind::kSignal, "U", "m^3/s", "volume flow through the valve"},

@@ -21,9 +21,10 @@ namespace tactus::greed {
 /// The messages `preset` and `range`, and the box's positional argument.
 inline constexpr Message kPresetMessage{
     "preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
-    "all of valve and bore at once; of an object with a range, one in which it plays"};
-inline constexpr Message kRangeMessage{"range", "p_lo p_hi f_lo f_hi", 4, 4,
-                                       "what 0 and 1 of y (Pa) and z (Hz) stand for"};
+    "instrument: sets all of valve and bore; in objects with a range also one in which it plays"};
+inline constexpr Message kRangeMessage{
+    "range", "p_lo p_hi f_lo f_hi", 4, 4,
+    "range of the plane: mouth pressure in Pa at y = 0 and 1, reed frequency in Hz at z = 0 and 1"};
 inline constexpr std::array kArguments{CreationArgument{"preset"}};
 
 /// The parameter table with another initial value of one parameter.

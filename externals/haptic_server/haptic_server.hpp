@@ -63,37 +63,46 @@ struct HapticServerObject::Rows {
   using Self = HapticServerObject;
   template <auto limit> static constexpr auto limits = member<&Self::limits_, limit>;
   static constexpr std::array parameters{
-      limits<&Limits::port>.row("port", "", 0, 65535, "from the next open on; 0: any that is free"),
-      limits<&Limits::force_n>.row("forcemax", "N", 0.01, 40,
-                                   "no client can raise it; from the next open on"),
-      limits<&Limits::stiffness_n_per_m>.row("stiffness", "N/m", 0, 20000,
-                                             "limit of a client's spring; from the next open on"),
-      limits<&Limits::damping_n_s_per_m>.row("damping", "N s/m", 0, 1000,
-                                             "limit of a client's damper; from the next open on"),
-      limits<&Limits::grab_mm>.row("grab", "mm", 0, 1000,
-                                   "reach of the handle for control points; from the next open on"),
+      limits<&Limits::port>.row("port", "", 0, 65535,
+                                "TCP port from the next `open` on; 0: any that is free"),
+      limits<&Limits::force_n>.row(
+          "forcemax", "N", 0.01, 40,
+          "largest force that a client can ask for, from the next `open` on"),
+      limits<&Limits::stiffness_n_per_m>.row(
+          "stiffness", "N/m", 0, 20000,
+          "largest stiffness of a client's spring, from the next `open` on"),
+      limits<&Limits::damping_n_s_per_m>.row(
+          "damping", "N s/m", 0, 1000,
+          "largest damping of a client's damper, from the next `open` on"),
+      limits<&Limits::grab_mm>.row(
+          "grab", "mm", 0, 1000,
+          "distance at which the handle grabs control points, from the next `open` on"),
   };
   static constexpr std::array messages{
-      action<&Self::set_position>("list", "x y z", 3, 3, "where the handle is, mm"),
-      action<&Self::open>("open", "", 0, 0, "listen on this machine, or where listen said"),
-      action<&Self::close>("close", "", 0, 0, "tell all clients, and no force"),
+      action<&Self::set_position>("list", "x y z", 3, 3, "position of the handle, mm"),
+      action<&Self::open>("open", "", 0, 0,
+                          "open the port on this machine, or at the address of `listen`"),
+      action<&Self::close>("close", "", 0, 0, "close all connections; the force becomes zero"),
       action<&Self::set_address>("listen", "address|loopback", 1, 1,
-                                 "a numeric address; another than loopback needs a token"),
+                                 "numeric address of the port; any but loopback needs a token"),
       action<&Self::set_token>("token", "file", 1, 1,
-                               "16 to 1024 bytes that every client must bring"),
+                               "file with the 16 to 1024 bytes that every client must send"),
       action<&Self::set_workspace>("workspace", "xmin ymin zmin xmax ymax zmax", 6, 6,
-                                   "of the handle, mm, as clients are told"),
+                                   "workspace of the handle, mm, that clients receive"),
       action<&Self::set_button>("button", "n 0|1", 2, 2,
-                                "a button of the handle; 0 drags control points"),
-      action<&Self::stop>("estop", "", 0, 0, "no force until motors 1 and a client's start"),
-      action<&Self::enable>("motors", "1", 1, 1, "releases estop"),
-      action<&Self::send_again>("bang", "", 0, 0, "send the force now"),
+                                "state of a button of the handle; button 0 drags control points"),
+      action<&Self::stop>("estop", "", 0, 0,
+                          "emergency stop: no force until `motors 1` and a client's start"),
+      action<&Self::enable>("motors", "1", 1, 1, "release the emergency stop"),
+      action<&Self::send_again>("bang", "", 0, 0, "send the force to its outlet"),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kControl, "position", "mm", "list x y z of the handle, and all messages"},
+      Port{Port::Kind::kControl, "position", "mm",
+           "list x y z: position of the handle; all messages"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kControl, "force", "N", "list fx fy fz for [phantom], whenever it changes"},
+      Port{Port::Kind::kControl, "force", "N",
+           "list fx fy fz for [phantom] whenever the force changes"},
   };
   static constexpr std::array arguments{CreationArgument{"port"}};
 };

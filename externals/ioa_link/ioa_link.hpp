@@ -41,27 +41,26 @@ struct IoaLink::Rows {
   static constexpr std::array messages{
       action<&Self::send>(
           "send", "topic fields...", 1, 1 + net::kMaxTopicFields,
-          "to all peers; of raw, hand, contact, force and listener a sample may be left out on a "
-          "line that is too slow, all else arrives while the connection stands"),
-      action<&Self::listen>(
-          "listen", "port [address]", 1, 2,
-          "wait for others on 127.0.0.1 and ::1, or on a numeric address, which needs a token; "
-          "port 0: any that is free"),
-      action<&Self::connect>(
-          "connect", "[host] port", 1, 2,
-          "call a link that listens, again and again until disconnect; without host this machine"),
-      action<&Self::disconnect>("disconnect", "", 0, 0, "end what listen or connect began"),
-      action<&Self::set_token>(
-          "token", "file", 1, 1,
-          "16 to 1024 bytes that both sides share; from the next listen or connect on"),
-      action<&Self::set_playout>(
-          "playout", "auto|ms", 1, 1,
-          "let messages out so long after they were sent, 0 to 400 ms; auto: as the line needs; "
-          "0: at once"),
+          "send a topic to all peers; on a slow connection samples of raw, hand, contact, force "
+          "and listener may be dropped, all else arrives while the connection lasts"),
+      action<&Self::listen>("listen", "port [address]", 1, 2,
+                            "accept connections on 127.0.0.1 and ::1, or on a numeric address, "
+                            "which needs a token; port 0: any that is free"),
+      action<&Self::connect>("connect", "[host] port", 1, 2,
+                             "connect to a link that listens, and again after each loss until "
+                             "`disconnect`; without host on this machine"),
+      action<&Self::disconnect>("disconnect", "", 0, 0,
+                                "close all connections and stop to listen or to connect"),
+      action<&Self::set_token>("token", "file", 1, 1,
+                               "file with the 16 to 1024 bytes that both sides share, from the "
+                               "next `listen` or `connect` on"),
+      action<&Self::set_playout>("playout", "auto|ms", 1, 1,
+                                 "playout delay after a message was sent, 0 to 400 ms; auto: as "
+                                 "the connection needs; 0: at once"),
       action<&Self::set_time>(
           "time", "ms", 1, 1,
-          "the time on this side's bus now; without it bus time begins with the object. It begins "
-          "again at 0 after 65536 ms: times are taken as those nearest to now"),
+          "present time of this side's bus, ms; without it bus time begins with the object. Times "
+          "begin again at 0 after 65536 ms; the one nearest to now is meant"),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kControl, "messages", "", "all messages"},
@@ -69,7 +68,7 @@ struct IoaLink::Rows {
   static constexpr std::array outlets{
       Port{Port::Kind::kControl, "topics", "",
            "TOPIC fields... from the other side, at its playout time; times among the fields are "
-           "this side's, ms, from 0 to 65536 and again from 0"},
+           "on this side's clock, ms, from 0 to 65536 and again from 0"},
   };
   static constexpr std::array arguments{CreationArgument{"listen"}};
 };

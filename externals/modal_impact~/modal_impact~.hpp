@@ -247,26 +247,25 @@ struct ModalImpact::Rows {
   static constexpr std::array parameters{
       not_realtime(property<&Self::radiation, &Self::set_radiation>.row(
           "radiation", modal_impact::kRadiations,
-          "how the body sounds to a listener: baffled surface mode by mode (low modes of thin "
-          "bodies come too loud, a bar's first by 18 dB), recorded or computed surface velocities, "
-          "free body by its multipoles, or bare surface velocity",
+          "model of radiation: baffled surface by mode (low modes of thin bodies are too loud, a "
+          "bar's first by 18 dB), surface velocities in the table, free body by multipoles, or the "
+          "bare surface velocity",
           0)),
-      property<&Self::pulses, &Self::set_pulses>.row(
-          "contact", contacts,
-          "striker and body coupled, or half-sine pulses for many strikes at once", 0),
+      property<&Self::pulses, &Self::set_pulses>.row("contact", contacts,
+                                                     "model of contact: striker and body coupled, "
+                                                     "or half-sine pulses for many strikes at once",
+                                                     0),
       not_realtime(model<&BodySettings::size>.row("size", "", 1, 0.01, 100,
-                                                  "factor of the table's lengths")),
-      not_realtime(model<&BodySettings::max_modes>.row(
-          "modes", "", 0, 0, 20000,
-          "the largest number of modes that sound, and all of a last group of near-equal "
-          "frequencies; 0: all")),
+                                                  "factor on the table's lengths")),
+      not_realtime(
+          model<&BodySettings::max_modes>.row("modes", "", 0, 0, 20000,
+                                              "largest number of modes that sound; a last group of "
+                                              "near-equal frequencies is kept whole; 0: all")),
       options<&Options::cull_db>.row(
           "cull", "dB", 20, 200,
-          "modes quieter (A-weighted) than the strike's loudest by this are left out"),
-      not_realtime(
-          model<&BodySettings::choke_t60_s>.row("choke", "s", 0, 0, 100,
-                                                "decay time by which a hand damps the body; 0: "
-                                                "none")),
+          "level below a strike's loudest mode (A-weighted) from which modes are left out"),
+      not_realtime(model<&BodySettings::choke_t60_s>.row(
+          "choke", "s", 0, 0, 100, "decay time T60 of a hand that damps the body; 0: none")),
       options<&Options::gain>.row(
           "gain", "1/Pa", 0, 1000,
           "output for 1 Pa of sound pressure: 100 Pa reach full scale at 0.01"),
@@ -277,26 +276,26 @@ struct ModalImpact::Rows {
           0),
       member<&Self::restitution_>.then<&Self::update_options>().row(
           "restitution", "", 1, 0.01, 1,
-          "speed after over speed before on a wall; below 1 it sets the contact's loss"),
-      options<&Options::spring_n_per_m>.row(
-          "spring", "N/m", 0, 100000,
-          "above 0, with pos 1: the contact outlet gives the force of this spring instead"),
+          "coefficient of restitution on a rigid wall; below 1 it sets the contact's loss"),
+      options<&Options::spring_n_per_m>.row("spring", "N/m", 0, 100000,
+                                            "stiffness of a spring whose force replaces the "
+                                            "contact force at the outlet, with `pos 1`; 0: none"),
       options<&Options::driven>.row(
-          "pos", "1: inlet 2 is the height above the point of a striker that a hand moves"),
-      options<&Options::doppler>.row("doppler", "1: a listener that moves hears the pitch bend"),
+          "pos", "switch: 1 reads inlet 2 as the height of a striker that a hand moves"),
+      options<&Options::doppler>.row("doppler",
+                                     "switch: 1 gives a moving listener the Doppler shift"),
       not_realtime(model<&BodySettings::voices>.row(
-          "voices", "", 8, 1, 64, "contacts at once; one more strike ends the oldest")),
+          "voices", "", 8, 1, 64,
+          "largest number of contacts at once; a further strike ends the oldest")),
       not_realtime(model<&BodySettings::listeners>.row(
-          "out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost")),
+          "out", "", 2, 1, 4, "number of listeners; 1 sounds on both sides at half the cost")),
       member<&Self::sync_>.row(
           "sync", "", 0, 0, 2,
-          "1: tables and changes are computed at once, as always in a render; 0: in the "
-          "background; 2: in the background, and strikes and info that come after them wait for "
-          "them"),
-      not_realtime(layer<&Law::stiffness>.row(
-          "rest_stiffness", "N/m^a", 4e8, 100, 1e13,
-          "k of the layer between body and board at each contact point, F = k d^a; default: "
-          "felt")),
+          "time at which tables and changes are computed: 0 in the background; 1 at once, as "
+          "always in a render; 2 in the background, and later strikes and `info` wait for them"),
+      not_realtime(layer<&Law::stiffness>.row("rest_stiffness", "N/m^a", 4e8, 100, 1e13,
+                                              "stiffness k of the layer between body and board at "
+                                              "each contact point, F = k d^a; initially felt")),
       not_realtime(layer<&Law::exponent>.row(
           "rest_exponent", "", 2.3, 1, 5,
           "exponent a of the layer: 1 a spring, 1.5 hard and round, 2.3 felt")),
@@ -307,22 +306,23 @@ struct ModalImpact::Rows {
           "force that presses body and board together besides the weight, over all points")),
       not_realtime(member<&Self::resolve_>.then<&Self::resolve_changed>().row(
           "resolve", resolves,
-          "when the shape has moved: solve its modes anew in the background, or only extrapolate",
+          "treatment of a changed shape: solve its modes again in the background, or only "
+          "extrapolate",
           0)),
       member<&Self::variation_>.row(
           "variation", "", 0, 0, 1,
-          "of strikes: 1 scatters speed, point and direction as a hand does, 0 repeats them"),
+          "scatter of the strikes' speed, point and direction: 0 none, 1 that of a hand"),
       property<&Self::seed, &Self::set_seed>.seed<"seed of the variation and of a rub's roughness">(),
   };
   static constexpr std::array messages{
-      takes_file(action<&Self::load_named>(
-          "load", "name [-sync]", 1, 2,
-          "read a body's table, NAME or NAME.modal.npz: beside the patch, in the search path, "
-          "beside the object (bar bell board bowl glass plate tube ...); the old body sounds until "
-          "then")),
+      takes_file(
+          action<&Self::load_named>("load", "name [-sync]", 1, 2,
+                                    "table of a body, NAME or NAME.modal.npz, beside the patch, in "
+                                    "the search path or beside the object (bar bell board bowl "
+                                    "glass plate tube ...); the old body sounds until it is read")),
       realtime(action<&Self::numeric<&Self::hit, Waits::kAsStrike>>(
           "hit", "[x y z] v", 1, 4,
-          "strike at x y z mm with v m/s; without a position where the last one was")),
+          "strike at x y z mm with v m/s; without a position at the last one")),
       realtime(action<&Self::numeric<&Self::hit_vertex, Waits::kAsStrike>>(
           "hitv", "vertex v", 2, 2, "strike at a vertex of the table")),
       realtime(action<&Self::numeric<&Self::hit_face, Waits::kAsStrike>>(
@@ -330,39 +330,38 @@ struct ModalImpact::Rows {
           "strike on a triangle, u and v the weights of its second and third corner")),
       realtime(action<&Self::numeric<&Self::drop, Waits::kAsStrike>>(
           "drop", "[x y z] h", 1, 4,
-          "the striker falls h mm onto x y z mm and bounces until it lies")),
+          "drop the striker from h mm onto x y z mm; it bounces until it rests")),
       realtime(action<&Self::numeric<&Self::repeat_last, Waits::kAsStrike>>(
           "bang", "", 0, 0, "repeat the last strike")),
       action<&Self::numeric<&Self::set_normal>>(
           "normal", "[x y z]", 0, 3,
           "direction out of the body, against which strikers move; none: the surface normal"),
       action<&Self::numeric<&Self::set_striker>>("striker", "mass radius E nu", 4, 4,
-                                                 "a ball: kg, m, Pa (Hertz' contact)"),
+                                                 "ball that strikes: kg, m, Pa (Hertz' contact)"),
       action<&Self::numeric<&Self::set_hardness>>(
           "hardness", "k exponent loss", 1, 3,
           "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"),
       action<&Self::numeric<&Self::set_point, Waits::kForBody>>(
-          "point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"),
+          "point", "x y z or vertex", 1, 3, "contact point of inlets 1 and 2, mm"),
       action<&Self::numeric<&Self::set_rub, Waits::kForBody>>(
           "rub", "[x y z [dx dy dz]]", 0, 6,
-          "where inlets 3 and 4 rub the body, mm, and the direction of positive velocity; none: at "
-          "the point"),
+          "contact point of inlets 3 and 4, mm, and the direction of positive velocity; without "
+          "numbers the point of `point`"),
       action<&Self::numeric<&Self::set_friction>>(
           "friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness", 1,
           8, "friction law as in contact_friction~, with its defaults for missing numbers"),
-      action<&Self::set_board>(
-          "board", "name [dx dy dz] or none", 1, 4,
-          "read the table of a second body, held by supports, that the first lies on; displaced "
-          "by dx dy dz mm in its axes"),
-      action<&Self::numeric<&Self::set_rest>>(
-          "rest", "[x y z] ...", 0, 24,
-          "up to 8 points where body and board touch, mm in the body's axes; none: nowhere"),
+      action<&Self::set_board>("board", "name [dx dy dz] or none", 1, 4,
+                               "table of a second, supported body on which the first lies, "
+                               "displaced by dx dy dz mm in the first one's axes"),
+      action<&Self::numeric<&Self::set_rest>>("rest", "[x y z] ...", 0, 24,
+                                              "points where body and board touch, up to 8, mm in "
+                                              "the body's axes; without numbers none"),
       action<&Self::numeric<&Self::set_listener>>(
           "listener", "i x y z or x1 y1 z1 ...", 3, 12,
-          "position of listener i of 1 to 4, or of all from the first on, mm; nearer than 18 cm "
-          "sound is up to 0.5 ms late"),
-      action<&Self::numeric<&Self::set_material>>("material", "E rho", 2, 2,
-                                                  "Pa and kg/m^3; 0: the table's"),
+          "position of listener i from 1 to 4, or of all from the first on, mm; nearer than 18 cm "
+          "the sound is up to 0.5 ms late"),
+      action<&Self::numeric<&Self::set_material>>(
+          "material", "E rho", 2, 2, "Young's modulus in Pa and density in kg/m^3; 0: the table's"),
       action<&Self::set_preset>(
           "preset",
           "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
@@ -374,41 +373,43 @@ struct ModalImpact::Rows {
           "shape"),
       action<&Self::numeric<&Self::set_control_point, Waits::kForBody>>(
           "cp", "id x y z", 4, 4, "position of a control point of the body's shape, mm"),
-      action<&Self::set_solver>(
-          "solver", "path | auto", 1, 1,
-          "the program modal_fem that solves shapes anew; auto: beside the object or in PATH; "
-          "restarts it"),
+      action<&Self::set_solver>("solver", "path | auto", 1, 1,
+                                "path of the program modal_fem that solves changed shapes, which "
+                                "is restarted; auto: beside the object or in PATH"),
       action<&Self::numeric<&Self::set_rayleigh>>("rayleigh", "a b", 2, 2,
                                                   "damping (a + b omega^2)/2 in 1/s"),
       action<&Self::numeric<&Self::set_loss>>("loss", "eta", 1, 1,
-                                              "the same loss factor at all frequencies"),
+                                              "loss factor at all frequencies"),
       action<&Self::numeric<&Self::set_loss_curve>>("losscurve", "f1 eta1 f2 eta2 ...", 2, 64,
                                                     "loss factor over frequency in Hz"),
       action<&Self::choose_damping>(
           "damping", "table | rayleigh a b | loss eta | losscurve f1 eta1 ...", 1, 65,
-          "the table's own damping, or the message of that name; as dump says it"),
-      realtime(action<&Self::numeric<&Self::reset>>("reset", "", 0, 0, "silence")),
+          "law of damping: the table's own, or the message of that name, as `dump` reports it"),
+      realtime(action<&Self::numeric<&Self::reset>>("reset", "", 0, 0, "stop: silence")),
       action<&Self::numeric<&Self::post_info_now, Waits::kAsInfo>>(
-          "info", "", 0, 0, "body, counts, frequencies and decay times, out of the info outlet"),
+          "info", "", 0, 0, "send body, counts, frequencies and decay times to the info outlet"),
       action<&Self::numeric<&Self::post_ring>>(
           "ring", "", 0, 0,
-          "levels of the modes, dB from full scale, by frequency, out of the info outlet"),
+          "send the levels of the modes, dB re full scale, by frequency, to the info outlet"),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "force", "N", "external force into the body at the point"},
-      Port{Port::Kind::kSignal, "height", "m", "with pos 1: of a hand's striker above the point"},
-      Port{Port::Kind::kSignal, "normal", "N",
-           "normal force of a rubbing surface; 0: it does not touch"},
-      Port{Port::Kind::kSignal, "velocity", "m/s", "of the rubbing surface, along its direction"},
+      Port{Port::Kind::kSignal, "height", "m",
+           "height of a hand's striker above the point, with `pos 1`"},
+      Port{Port::Kind::kSignal, "normal", "N", "normal force of a rubbing surface; 0: no contact"},
+      Port{Port::Kind::kSignal, "velocity", "m/s",
+           "velocity of the rubbing surface along its direction"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "left", "", "pressure at listener 1 times gain"},
-      Port{Port::Kind::kSignal, "right", "", "pressure at listener 2 times gain"},
-      Port{Port::Kind::kSignal, "contact", "N", "force between strikers and body, impulses exact"},
-      Port{Port::Kind::kControl, kInfoOutlet, "", "answers to info, ring, get and dump"},
+      Port{Port::Kind::kSignal, "left", "", "sound pressure at listener 1 times `gain`"},
+      Port{Port::Kind::kSignal, "right", "", "sound pressure at listener 2 times `gain`"},
+      Port{Port::Kind::kSignal, "contact", "N",
+           "contact force between strikers and body; impulses are exact"},
+      Port{Port::Kind::kControl, kInfoOutlet, "", "answers to `info`, `ring`, `get` and `dump`"},
       Port{Port::Kind::kSignal, "third", "",
-           "with -out 3 or more: pressure at listener 3 times gain"},
-      Port{Port::Kind::kSignal, "fourth", "", "with -out 4: pressure at listener 4 times gain"},
+           "sound pressure at listener 3 times `gain`, with `-out 3` or more"},
+      Port{Port::Kind::kSignal, "fourth", "",
+           "sound pressure at listener 4 times `gain`, with `-out 4`"},
       Port{Port::Kind::kSignal, "friction", "N", "friction force along the body's surface"},
   };
 

@@ -120,34 +120,34 @@ struct ParticleObject::Rows {
       rows_of_field<&Self::cloud, &Self::take_cloud, kCloud>(),
       std::array{
           member<&Self::direct_>.then<&Self::update>().row(
-              "direct", "", 1, 0, 1, "share of the grains that is heard beside the modes"),
+              "direct", "", 1, 0, 1, "gain of the particles' direct sound beside the modes"),
           member<&Self::gain_>.then<&Self::update>().row("gain", "", 1, 0, 1000,
-                                                         "of the sound, smoothed"),
+                                                         "gain of the sound, smoothed"),
           property<&Self::seed, &Self::set_seed>.seed<"seed of everything that is random; setting it restarts the random sequence">(),
       });
   static constexpr std::array messages{
       action<&Self::take_preset>("preset", kPresets, 1, 1,
-                                 "particles and modes at once; gain and seed stay"),
+                                 "preset of particles and modes; `gain` and `seed` stay"),
       action<&Self::take_modes>(
           "modes", "[f1 t1 g1 f2 t2 g2 ...]", 0, 3 * particle::RingingBody::kMaxModes,
-          "what the particles strike, or coins: of each mode frequency in Hz, time in s in which "
-          "it falls by 60 dB, and gain, the root of its ring's energy over a grain's; none: "
-          "nothing"),
+          "modes of the body that the particles strike: frequency in Hz, decay time T60 in s, and "
+          "gain, the root of the ring's energy over a grain's; without numbers none"),
       realtime(action<&Self::shake>("shake", "e", 1, 1,
-                                    "energy e arrives, 0 to 1000; 1: an ordinary shake or step")),
-      realtime(action<&Self::shake_again>("bang", "", 0, 0, "the last shake again; 1 at first")),
+                                    "add energy e, 0 to 1000; 1: an ordinary shake or step")),
+      realtime(action<&Self::shake_again>("bang", "", 0, 0, "repeat the last shake; at first 1")),
       realtime(action<&Self::system_, &particle::ParticleSystem::reset>(
-          "reset", "", 0, 0, "silence within 5 ms, no energy")),
+          "reset", "", 0, 0, "stop: silence within 5 ms, no energy")),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "power", "1/s",
-           "energy each second; the energy tends to power * decay"},
+           "power that drives the particles, energy a second; their energy tends to power times "
+           "`decay`"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kSignal, "sound", "", "within +-1"},
+      Port{Port::Kind::kSignal, "sound", "", "sound of the particles, within +-1"},
       Port{Port::Kind::kSignal, "collisions", "",
-           "impulses: root of each one's energy (1: a mean one at energy 1)"},
-      Port{Port::Kind::kSignal, "energy", "", "of the system, in ordinary shakes"},
+           "impulse of each collision: root of its energy (1: the mean at energy 1)"},
+      Port{Port::Kind::kSignal, "energy", "", "energy of the system; 1: an ordinary shake"},
   };
 
   static constexpr std::array arguments{CreationArgument{"preset"}};

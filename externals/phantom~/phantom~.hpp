@@ -120,36 +120,39 @@ private:
 struct PhantomSignal::Rows {
   using Self = PhantomSignal;
   static constexpr std::array parameters{
-      member<&Self::velocities_>.row("vel", "1: velocities at the outlets vx, vy and vz", 0),
+      member<&Self::velocities_>.row("vel",
+                                     "switch: 1 sends velocities to the outlets vx, vy and vz", 0),
       property<&Self::delay_ms, &Self::set_delay>.row(
           "delay", "ms", 3, 0, 100,
-          "wall clock: how far behind the newest position the outlets play"),
-      property<&Self::gate, &Self::set_gate>.row(
-          "gate", "1: vib acts only while the handle touches a body of the scene, along its normal",
-          1),
+          "delay of the outlets behind the newest position, on the wall clock"),
+      property<&Self::gate, &Self::set_gate>.row("gate",
+                                                 "switch: 1 lets `vib` act only while the handle "
+                                                 "touches a body of the scene, along its normal",
+                                                 1),
   };
   static constexpr std::array messages{
       action<&Self::set_name>("name", "word", 1, 1,
-                              "of the phantom whose servo this is; - is one without a name"),
+                              "name of the phantom whose servo this uses; - is one without a name"),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kSignal, "fx", "N", "force to the right, added to the phantom's"},
       Port{Port::Kind::kSignal, "fy", "N", "force up"},
       Port{Port::Kind::kSignal, "fz", "N", "force towards the user"},
       Port{Port::Kind::kSignal, "vib", "N",
-           "vibration along the normal of what is touched, low-passed at 0.4 of the servo's rate"},
+           "vibration along the normal of the touched body, low-passed at 0.4 of the servo's rate"},
   };
   static constexpr std::array outlets{
       Port{Port::Kind::kSignal, "x", "", "position from left to right, 0..1 over the workspace"},
       Port{Port::Kind::kSignal, "y", "", "position from bottom to top, 0..1"},
       Port{Port::Kind::kSignal, "z", "", "position from far to near, 0..1"},
-      Port{Port::Kind::kControl, kInfoOutlet, "", "status attached|waiting name; answers to get"},
-      Port{Port::Kind::kSignal, "vx", "m/s", "with -vel 1: velocity to the right"},
+      Port{Port::Kind::kControl, kInfoOutlet, "",
+           "`status attached|waiting name`; answers to `get`"},
+      Port{Port::Kind::kSignal, "vx", "m/s", "velocity to the right, with `-vel 1`"},
       Port{Port::Kind::kSignal, "vy", "m/s", "velocity up"},
       Port{Port::Kind::kSignal, "vz", "m/s", "velocity towards the user"},
       Port{Port::Kind::kSignal, "net1", "",
            "first pickup of the phantom's mass-spring network, SI"},
-      Port{Port::Kind::kSignal, "net2", "", "second pickup"},
+      Port{Port::Kind::kSignal, "net2", "", "second pickup of the network, SI"},
   };
   static constexpr std::array arguments{CreationArgument{"name"}};
 };

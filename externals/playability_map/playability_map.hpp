@@ -73,46 +73,49 @@ struct PlayabilityMapObject::Rows {
   static constexpr std::array<std::string_view, 2> quantities{"f_p", "growth"};
   static constexpr std::array own{
       member<&Self::settings_, &Settings::growth>.row(
-          "quantity", quantities, "playability by playing every node, or growth rate by theory"),
+          "quantity", quantities,
+          "quantity of the map: playability by playing each node, or growth rate by linear theory"),
       member<&Self::settings_, &Settings::columns>.row("columns", "", 2, 101,
-                                                       "nodes along y, mouth pressure"),
+                                                       "number of nodes along y, mouth pressure"),
       member<&Self::settings_, &Settings::rows>.row("rows", "", 2, 101,
-                                                    "nodes along z, reed frequency"),
+                                                    "number of nodes along z, reed frequency"),
       member<&Self::settings_, &Settings::bore_frequency_hz>.row(
-          "f_b", "Hz", 0, 4000, "bore frequency; 0: the parameter own_length"),
-      member<&Self::settings_, &Settings::settle_ms>.row("settle", "ms", 0, 2000,
-                                                         "time a node is given to speak"),
-      member<&Self::settings_, &Settings::listen_ms>.row("listen", "ms", 1, 1000,
-                                                         "time over which its f_p is averaged"),
+          "f_b", "Hz", 0, 4000, "bore frequency; 0: as `own_length` gives it"),
+      member<&Self::settings_, &Settings::settle_ms>.row(
+          "settle", "ms", 0, 2000, "time that each node plays before it is judged"),
+      member<&Self::settings_, &Settings::listen_ms>.row(
+          "listen", "ms", 1, 1000, "time over which the node's f_p is averaged"),
       member<&Self::settings_, &Settings::rate_hz>.row("rate", "Hz", 8000, 96000,
                                                        "sample rate at which nodes are played"),
   };
   static constexpr auto parameters =
       joined(joined(rows_of_field<&Self::parameters, &Self::take, kRows>(), own),
              std::array{member<&Self::settings_, &Settings::background>.row(
-                 "background", "0: eight nodes every 5 ms of the host's time; repeatable")});
+                 "background", "switch: 1 computes in a thread; 0 eight nodes every 5 ms of the "
+                               "host's time, repeatable")});
   static constexpr std::array messages{
       action<&Self::take_preset>(greed::kPresetMessage),
       action<&Self::take_range>(greed::kRangeMessage),
       action<&Self::compute>("compute", "", 0, 0,
-                             "make the map of the present settings, or find it again"),
-      action<&Self::compute>("bang", "", 0, 0, "the same"),
+                             "compute the map of the present settings, or take it from the store"),
+      action<&Self::compute>("bang", "", 0, 0, "same as `compute`"),
       action<&Self::cancel>("cancel", "", 0, 0, "stop computing and drawing"),
       action<&Self::draw>("draw", "", 0, 0, "send all cells of the finished map again"),
-      action<&Self::write>("write", "file", 1, 1, "keep all maps made so far in a file"),
-      takes_file(action<&Self::read>("read", "file", 1, 1, "find maps of a file again")),
+      action<&Self::write>("write", "file", 1, 1, "write all maps made so far to a file"),
+      takes_file(action<&Self::read>("read", "file", 1, 1, "read the maps of a file")),
   };
   static constexpr std::array inlets{
-      Port{Port::Kind::kControl, "y", "", "look up at this y, and all messages"},
-      Port{Port::Kind::kControl, "z", "", "z of the next look-up"},
+      Port{Port::Kind::kControl, "y", "", "y of a look-up, mouth pressure 0..1; all messages"},
+      Port{Port::Kind::kControl, "z", "", "z of the next look-up, reed frequency 0..1"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kControl, "value", "", "f_p, or growth rate in 1/s, at (y, z)"},
-      Port{Port::Kind::kControl, "gradient", "", "list: its slope for one unit of y and of z"},
+      Port{Port::Kind::kControl, "value", "", "playability f_p, or growth rate in 1/s, at (y, z)"},
+      Port{Port::Kind::kControl, "gradient", "",
+           "list: slope of the value for one unit of y and of z"},
       Port{Port::Kind::kControl, "cells", "",
            "cell i k value r g b: node i along y, k along z, colour 0..255; at the start of each "
            "drawing: cells columns rows"},
-      Port{Port::Kind::kControl, "progress", "", "0..1"},
+      Port{Port::Kind::kControl, "progress", "", "share of the map computed, 0..1"},
   };
 };
 

@@ -53,20 +53,21 @@ struct PlayabilityObject {
 
 struct PlayabilityObject::Rows {
   using Self = PlayabilityObject;
-  static constexpr auto parameters = joined(
-      rows_of_field<&Self::parameters, &Self::take, kPlayabilityRows>(),
-      std::array{
-          field<&Self::parameters, &Self::take, &PlayabilityParameters::mode>.row(
-              "mode", kPlayabilityModes,
-              "what lowers playability: zero crossings alone (paper), or aperiodicity too "
-              "(robust)"),
-          property<&Playability::analysis, &Playability::set_analysis, &Self::estimator>.row(
-              "analysis",
-              "1: outlets 5 and 6 tell periodicity and regime; robust analyses with 0 as well", 1),
-      });
+  static constexpr auto parameters =
+      joined(rows_of_field<&Self::parameters, &Self::take, kPlayabilityRows>(),
+             std::array{
+                 field<&Self::parameters, &Self::take, &PlayabilityParameters::mode>.row(
+                     "mode", kPlayabilityModes,
+                     "measure that lowers playability: zero crossings alone (paper), or "
+                     "aperiodicity too (robust)"),
+                 property<&Playability::analysis, &Playability::set_analysis, &Self::estimator>.row(
+                     "analysis",
+                     "switch: 1 sends periodicity and regime to outlets 5 and 6; `mode robust` "
+                     "analyses with 0 as well",
+                     1),
+             });
   static constexpr std::array messages{
-      realtime(
-          action<&Self::reset>("reset", "", 0, 0, "start anew: envelope, crossings and analysis")),
+      realtime(action<&Self::reset>("reset", "", 0, 0, "restart envelope, crossings and analysis")),
       realtime(action<&Self::report>("bang", "", 0, 0,
                                      "send playability, envelope, crossings, variation now")),
   };
@@ -74,15 +75,16 @@ struct PlayabilityObject::Rows {
       Port{Port::Kind::kSignal, "angle", "rad", "angle of the valve, outlet theta of greed~"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kControl, "playability", "", "f_p from 0 to 1, after each block"},
+      Port{Port::Kind::kControl, "playability", "",
+           "playability f_p from 0 to 1, after each block"},
       Port{Port::Kind::kControl, "envelope", "rad", "rectified mean of the oscillation"},
       Port{Port::Kind::kControl, "crossings", "Hz", "upward zero crossings a second"},
       Port{Port::Kind::kControl, "variation", "",
-           "deviation over mean of the crossings' intervals"},
+           "standard deviation over mean of the intervals between crossings"},
       Port{Port::Kind::kControl, "analysis", "",
            "list: f0 in Hz, periodicity 0..1, harmonics to noise in dB, centroid in Hz"},
       Port{Port::Kind::kControl, "regime", "",
-           "0 silent, 1 periodic, 2 quasi-periodic, 3 chaotic; with each analysis"},
+           "regime: 0 silent, 1 periodic, 2 quasi-periodic, 3 chaotic; with each analysis"},
   };
   static constexpr std::array arguments{CreationArgument{"mode"}};
 };

@@ -137,85 +137,86 @@ struct StressHaptic::Rows {
   static constexpr auto feedback =
       member<&Self::request_, &SessionRequest::settings, setting>.template then<changed>();
   static constexpr std::array parameters{
-      feedback<&Feedback::mapping>.row(
-          "mode", modes,
-          "what is felt: the mean stress, the stress weighted by its sensitivity, or that for each "
-          "axis"),
+      feedback<&Feedback::mapping>.row("mode", modes,
+                                       "quantity that is felt: the mean stress, the stress "
+                                       "weighted by its sensitivity, or that for each axis"),
       feedback<&Feedback::weights, &Self::weights_changed>.row(
-          "weights", weightings, "of the elements: all alike, or by volume"),
-      feedback<&Feedback::sensitivity>.row("sens", signs,
-                                           "sensitivities with their sign, or their magnitude"),
+          "weights", weightings, "weights of the elements: uniform, or by volume"),
+      feedback<&Feedback::sensitivity>.row(
+          "sens", signs, "use of the sensitivities: with their sign, or their magnitude"),
       member<&Self::device_, &Device::feel>.row(
-          "render", renders, "what gamma sets: stiffness, damping, both or no force"),
+          "render", renders, "force that gamma sets: spring, damper, both or none"),
       feedback<&Feedback::state, &Self::state_changed>.row(
-          "state", states, "which stress: von Mises or maximum shear"),
+          "state", states, "stress measure: von Mises or maximum shear"),
       member<&Self::request_, &SessionRequest::resolve>.then<&Self::resolve_changed>().row(
           "resolve", resolves,
-          "when the shape has moved: the cheapest solver, Taylor's series alone, conjugate "
-          "gradients, or a new factor"),
-      feedback<&Feedback::norm>.row("norm", norms,
-                                    "mean, or sum as the paper prints equations 1 and 2"),
+          "solver of a changed shape: the cheapest, Taylor's series alone, conjugate gradients, or "
+          "a new factorisation"),
+      feedback<&Feedback::norm>.row(
+          "norm", norms,
+          "norm over the elements: mean, or sum as the paper prints equations 1 and 2"),
       property<&Self::power, &Self::set_power>.row(
           "power", "", 1, 1, kMaxPower,
-          "q of mode mean: 1 the mean, above it (mean of s^q)^(1/q), which follows the largest "
-          "stresses; rounded to a whole number"),
-      member<&Self::device_, &Device::drag>.row("drag",
-                                                "1: the handle moves the grabbed control point"),
+          "exponent q of `mode mean`: 1 the mean; above 1 (mean of s^q)^(1/q), which follows the "
+          "largest stresses; rounded to a whole number"),
+      member<&Self::device_, &Device::drag>.row(
+          "drag", "switch: 1 lets the handle move the grabbed control point"),
       member<&Self::device_, &Device::scale>.row(
-          "scale", "", 1e-3, 1000, "motion of the control point over that of the handle"),
+          "scale", "", 1e-3, 1000, "ratio of the control point's motion to the handle's"),
       member<&Self::device_, &Device::nominal_n_per_m>.row("nominal", "N/m", 0, 100000,
                                                            "nominal stiffness of the device"),
-      member<&Self::device_, &Device::share>.row(
-          "share", "", 0, 1, "of the nominal stiffness: limit of kmin and kmax"),
+      member<&Self::device_, &Device::share>.row("share", "", 0, 1,
+                                                 "limit of kmin and kmax as a share of `nominal`"),
       member<&Self::device_, &Device::damping_n_s_per_m>.row("damping", "N s/m", 0, 1000,
                                                              "limit of bmin and bmax"),
   };
   static constexpr std::array messages{
       takes_file(action<&Self::load>("load", "name", 1, 1,
-                                     "a stress table, NAME or NAME.stress.npz: beside the patch, "
-                                     "in the search path, beside the "
-                                     "object")),
+                                     "stress table, NAME or NAME.stress.npz, beside the patch, in "
+                                     "the search path or beside the object")),
       action<&Self::set_control_point>("cp", "id x y z", 4, 4, "position of a control point, mm"),
       action<&Self::set_parameters>("list", "d ...", 1, 12288,
                                     "displacements of all parameters, mm, in the table's order"),
       action<&Self::grab>(
           "grab", "id [0|1]", 1, 2,
-          "the control point that is dragged, whose sensitivities weigh; 0 lets go"),
-      action<&Self::release>("release", "", 0, 0,
-                             "let go: sensitivities are means over all control points"),
-      action<&Self::reset>("reset", "", 0, 0, "the table's shape again"),
+          "control point that is dragged and whose sensitivities weigh; 0 releases it"),
+      action<&Self::release>(
+          "release", "", 0, 0,
+          "release the control point: sensitivities become means over all control points"),
+      action<&Self::reset>("reset", "", 0, 0, "reset the shape to the table's"),
       action<&Self::set_range>(
           "range", "current | initial | fixed a b", 1, 3,
-          "what gamma 0 and 1 stand for: least and largest value of this shape, of the table's "
-          "shape, or two numbers (Pa; Pa^2/m in the modes weighted and axis)"),
+          "range of gamma from 0 to 1: least and largest value of this shape, of the table's "
+          "shape, or two numbers (Pa; Pa^2/m with `mode weighted` and `axis`)"),
       action<&Self::set_gains>("gains", "kmin kmax bmin bmax", 4, 4,
-                               "stiffness N/m and damping N s/m at gamma 0, 1"),
+                               "stiffness in N/m and damping in N s/m at gamma 0 and 1"),
       action<&Self::set_anchor>("anchor", "here | x y z", 1, 3,
-                                "where the spring has no force, mm"),
-      action<&Self::send_all>("bang", "", 0, 0, "send gamma, force and info now"),
+                                "anchor of the spring, where it has no force, mm"),
+      action<&Self::send_all>("bang", "", 0, 0, "send gamma, force and info"),
       action<&Self::send_points>(
           "points", "", 0, 0,
           "send workspace and control points to the protocol outlet, for haptic_server"),
-      action<&Self::set_solver>(
-          "solver", "path | auto", 1, 1,
-          "the program part_stress that solves the part again, or the one that is found beside "
-          "the object or in PATH; starts it anew"),
+      action<&Self::set_solver>("solver", "path | auto", 1, 1,
+                                "path of the program part_stress that solves the part again, which "
+                                "is restarted; auto: beside the object or in PATH"),
       action<&Self::draw>(
           "draw", "[all]", 0, 1,
           "send the picture to the info outlet: faces that have changed, or all of them"),
   };
   static constexpr std::array inlets{
       Port{Port::Kind::kControl, "shape", "mm",
-           "cp id x y z, or a list of parameters; all messages"},
-      Port{Port::Kind::kList, "device", "mm, m/s", "list x y z [vx vy vz] of the handle"},
+           "messages: `cp id x y z`, a list of parameters, and all others"},
+      Port{Port::Kind::kList, "device", "mm, m/s",
+           "list x y z [vx vy vz]: position in mm and velocity in m/s of the handle"},
   };
   static constexpr std::array outlets{
-      Port{Port::Kind::kControl, "gamma", "", "0..1; three numbers in mode axis"},
-      Port{Port::Kind::kControl, "force", "N", "list fx fy fz"},
+      Port{Port::Kind::kControl, "gamma", "",
+           "normalised stress gamma, 0..1; three numbers with `mode axis`"},
+      Port{Port::Kind::kControl, "force", "N", "list fx fy fz: force for [phantom]"},
       Port{Port::Kind::kControl, kInfoOutlet, "",
-           "gmin gmax raw err method iters ms and more; answers"},
+           "`gmin gmax raw err method iters ms` and more; answers"},
       Port{Port::Kind::kControl, "protocol", "",
-           "`hap feedback sequence gamma` and `hap cp ...`, for a haptic_server"},
+           "messages `hap feedback sequence gamma` and `hap cp ...` for a haptic_server"},
   };
   static constexpr std::array arguments{CreationArgument{"load"}};
 };

@@ -39,7 +39,7 @@ def ports_of(declaration, side):
     listed = list(declaration[side])
     if side == "outlets" and "info" not in (p["name"] for p in listed):
         listed.append({"kind": "control", "name": "info", "unit": "",
-                       "text": "answers to get, dump and other questions"})
+                       "text": "answers to `get`, `dump` and other queries"})
     return listed
 
 
@@ -125,7 +125,7 @@ def message_tab(declaration, listener):
     common = [{"name": "get", "arguments": "[name ...]", "fewest": 0,
                "text": "the value of the named or of all parameters, out of the info outlet"},
               {"name": "dump", "arguments": "", "fewest": 0,
-               "text": "all parameters and what follows from them, out of the info outlet"}]
+               "text": "send all parameters and derived values to the info outlet"}]
     own = [m for m in declaration["messages"] if m["name"] not in ("get", "dump")]
     clickable = []
     for m in own + common:

@@ -58,9 +58,9 @@ def _methods(root, d):
     listed = xml.SubElement(root, "methodlist")
     messages = [(m["name"], m["arguments"], m["fewest"], m["most"], m["text"]) for m in d["messages"]]
     own = {m[0] for m in messages}
-    messages += [m for m in (("get", "name", 0, 64, "the named lines of dump, or all parameters, "
-                              "out of the info outlet"),
-                             ("dump", "", 0, 0, "all parameters and what follows from them, out of the "
+    messages += [m for m in (("get", "name", 0, 64, "send the named lines of dump, or all parameters, "
+                              "to the info outlet"),
+                             ("dump", "", 0, 0, "send all parameters and derived values to the "
                               "info outlet")) if m[0] not in own]
     for name, arguments, fewest, most, text in messages:
         count = "" if most == 0 else f" Takes {fewest} to {most} arguments." if fewest != most else (
