@@ -123,6 +123,13 @@ std::string list_refusal(const Declaration& declaration, std::span<const Atom> n
   return {};
 }
 
+bool names_file(const Message& message, std::span<const Atom> arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [&](const Atom& atom) {
+    return atom.is_word && (atom.word.find_first_of("./\\") != std::string_view::npos ||
+                            message.name_behind == "*" || message.name_behind == atom.word);
+  });
+}
+
 Request resolve(const Declaration& declaration, std::string_view name,
                 std::span<const Atom> arguments, HostPrecision precision) {
   if (const auto parameter = find_parameter(declaration, name))

@@ -38,6 +38,10 @@ struct Request {
   std::string refusal = {}; ///< one sentence, of a refused command
 };
 
+/// Whether a message with these arguments may look for a file or an array of the host: one of its
+/// words looks like a file's name, or the declaration says that a name follows.
+[[nodiscard]] bool names_file(const Message& message, std::span<const Atom> arguments);
+
 /// How precise the numbers are that a host passes: kSingle lets the float nearest to a bound such
 /// as 1e-6 mean the bound.
 enum class HostPrecision { kSingle, kDouble };

@@ -67,11 +67,20 @@ struct Message {
   /// True if its first argument may be the name of a file, so that a host can send it a file that
   /// is dropped onto the object's box.
   bool file = false;
+  /// The word behind which it takes the name of a file or array of the host; "*": any word may be
+  /// one. For names_file() (core/command.hpp), the rule of hosts that look them up in one thread.
+  std::string_view name_behind{};
   /// What carries it out in an object of the class `owner`, with as many arguments as are accepted;
   /// `row` is this message.
   void (*run)(void* object, const Message& row, std::span<const Atom> arguments,
               Host& host) = nullptr;
   const char* owner = nullptr;
+
+  [[nodiscard]] constexpr Message with_name_behind(std::string_view behind) const {
+    Message message = *this;
+    message.name_behind = behind;
+    return message;
+  }
 };
 
 /// The message, whose first argument may be the name of a file.

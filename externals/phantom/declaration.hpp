@@ -88,7 +88,8 @@ inline constexpr std::array kMessages{
         "scene",
         "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | tool mm | "
         "k N/m | load file",
-        2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
+        2, 16, "bodies that the handle feels; mm, N/m, N s/m"}
+        .with_name_behind("load"),
     Message{
         "effect",
         "constant fx fy fz | spring k x y z [N] | viscous b | inertia kg [k b] | friction N [k] "
@@ -100,7 +101,8 @@ inline constexpr std::array kMessages{
         "| link name name k [b l0 pull|push] | load file | del name|all | touch mm [k b] | grab "
         "name|nearest|off | pluck name fx fy fz ms | listen name axis ... | drag 1/s | gravity "
         "gx gy gz | rate Hz | reset",
-        1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md"},
+        1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md"}
+        .with_name_behind("load"),
     Message{"torques", "0|1", 1, 1, "1: torque and grip are sent to a device that has them"},
     Message{"torque", "tx ty tz", 3, 3, "on the handle, about x, y, z; N m"},
     Message{"grip", "N", 1, 1, "force of the gripper"},
@@ -115,7 +117,8 @@ inline constexpr std::array kMessages{
     Message{"hand", "free | rigid | spring [K B] | person [K B tremor wander yield]", 1, 6,
             "simulated: who holds the handle; N/m, N s/m, mm, mm, ms"},
     takes_file(Message{"path", "file | line ... | circle ... | lissajous ... | array x y z [ms]", 1,
-                       10, "simulated: where the hand goes; mm, ms, Hz"}),
+                       10, "simulated: where the hand goes; mm, ms, Hz"})
+        .with_name_behind("array"),
     Message{"target", "x y z", 3, 3, "simulated: draw the hand there smoothly; mm"},
     Message{"seek", "ms", 1, 1, "simulated: time on the path"},
     Message{"button", "number 0|1", 2, 2, "simulated: press or let go"},

@@ -39,15 +39,6 @@ bool is_flag(const Atom& atom) {
   return atom.is_word && atom.word.size() > 1 && (atom.word[0] == '-' || atom.word[0] == '@');
 }
 
-/// Whether a message may open a file or read a buffer~, which belongs into the main thread.
-bool may_name_file(std::string_view message, std::span<const Atom> arguments) {
-  return message == "load" || message == "board" ||
-         std::any_of(arguments.begin(), arguments.end(), [](const Atom& atom) {
-           return atom.is_word && (atom.word.find_first_of("./\\") != std::string_view::npos ||
-                                   atom.word == "load" || atom.word == "array");
-         });
-}
-
 double scheduler_ms() noexcept {
   double now = 0;
   clock_getftime(&now);
@@ -186,10 +177,11 @@ void MaxObject::message(std::string_view name, std::vector<Atom> arguments) {
     command.realtime = declaration_.parameters[request.index].realtime;
     command.value = request.value;
   } else {
-    if (may_name_file(name, arguments) && !in_main_thread())
+    const Message& declared = declaration_.messages[request.index];
+    if (names_file(declared, arguments) && !in_main_thread()) // files and buffers belong there
       return leave_to_main_thread(name, std::move(arguments));
     command.kind = QueuedCommand::Kind::kMessage;
-    command.realtime = declaration_.messages[request.index].realtime;
+    command.realtime = declared.realtime;
     command.set_atoms(std::move(arguments));
   }
   executor_->post(std::move(command));

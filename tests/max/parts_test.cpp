@@ -1,4 +1,4 @@
-#include "core/declaration_text.hpp"
+#include "core/command.hpp"
 #include "core/sentence.hpp"
 #include "max/shell/block_clock.hpp"
 #include "max/shell/signal_inlets.hpp"
@@ -81,4 +81,19 @@ TEST_CASE("a sentence that is too long is cut off") {
   const std::string_view text = sentence;
   CHECK(text.substr(0, 11) == "begin word ");
   CHECK(text.size() < 500);
+}
+
+TEST_CASE("a message may name a file by a word like a path, or where its declaration says so") {
+  const Message plain{"surface", "", 0, 9, ""}, load = Message(plain).with_name_behind("*"),
+                                                path = Message(plain).with_name_behind("array");
+  const auto names = [](const Message& message, std::initializer_list<Atom> words) {
+    return names_file(message, {words.begin(), words.size()});
+  };
+  CHECK(names(plain, {1.5, "snow.txt"}));
+  CHECK(names(plain, {"grounds/snow"}));
+  CHECK_FALSE(names(plain, {1.5, "snow"}));
+  CHECK(names(load, {"plate"}));
+  CHECK_FALSE(names(load, {1.5}));
+  CHECK(names(path, {"array", "x"}));
+  CHECK_FALSE(names(path, {"line", 0.5}));
 }
