@@ -66,13 +66,7 @@ def example_tab(pd_path, declaration, names, abstractions, without):
     y = max(b.bottom for b in tab.boxes if not b.hidden)
     for what, reason in left_out:
         y = paragraph(tab, f"In Pd only: {what}: {reason}", LEFT, y + 8, WIDTH - 2 * LEFT)
-    renumber(tab.fit())
-    return tab, listening_name(tab, declaration["name"])
-
-
-def renumber(patcher):
-    for number_, box in enumerate(patcher.boxes):
-        box.name = f"obj-{number_ + 1}"
+    return tab.fit(), listening_name(tab, declaration["name"])
 
 
 def listening_name(patcher, object_name):

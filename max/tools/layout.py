@@ -2,8 +2,7 @@
 
 Every box has a place in the Pd patch (`pd`: x, y, width, height). Rows of the same y stay rows, columns
 of the same x stay columns; a row is only pushed as far down as the boxes above it need, and long gaps
-shrink. A panel and what lies on it are laid out by themselves and then placed as one block. A box that a
-cord enters stands below the box that it comes from, unless the cord closes a loop.
+shrink. A panel and what lies on it are laid out by themselves and then placed as one block.
 """
 SCALE_X = 1.12
 ROW = 5  # Pd pixels within which boxes belong to one row
@@ -56,60 +55,10 @@ def overlap_in_x(a, b):
     return a[0] < b[0] + b[2] and b[0] < a[0] + a[2]
 
 
-def loops(boxes, cords):
-    """The cords (as pairs of ids) that close a loop: back edges of a walk from the top down."""
-    following, state, back = {}, {}, set()
-    for source, _, destination, _, _ in cords:
-        following.setdefault(id(source), []).append(id(destination))
-
-    def walk(start):
-        stack = [(start, iter(following.get(start, [])))]
-        state[start] = "open"
-        while stack:
-            node, successors = stack[-1]
-            for successor in successors:
-                if state.get(successor) == "open":
-                    back.add((node, successor))
-                elif successor not in state:
-                    state[successor] = "open"
-                    stack.append((successor, iter(following.get(successor, []))))
-                    break
-            else:
-                state[node] = "done"
-                stack.pop()
-
-    entered = {id(c[2]) for c in cords}
-    for box in sorted(boxes, key=lambda b: (id(b) in entered, b.pd[1], b.pd[0])):
-        if id(box) not in state:
-            walk(id(box))
-    return back
-
-
-def levels(boxes, cords):
-    """The Pd y of each box, lowered where a cord would go sideways or up."""
-    level = {id(b): float(b.pd[1]) for b in boxes}
-    height = {id(b): b.pd[3] for b in boxes}
-    back = loops(boxes, cords)
-    pairs = [(id(s), id(d)) for s, _, d, _, _ in cords if (id(s), id(d)) not in back
-             and id(s) in level and id(d) in level]
-    for _ in boxes:
-        changed = False
-        for source, destination in pairs:
-            least = level[source] + min(height[source], 14) + 0.5
-            if level[destination] < least:
-                level[destination], changed = least + ROW, True
-        if not changed:
-            break
-    for box in boxes:  # a label stays with its widget
-        if id(owner := getattr(box, "attached_to", None)) in level:
-            level[id(box)] = level[id(owner)] + box.pd[1] - owner.pd[1]
-    return level
-
-
-def rows_of(boxes, level):
+def rows_of(boxes):
     rows = []
-    for box in sorted(boxes, key=lambda b: (level[id(b)], b.pd[0])):
-        if rows and level[id(box)] - level[id(rows[-1][0])] <= ROW and not any(
+    for box in sorted(boxes, key=lambda b: (b.pd[1], b.pd[0])):
+        if rows and box.pd[1] - rows[-1][0].pd[1] <= ROW and not any(
                 overlap_in_x(box.pd, other.pd) for other in rows[-1]):
             rows[-1].append(box)
         else:
@@ -120,8 +69,7 @@ def rows_of(boxes, level):
 def arrange(boxes, cords, top):
     """Sets x and y of all boxes of one group; top is where the first row may begin."""
     joined = {(id(s), id(d)) for s, _, d, _, _ in cords}
-    level = levels(boxes, cords)
-    rows = rows_of(boxes, level)
+    rows = rows_of(boxes)
     for row in rows:
         right = None
         for box in sorted(row, key=lambda b: b.pd[0]):
@@ -131,7 +79,7 @@ def arrange(boxes, cords, top):
             right = box.right
     done, previous = [], None
     for row in rows:
-        here = level[id(row[0])]
+        here = row[0].pd[1]
         y = top if previous is None else previous[0] + min(max(0, here - previous[1]), LONGEST_GAP)
         for box in row:
             y = max([y] + [above.bottom + gap_below(above, box, (id(above), id(box)) in joined)
@@ -167,11 +115,3 @@ def arrange_all(boxes, panels, cords, top):
                           for c in cords if id(c[0]) not in block_of or id(c[2]) not in block_of], top)
     for block in blocks:
         block.settle()
-
-
-def shift_right(boxes):
-    """What stands beyond the left edge comes back."""
-    least = min((b.x for b in boxes), default=0)
-    if least < 8:
-        for box in boxes:
-            box.x += 8 - least

@@ -5,9 +5,9 @@
                     [--externals FOLDER] [--library FOLDER] [--zip FILE]
 
 FOLDER/tactus/ gets package-info.json, externals/ (every .mxe64 and .mxo of --externals), help/,
-docs/refpages/, docs/ (the guides with their pictures), patchers/, init/ (the list of objects) and media/: a
-picture and, from the staged Pd library (--library), the bodies and networks that patchers load; Max looks there
-for files. What is missing is said, and left out.
+docs/refpages/, docs/ (the guides with their pictures), patchers/, init/ (the list of objects) and media/: from
+the staged Pd library (--library) the bodies and networks that patchers load; Max looks there for files. What is
+missing is said, and left out. There is no zip where check_patcher.py finds a mistake.
 """
 import argparse
 import json
@@ -18,7 +18,6 @@ import sys
 import zipfile
 
 import check_patcher
-import check_reference
 import help_patcher
 import max_objects
 import pd_to_max
@@ -28,7 +27,6 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 OWN = ROOT / "max" / "package"
 NAME = "tactus"
 ZIP_TIME = (1980, 1, 1, 0, 0, 0)
-MEDIA = ("docs/results/reed_map.png",)
 
 # The patches that stand in patchers/, in the order in which they use each other.
 ABSTRACTIONS = ("reed_sigma", "reed_point", "reed_difference", "reed_force", "reed_choice", "reed_guide")
@@ -75,7 +73,9 @@ def all_names(declarations):
     return pd_to_max.Names([pd_to_max.read(path, ABSTRACTIONS) for path in paths])
 
 
-def write_patchers(folder, names):
+def patchers(names):
+    """File name -> patcher, of those in patchers/."""
+    made = {}
     for path in [ROOT / "patches" / "reed" / f"{n}.pd" for n in ABSTRACTIONS] + [
             ROOT / "patches" / f"{n}.pd" for n in PATCHES]:
         patcher, left_out = pd_to_max.convert_file(path, names, ABSTRACTIONS, WITHOUT.get(path.stem))
@@ -83,17 +83,20 @@ def write_patchers(folder, names):
         for what, reason in left_out:
             if reason:
                 y = help_patcher.paragraph(patcher, f"In Pd only: {what}: {reason}", 16, y, 700) + 4
-        help_patcher.renumber(patcher.fit())
         if path.stem in ABSTRACTIONS:
             max_objects.declare_patcher(path.stem, patcher.ports())
-        (folder / f"{path.stem}.maxpat").write_text(patcher.text(), encoding="utf-8")
+        made[f"patchers/{path.stem}.maxpat"] = patcher.fit()
+    return made
 
 
-def write_help(folder, declarations, names):
+def help_patchers(declarations, names):
+    """File name -> patcher, of those in help/."""
+    made = {}
     for d in declarations:
         source = help_source(d["name"])
-        made = help_patcher.help_patcher(source, d, names, ABSTRACTIONS, WITHOUT.get(source.stem))
-        (folder / f"{d['name']}.maxhelp").write_text(made.text(), encoding="utf-8")
+        made[f"help/{d['name']}.maxhelp"] = help_patcher.help_patcher(source, d, names, ABSTRACTIONS,
+                                                                     WITHOUT.get(source.stem))
+    return made
 
 
 def copy_externals(folder, source):
@@ -134,15 +137,6 @@ def missing_guides(package):
     return findings
 
 
-def check(package, declarations):
-    """Every finding of the checkers about the finished folder."""
-    findings = missing_guides(package)
-    for path in sorted(package.rglob("*.maxhelp")) + sorted(package.rglob("*.maxpat")):
-        findings += [f"{path.name}: {f}" for f in check_patcher.check_file(path)]
-    findings += check_reference.check_folder(package / "docs" / "refpages", declarations)
-    return findings
-
-
 def missing_files(package):
     """Tables and texts that a patcher loads and the package does not hold."""
     named = set()
@@ -171,8 +165,9 @@ def make(arguments):
     for folder in folders.values():
         folder.mkdir(parents=True)
     names = all_names(declarations)
-    write_patchers(folders["patchers"], names)
-    write_help(folders["help"], declarations, names)
+    made = {**patchers(names), **help_patchers(declarations, names)}
+    for name, patcher in made.items():
+        (package / name).write_text(patcher.text(), encoding="utf-8")
     for d in declarations:
         page = folders["docs/refpages"] / f"{d['name']}.maxref.xml"
         page.write_text(reference_page.page_text(d), encoding="utf-8")
@@ -181,13 +176,12 @@ def make(arguments):
     (folders["init"] / f"{NAME}-objectlist.txt").write_text(
         "".join(f'max oblist "{NAME}" {d["name"]};\n' for d in declarations))
     copy_guides(package)
-    for path in MEDIA:
-        shutil.copyfile(ROOT / path, folders["media"] / pathlib.Path(path).name)
     shutil.copyfile(ROOT / "LICENSE", package / "license.txt")
     shutil.copyfile(OWN / "readme.md", package / "readme.md")
     info = package_info(arguments.version, systems_of(externals))
     (package / "package-info.json").write_text(json.dumps(info, indent="\t") + "\n")
-    return package, declarations, externals, bodies
+    findings = [f"{name}: {finding}" for name, patcher in made.items() for finding in check_patcher.check(patcher)]
+    return package, externals, bodies, findings + missing_guides(package)
 
 
 def main():
@@ -196,15 +190,14 @@ def main():
         parser.add_argument(f"--{name}", type=pathlib.Path, required=name in ("declarations", "output"))
     parser.add_argument("--version", required=True)
     arguments = parser.parse_args()
-    package, declarations, externals, bodies = make(arguments)
-    findings = check(package, declarations)
+    package, externals, bodies, findings = make(arguments)
     for finding in findings:
         print(finding, file=sys.stderr)
     if arguments.zip and not findings:
         write_zip(package, arguments.zip)
     for name in missing_files(package):
         print(f"not in the package, but loaded by a patcher: {name} (--library)")
-    print(f"{package}: {len(declarations)} objects, {len(externals)} externals, {bodies} data files"
+    print(f"{package}: {len(list((package / 'help').iterdir()))} objects, {len(externals)} externals, {bodies} data files"
           + ("" if externals else "; no external was given (--externals)"))
     return 1 if findings else 0
 

@@ -2,8 +2,7 @@
 
 An inlet is "control", or "both" where it takes a signal as well. An outlet is "signal", or the type of
 message as a saved patcher's `outlettype` names it: "bang", "int", "float", "list" or "" for any.
-Learned from patchers that Max saved, as committed facts: an object that is not here is an error of
-check_patcher.py, never a guess.
+Learned from patchers that Max saved, as committed facts: an object that is not here is an error, never a guess.
 """
 import itertools
 import json
@@ -11,7 +10,7 @@ import re
 
 C, S = "control", "both"
 
-# Interface objects by maxclass: (inlets, outlets, attributes that a saved box may carry).
+# Interface objects by maxclass: (inlets, outlets).
 INTERFACE = {
     "comment": ([C], []),
     "message": ([C, C], [""]),
@@ -24,7 +23,6 @@ INTERFACE = {
     "panel": ([C], []),
     "scope~": ([S, S], []),
     "multislider": ([C], ["", ""]),
-    "matrixctrl": ([C], ["list", "list"]),
     "ezdac~": ([S, S], []),
     "attrui": ([C], [""]),
     "inlet": ([], [""]),
@@ -50,7 +48,7 @@ ALIASES = {"s": "send", "r": "receive", "f": "float", "i": "int", "t": "trigger"
 ARITHMETIC = ("+", "-", "*", "/", "%", "==", "minimum", "maximum")
 TRIGGER_TYPES = {"b": "bang", "i": "int", "f": "float", "l": "", "s": ""}
 
-_declared = {}  # name: (inlets, outlets)
+_declared = {}  # name: declaration
 _patchers = {}  # an abstraction of the package: (inlets, outlets)
 
 
@@ -69,25 +67,6 @@ def declare_patcher(name, ports):
     _patchers[name] = ports
 
 
-def declare_patchers_of(folder):
-    """Makes known every .maxpat of a folder, as an abstraction of its name."""
-    for path in sorted(folder.glob("*.maxpat")):
-        boxes = [entry["box"] for entry in json.loads(path.read_text())["patcher"]["boxes"]]
-        signal_ends = _signal_ends(path)
-        inlets = sorted((b for b in boxes if b["maxclass"] == "inlet"), key=lambda b: b["patching_rect"][0])
-        outlets = sorted((b for b in boxes if b["maxclass"] == "outlet"),
-                         key=lambda b: b["patching_rect"][0])
-        declare_patcher(path.stem, ([S if b["outlettype"][0] == "signal" else C for b in inlets],
-                                    ["signal" if b["id"] in signal_ends else "" for b in outlets]))
-
-
-def _signal_ends(path):
-    patcher = json.loads(path.read_text())["patcher"]
-    boxes = {entry["box"]["id"]: entry["box"] for entry in patcher["boxes"]}
-    return {line["destination"][0] for line in (entry["patchline"] for entry in patcher["lines"])
-            if boxes[line["source"][0]]["outlettype"][line["source"][1]] == "signal"}
-
-
 def own_ports(d):
     """A declared object: at least one inlet for messages; an info outlet at the right end. The first
     inlet of an object that processes audio takes signals and messages, as all signal inlets do."""
@@ -100,15 +79,6 @@ def own_ports(d):
 
 def words(text):
     return text.replace("\\,", " , ").split()
-
-
-def known(maxclass, text=None):
-    """Whether the ports of this box are known facts."""
-    try:
-        ports(maxclass, text)
-        return True
-    except KeyError:
-        return False
 
 
 def ports(maxclass, text=None):

@@ -20,7 +20,7 @@ class Box:
         self.maxclass, self.text, self.extra = maxclass, text, dict(extra)
         self.x, self.y = float(x), float(y)
         self.patcher = None
-        self.name = None  # "obj-N" once it is in a patcher
+        self.name = None  # "obj-N" once its patcher is written
         self.inlets, self.outlets = ports or max_objects.ports(maxclass, text)
         if text is not None and maxclass in ("newobj", "message", "comment"):
             size = self.extra.get("fontsize", text_size.FONT_SIZE)
@@ -72,7 +72,6 @@ class Patcher:
         self.boxes, self.cords = [], []
 
     def add(self, box):
-        box.name = f"obj-{len(self.boxes) + 1}"
         self.boxes.append(box)
         return box
 
@@ -86,6 +85,9 @@ class Patcher:
         return self.add(Box("comment", text, x, y, **more))
 
     def connect(self, source, outlet, destination, inlet, hidden=False):
+        if not 0 <= outlet < len(source.outlets) or not 0 <= inlet < len(destination.inlets):
+            raise ValueError(f"from outlet {outlet} of [{source.text}] to inlet {inlet} of [{destination.text}]: "
+                             f"they have {len(source.outlets)} outlets and {len(destination.inlets)} inlets")
         self.cords.append((source, outlet, destination, inlet, hidden))
 
     def subpatcher(self, name, patcher, x, y, **more):
@@ -122,6 +124,8 @@ class Patcher:
         elif self.tab:
             patcher["showontab"] = 1
         patcher.update(self.extra)
+        for number, box in enumerate(self.boxes, 1):
+            box.name = f"obj-{number}"
         patcher["boxes"] = [b.as_json() for b in self.boxes]
         patcher["lines"] = [self._line(*cord) for cord in self.cords]
         return patcher

@@ -8,12 +8,9 @@ equivalent ends the conversion with its name, unless the caller lists it, with t
 import re
 
 import layout
-import max_positions
 import pd_file
 import pd_widgets
-import simplify
 import text_size
-import untangle
 from patcher import Box, Patcher
 from pd_file import plain
 from pd_vocabulary import NoEquivalent, decimal, message_text, object_text
@@ -72,7 +69,6 @@ class Converter:
         work = _Canvas(self, canvas, patcher or Patcher(0, 0))
         work.boxes_from_pd()
         work.cords_from_pd()
-        simplify.simplify(work.patcher, f"{self.where.stem}-{canvas.name or 'top'}")
         work.order_fan_outs()
         work.arrange(self.top if top is None else top)
         return work.patcher
@@ -111,13 +107,9 @@ class _Canvas:
 
     def boxes_from_pd(self):
         texts = [b for b in self.canvas.boxes if b.kind == "text"]
-        grids = pd_widgets.grid_of(self.canvas.boxes)
-        in_grid = {id(b) for cells in grids.values() for b in cells.values()}
         consumed = self._menus(texts)
-        for name, cells in grids.items():
-            self._widget(None, pd_widgets.matrix(name, cells))
         for index, pd_box in enumerate(self.canvas.boxes):
-            if pd_box in consumed or id(pd_box) in in_grid or index in self.made or pd_box.kind == "array":
+            if pd_box in consumed or index in self.made or pd_box.kind == "array":
                 continue
             try:
                 self._box(index, pd_box)
@@ -142,11 +134,10 @@ class _Canvas:
         names = self.converter.names
         if widget.receives and widget.receives not in names.sent:
             widget.receives = None
-        if widget.sends and widget.sends not in names.received and widget.box.maxclass != "matrixctrl":
+        if widget.sends and widget.sends not in names.received:
             widget.sends = None
         self.patcher.add(widget.box)
         for label in widget.labels:
-            label.attached_to = widget.box
             self.patcher.add(label)
         self.widgets.append(widget)
         if index is not None:
@@ -211,7 +202,7 @@ class _Canvas:
         name = " ".join(pd_box.words[1:]) if pd_box.words[:1] == ["pd"] else " ".join(pd_box.words)
         if self.converter.omitted(f"pd {name}"):
             return
-        converted = self._grid_subpatch(inner) or self.converter.convert(inner, top=16)
+        converted = self.converter.convert(inner, top=16)
         box = Box("newobj", f"p {name}", ports=converted.ports())
         box.patcher = converted
         ports = max(len(box.inlets), len(box.outlets))
@@ -228,39 +219,6 @@ class _Canvas:
                     yield box.name
         kinds = set(uses(self.converter.root))
         return "scroll" if "tabwrite" in kinds else "list" if "s" in kinds else ""
-
-    def _grid_subpatch(self, canvas):
-        """Many `[r NAME-ROW-COLUMN] -> [x y(` become one calculation, if x and y are linear in them."""
-        cells, target = {}, None
-        for s, _, d, _ in canvas.cords:
-            source, message = canvas.boxes[s], canvas.boxes[d]
-            found = re.fullmatch(r"(.+)-(\d+)-(\d+)", source.words[1]) if source.name == "r" else None
-            if found and message.kind == "msg":
-                cells[int(found[2]), int(found[3])] = [float(w) for w in message.words]
-                name = found[1]
-            elif message.name == "s":
-                target = message.words[1]
-        if len(cells) < 12 or not target:
-            return None
-        x0, y0 = cells[0, 0]
-        dx, dy = cells[0, 1][0] - x0, cells[1, 0][1] - y0
-        if any([x0 + dx * c, y0 + dy * r] != drawn for (r, c), drawn in cells.items()):
-            return None
-        inner = Patcher(0, 0)
-        start = inner.object(f"r {name}", 20, 20)
-        split = inner.object("unpack 0 0 0", 20, 56)
-        across = inner.object(f"expr {x0:g}+{dx:g}*$f1", 20, 92)
-        up = inner.object(f"expr {y0:g}+{dy:g}*$f1", 160, 92)
-        joined = inner.object("pack 0. 0.", 20, 128, width=150)
-        inner.connect(start, 0, split, 0)
-        inner.connect(split, 0, across, 0)
-        inner.connect(split, 1, up, 0)
-        inner.connect(across, 0, joined, 0)
-        inner.connect(up, 0, joined, 1)
-        inner.connect(joined, 0, inner.object(f"s {target}", 20, 164), 0)
-        inner.comment("column, row and state of the cell that was clicked, to x and y in mm", 180, 20,
-                      width=220)
-        return inner.fit()
 
     WIDGETS = {"bng": pd_widgets.bang, "tgl": pd_widgets.toggle, "hsl": pd_widgets.slider,
                "vsl": pd_widgets.slider, "nbx": pd_widgets.number_box, "cnv": pd_widgets.panel}
@@ -438,18 +396,13 @@ class _Canvas:
     def arrange(self, top):
         boxes = [b for b in self.patcher.boxes if b not in self.panels and hasattr(b, "pd")]
         layout.arrange_all(boxes, self.panels, self.patcher.cords, top)
-        layout.shift_right([b for b in self.patcher.boxes if hasattr(b, "pd")])
         ports = [b for b in self.patcher.boxes if b.maxclass in ("inlet", "outlet")]  # Max numbers them by x
-        kept = [b for b in self.patcher.boxes if not hasattr(b, "pd")] + ports
-        untangle.untangle(self.patcher, self.panels, kept)
         for kind in ("inlet", "outlet"):
             drawn = sorted((b for b in ports if b.maxclass == kind), key=lambda b: b.pd[0])
             if drawn != sorted(drawn, key=lambda b: b.x):
                 raise ValueError(f"{self.converter.where.name}: the {kind}s of {self.canvas.name} changed order")
         pd_widgets.hide_wires(self.patcher, self.widgets)
         self.patcher.boxes.sort(key=lambda b: b in self.panels)  # Max draws the first box on top
-        for number, box in enumerate(self.patcher.boxes):
-            box.name = f"obj-{number + 1}"
         self.patcher.fit()
 
 
@@ -462,8 +415,5 @@ def convert_file(path, names, abstractions=(), without=None, top=20, patcher=Non
     """The patcher of a Pd file, and what was left out of it with the reasons."""
     converter = Converter(path, names, abstractions, without, top)
     converter.root = read(path, abstractions)
-    positions = max_positions.POSITIONS.get(path.stem, {})
-    if unknown := set(positions) - max_positions.move(converter.root, positions):
-        raise ValueError(f"{path.name}: no box {sorted(unknown)[0]} (max_positions.py)")
     result = converter.convert(converter.root, patcher=patcher)
     return result, converter.left_out

@@ -4,7 +4,6 @@ A Pd slider sends to a name and receives from one. In Max these are [s] and [r] 
 columns at the right of the window, hidden while the patcher is locked.
 """
 import math
-import re
 
 import text_size
 from patcher import Box
@@ -225,24 +224,3 @@ def _wire(patcher, widget, above, below, left, columns):
         made = patcher.object(text, x, box.bottom + 6 + step * i, hidden=1)
         patcher.connect(previous, 0, made, 0, hidden=True)
         previous = made
-
-
-def grid_of(boxes):
-    """Buttons whose names end in -ROW-COLUMN, as {name: {(row, column): box}}."""
-    grids = {}
-    for box in boxes:
-        if box.kind == "obj" and box.name == "bng" and (
-                found := re.fullmatch(r"(.+)-(\d+)-(\d+)", box.words[5])):
-            grids.setdefault(found.group(1), {})[int(found.group(2)), int(found.group(3))] = box
-    return {name: cells for name, cells in grids.items() if len(cells) >= 12}
-
-
-def matrix(name, cells):
-    rows, columns = max(r for r, _ in cells) + 1, max(c for _, c in cells) + 1
-    first = cells[0, 0]
-    last = cells[rows - 1, columns - 1]
-    size = int(first.words[1])
-    box = Box("matrixctrl", width=round((last.x + size - first.x) * 1.12), rows=rows, columns=columns,
-              height=last.y + size - first.y, parameter_enable=0)
-    box.pd = (first.x, first.y, last.x + size - first.x, last.y + size - first.y)
-    return Widget(box, name)

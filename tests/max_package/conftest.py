@@ -33,4 +33,6 @@ def package(tmp_path_factory, declarations):
     (library / "greed~-help.pd").write_text("not for Max")
     arguments = argparse.Namespace(declarations=BUILD / "declarations.json", version="1.2.3",
                                    output=folder / "out", externals=externals, library=library)
-    return make_package.make(arguments)[0]
+    package, _, _, findings = make_package.make(arguments)
+    assert findings == []
+    return package

@@ -1,6 +1,4 @@
 """The checker finds each kind of mistake, and nothing in a patcher without one."""
-import copy
-
 import pytest
 
 import check_patcher
@@ -29,54 +27,37 @@ def good():
                  (button, 0, trigger, 0), (trigger, 0, first, 0), (trigger, 1, second, 0),
                  (menu, 0, reed, 0)):
         p.connect(*cord)
-    return {"patcher": p.as_json()}
+    return p
 
 
-def box(document, text):
-    return next(e["box"] for e in document["patcher"]["boxes"] if text in (e["box"].get("text"),
-                                                                           e["box"]["maxclass"]))
+def box(patcher, text):
+    return next(b for b in patcher.boxes if text in (b.text, b.maxclass))
 
 
-def lines(document):
-    return [entry["patchline"] for entry in document["patcher"]["lines"]]
-
-
-def add_cord(document, source, outlet, target, inlet):
-    document["patcher"]["lines"].append({"patchline": {
-        "source": [box(document, source)["id"], outlet], "destination": [box(document, target)["id"], inlet]}})
+def cord(source, outlet, target, inlet=0):
+    return lambda p: p.connect(box(p, source), outlet, box(p, target), inlet)
 
 
 def change(text, /, **values):
-    return lambda document: box(document, text).update(values)
+    return lambda p: vars(box(p, text)).update(values)
 
 
-def move(text, *rectangle):
-    return change(text, patching_rect=list(rectangle))
-
-
+REED = "greed~ @type closed"
 MISTAKES = {
-    "no lines": (lambda d: d["patcher"].pop("lines"), "has no lines"),
-    "one id twice": (lambda d: box(d, "print a").update(id=box(d, "print b")["id"]), "two boxes have the id"),
-    "outlet types": (change("t b b", outlettype=["bang"]), "1 outlet types"),
-    "an unknown object": (change("print a", text="prynt a"), "none of our objects"),
-    "too few inlets": (change("greed~ @type closed", numinlets=2), "expected 3 and 5"),
-    "a signal outlet declared as messages": (
-        change("greed~ @type closed", outlettype=["", "signal", "signal", "signal", ""]), "has outlet types"),
-    "a cord to no box": (lambda d: lines(d)[0].update(destination=["obj-99", 0]), "no such box"),
-    "a signal into a message inlet": (lambda d: add_cord(d, "greed~ @type closed", 1, "print a", 0),
-                                      "which takes none"),
-    "a fan-out": (lambda d: add_cord(d, "button", 0, "print b", 0), "has 2 cords"),
-    "an unknown attribute": (change("greed~ @type closed", text="greed~ @tipe closed"), "no attribute tipe"),
-    "an attrui of nothing": (change("attrui", attr="tipe"), "no such parameter"),
+    "a cord to no box": (lambda p: p.boxes.remove(box(p, "ezdac~")), "not in the patcher"),
+    "a signal into a message inlet": (cord(REED, 1, "print a"), "which takes none"),
+    "a fan-out": (cord("button", 0, "print b"), "has 2 cords"),
+    "an unknown attribute": (change(REED, text="greed~ @tipe closed"), "no attribute tipe"),
+    "an attrui of nothing": (lambda p: box(p, "attrui").extra.update(attr="tipe"), "no such parameter"),
     "an unknown message": (change("type open", text="tipe open"), "no message tipe"),
+    "an unknown choice": (change("type open", text="type ajar"), "type is one of"),
     "too many arguments": (change("type open", text="preset a b c d e f g"), "takes"),
     "a whole number beyond 32 bits": (change("type open", text="mass 206000000000, gain -2147483647"),
                                       "206000000000 is beyond 32 bits: expected 206000000000."),
-    "an overlap": (move("print b", 250.0, 125.0, 52.0, 22.0), "overlap"),
-    "a box outside": (move("comment", -20.0, 200.0, 60.0, 20.0), "outside of the window"),
-    "text cut at the right": (move("print a", 240.0, 120.0, 30.0, 22.0), "pixels wide"),
-    "a cord that goes up": (move("print a", 240.0, 20.0, 52.0, 22.0), "goes up"),
-    "a cord through a box": (move("comment", 235.0, 95.0, 60.0, 20.0), "runs through"),
+    "an overlap": (change("print b", x=250), "overlap"),
+    "a box outside": (change("comment", x=-20), "outside of the window"),
+    "text cut at the right": (change("print a", width=30), "pixels wide"),
+    "text cut below": (change("comment", text="one two", width=40), "pixels high"),
 }
 
 
@@ -84,9 +65,16 @@ def test_a_good_patcher_has_no_finding():
     assert check_patcher.check(good()) == []
 
 
+def test_a_cord_between_ports_that_there_are_not_cannot_be_made():
+    with pytest.raises(ValueError, match="5 outlets and 1 inlets"):
+        cord(REED, 5, "print a")(good())
+
+
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_found(name):
+def test_a_mistake_is_found_in_a_subpatcher_too(name):
     spoil, expected = MISTAKES[name]
-    document = copy.deepcopy(good())
-    spoil(document)
-    assert any(expected in finding for finding in check_patcher.check(document)), check_patcher.check(document)
+    outer, spoilt = Patcher(500, 500), good()
+    spoil(spoilt)
+    outer.subpatcher("inner", spoilt, 20, 20)
+    findings = check_patcher.check(outer)
+    assert any(f.startswith("patcher/inner: ") and expected in f for f in findings), findings

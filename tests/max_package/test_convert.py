@@ -1,7 +1,5 @@
 """Conversion of Pd patches: the netlist is kept, and what has no equivalent is named."""
-import json
 import math
-import re
 
 import pytest
 
@@ -9,7 +7,6 @@ import max_objects
 import pd_file
 import pd_to_max
 import pd_vocabulary
-from conftest import ROOT
 
 pytestmark = pytest.mark.usefixtures("declarations")
 
@@ -127,14 +124,6 @@ def test_if_and_mtof_keep_their_values(expression, values):
     assert [value(x1=x) for x in values] == pytest.approx(list(values.values()))
 
 
-def test_messages_that_share_their_targets_reach_them_in_the_same_order(tmp_path):
-    lines = ["obj 10 200 print first", "obj 200 200 print second"] + [f"msg {60 * i} 20 word {i}" for i in range(3)]
-    patcher = convert(tmp_path, *lines, *(f"connect {2 + i} 0 {end} 0" for i in range(3) for end in (0, 1)))
-    trigger = box(patcher, "t l l")
-    assert {c[1]: c[2].text for c in patcher.cords if c[0] is trigger} == {1: "print first", 0: "print second"}
-    assert sum(c[2] is trigger for c in patcher.cords) == 3
-
-
 def test_vline_delays_become_ramps_that_hold():
     """To 5 in 300 ms, held until 2500 ms, then to 0 in 200 ms."""
     assert [float(word) for word in pd_vocabulary.ramps("5 300, 0 200 2500").split()] == [5, 300, 5, 2200, 0, 200]
@@ -145,18 +134,6 @@ def test_a_comma_behind_a_receiver_names_it_again():
     assert pd_vocabulary.message_text(words) == ";\nhand spring 300;\nhand path line;\ndsp start"
     assert pd_vocabulary.message_text(["2.06e+11", "206000000000", "-2147483648", "2147483647", "1e+06"]) == (
         "206000000000. 206000000000. -2147483648. 2147483647 1000000")
-
-
-def test_a_grid_of_buttons_becomes_a_matrix_with_the_same_positions(package):
-    tabs = json.loads((package / "help" / "modal_impact~.maxhelp").read_text())["patcher"]["boxes"]
-    example = tabs[0]["box"]["patcher"]["boxes"]
-    cells = next(b["box"] for b in example if b["box"].get("text") == "p cells")["patcher"]["boxes"]
-    across, up = (python_of(b["box"]["text"]) for b in cells if b["box"].get("text", "").startswith("expr"))
-    source = (ROOT / "help" / "modal_impact~-help.pd").read_text()
-    positions = re.findall(r"r \\\$0-cell-(\d)-(\d);\n#X msg \d+ \d+ (-?\d+) (-?\d+);", source)
-    assert len(positions) == 40
-    for row, column, x, y in positions:
-        assert (across(x1=int(column)), up(x1=int(row))) == (int(x), int(y))
 
 
 def test_unknown_objects_are_no_guess():

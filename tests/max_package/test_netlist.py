@@ -1,7 +1,7 @@
 """Every control cord of every converted patch, and the order in which an outlet's cords fire.
 
-Pd fires an outlet's cords in the order of their making; Max's [t] from right to left. The conversion's
-rewriting for looks (simplify.py) and the layout are switched off here: they are not about the netlist.
+Pd fires an outlet's cords in the order of their making; Max's [t] from right to left. The layout is switched
+off here: it is not about the netlist.
 """
 import pytest
 
@@ -20,7 +20,6 @@ PATCHES = [make_package.help_source(path.stem.removesuffix("-help"))
 def canvases(monkeypatch, package):
     """A list that fills with each canvas that is converted, before it is arranged."""
     seen = []
-    monkeypatch.setattr(pd_to_max.simplify, "simplify", lambda patcher, stem: None)
     monkeypatch.setattr(pd_to_max._Canvas, "arrange", lambda self, top: seen.append(self))
     return seen
 
