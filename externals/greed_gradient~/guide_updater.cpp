@@ -20,7 +20,9 @@ constexpr double kMaxWait_s = 0.1; // for the bore to settle, before it is mappe
 GuideUpdater::GuideUpdater() { maps_->map.prepare(kNodes, kNodes); }
 
 MapWorker::Portion GuideUpdater::portion() {
-  return [maps = maps_](std::vector<double>& nodes, std::size_t first) {
+  return [maps = maps_, target = target_](std::vector<double>& nodes, std::size_t first) {
+    if (first == 0)
+      maps->map.begin(target.playing, target.range);
     if (!maps->map.advance(kNodesPerStep))
       return std::min(first + kNodesPerStep, nodes.size() - 1);
     maps->finished_guide.build(maps->map);
@@ -35,7 +37,6 @@ void GuideUpdater::begin() {
   reported_ = false;
   nodes_due_ = 0;
   since_report_s_ = kReportInterval_s;
-  maps_->map.begin(target_.playing, target_.range);
   if (in_background_) {
     thread_error_ = worker_.start(kNodes * kNodes, portion());
     without_thread_ = !thread_error_.empty();
@@ -58,7 +59,7 @@ bool GuideUpdater::needs_work(const PlaneSettings& target, double elapsed_s,
   length_settled_ = std::abs(target.playing.length - length_m_) <= 1e-5 * length_m_;
   length_m_ = target.playing.length;
   waiting_s_ = up_to_date_ ? 0 : waiting_s_ + elapsed_s;
-  const bool in_thread = !worker_.idle() && !worker_.is_stepped();
+  const bool in_thread = computing() && !worker_.is_stepped();
   const bool needed = in_thread && !obsolete() ? !reported_ && since_report_s_ >= kReportInterval_s
                                                : !up_to_date_ || in_thread || !worker_.finished() ||
                                                      !reported_ || !thread_error_.empty();
@@ -68,15 +69,17 @@ bool GuideUpdater::needs_work(const PlaneSettings& target, double elapsed_s,
 }
 
 void GuideUpdater::work() {
-  if (!worker_.idle() && obsolete()) {
-    worker_.request_stop();
+  if (thread_error_.empty())
+    thread_error_ = worker_.take_error();
+  if (computing() && obsolete()) {
+    worker_.cancel();
     has_request_ = false;
   }
-  if (!(has_request_ && up_to_date_) && worker_.idle() &&
+  if (!computing() && !(has_request_ && up_to_date_) &&
       (length_settled_ || waiting_s_ > kMaxWait_s))
     begin();
   const double elapsed_s = std::exchange(elapsed_s_, 0);
-  if (worker_.is_stepped() && !worker_.finished())
+  if (computing() && worker_.is_stepped())
     for (nodes_due_ += kNodesPerSecond * elapsed_s;
          nodes_due_ >= kNodesPerStep && !worker_.finished(); nodes_due_ -= kNodesPerStep)
       worker_.step();

@@ -36,6 +36,7 @@ public:
 
 private:
   void begin();
+  [[nodiscard]] bool computing() const noexcept { return has_request_ && !worker_.finished(); }
   [[nodiscard]] bool obsolete() const noexcept;
   [[nodiscard]] MapWorker::Portion portion();
 

@@ -319,7 +319,8 @@ struct ModalImpact::Rows {
           action<&Self::load_named>("load", "name [-sync]", 1, 2,
                                     "table of a body, NAME or NAME.modal.npz, beside the patch, in "
                                     "the search path or beside the object (bar bell board bowl "
-                                    "glass plate tube ...); the old body sounds until it is read")),
+                                    "glass plate tube ...); the old body sounds until it is read"))
+          .with_name_behind("*"),
       realtime(action<&Self::numeric<&Self::hit, Waits::kAsStrike>>(
           "hit", "[x y z] v", 1, 4,
           "strike at x y z mm with v m/s; without a position at the last one")),
@@ -352,7 +353,8 @@ struct ModalImpact::Rows {
           8, "friction law as in contact_friction~, with its defaults for missing numbers"),
       action<&Self::set_board>("board", "name [dx dy dz] or none", 1, 4,
                                "table of a second, supported body on which the first lies, "
-                               "displaced by dx dy dz mm in the first one's axes"),
+                               "displaced by dx dy dz mm in the first one's axes")
+          .with_name_behind("*"),
       action<&Self::numeric<&Self::set_rest>>("rest", "[x y z] ...", 0, 24,
                                               "points where body and board touch, up to 8, mm in "
                                               "the body's axes; without numbers none"),

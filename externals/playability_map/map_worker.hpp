@@ -1,6 +1,6 @@
 #pragma once
 
-#include "files/background_thread.hpp"
+#include "files/worker.hpp"
 
 #include <atomic>
 #include <cstddef>
@@ -21,48 +21,30 @@ public:
   /// is all of them. It holds what it uses: its last call may end after the worker.
   using Portion = std::function<std::size_t(std::vector<double>& nodes, std::size_t first)>;
 
-  /// Cancels the present computation and starts a new one in a thread. Returns an error text when
+  /// Has a thread compute another map, after the portion in progress. Returns an error text when
   /// no thread could be started, after which step() does the work; else empty.
   [[nodiscard]] std::string start(std::size_t nodes, Portion portion) {
-    start_stepped(nodes, std::move(portion));
-    grid_->running = true;
-    stepped_ = false;
-    const std::string reason = thread_.start(grid_);
-    if (reason.empty())
-      return {};
-    grid_->running = false;
-    stepped_ = true;
-    return "no thread starts for the map (" + reason +
-           "); it is computed in the host's time, which the audio may miss";
+    make_grid(nodes, std::move(portion));
+    const std::string reason = worker_.request(grid_);
+    return reason.empty() ? reason
+                          : "no thread starts for the map (" + reason +
+                                "); it is computed in the host's time, which the audio may miss";
   }
   /// The same without a thread: each step() does one portion.
   void start_stepped(std::size_t nodes, Portion portion) {
-    cancel();
-    grid_ = std::make_shared<Grid>();
-    grid_->nodes.assign(nodes, 0);
-    grid_->portion = std::move(portion);
-    stepped_ = true;
+    make_grid(nodes, std::move(portion));
+    worker_.request_here(grid_);
   }
-  void step() {
-    if (stepped_ && !finished())
-      grid_->compute();
-  }
-  /// The thread ends after the portion in progress; until then it is not idle().
-  void request_stop() noexcept {
-    stepped_ = false;
-    grid_->stop = true;
-  }
-  /// The same, and it is idle() at once.
-  void cancel() {
-    stepped_ = false;
-    thread_.end();
-  }
+  void step() { worker_.step(0); }
+  /// Nothing is computed after the portion in progress.
+  void cancel() { worker_.request_here(nullptr); }
 
-  /// Whether no computation is in progress.
-  [[nodiscard]] bool idle() const noexcept {
-    return stepped_ ? finished() : !(thread_.running() && grid_->running);
+  /// Why the map will not be finished, once; else empty.
+  [[nodiscard]] std::string take_error() {
+    const std::vector<std::string> sentences = worker_.take().sentences;
+    return sentences.empty() ? std::string() : sentences.front();
   }
-  [[nodiscard]] bool is_stepped() const noexcept { return stepped_; }
+  [[nodiscard]] bool is_stepped() const noexcept { return worker_.is_here(); }
   [[nodiscard]] std::size_t done() const noexcept { return grid_->done; }
   [[nodiscard]] std::size_t size() const noexcept { return grid_->nodes.size(); }
   [[nodiscard]] bool finished() const noexcept { return done() == size(); }
@@ -70,22 +52,28 @@ public:
   [[nodiscard]] double node(std::size_t index) const noexcept { return grid_->nodes[index]; }
 
 private:
-  struct Grid : BackgroundState {
-    void work() override {
-      while (done < nodes.size() && !stop)
-        compute();
-      running = false;
-    }
-    void compute() { done = portion(nodes, done); }
-
+  struct Grid {
     std::vector<double> nodes;
     Portion portion;
     std::atomic<std::size_t> done{0};
-    std::atomic<bool> running{false};
+  };
+  void make_grid(std::size_t nodes, Portion portion) {
+    grid_ = std::make_shared<Grid>();
+    grid_->nodes.assign(nodes, 0);
+    grid_->portion = std::move(portion);
+  }
+  struct Job {
+    using Request = std::shared_ptr<Grid>; ///< null: nothing
+    struct Answer {};                      ///< the nodes are in the grid
+    static constexpr const char* kOutOfMemory = "not enough memory for the map";
+    static double work(const Request& grid, Turn<Answer>&) {
+      if (grid)
+        grid->done = grid->portion(grid->nodes, grid->done);
+      return grid && grid->done < grid->nodes.size() ? kAtOnce : kNever;
+    }
   };
   std::shared_ptr<Grid> grid_ = std::make_shared<Grid>();
-  bool stepped_ = false;
-  BackgroundThread thread_;
+  Worker<Job> worker_;
 };
 
 } // namespace tactus::reed

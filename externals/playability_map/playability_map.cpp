@@ -106,7 +106,6 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
 }
 
 void PlayabilityMapObject::compute(Host& host) {
-  worker_.cancel();
   columns_ = settings_.columns;
   rows_ = settings_.rows;
   growth_ = settings_.growth;
@@ -125,6 +124,14 @@ void PlayabilityMapObject::compute(Host& host) {
     worker_.start_stepped(total_, portion());
   }
   draw(host);
+}
+
+void PlayabilityMapObject::cancel(Host& host) {
+  worker_.cancel();
+  if (computing_)
+    total_ = 0; // an unfinished map cannot be drawn
+  computing_ = drawing_ = false;
+  host.wake_in(0, -1);
 }
 
 /// Takes the finished map for look-ups and stores it.
@@ -162,6 +169,10 @@ void PlayabilityMapObject::tick(std::size_t, Host& host) {
   const bool steps = computing_ && worker_.is_stepped();
   if (steps)
     worker_.step();
+  if (const std::string error_text = worker_.take_error(); !error_text.empty()) {
+    host.error("compute: " + error_text);
+    return cancel(host);
+  }
   const std::size_t done = worker_.done();
   const bool finished = computing_ && done == total_;
   if (steps && !finished && ++step_ % kStepsPerBatch != 0)
@@ -191,14 +202,6 @@ void PlayabilityMapObject::take_preset(const Atom& name, Host& host) {
 void PlayabilityMapObject::take_range(std::span<const Atom> words, Host& host) {
   if (const auto range = greed::range_of(words, host))
     range_ = *range;
-}
-
-void PlayabilityMapObject::cancel(Host& host) {
-  worker_.cancel();
-  if (computing_)
-    total_ = 0; // an unfinished map cannot be drawn
-  computing_ = drawing_ = false;
-  host.wake_in(0, -1);
 }
 
 void PlayabilityMapObject::write(std::span<const Atom> words, Host& host) {

@@ -173,7 +173,8 @@ struct StressHaptic::Rows {
   static constexpr std::array messages{
       takes_file(action<&Self::load>("load", "name", 1, 1,
                                      "stress table, NAME or NAME.stress.npz, beside the patch, in "
-                                     "the search path or beside the object")),
+                                     "the search path or beside the object"))
+          .with_name_behind("*"),
       action<&Self::set_control_point>("cp", "id x y z", 4, 4, "position of a control point, mm"),
       action<&Self::set_parameters>("list", "d ...", 1, 12288,
                                     "displacements of all parameters, mm, in the table's order"),

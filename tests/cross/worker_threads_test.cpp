@@ -111,34 +111,39 @@ TEST_CASE("work in the background is not waited for, and tells nobody once its o
   CHECK(reported == 0);
 }
 
-TEST_CASE("a map that is begun anew or deleted does not wait for the portion in progress") {
+TEST_CASE("a map that takes the place of another, or is deleted, does not wait for a portion") {
   const auto released = std::make_shared<std::atomic<bool>>(false);
   const auto portions = std::make_shared<std::atomic<int>>(0);
+  const auto held = [released, portions](std::vector<double>& nodes, std::size_t first) {
+    ++*portions;
+    while (!*released)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    nodes[first] = 1;
+    return first + 1;
+  };
   {
     reed::MapWorker worker;
-    REQUIRE(worker
-                .start(4,
-                       [released, portions](std::vector<double>& nodes, std::size_t first) {
-                         ++*portions;
-                         while (!*released)
-                           std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                         nodes[first] = 1;
-                         return first + 1;
-                       })
-                .empty());
+    REQUIRE(worker.start(4, held).empty());
     while (*portions == 0)
       std::this_thread::yield();
     REQUIRE(worker.start(2, [](std::vector<double>& nodes, std::size_t) { return nodes.size(); })
                 .empty());
+    CHECK(worker.size() == 2);
+    CHECK(worker.done() == 0);
+    *released = true;
     while (!worker.finished())
       std::this_thread::yield();
-    CHECK(worker.size() == 2);
-    CHECK(!*released);
+    CHECK(*portions == 1); // stopped after it
+    *released = false;
+    REQUIRE(worker.start(4, held).empty());
+    while (*portions == 1)
+      std::this_thread::yield();
   }
+  CHECK(!*released);
   *released = true;
-  while (portions.use_count() > 1)
+  while (portions.use_count() > 2) // this function's two
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  CHECK(*portions == 1); // stopped after it
+  CHECK(*portions == 2);
 }
 
 TEST_CASE("a solver of modes ends") {

@@ -1,5 +1,6 @@
 #include "devices/driver.hpp"
 #include "devices/falcon/stream.hpp"
+#include "files/worker.hpp"
 
 #include <doctest/doctest.h>
 
@@ -49,6 +50,17 @@ bool tells(const std::string& sentence) {
   return sentence.find("no thread can be started") != std::string::npos;
 }
 
+/// A job of one step.
+struct Double {
+  using Request = int;
+  using Answer = int;
+  static constexpr const char* kOutOfMemory = "not enough memory";
+  static double work(int request, Turn<int>& turn) {
+    turn.hand_over(2 * request);
+    return kNever;
+  }
+};
+
 // A libusb whose transfers never end.
 libusb_transfer* LIBUSB_CALL allocate(int) {
   return static_cast<libusb_transfer*>(std::calloc(1, sizeof(libusb_transfer)));
@@ -87,4 +99,17 @@ TEST_CASE("the Falcon's stream says that it has no thread, whichever of the two 
     const Refuse refuse(after);
     CHECK(tells(stream.start()));
   }
+}
+
+TEST_CASE("a worker that gets no thread says why, and its owner does the same work") {
+  Worker<Double> worker;
+  for (const int request : {1, 2}) {
+    const Refuse refuse;
+    CHECK(worker.request(request) != "");
+    CHECK(worker.is_here());
+    worker.finish();
+    CHECK(worker.take().answer == 2 * request);
+  }
+  CHECK(worker.request(3) == "");
+  CHECK(!worker.is_here());
 }

@@ -1,0 +1,212 @@
+#pragma once
+
+#include "files/background_thread.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactus {
+
+/// When the next piece of a job is due, besides a time on its clock.
+inline constexpr double kAtOnce = -std::numeric_limits<double>::infinity();
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// One piece of a job, as the job sees it.
+template <class Answer> class Turn {
+public:
+  /// Whether the request has not been worked on before.
+  [[nodiscard]] bool is_new() const noexcept { return is_new_; }
+  [[nodiscard]] double now_s() const noexcept { return now_s_; }
+  /// Whether a newer request waits, or nobody any more: for a job that waits for something. What
+  /// has been computed is handed over all the same.
+  [[nodiscard]] bool given_up() const noexcept { return state_.stop || state_.overtaken; }
+  /// Takes the place of an answer that has not been taken.
+  void hand_over(Answer answer) {
+    std::optional<Answer> fresh(std::move(answer));
+    const std::lock_guard lock(state_.mutex);
+    fresh.swap(state_.answer); // the old one, perhaps large, is freed after the lock
+    state_.has_news = true;
+  }
+  /// A sentence for the user; every one is taken.
+  void say(std::string sentence) {
+    const std::lock_guard lock(state_.mutex);
+    state_.sentences.push_back(std::move(sentence));
+    state_.has_news = true;
+  }
+
+private:
+  template <class> friend class Worker;
+  struct State : BackgroundState {
+    std::atomic<bool> overtaken{false};
+    std::optional<Answer> answer;
+    std::vector<std::string> sentences;
+    bool has_news = false;
+  };
+  Turn(State& state, bool is_new, double now_s) : state_(state), is_new_(is_new), now_s_(now_s) {}
+  State& state_;
+  bool is_new_;
+  double now_s_;
+};
+
+/// Works on what an object requests: in a thread of normal priority or, by the same calls, in the
+/// object's own, in a render and where the system starts no thread.
+///
+/// A request is a whole state ("this body on this board with these settings"), never a change of
+/// one, so that a newer one can take the place of one that waits. An answer to an older one is
+/// handed over all the same: however often requests come, answers do.
+///
+/// A Job says what its Request and its Answer are, and kOutOfMemory, the sentence for that.
+///   double work(const Request&, Turn<Answer>&)
+/// does a piece of what the request asks, and returns when the next one is due, on the turn's
+/// clock. Newer requests are seen between pieces. What work() uses it holds: its last piece may end
+/// after the owner. Nothing here waits for a piece in the thread, but finish().
+template <class Job> class Worker {
+public:
+  using Request = typename Job::Request;
+  using Answer = typename Job::Answer;
+
+  template <class... Arguments>
+  explicit Worker(Arguments&&... of_the_job)
+      : state_(std::make_shared<State>(std::forward<Arguments>(of_the_job)...)) {}
+
+  /// `ready` is called in the thread when there is something to take, until this object ends.
+  void on_ready(std::function<void()> ready) {
+    const std::lock_guard lock(state_->mutex);
+    state_->ready = std::move(ready);
+  }
+  /// Has the thread work on it. Returns empty, or why the system starts none: then as
+  /// request_here().
+  [[nodiscard]] std::string request(const Request& request) {
+    put(request, false);
+    if (thread_.running()) {
+      state_->changed.notify_all();
+      return {};
+    }
+    std::string reason = thread_.start(state_);
+    if (!reason.empty())
+      state_->in_caller = true;
+    return reason;
+  }
+  /// The owner works on it, by step() or finish().
+  void request_here(const Request& request) { put(request, true); }
+  [[nodiscard]] bool is_here() const noexcept { return state_->in_caller; }
+  /// Does the piece that is due in this thread, if there is one.
+  void step(double now_s) {
+    std::unique_lock lock(state_->mutex);
+    if (state_->in_caller && !state_->busy && state_->due_s <= now_s)
+      state_->work_on(lock, now_s);
+  }
+  /// All pieces that are due in this thread at once, after the one that the thread may be at.
+  void finish() {
+    std::unique_lock lock(state_->mutex);
+    state_->changed.wait(lock, [&] { return !state_->busy; });
+    while (state_->in_caller && state_->due_s == kAtOnce)
+      state_->work_on(lock, 0);
+  }
+  /// Time until step() has something to do.
+  [[nodiscard]] double due_in_s(double now_s) const {
+    const std::lock_guard lock(state_->mutex);
+    return state_->in_caller ? std::max(0.0, state_->due_s - now_s) : kNever;
+  }
+  /// The number of the newest request; 0: none.
+  [[nodiscard]] std::uint64_t requested() const noexcept { return requested_; }
+
+  struct Taken {
+    std::optional<Answer> answer; ///< the newest, once
+    std::vector<std::string> sentences;
+    std::uint64_t finished = 0; ///< the newest request for which nothing more is to be done at once
+  };
+  [[nodiscard]] Taken take() {
+    const std::lock_guard lock(state_->mutex);
+    state_->has_news = false;
+    return {std::exchange(state_->answer, {}), std::exchange(state_->sentences, {}),
+            state_->finished};
+  }
+
+private:
+  struct State final : Turn<Answer>::State {
+    template <class... Arguments>
+    explicit State(Arguments&&... of_the_job) : job(std::forward<Arguments>(of_the_job)...) {}
+
+    void work() override {
+      std::unique_lock lock(this->mutex);
+      while (!this->stop) {
+        const double wait_s = in_caller || busy ? kNever : due_s - now_s();
+        if (wait_s <= 0) {
+          work_on(lock, now_s());
+          if (std::exchange(this->has_news, false) && this->ready)
+            this->ready();
+        } else if (wait_s == kNever) {
+          this->changed.wait(lock);
+        } else {
+          this->changed.wait_for(lock, std::chrono::duration<double>(std::min(wait_s, kLong_s)));
+        }
+      }
+    }
+    /// One piece, without the lock.
+    void work_on(std::unique_lock<std::mutex>& lock, double now_s) {
+      busy = true;
+      const bool is_new = std::exchange(has_waiting, false);
+      if (is_new) {
+        std::swap(waiting, current); // not moved: a request that comes often allocates nothing
+        at_work = requested;
+        this->overtaken = false;
+      }
+      lock.unlock();
+      double next_s = kNever;
+      Turn<Answer> turn(*this, is_new, now_s);
+      try {
+        next_s = job.work(current, turn);
+      } catch (const std::exception&) { // bad_alloc, or the length_error of a container
+        turn.say(Job::kOutOfMemory);
+      }
+      lock.lock();
+      busy = false;
+      if (!has_waiting)
+        due_s = next_s;
+      if (next_s > now_s) {
+        finished = at_work;
+        this->has_news = true;
+      }
+      this->changed.notify_all(); // for finish()
+    }
+    static double now_s() {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+          .count();
+    }
+    static constexpr double kLong_s = 3600;
+
+    Job job;
+    Request current{}; ///< of the job alone, as the job itself
+    // Guarded by the lock, but for the owner's reading of in_caller.
+    Request waiting{};
+    std::uint64_t requested = 0, at_work = 0, finished = 0;
+    double due_s = kNever;
+    bool has_waiting = false, busy = false;
+    std::atomic<bool> in_caller{true};
+  };
+  void put(const Request& request, bool in_caller) {
+    const std::lock_guard lock(state_->mutex);
+    state_->waiting = request;
+    state_->requested = ++requested_;
+    state_->has_waiting = state_->overtaken = true;
+    state_->due_s = kAtOnce;
+    state_->in_caller = in_caller;
+  }
+
+  std::shared_ptr<State> state_;
+  std::uint64_t requested_ = 0;
+  BackgroundThread thread_;
+};
+
+} // namespace tactus
