@@ -136,7 +136,7 @@ void large_bodies(std::size_t only) {
               longest_block(40, [&](int n) {
                 for (int i = 0; i < strikes && n == 0; ++i) {
                   const SurfacePoint point = plate.at(0.13 + 0.03 * i, 0.11 - 0.04 * i);
-                  plate.body.schedule_hit({point, point.normal, 1}, plate.body.clock());
+                  plate.body.schedule(Hit{point, point.normal, 1}, plate.body.clock());
                 }
                 plate.block();
               }));
@@ -145,7 +145,7 @@ void large_bodies(std::size_t only) {
       print("point moved at 1 kHz:", longest_block(40, [&](int n) {
               for (; sample < plate.body.clock() + 64; sample += 48) {
                 const SurfacePoint point = plate.at(0.01 * n, 0.1);
-                plate.body.schedule_point(point, point.normal, sample);
+                plate.body.schedule(ForcePoint{point, point.normal}, sample);
               }
               plate.block();
             }));
@@ -158,7 +158,7 @@ void large_bodies(std::size_t only) {
       print("hand dragged at 1 kHz:", longest_block(40, [&](int n) {
               for (; sample < plate.body.clock() + 64; sample += 48) {
                 const SurfacePoint point = plate.at(0.01 * n, 0.1);
-                plate.body.schedule_point(point, point.normal, sample);
+                plate.body.schedule(ForcePoint{point, point.normal}, sample);
               }
               plate.block();
             }));
@@ -181,7 +181,7 @@ void resting_bodies() {
       }
       Plate plate(both, settings);
       const SurfacePoint point = plate.at(0.13, 0.11);
-      plate.body.schedule_hit({point, point.normal, 1}, plate.body.clock());
+      plate.body.schedule(Hit{point, point.normal, 1}, plate.body.clock());
       for (int n = 0; n < 75; ++n) // until the striker has gone
         plate.block();
       double minimum = 1e30;

@@ -50,7 +50,7 @@ void ModalImpact::reset(Numbers, Host& host) {
                      [](const WaitingMessage& kept) { return kept.strikes; }) -
       waiting_.begin());
   random_.seed(options_.seed);
-  body_.schedule_reset(sample_now(host));
+  body_.schedule(Reset{}, sample_now(host));
 }
 
 void ModalImpact::carry_out_waiting(Host& host) {

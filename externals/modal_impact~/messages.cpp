@@ -125,8 +125,7 @@ void ModalImpact::strike(const SurfacePoint& point, double speed, Host& host, bo
   last_point_ = point;
   last_speed_ = speed;
   last_was_drop_ = falls;
-  body_.schedule_hit(varied({point, normal_.value_or(point.normal), speed, falls}),
-                     sample_now(host));
+  body_.schedule(varied({point, normal_.value_or(point.normal), speed, falls}), sample_now(host));
 }
 
 Hit ModalImpact::varied(Hit hit) noexcept {
@@ -171,7 +170,7 @@ void ModalImpact::drop(Numbers n, Host& host) {
   const BodyModel* model = body(host);
   if (!model)
     return;
-  const double speed = std::sqrt(2 * StruckBody::kGravity * kMillimetre * n.back());
+  const double speed = std::sqrt(2 * kGravity * kMillimetre * n.back());
   strike(n.size() == 4 ? model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]})
                        : last_point_.value_or(body_.point()),
          speed, host, true);
@@ -276,7 +275,7 @@ void ModalImpact::set_point(Numbers n, Host& host) {
     point = at_vertex(static_cast<std::size_t>(n[0]));
   }
   warn_if_far(point, host);
-  body_.schedule_point(point, normal_.value_or(point.normal), sample_now(host));
+  body_.schedule(ForcePoint{point, normal_.value_or(point.normal)}, sample_now(host));
 }
 
 void ModalImpact::set_rub(Numbers n, Host& host) {
@@ -284,14 +283,14 @@ void ModalImpact::set_rub(Numbers n, Host& host) {
     return host.error("rub: expected x y z, x y z dx dy dz, or nothing for the point");
   const BodyModel* model = body(host);
   if (model && n.empty()) {
-    Rub rub = body_.requested_rub();
+    Rub rub = body_.rub();
     rub.placed = false;
     rub.direction = Rub().direction;
-    return body_.schedule_rub(rub, sample_now(host));
+    return body_.schedule(rub, sample_now(host));
   }
   if (!model || !within("rub", n, {kX, kY, kZ}, host))
     return;
-  Rub rub = body_.requested_rub();
+  Rub rub = body_.rub();
   rub.point = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
   Vec3 wanted = rub.direction;
   if (n.size() == 6) {
@@ -312,7 +311,7 @@ void ModalImpact::set_rub(Numbers n, Host& host) {
   rub.placed = true;
   warn_if_far(rub.point, host);
   warn_if_still("rub", rub.point, rub.direction, host);
-  body_.schedule_rub(rub, sample_now(host));
+  body_.schedule(rub, sample_now(host));
 }
 
 void ModalImpact::set_friction(Numbers n, Host& host) {
@@ -323,9 +322,9 @@ void ModalImpact::set_friction(Numbers n, Host& host) {
       return;
     row.set(&law, n[i]);
   }
-  Rub rub = body_.requested_rub();
+  Rub rub = body_.rub();
   rub.law = law;
-  body_.schedule_rub(rub, sample_now(host));
+  body_.schedule(rub, sample_now(host));
 }
 
 void ModalImpact::set_listener(Numbers n, Host& host) {

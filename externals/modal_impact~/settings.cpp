@@ -47,7 +47,8 @@ void ModalImpact::post_settings(Host& host) const {
   const Striker& s = body_.striker();
   host.info({"striker", s.mass_kg, s.radius_m, s.youngs_modulus_pa, s.poisson});
   host.info({"hardness", s.stiffness, s.exponent, s.loss_s_per_m});
-  const contact::FrictionLaw& f = body_.requested_rub().law;
+  const Rub rub = body_.rub();
+  const contact::FrictionLaw& f = rub.law;
   host.info({"friction", f.static_coefficient, f.dynamic_coefficient, f.stribeck_m_per_s,
              f.breakaway, f.stiffness_n_per_m, f.damping_ns_per_m, f.viscosity_ns_per_m,
              f.roughness});
@@ -60,7 +61,6 @@ void ModalImpact::post_settings(Host& host) const {
     return;
   const double size = model->settings.size;
   post(host, "point", {size * body_.point().position});
-  const Rub& rub = body_.requested_rub();
   if (!rub.placed) {
     host.info({"rub"});
   } else {

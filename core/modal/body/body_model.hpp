@@ -2,6 +2,7 @@
 
 #include "core/geometry/surface.hpp"
 #include "core/modal/bank/mode_bank.hpp"
+#include "core/modal/body/events.hpp"
 #include "core/modal/contact/contact_solver.hpp"
 #include "core/modal/contact/pulse.hpp"
 #include "core/modal/radiation/direct_sound.hpp"
@@ -21,6 +22,10 @@ namespace tactus::modal {
 
 inline constexpr std::size_t kMaxListeners = 4;
 inline constexpr std::size_t kMaxContacts = 64;
+inline constexpr double kGravity = 9.80665; // m/s^2
+/// Samples that are computed together at most, and the sound of so many at each listener.
+inline constexpr std::size_t kChunk = 64;
+using ChannelBlock = std::array<std::array<float, kChunk>, kMaxListeners>;
 
 /// How the sound at a listener is computed from the modes: by Rayleigh's integral for each mode
 /// (kModal), from the surface velocities in the table (kRaw), by its multipoles (kBody), or the
@@ -104,8 +109,22 @@ struct BodyModel {
   std::array<double, kMaxListeners> delay_s{};                         ///< of the delay line
   bool uses_recordings = false; ///< strikes play recordings (RawTable) instead of contacts
   std::array<RawListener, kMaxListeners> raw;
+  /// The motion: in the solver while something touches the body, else in the bank, which is much
+  /// cheaper. While the modes are in the solver the bank still rings from pulses and releases.
   ModeBank bank;
   ContactSolver solver;
+  bool in_solver = false;
+  std::size_t culled = 0; ///< modes that were last left out as inaudible
+  /// Moves the motion to the solver, where a body on a board touches it.
+  void enter_contact() noexcept;
+  /// Ends all contacts and moves the motion to the bank, without modes that are quieter than the
+  /// loudest by `cull_db` or more. A body that has settled is at rest.
+  void leave_contact(double gain, double cull_db) noexcept;
+  /// True if nothing but the board touches the body and its motion is about a millionth of the
+  /// static deflection (less for a gain above kReferenceGain).
+  [[nodiscard]] bool has_settled(double gain) const noexcept;
+  /// Contacts without those on the board.
+  [[nodiscard]] std::size_t active_strikes() const noexcept;
 
   /// The direct sound of forces (DirectKernels), and the kernels at the points of the external
   /// force (first) and the pulses (sample_kernel), and of the solver's contacts (contact_kernel).
@@ -122,6 +141,8 @@ struct BodyModel {
   void build_contact_kernels(std::size_t slot, const SurfacePoint& point, const Vec3& direction,
                              std::span<const double> gain = {}) noexcept;
 
+  /// Sets where the external force acts.
+  void set_force_point(const ForcePoint& point) noexcept;
   std::vector<float> force_gain; ///< gains b of the modes at the force point
   RigidGain force_rigid{};       ///< and of the rigid motions, for a body on a board
   /// x/sin(x), x = omega/(2 fs), for each mode: compensates the low-pass sin(x)/x of pulses, whose
@@ -160,14 +181,18 @@ struct BodyModel {
   std::string resting_refusal;
   /// The largest distance between the two surfaces at a contact point, m.
   double largest_gap_m = 0;
-  /// The solver's first slot of resting_contacts.
-  [[nodiscard]] std::size_t resting_slot() const noexcept { return kContacts + settings.voices; }
+  [[nodiscard]] bool rests() const noexcept { return !resting_contacts.empty(); }
+  /// The solver's slots after those of the strikes: of a hand, of a rubbing surface, and the first
+  /// of resting_contacts.
+  [[nodiscard]] std::size_t hand_slot() const noexcept { return settings.voices; }
+  [[nodiscard]] std::size_t rub_slot() const noexcept { return settings.voices + 1; }
+  [[nodiscard]] std::size_t resting_slot() const noexcept { return settings.voices + kContacts; }
   /// True if a force at this point moves the body as a whole; else its support, or the board's,
   /// holds.
   [[nodiscard]] bool recoils(const SurfacePoint& point) const noexcept;
-  /// Material of the body (or the board) that a point is on.
-  [[nodiscard]] double modulus_at(const SurfacePoint& point) const noexcept;
-  [[nodiscard]] double poisson_at(const SurfacePoint& point) const noexcept;
+  /// The law of a striker's contact with the body (or the board) at a point.
+  [[nodiscard]] contact::ImpactLaw impact_law(const Striker& striker, double speed_m_per_s,
+                                              const SurfacePoint& point) const noexcept;
 
   /// Gains b = -phi . direction of all modes at a point of the surface, 1/sqrt(kg), for a force
   /// against `direction` (usually the outward normal). `gain`: [mode.size()]. Does not allocate.
@@ -186,19 +211,22 @@ struct BodyModel {
   [[nodiscard]] double loudest_weight(std::size_t mode) const noexcept;
   /// The point of the surface nearest to a position in m, in the body's present size.
   [[nodiscard]] SurfacePoint nearest(const Vec3& position_m) const noexcept;
-  /// Continues the motion of another model of the same table. Every mode keeps its state z, that is
-  /// its energy |z|^2/2, whichever way its pitch moves, and the weights of the sound glide from the
-  /// old ones to the new. No mode is then louder on the way than at the louder of its ends.
-  void continue_from(BodyModel& before) noexcept;
-  /// The same during a contact: the motion is in the solvers. The part of z that the contact forces
-  /// hold bent becomes the deflection of the new body by these forces, since it would spring
-  /// back with a thump. The caller takes over the contacts.
-  void continue_in_contact(BodyModel& before) noexcept;
-  /// The same from another table of the same body, whose modes were solved again
-  /// (LoadedTable::follows). `in_contact_now`: the motion is in the solvers. Motion and sound are
-  /// mapped by the table's shares (ModeShare), which cannot raise the energy. Motion without a
-  /// successor fades out in `before`'s bank; false if there is none.
-  bool continue_modes_from(BodyModel& before, bool in_contact_now) noexcept;
+  /// Continues the motion of another model of the same body. Without a contact every mode keeps its
+  /// state z, that is its energy |z|^2/2, whichever way its pitch moves, and the weights of the
+  /// sound glide from the old ones to the new. No mode is then louder on the way than at the louder
+  /// of its ends. During a contact the part of z that the contact forces hold bent becomes the
+  /// deflection of the new body by these forces, since it would spring back with a thump; only the
+  /// contacts on the board are continued here.
+  ///
+  /// Where the modes were solved again (LoadedTable::follows), motion and sound are mapped by the
+  /// table's shares (ModeShare), which cannot raise the energy. True if motion without a successor
+  /// fades out in the bank of `before`.
+  bool continue_from(BodyModel& before) noexcept;
+  /// Continues another contact of `before`, if it is active; gains as in build_contact_kernels().
+  /// `held`: a body that does not recoil is held.
+  void take_over_contact(std::size_t slot, const BodyModel& before, std::size_t old_slot,
+                         const SurfacePoint& point, const Vec3& direction,
+                         bool held = false) noexcept;
 
   /// Updates the contact solver's weights to those that the bank glides between, if they have
   /// changed.
@@ -212,10 +240,17 @@ private:
                                                  std::size_t j) const noexcept;
   std::span<std::complex<double>> keep_states(const BodyModel& before, std::size_t count,
                                               std::size_t old_count) noexcept;
+  void continue_in_bank(BodyModel& before) noexcept;
+  void continue_in_contact(BodyModel& before) noexcept;
+  bool continue_by_shares(BodyModel& before) noexcept;
+  void take_over_rigid(const BodyModel& before) noexcept;
+  void begin_resting_contacts() noexcept;
   void glide_from(BodyModel& before) noexcept;
   void release_from(BodyModel& before) noexcept;
   void glide_by_shares(BodyModel& before) noexcept;
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
+  [[nodiscard]] double modulus_at(const SurfacePoint& point) const noexcept;
+  [[nodiscard]] double poisson_at(const SurfacePoint& point) const noexcept;
   [[nodiscard]] double shape_scale_of(std::size_t part) const noexcept;
   void find_resting_contacts();
   void make_resting_kernels();

@@ -3,14 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// BodyModel: continuing the motion in a table whose modes were solved again.
-///
-/// With modal mass 1 and z = q' + alpha q + j omega q, a mode's energy is |z|^2/2 and its output is
-/// Im(w z). The table's shares T are a partial isometry (ModeShare). At the sample of the exchange
-///   z_now = T z_before,  w_now = T w_before,  z_left = z_before - T' z_now
-/// conserve the energy, |z_now|^2 + |z_left|^2 = |z_before|^2, and the sound,
-/// w_now' z_now + w_before' z_left = w_before' z_before. From then on each mode rings at its new
-/// rate, w_now glides to the new table's weights, and z_left fades out.
+/// BodyModel: continuing the motion of an earlier model of the same body.
 namespace tactus::modal {
 namespace {
 
@@ -18,17 +11,143 @@ constexpr double kNegligibleEnergy = 1e-12; // of the total: -120 dB
 
 } // namespace
 
-bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noexcept {
+bool BodyModel::continue_from(BodyModel& before) noexcept {
+  in_solver = before.in_solver;
+  bool left_over = false;
+  if (loaded->follows(*before.loaded))
+    left_over = continue_by_shares(before);
+  else if (in_solver)
+    continue_in_contact(before);
+  else
+    continue_in_bank(before);
+  if (!in_solver)
+    return left_over;
+  if (rests() && !before.rests())
+    solver.reset_rigid(); // the present position is the equilibrium on the new board
+  begin_resting_contacts();
+  return left_over;
+}
+
+void BodyModel::take_over_contact(std::size_t slot, const BodyModel& before, std::size_t old_slot,
+                                  const SurfacePoint& point, const Vec3& direction,
+                                  bool held) noexcept {
+  if (!before.solver.contact(old_slot).active)
+    return;
+  gains(point, direction, scratch);
+  const RigidGain rigid = held && !recoils(point) ? RigidGain{} : rigid_gains(point, direction);
+  solver.take_over(slot, before.solver, old_slot, scratch, rigid);
+  build_contact_kernels(slot, point, direction);
+}
+
+/// The response of a mode of the present solver to the contact forces now, as a state z = -b F/s,
+/// and no more of it than is in the state.
+std::complex<double> BodyModel::pressed_state(std::size_t i) const noexcept {
+  const std::complex<double> pressed = -solver.modal_force(i) / rate[i], z = scratch_state[i];
+  const double square = std::norm(pressed);
+  return square > 0 ? std::clamp((z * std::conj(pressed)).real() / square, 0.0, 1.0) * pressed
+                    : 0.0;
+}
+
+/// Mode i's deflection by the same force over that of the same mode, j, before.
+std::complex<double> BodyModel::deflection_ratio(std::size_t i, const BodyModel& before,
+                                                 std::size_t j) const noexcept {
+  const std::size_t part = loaded->is_board_mode(mode[i]) ? LoadedTable::kBoard : 0;
+  return shape_scale_of(part) / before.shape_scale_of(part) * before.rate[j] / rate[i];
+}
+
+void BodyModel::release_from(BodyModel& before) noexcept {
+  if (before.bank.release_left() == 0)
+    return;
+  before.bank.read_released(std::span(before.scratch_state).first(before.audible_modes));
+  bank.write_released(keep_states(before, audible_modes, before.audible_modes),
+                      before.bank.release_left());
+}
+
+/// The states of the modes of another model, read into its scratch_state, in the order of these.
+std::span<std::complex<double>> BodyModel::keep_states(const BodyModel& before, std::size_t count,
+                                                       std::size_t old_count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t j = before.index_of[mode[i]];
+    scratch_state[i] = j < old_count ? before.scratch_state[j] : 0.0;
+  }
+  return std::span(scratch_state).first(count);
+}
+
+void BodyModel::continue_in_bank(BodyModel& before) noexcept {
+  release_from(before);
+  before.bank.read_states(std::span(before.scratch_state).first(before.audible_modes));
+  bank.write_states(keep_states(before, audible_modes, before.audible_modes));
+  glide_from(before);
+}
+
+void BodyModel::continue_in_contact(BodyModel& before) noexcept {
+  release_from(before);
+  before.solver.read_states(before.scratch_state);
+  const auto states = keep_states(before, mode.size(), before.mode.size());
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    if (const std::size_t j = before.index_of[mode[i]]; j < before.mode.size())
+      states[i] += (deflection_ratio(i, before, j) - 1.0) * before.pressed_state(j);
+  solver.write_states(states);
+  take_over_rigid(before);
+  glide_from(before);
+}
+
+void BodyModel::take_over_rigid(const BodyModel& before) noexcept {
+  solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1,
+                         settings.size / before.settings.size);
+  if (rests())
+    solver.project_rigid(rigid_basis_);
+}
+
+/// The factor of a weight before that gives the sound before with the state now, so that the glide
+/// begins without a step. It amplifies no more than the change of a pressed mode asks for.
+std::complex<double> BodyModel::sound_ratio(std::size_t i, const BodyModel& before,
+                                            std::size_t j) const noexcept {
+  const std::complex<double> was = before.scratch_state[j], is = scratch_state[i];
+  if (was == is || std::norm(is) == 0)
+    return 1;
+  const double largest = std::max(1.0, 1 / std::abs(deflection_ratio(i, before, j)));
+  const std::complex<double> ratio = was / is;
+  return ratio * std::min(1.0, largest / std::abs(ratio));
+}
+
+void BodyModel::glide_from(BodyModel& before) noexcept {
+  bank.set_clock(before.bank.clock());
+  for (std::size_t l = 0; l < std::min(settings.listeners, before.settings.listeners); ++l) {
+    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kLatest})
+      for (std::size_t i = 0; i < audible_modes; ++i) {
+        const std::size_t j = before.index_of[mode[i]];
+        if (j >= before.audible_modes) {
+          scratch_weight_[part][i] = weight[l][i];
+          continue;
+        }
+        scratch_weight_[part][i] = sound_ratio(i, before, j) * before.bank.weight(l, part, j);
+      }
+    bank.set_glide(l, before.bank.glide(l),
+                   {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
+  }
+  // All listeners' glides run in step, as DirectSound requires.
+  for (std::size_t l = before.settings.listeners; l < settings.listeners; ++l)
+    bank.set_glide(l, before.bank.glide(0), {weight[l], weight[l], weight[l]});
+  bank.set_weights(std::span(weight).first(settings.listeners));
+}
+
+/// With modal mass 1 and z = q' + alpha q + j omega q, a mode's energy is |z|^2/2 and its output is
+/// Im(w z). The table's shares T are a partial isometry (ModeShare). At the sample of the exchange
+///   z_now = T z_before,  w_now = T w_before,  z_left = z_before - T' z_now
+/// conserve the energy, |z_now|^2 + |z_left|^2 = |z_before|^2, and the sound,
+/// w_now' z_now + w_before' z_left = w_before' z_before. From then on each mode rings at its new
+/// rate, w_now glides to the new table's weights, and z_left fades out.
+bool BodyModel::continue_by_shares(BodyModel& before) noexcept {
   // During a contact the bank may still ring from pulses; that fades out too.
-  const std::size_t old_count = in_contact_now ? before.mode.size() : before.audible_modes;
+  const std::size_t old_count = in_solver ? before.mode.size() : before.audible_modes;
   const auto old_states = std::span(before.scratch_state).first(old_count);
-  const bool bank_ringing =
-      before.bank.release_left() > 0 || (in_contact_now && before.bank.ringing());
-  if (in_contact_now)
+  const bool bank_ringing = before.bank.release_left() > 0 || (in_solver && before.bank.ringing());
+  if (in_solver)
     before.solver.read_states(old_states);
   else
     before.bank.read_states(old_states);
-  const std::size_t count = in_contact_now ? mode.size() : audible_modes;
+  const std::size_t count = in_solver ? mode.size() : audible_modes;
   const auto states = std::span(scratch_state).first(count);
   std::fill(states.begin(), states.end(), 0.0);
   double total_energy = 0, lost_energy = 0; // times 2, J
@@ -47,13 +166,9 @@ bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noex
       [&](std::size_t i, std::size_t j, double share) { old_states[j] -= share * states[i]; });
   for (std::size_t j = 0; j < before.audible_modes; ++j)
     lost_energy += std::norm(before.scratch_state[j]);
-  if (in_contact_now) {
+  if (in_solver) {
     solver.write_states(states);
-    const double length_ratio = settings.size / before.settings.size;
-    solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1,
-                           length_ratio);
-    if (!resting_contacts.empty())
-      solver.project_rigid(rigid_basis_);
+    take_over_rigid(before);
   } else {
     bank.write_states(states);
   }
@@ -62,7 +177,7 @@ bool BodyModel::continue_modes_from(BodyModel& before, bool in_contact_now) noex
     before.bank.silence();
     return false;
   }
-  if (in_contact_now)
+  if (in_solver)
     before.bank.release(); // modes that pulses have excited
   before.bank.write_states(std::span(before.scratch_state).first(before.audible_modes));
   before.bank.release();

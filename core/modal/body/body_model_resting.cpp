@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-/// BodyModel: the contact points of a body on its board, their static loads and their kernels.
+/// BodyModel: a body on its board: the contact points, their static loads and their kernels.
 namespace tactus::modal {
 namespace {
 
-constexpr double kStandardGravity = 9.80665; // m/s^2
 constexpr double kMinAlignment =
     0.1; // |sum of the directions| over their number: below it there is no common upward direction
 
@@ -16,28 +15,6 @@ constexpr double kMinAlignment =
 
 double BodyModel::shape_scale_of(std::size_t part) const noexcept {
   return part == LoadedTable::kBoard ? board_shape_scale_ : shape_scale;
-}
-
-double BodyModel::modulus_at(const SurfacePoint& point) const noexcept {
-  if (loaded->part_of_triangle(point.triangle) == 0) {
-    const Material& own = loaded->table.material; // its directions keep their ratios
-    return own.orthotropy
-               ? own.modulus_along(point.normal) * youngs_modulus_pa / own.youngs_modulus_pa
-               : youngs_modulus_pa;
-  }
-  const double modulus =
-      loaded->parts[LoadedTable::kBoard].loaded->table.material.modulus_along(point.normal);
-  return modulus > 0 ? modulus : youngs_modulus_pa;
-}
-
-double BodyModel::poisson_at(const SurfacePoint& point) const noexcept {
-  return loaded->part_of_triangle(point.triangle) == 0
-             ? poisson
-             : loaded->parts[LoadedTable::kBoard].loaded->table.material.poisson;
-}
-
-bool BodyModel::recoils(const SurfacePoint& point) const noexcept {
-  return !resting_contacts.empty() && loaded->part_of_triangle(point.triangle) == 0;
 }
 
 /// The contact force at a point pushes the body inwards. Up is the mean of these directions, so
@@ -77,8 +54,7 @@ void BodyModel::find_resting_contacts() {
   RigidGain load{};
   if (loaded->table.free && mass_kg > 0 && norm(up) > kMinAlignment * static_cast<double>(count))
     for (int axis = 0; axis < 3; ++axis)
-      load[static_cast<std::size_t>(axis)] =
-          -up[axis] / norm(up) * std::sqrt(mass_kg) * kStandardGravity;
+      load[static_cast<std::size_t>(axis)] = -up[axis] / norm(up) * std::sqrt(mass_kg) * kGravity;
   const RestEquilibrium equilibrium(rigid, load,
                                     settings.rest.pressing_n / static_cast<double>(count));
   if (!equilibrium.balanced) {

@@ -34,6 +34,7 @@ public:
     return event;
   }
   [[nodiscard]] Event& operator[](std::size_t i) noexcept { return at(i).event; }
+  [[nodiscard]] const Event& operator[](std::size_t i) const noexcept { return at(i).event; }
   [[nodiscard]] std::int64_t time(std::size_t i) const noexcept { return at(i).time; }
   /// Makes all events due.
   void expire_all() noexcept {

@@ -71,7 +71,7 @@ struct Rig {
   }
   void set_point(Vec3 position) {
     const SurfacePoint point = body.model()->nearest(position);
-    body.set_point(point, point.normal);
+    body.apply(ForcePoint{point, point.normal});
   }
   Output run(std::size_t frames, std::size_t block = 64, std::vector<float> force = {},
              std::vector<float> height = {}) {

@@ -131,7 +131,7 @@ TEST_CASE("reset and load do not click") {
     const auto exchange = [&] { rig.exchange(std::make_shared<const LoadedTable>(one_mode())); };
     run(2000);
     if (change != kLoad && change != kThriceLoaded)
-      rig.body.reset();
+      rig.body.apply(Reset{});
     if (change == kLoad || change == kBoth)
       exchange();
     if (change == kThriceLoaded)
@@ -169,7 +169,7 @@ TEST_CASE("glides and fade-outs give the same bits in blocks of any size") {
           rig.rebuild();
           run(300);
         }
-        rig.body.reset();
+        rig.body.apply(Reset{});
         run(100);
         rig.body.set_striker({0.01, 0.01, 1e6, 0.3, 1e4, 1.5, 0, 1}); // stays for milliseconds
         rig.hit({0.01, 0.02, 0}, 0.1);

@@ -52,7 +52,7 @@ TEST_CASE("a contact, a pulse and a rub go on through a retuning as if there had
       rub.point = rig.body.model()->nearest(kPoint);
       rub.direction = {1, 0, 0};
       rub.law.stiffness_n_per_m = 1e4;
-      rig.body.set_rub(rub);
+      rig.body.apply(rub);
       const auto run = [&](std::size_t frames) {
         return how == kRub ? rig.rub(2, .05F, frames).second : rig.run(frames).left;
       };
@@ -173,13 +173,12 @@ TEST_CASE("a ball that falls comes back in the times of its bounces until it lie
       for (std::size_t i = 1; i < 4; ++i) {
         const double up = speed * std::pow(e, static_cast<double>(i));
         // 2 v/g in the air, and the contact's own time, here below a millisecond.
-        CHECK(std::abs(onset[i] - onset[i - 1] - 2 * up / StruckBody::kGravity) <
-              1e-3 + 0.02 * onset[i]);
+        CHECK(std::abs(onset[i] - onset[i - 1] - 2 * up / kGravity) < 1e-3 + 0.02 * onset[i]);
         CHECK(impulses[i] / impulses[i - 1] == approx(e).epsilon(0.05));
       }
       CHECK(rig.body.flights() == 0);
       CHECK(rig.body.contacts() == 0);
-      CHECK(onset.back() < 2 * speed / StruckBody::kGravity * e / (1 - e) + 0.1);
+      CHECK(onset.back() < 2 * speed / kGravity * e / (1 - e) + 0.1);
     }
 }
 
@@ -191,12 +190,12 @@ TEST_CASE(
     const Vec3 given{0, .6, .8};
     Rig scheduled, direct;
     const SurfacePoint before = scheduled.body.model()->nearest(kPoint);
-    scheduled.body.schedule_hit({before, oblique ? given : before.normal, 1}, 100);
+    scheduled.body.schedule(Hit{before, oblique ? given : before.normal, 1}, 100);
     for (Rig* rig : {&scheduled, &direct})
       rig->exchange(inclined(kAngle));
     const SurfacePoint now = direct.body.model()->nearest(before.position);
     CHECK(norm(now.normal - before.normal) > .5);
-    direct.body.schedule_hit({now, oblique ? given : now.normal, 1}, 100);
+    direct.body.schedule(Hit{now, oblique ? given : now.normal, 1}, 100);
     const auto a = scheduled.run(2000), b = direct.run(2000);
     CHECK(apart(b.left, a.left) < 1e-6);
     CHECK(impulse(a) == approx(impulse(b)).epsilon(1e-6));
@@ -208,21 +207,51 @@ TEST_CASE("points are kept in metres when the new body has another size") {
   rig.settings.size = 2;
   rig.rebuild(false);
   rig.set_point({.1, .05, 0});
-  rig.body.schedule_hit(rig.at({.1, .05, 0}, 1), 100);
+  rig.body.schedule(rig.at({.1, .05, 0}, 1), 100);
   const Vec3 next{-.06, .02, .0025};
-  rig.body.schedule_point(rig.body.model()->nearest(next), {0, 0, 1}, 300);
+  rig.body.schedule(ForcePoint{rig.body.model()->nearest(next), {0, 0, 1}}, 300);
   rig.settings.size = 1;
   for (Rig* each : {&rig, &direct})
     each->exchange(inclined(0));
   // What waits, in the table's own lengths: 2 x its position.
   CHECK(norm(rig.body.point().position - next) < 1e-6);
   Rig alone; // one point is all that waits
-  alone.body.schedule_point(alone.body.model()->nearest(next), {0, 0, 1}, 300);
+  alone.body.schedule(ForcePoint{alone.body.model()->nearest(next), {0, 0, 1}}, 300);
   alone.rebuild();
   CHECK(norm(alone.body.point().position - next) < 1e-6);
-  direct.body.schedule_hit(direct.at({.1, .05, 0}, 1), 100);
+  direct.body.schedule(direct.at({.1, .05, 0}, 1), 100);
   // The bank is exact to -60 dB, and its leaps begin anew where the point moves.
   CHECK(apart(direct.run(1000).left, rig.run(1000).left) < 1e-3);
+}
+
+TEST_CASE("a rub moves to the new body, whether it is there, waits or is asked for again") {
+  for (const bool waits : {false, true}) {
+    CAPTURE(waits);
+    Rig rig;
+    Rub rub;
+    rub.placed = true;
+    rub.point = rig.body.model()->nearest({.1, .05, 0});
+    rub.direction = {1, 0, 0};
+    if (waits)
+      rig.body.schedule(rub, 1000);
+    else
+      rig.body.apply(rub);
+    const auto coarse = std::make_shared<const LoadedTable>(plate(.3, .2, .005, 5000, 2, 2));
+    REQUIRE(rub.point.triangle >= coarse->surface.triangles());
+    rig.exchange(coarse);
+    rub = rig.body.rub(); // with another law it is sent once more
+    CHECK(rub.point.triangle < coarse->surface.triangles());
+    CHECK(norm(rub.point.position - Vec3{.1, .05, 0}) < 1e-2);
+  }
+}
+
+TEST_CASE("a rub at the force point that waits keeps its direction on a new body") {
+  Rig rig;
+  Rub rub;
+  rub.direction = {.6, 0, .8};
+  rig.body.schedule(rub, 1000);
+  rig.exchange(inclined(.7));
+  CHECK(rig.body.rub().direction == rub.direction);
 }
 
 TEST_CASE("a force point that was never set lies nearest to the user, and a set one stays put") {
@@ -269,7 +298,7 @@ TEST_CASE("a body that is exchanged rings out as one that is silenced, a silent 
     if (exchanged)
       rig.exchange(inclined(0));
     else
-      rig.body.reset();
+      rig.body.apply(Reset{});
     return rig.run(ModeBank::kRelease + 1024).left;
   };
   for (const Radiation radiation : {Radiation::kNone, Radiation::kModal}) {

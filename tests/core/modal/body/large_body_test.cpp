@@ -13,7 +13,7 @@ namespace {
 ModalTable crowded_plate() {
   ModalTable table = plate(0.32, 0.2, 0.005, 20000, 4, 4);
   const std::size_t each = table.vertices() * 3;
-  for (std::size_t k = 0; table.modes() <= StruckBody::kMaxUnthrottledModes; ++k) {
+  for (std::size_t k = 0; table.modes() <= EventSchedule::kMaxUnthrottledModes; ++k) {
     table.frequency_hz.push_back(table.frequency_hz.back() + 0.1);
     table.loss_factor.push_back(1e-3);
     const auto begin = table.shape.begin() + static_cast<std::ptrdiff_t>(k * each);
@@ -55,7 +55,7 @@ TEST_CASE(
     rig.body.set_striker({.0071, .006, 206e9, .29, 1e3, 1.5, 0, 1}); // soft
     const std::int64_t when = rig.body.clock() + 77;
     for (int i = 0; i < 8; ++i)
-      rig.body.schedule_hit({{}, {0, 0, 1}, 1}, when);
+      rig.body.schedule(Hit{{}, {0, 0, 1}, 1}, when);
     std::size_t before = 0;
     std::int64_t last = when;
     for (int n = 0; n < 700; ++n) { // sample by sample
@@ -86,10 +86,10 @@ TEST_CASE("of force and friction points faster than a large body's rate limit th
   rub.placed = true;
   for (int i = 0; i < 200; ++i) { // every 4 samples
     const SurfacePoint point = rig.body.model()->nearest({0.0005 * i, 0.01, 0});
-    rig.body.schedule_point(point, point.normal, begin + 4 * i);
+    rig.body.schedule(ForcePoint{point, point.normal}, begin + 4 * i);
     rub.point = point;
     rub.law.dynamic_coefficient = 0.3 + 0.001 * i;
-    rig.body.schedule_rub(rub, begin + 4 * i);
+    rig.body.schedule(rub, begin + 4 * i);
   }
   int points = 0, rubs = 0;
   double last_gain = point_gain(), last_coefficient = 0;

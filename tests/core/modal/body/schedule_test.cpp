@@ -50,7 +50,7 @@ TEST_CASE("scheduled strikes begin at their samples in blocks of any size, and s
         rig.body.set_options(rig.options);
         rig.body.set_striker(kLight);
         for (const std::int64_t sample : {5000, 350, 351, 2003, 640})
-          rig.body.schedule_hit(rig.at(kPoint, 1), sample);
+          rig.body.schedule(rig.at(kPoint, 1), sample);
         Output output = rig.run(8192, block);
         const auto begin = onsets(output.contact);
         for (const std::size_t sample : {350UL, 640UL, 2003UL, 5000UL})
@@ -66,17 +66,17 @@ TEST_CASE("a scheduled strike uses the striker and the clock of its message") {
   rig.body.set_options(rig.options);
   rig.body.begin_block(1000000);
   rig.body.set_striker(kLight);
-  rig.body.schedule_hit(rig.at(kPoint, 1), 1000100);
+  rig.body.schedule(rig.at(kPoint, 1), 1000100);
   rig.body.set_striker({0.1, 0.003, 206e9, 0.29, 0, 1.5, 0, 1}); // of a later strike
   const Output output = rig.run(2400);
   CHECK(onsets(output.contact).front() == 100);
   CHECK(impulse(output) < 2 * 0.001);
   // Pd's first long block begins before time 0.
   rig.body.begin_block(-4000);
-  rig.body.schedule_hit(rig.at(kPoint, 1), 50);
+  rig.body.schedule(rig.at(kPoint, 1), 50);
   CHECK(onsets(rig.run(4096).contact).front() == 4050);
   // What is late happens at once.
-  rig.body.schedule_hit(rig.at(kPoint, 1), 3);
+  rig.body.schedule(rig.at(kPoint, 1), 3);
   CHECK(onsets(rig.run(2400).contact).front() == 0);
 }
 
@@ -86,9 +86,9 @@ TEST_CASE("the point moves, and the body is silenced, at the sample that was ask
     rig.set_point(kPoint);
     if (scheduled) {
       const SurfacePoint next = rig.body.model()->nearest({-0.1, 0.01, 0});
-      rig.body.schedule_point(next, next.normal, 1234);
+      rig.body.schedule(ForcePoint{next, next.normal}, 1234);
       CHECK(rig.body.point().position == next.position);
-      rig.body.schedule_reset(3000);
+      rig.body.schedule(Reset{}, 3000);
     }
     return rig.run(6000, block, std::vector<float>(2000, 1.0F)).left;
   };
@@ -102,8 +102,8 @@ TEST_CASE("the point moves, and the body is silenced, at the sample that was ask
 TEST_CASE("more events than the queue holds, and an exchanged body, do no harm") {
   Rig rig;
   rig.body.set_options(rig.options);
-  for (std::size_t i = 0; i < 3 * StruckBody::kMaxScheduled; ++i)
-    rig.body.schedule_hit(rig.at(kPoint, 0.1), static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < 3 * EventSchedule::kMaxScheduled; ++i)
+    rig.body.schedule(rig.at(kPoint, 0.1), static_cast<std::int64_t>(i));
   // fewer triangles than the strikes were meant for
   rig.exchange(std::make_shared<const LoadedTable>(plate(0.3, 0.2, 0.005, 5000, 4, 4)));
   const Output output = rig.run(4800, 100);

@@ -43,7 +43,7 @@ TEST_CASE("a strike takes a free slot, and when there is none that of the oldest
     CHECK(age(slot) == 0);
     static_cast<void>(rig.run(480));
   }
-  rig.body.reset();
+  rig.body.apply(Reset{});
   CHECK(rig.body.contacts() == 0);
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("a strike needs a body and a speed") {
 TEST_CASE("a striker's law is Hertz', its own, or that of its restitution") {
   Rig rig(kRate, mode_table({1000}));
   const auto law = [&](const Striker& striker, double speed) {
-    rig.body.reset();
+    rig.body.apply(Reset{});
     static_cast<void>(rig.run(4800));
     rig.body.set_striker(striker);
     rig.hit({}, speed);
@@ -295,7 +295,7 @@ TEST_CASE("a table's recordings sound as they were taken at the nearest place, t
     CHECK(output[n] == approx(expected(0, t) + expected(0, t + 64 / kRate)).epsilon(1e-3));
   }
   // Silence that is asked for fades them out.
-  rig.body.reset();
+  rig.body.apply(Reset{});
   const auto faded = rig.run(64 + ModeBank::kRelease).left;
   CHECK(faded[0] != 0);
   for (std::size_t n = 0; n < 64; ++n) {
@@ -362,7 +362,7 @@ TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from t
     std::size_t n = 0;
     const auto fly = [&](std::size_t sample) {
       const double force = static_cast<double>(output.contact[sample]);
-      const double a = force / kMass - StruckBody::kGravity;
+      const double a = force / kMass - kGravity;
       height += speed / kRate + 0.5 * a / (kRate * kRate);
       speed += a / kRate;
     };
@@ -374,8 +374,8 @@ TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from t
     if (n + quiet >= 95000 || quiet < 480 || height < 1e-3 || speed <= 0)
       continue;
     above = true;
-    const double landing = std::sqrt(speed * speed + 2 * StruckBody::kGravity * height);
-    const double flight = (speed + landing) / StruckBody::kGravity;
+    const double landing = std::sqrt(speed * speed + 2 * kGravity * height);
+    const double flight = (speed + landing) / kGravity;
     CHECK(std::abs(static_cast<double>(quiet) / kRate / flight - 1) < 0.002);
   }
   CHECK(above);

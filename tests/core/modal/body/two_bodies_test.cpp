@@ -210,7 +210,7 @@ TEST_CASE("a reset brings a body on its board back to rest") {
   BarOnSupports rig;
   rig.hit({0.02, 0, 0.02}, 1);
   rig.run(480);
-  rig.body.reset();
+  rig.body.apply(Reset{});
   rig.run(2048);
   CHECK(loudest(rig.run(480).left) == 0);
   rig.hit({0.02, 0, 0.02}, 1);
@@ -226,12 +226,12 @@ TEST_CASE("a force, a hand and a surface that rubs move both bodies") {
     rig.settings.rest.pressing_n = 20;
     rig.options.driven = how == kHand;
     rig.rebuild(false);
-    rig.body.set_point(rig.loaded->nearest_on(0, {0.02, 0, 0.02}), {0, 0, 1});
+    rig.body.apply(ForcePoint{rig.loaded->nearest_on(0, {0.02, 0, 0.02}), {0, 0, 1}});
     Rub rub;
     rub.placed = true;
     rub.point = rig.loaded->nearest_on(0, {0.1, 0, 0});
     rub.direction = {0, 0, 1};
-    rig.body.set_rub(rub);
+    rig.body.apply(rub);
     if (how == kRub)
       static_cast<void>(rig.rub(5, 0.1F, 4800));
     else

@@ -243,7 +243,7 @@ TEST_CASE("friction acts at its point while the normal force is above 0, and sou
   rub.placed = true;
   rub.point = rig.body.model()->nearest({0.06, 0.05, 0.1});
   rub.direction = {1, 0, 0};
-  rig.body.set_rub(rub);
+  rig.body.apply(rub);
   CHECK(loudest(rig.rub(0, 1, 4800).first) == 0);
   CHECK(rig.body.contacts() == 0);
   // Sliding on a body that hardly yields: the dynamic coefficient's force.
@@ -275,7 +275,7 @@ TEST_CASE("friction is bounded for any signal and any point of the body") {
         const auto [sound, friction] = rig.rub(press, speed, 960);
         CHECK((is_finite(sound) && is_finite(friction)));
       }
-      rig.body.reset();
+      rig.body.apply(Reset{});
       rig.hit({0.05, 0.03, 0.1}, 1);
       CHECK(loudest(rig.rub(0, speed, 960).first) > 0);
     }

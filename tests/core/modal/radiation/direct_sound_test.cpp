@@ -352,7 +352,7 @@ TEST_CASE("a diverging force does not silence later strikes") {
   const double before = struck(rig);
   for (const double speed : {1e15, 1e30, 1e200}) {
     CAPTURE(speed);
-    rig.body.reset();
+    rig.body.apply(Reset{});
     static_cast<void>(rig.run(4096));
     rig.body.set_striker({0.007, 0.006, 206e9, 0.29, 1e12, 6, 0, 1});
     rig.hit({0.03, 0.02, 0}, speed);
