@@ -53,7 +53,7 @@ private:
     update_law();
   }
   void update_law() noexcept { body_.set_friction(0, law_); }
-  void update_steps() noexcept { body_.set_min_steps(steps_); }
+  void update_steps() noexcept { body_.set_min_steps(static_cast<unsigned>(steps_)); }
   [[nodiscard]] unsigned seed() const noexcept { return seed_; }
   void set_seed(unsigned value) noexcept {
     seed_ = value;
@@ -66,7 +66,8 @@ private:
 
   contact::SoundingBody body_;
   contact::FrictionLaw law_;
-  unsigned seed_ = 1, steps_ = 1;
+  unsigned seed_ = 1;
+  double steps_ = 1; ///< as given; whole numbers count
 };
 
 struct ContactFriction::Rows {

@@ -65,7 +65,7 @@ void HapticServerObject::open(Host& host) {
   chain.workspace = workspace_;
   servo_.attach(device_, &model_);
   service_ = std::make_unique<Service>(settings, servo_, model_, chain);
-  if (const std::string refusal = service_->sockets.open({limits_.port, listen_});
+  if (const std::string refusal = service_->sockets.open({static_cast<int>(limits_.port), listen_});
       !refusal.empty()) {
     service_.reset();
     return host.error("open: " + refusal);

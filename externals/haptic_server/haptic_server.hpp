@@ -29,8 +29,8 @@ private:
   struct Rows;
   /// From the next open on.
   struct Limits {
-    int port = net::kPort;
-    double force_n = 3, stiffness_n_per_m = 500, damping_n_s_per_m = 5, grab_mm = 10;
+    double port = net::kPort, force_n = 3, stiffness_n_per_m = 500, damping_n_s_per_m = 5,
+           grab_mm = 10;
   };
 
   void open(Host& host);

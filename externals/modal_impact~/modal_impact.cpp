@@ -51,6 +51,9 @@ std::int64_t ModalImpact::sample_now(const Host& host) const {
 BodySettings ModalImpact::settings() const {
   BodySettings now = settings_;
   now.sample_rate = sample_rate_;
+  now.max_modes = static_cast<std::size_t>(max_modes_);
+  now.voices = static_cast<std::size_t>(voices_);
+  now.listeners = static_cast<std::size_t>(listeners_);
   return now;
 }
 

@@ -191,7 +191,8 @@ private:
   Sync sync_ = Sync::kBackground;
   Resolve resolve_ = Resolve::kAuto;
   double restitution_ = 1, variation_ = 0;
-  BodySettings last_valid_; ///< the last valid `rest`
+  double max_modes_ = 0, voices_ = 8, listeners_ = 2; ///< as given; whole numbers count
+  BodySettings last_valid_;                           ///< the last valid `rest`
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
   Host* host_ = nullptr; ///< lives as long as the object; for the worker's callback
@@ -257,10 +258,10 @@ struct ModalImpact::Rows {
                                                      0),
       not_realtime(model<&BodySettings::size>.row("size", "", 1, 0.01, 100,
                                                   "factor on the table's lengths")),
-      not_realtime(
-          model<&BodySettings::max_modes>.row("modes", "", 0, 0, 20000,
-                                              "largest number of modes that sound; a last group of "
-                                              "near-equal frequencies is kept whole; 0: all")),
+      not_realtime(member<&Self::max_modes_>.then<&Self::model_changed>().row(
+          "modes", "", 0, 0, 20000,
+          "largest number of modes that sound; a last group of "
+          "near-equal frequencies is kept whole; 0: all")),
       options<&Options::cull_db>.row(
           "cull", "dB", 20, 200,
           "level below a strike's loudest mode (A-weighted) from which modes are left out"),
@@ -284,10 +285,10 @@ struct ModalImpact::Rows {
           "pos", "switch: 1 reads inlet 2 as the height of a striker that a hand moves"),
       options<&Options::doppler>.row("doppler",
                                      "switch: 1 gives a moving listener the Doppler shift"),
-      not_realtime(model<&BodySettings::voices>.row(
+      not_realtime(member<&Self::voices_>.then<&Self::model_changed>().row(
           "voices", "", 8, 1, 64,
           "largest number of contacts at once; a further strike ends the oldest")),
-      not_realtime(model<&BodySettings::listeners>.row(
+      not_realtime(member<&Self::listeners_>.then<&Self::model_changed>().row(
           "out", "", 2, 1, 4, "number of listeners; 1 sounds on both sides at half the cost")),
       member<&Self::sync_>.row(
           "sync", "", 0, 0, 2,

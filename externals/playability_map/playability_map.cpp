@@ -106,8 +106,8 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
 }
 
 void PlayabilityMapObject::compute(Host& host) {
-  columns_ = settings_.columns;
-  rows_ = settings_.rows;
+  columns_ = static_cast<std::size_t>(settings_.columns);
+  rows_ = static_cast<std::size_t>(settings_.rows);
   growth_ = settings_.growth;
   total_ = columns_ * rows_;
   working_key_ = key();

@@ -34,7 +34,7 @@ private:
   struct Rows;
   struct Settings {
     bool growth = false;
-    std::size_t columns = 41, rows = 41;
+    double columns = 41, rows = 41; ///< as given; whole numbers count
     double bore_frequency_hz = 0, settle_ms = 500, listen_ms = 200, rate_hz = 48000;
     bool background = true;
   };
