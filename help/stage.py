@@ -192,7 +192,7 @@ def fill_help(source, declaration):
 
 def library_meta(version, declarations):
     lines = ["#N canvas 100 100 500 300 12;", "#N canvas 100 100 500 300 META 0;"]
-    entries = [("NAME", "tactus"), ("DESCRIPTION", "instruments and worlds that are heard and felt"),
+    entries = [("NAME", "tactus"), ("DESCRIPTION", "physical models that you can hear and feel"),
                ("AUTHOR", AUTHOR), ("VERSION", version), ("LICENSE", LICENCE),
                ("WEBSITE", WEBSITE), ("OBJECTS", " ".join(d["name"] for d in declarations))]
     for i, (key, value) in enumerate(entries):

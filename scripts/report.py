@@ -17,11 +17,10 @@ import contents
 STYLE = (pathlib.Path(__file__).parent / "page.css").read_text()
 ROOT = "../"  # of the page, which is out/index.html
 INTRODUCTION = (
-    "tactus makes instruments and worlds that are heard and felt from one physical model: reeds and lips on a bore, "
-    "feet on fifteen grounds, solid bodies by finite elements, grains, strings and membranes. They are objects for "
-    "Pure Data. A musician plays them, a researcher drives them from a haptic device, a studio renders them. Every "
-    "sound here was rendered through these objects and patches; nothing was recorded. Begin with the sounds "
-    "below, then look at what interests you.")
+    "tactus is a collection of physical models for Pure Data that you can hear and feel: reeds and lips on a bore, "
+    "feet on fifteen surfaces, solid bodies by finite elements, particles, strings and membranes. You play them "
+    "from a patch, feel them with a haptic device, or render them without a screen. These objects and patches "
+    "rendered every sound on this page; nothing was recorded. Begin with the sounds below, then choose a scene.")
 LINKS = (("README.md", "README"), ("docs/install.md", "Installing"), ("docs/architecture.md", "How it is made"),
          ("docs/reference/", "Reference of the objects"), ("patches/README.md", "Patches to play"),
          ("CHANGELOG.md", "Changes"))
@@ -145,13 +144,13 @@ def page(scenes, coming=(), failed=()):
     return (f"<!doctype html><html lang=en><head><meta charset=utf-8><title>tactus: sounds and pictures</title>"
             f"<meta name=viewport content=\"width=device-width, initial-scale=1\">"
             f"<style>{STYLE}</style></head><body><header><h1>tactus</h1>"
-            f"<p>instruments and worlds that are heard and felt</p></header><nav>{links}</nav>"
+            f"<p>physical models that you can hear and feel</p></header><nav>{links}</nav>"
             f"<main><p class=introduction>{say(INTRODUCTION)}</p><p class=links>{documents}</p>"
-            f"<p>With Pd's window: <code>./play --gui reed</code>, or <code>./play --gui greed~</code> for an object's "
-            f"help patch. <code>./play --list</code> names the scenes, <code>./play --all</code> makes the long ones "
-            f"too.</p>{state}{best}{body}"
+            f"<p><code>./play --gui reed</code> opens a patch in Pd, <code>./play --gui greed~</code> an object's "
+            f"help patch. <code>./play --list</code> lists the scenes, <code>./play --all</code> also makes the long "
+            f"ones.</p>{state}{best}{body}"
             f"<footer>Rendered by ./play through the Pd objects, without a screen or sound card. Take care with "
-            f"headphones: the reeds are as loud as they like, up to full scale.</footer></main></body></html>\n")
+            f"headphones: the reeds reach full scale.</footer></main></body></html>\n")
 
 
 def write(out, coming=(), failed=()):

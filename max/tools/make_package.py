@@ -45,8 +45,8 @@ WITHOUT = {
 def package_info(version, systems):
     return {"name": NAME, "displayname": "tactus", "version": version,
             "author": reference_page.AUTHOR,
-            "description": "Instruments and worlds that are heard and felt from one physical model: "
-                           "experimental; not yet run inside Max.",
+            "description": "Physical models that you can hear and feel: "
+                           "experimental, never run inside Max.",
             "tags": ["physical modelling", "haptics", "wind instruments", "footsteps", "modal synthesis"],
             "website": "", "extensible": 1, "max_version_min": "8.3", "max_version_max": "none",
             "homepatcher": "reed_haptic.maxpat", "os": systems,

@@ -113,7 +113,7 @@ def test_the_folder_holds_what_was_given_and_says_what_was_not_run(package):
     assert "a stub of Max alone" in readme
     info = json.loads((package / "package-info.json").read_text())
     assert info["name"] == "tactus" and info["version"] == "1.2.3" and set(info["os"]) == {"windows"}
-    assert "not yet run inside Max" in info["description"]
+    assert "never run inside Max" in info["description"]
     assert (package / "patchers" / info["homepatcher"]).exists()
     assert make_package.missing_files(package) == ["beam.stress.npz", "plank.modal.npz", "plate.modal.npz"]  # not given
 
