@@ -1,4 +1,4 @@
-#include "core/particle/cloud.hpp"
+#include "core/particle/cloud_rows.hpp"
 
 #include <doctest/doctest.h>
 
@@ -128,36 +128,29 @@ TEST_CASE("absurd settings and powers stay finite and end in silence") {
     }
 }
 
-TEST_CASE("settings are held within their ranges") {
-  CloudSettings base;
-  base.count = 1500;
-  struct Limit {
-    double CloudSettings::*setting;
-    double beyond, limit, within;
-  };
-  const auto check = [&](const Limit& l) {
-    CloudSettings beyond = base, at = base, inside = base;
-    beyond.*l.setting = l.beyond;
-    at.*l.setting = l.limit;
-    inside.*l.setting = l.within;
-    const auto expected = sound_of(at, 2000);
-    CHECK(sound_of(beyond, 2000) == expected);
-    CHECK(sound_of(inside, 2000) != expected);
-  };
-  using S = CloudSettings;
-  for (const Limit& l : {Limit{&S::decay_s, 1e-9, 1e-4, 2e-4}, Limit{&S::decay_s, 1e9, 60, 40},
-                         Limit{&S::frequency_hz, 1, 10, 15},
-                         Limit{&S::frequency_hz, 1e9, 20000, 15000}, Limit{&S::spread, -1, 0, .1},
-                         Limit{&S::spread, 99, 3, 2.5}, Limit{&S::lower_by_size, -1, 0, .1},
-                         Limit{&S::lower_by_size, 9, 2, 1.5}, Limit{&S::quality, 0, .1, .15},
-                         Limit{&S::quality, 1e4, 200, 150}, Limit{&S::length_s, 0, 1e-5, 3e-5},
-                         Limit{&S::length_s, 99, 2, 1.5}, Limit{&S::level, -1, 0, .1},
-                         Limit{&S::level, 1e9, 1e4, 5e3}, Limit{&S::count, -5, 0, 2000}})
-    check(l);
-  base.kind = CloudSettings::Kind::kBubbles;
-  base.count = 300;
-  check({&S::rise, -1, 0, .1});
-  check({&S::rise, 9, 1, .9});
+TEST_CASE("settings are clamped to the ranges of their rows, and matter up to there") {
+  for (const Parameter& row : kCloudRows) {
+    if (!row.choices.empty())
+      continue;
+    CloudSettings base;
+    const bool bubbles = row.name == "rise";
+    base.kind = bubbles ? CloudSettings::Kind::kBubbles : CloudSettings::Kind::kGrains;
+    base.count = bubbles ? 300 : 1500;
+    const auto sound_at = [&](double value) {
+      CloudSettings settings = base;
+      row.set(&settings, value);
+      return sound_of(settings, 2000);
+    };
+    INFO(std::string(row.name));
+    const double span = row.highest - row.lowest;
+    for (const auto& [limit, beyond, within] :
+         {std::array{row.lowest, row.lowest - 1, row.lowest + 0.01 * span},
+          std::array{row.highest, 2 * row.highest + 1, row.highest - 0.2 * span}}) {
+      const auto expected = sound_at(limit);
+      CHECK(sound_at(beyond) == expected);
+      CHECK(sound_at(within) != expected);
+    }
+  }
 }
 
 TEST_CASE("variation scales frequency, decay and level, each within its range") {

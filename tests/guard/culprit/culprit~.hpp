@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/object.hpp"
+#include "core/rows.hpp"
 
 #include <array>
 #include <chrono>
@@ -19,22 +19,13 @@ namespace tactus::test {
 
 /// Breaks one rule on demand, to prove that the guard or the sanitizers see it.
 struct Culprit {
-  static constexpr std::array<std::string_view, 8> kViolations{
-      "none", "allocate", "lock", "write", "sleep", "syscall", "float-mode", "overflow"};
-  static constexpr std::array kParameters{
-      Parameter{"crime", "", 0, 0, 7, "to commit", kViolations}};
-  static constexpr std::array kPorts{Port{Port::Kind::kSignal, "signal", "", "passed through"}};
-  static constexpr std::array kArguments{CreationArgument{"crime"}};
-  static constexpr Declaration declaration{
-      "culprit~", "breaks a rule", "For the guard's own test.", "test", kPorts, kPorts, kParameters,
-      {},         kArguments};
+  static const Declaration declaration;
+  struct Rows;
 
-  void set(std::size_t, double value) noexcept { violation = value; }
-  [[nodiscard]] double get(std::size_t) const noexcept { return violation; }
   template <class S> void process(const Block<S>& block) noexcept {
     for (std::size_t n = 0; n < block.frames; ++n)
       block.outputs[0][n] = block.inputs[0][n];
-    switch (static_cast<int>(violation)) {
+    switch (violation) {
     case 1:
       text = std::string(1000 + block.frames, 'x');
       break;
@@ -67,9 +58,28 @@ struct Culprit {
     }
   }
 
-  double violation = 0;
+  int violation = 0;
   std::string text;
   std::mutex mutex;
 };
+
+struct Culprit::Rows {
+  static constexpr std::array<std::string_view, 8> violations{
+      "none", "allocate", "lock", "write", "sleep", "syscall", "float-mode", "overflow"};
+  static constexpr std::array parameters{
+      member<&Culprit::violation>.row("crime", violations, "to commit", 0)};
+  static constexpr std::array ports{Port{Port::Kind::kSignal, "signal", "", "passed through"}};
+  static constexpr std::array arguments{CreationArgument{"crime"}};
+};
+
+inline constexpr Declaration Culprit::declaration{"culprit~",
+                                                  "breaks a rule",
+                                                  "For the guard's own test.",
+                                                  "test",
+                                                  Rows::ports,
+                                                  Rows::ports,
+                                                  Rows::parameters,
+                                                  {},
+                                                  Rows::arguments};
 
 } // namespace tactus::test

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/object.hpp"
+#include "core/rows.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,40 +14,8 @@ namespace tactus::test {
 /// An object with one of everything the shells offer, for their own tests: multiplies two signals
 /// and a gain, counts blocks, echoes messages, wakes itself.
 struct Probe {
-  static constexpr std::array<std::string_view, 2> kSigns{"plus", "minus"};
-  static constexpr std::array kParameters{
-      Parameter{"gain", "", 1, 0, 4, "factor of the product"},
-      Parameter{"sign", "", 0, 0, 1, "of the product", kSigns},
-  };
-  static constexpr std::array kInlets{
-      Port{Port::Kind::kSignal, "a", "", "first factor"},
-      Port{Port::Kind::kSignal, "b", "", "second factor"},
-      Port{Port::Kind::kControl, "number", "", "echoed with its inlet number"},
-      Port{Port::Kind::kList, "list", "", "echoed with its inlet number"},
-  };
-  static constexpr std::array kOutlets{
-      Port{Port::Kind::kSignal, "product", "", "gain a b"},
-      Port{Port::Kind::kControl, "blocks", "", "blocks processed so far, after each block"},
-  };
-  static constexpr std::array kMessages{
-      Message{"echo", "anything", 0, 100, "comes back out of the info outlet"},
-      Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
-      Message{"fail", "member how", 2, 2, "from now on that member throws; how: memory, size, 1"},
-      Message{"post", "times", 1, 1,
-              "wakes itself that many times, and sends `posted` each time it is woken"},
-      Message{"starts", "", 0, 0,
-              "sends `ago` and how long ago the latest four blocks began, in ms"},
-  };
-  static constexpr std::array kArguments{CreationArgument{"gain"}, CreationArgument{"echo"}};
-  static constexpr Declaration declaration{"probe~",
-                                           "one of everything",
-                                           "For the tests of the shells.",
-                                           "test",
-                                           kInlets,
-                                           kOutlets,
-                                           kParameters,
-                                           kMessages,
-                                           kArguments};
+  static const Declaration declaration;
+  struct Rows;
   static constexpr std::size_t timers = 1;
   static constexpr bool multichannel = true;
 
@@ -63,36 +31,39 @@ struct Probe {
     throw 1;
   }
   void prepare(double, std::size_t) const { fail_in("dsp"); }
-  void set(std::size_t parameter, double value) {
-    fail_in("set");
-    values[parameter] = value;
-  }
-  [[nodiscard]] double get(std::size_t parameter) const {
+  [[nodiscard]] double get_gain() const {
     fail_in("get");
-    return values[parameter];
+    return gain;
   }
-  void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-    if (index == 2) {
-      failing = arguments[0].word;
-      how = arguments[1].word;
-      return host.wake_from_thread();
-    }
+  void set_gain(double value) {
+    fail_in("set");
+    gain = value;
+  }
+  void echo(std::span<const Atom> arguments, Host& host) const {
     fail_in("message");
-    if (index == 3) {
-      for (woken = 0; woken < arguments[0].number; ++woken)
-        host.wake_from_thread();
-      return;
-    }
-    if (index == 4)
-      return host.info({"ago", host.now_ms() - starts_ms[0], host.now_ms() - starts_ms[1],
-                        host.now_ms() - starts_ms[2], host.now_ms() - starts_ms[3]});
-    if (index == 0)
-      host.info(arguments);
-    else
-      host.wake_in(0, arguments[0].number);
+    host.info(arguments);
+  }
+  void wake(const Atom& ms, Host& host) const {
+    fail_in("message");
+    host.wake_in(0, ms.number);
+  }
+  void fail(std::span<const Atom> arguments, Host& host) {
+    failing = arguments[0].word;
+    how = arguments[1].word;
+    host.wake_from_thread();
+  }
+  void post(const Atom& times, Host& host) {
+    fail_in("message");
+    for (woken = 0; woken < times.number; ++woken)
+      host.wake_from_thread();
+  }
+  void starts(Host& host) const {
+    fail_in("message");
+    host.info({"ago", host.now_ms() - starts_ms[0], host.now_ms() - starts_ms[1],
+               host.now_ms() - starts_ms[2], host.now_ms() - starts_ms[3]});
   }
   void created(Host&) const {
-    if (values[0] == 3.5)
+    if (gain == 3.5)
       throw std::bad_alloc();
   }
   void posted(Host& host) const {
@@ -111,7 +82,7 @@ struct Probe {
     host.info(echo);
   }
   template <class S> void process(const Block<S>& block) noexcept {
-    const double factor = values[0] * (values[1] > 0 ? -1 : 1);
+    const double factor = gain * (negative ? -1 : 1);
     for (std::size_t n = 0; n < block.frames; ++n)
       block.outputs[0][n] = static_cast<S>(factor * static_cast<double>(block.inputs[0][n]) *
                                            static_cast<double>(block.inputs[1][n]));
@@ -137,11 +108,48 @@ struct Probe {
     host.info({"awake", host.now_ms()});
   }
 
-  std::array<double, 2> values{};
+  double gain = 0;
+  bool negative = false;
   std::array<double, 4> starts_ms{};
   std::size_t blocks = 0;
   double woken = 0;
   std::string failing{}, how{};
 };
+
+struct Probe::Rows {
+  static constexpr std::array<std::string_view, 2> signs{"plus", "minus"};
+  static constexpr std::array parameters{
+      property<&Probe::get_gain, &Probe::set_gain>.row("gain", "", 1, 0, 4,
+                                                       "factor of the product"),
+      member<&Probe::negative>.row("sign", signs, "of the product", 0),
+  };
+  static constexpr std::array inlets{
+      Port{Port::Kind::kSignal, "a", "", "first factor"},
+      Port{Port::Kind::kSignal, "b", "", "second factor"},
+      Port{Port::Kind::kControl, "number", "", "echoed with its inlet number"},
+      Port{Port::Kind::kList, "list", "", "echoed with its inlet number"},
+  };
+  static constexpr std::array outlets{
+      Port{Port::Kind::kSignal, "product", "", "gain a b"},
+      Port{Port::Kind::kControl, "blocks", "", "blocks processed so far, after each block"},
+  };
+  static constexpr std::array messages{
+      action<&Probe::echo>("echo", "anything", 0, 100, "comes back out of the info outlet"),
+      action<&Probe::wake>("wake", "ms", 1, 1, "sends `awake` that much later"),
+      action<&Probe::fail>("fail", "member how", 2, 2,
+                           "from now on that member throws; how: memory, size, 1"),
+      action<&Probe::post>(
+          "post", "times", 1, 1,
+          "wakes itself that many times, and sends `posted` each time it is woken"),
+      action<&Probe::starts>("starts", "", 0, 0,
+                             "sends `ago` and how long ago the latest four blocks began, in ms"),
+  };
+  static constexpr std::array arguments{CreationArgument{"gain"}, CreationArgument{"echo"}};
+};
+
+inline constexpr Declaration Probe::declaration{
+    "probe~",         "one of everything", "For the tests of the shells.",
+    "test",           Rows::inlets,        Rows::outlets,
+    Rows::parameters, Rows::messages,      Rows::arguments};
 
 } // namespace tactus::test
