@@ -5,9 +5,9 @@
 #include <cstdint>
 
 /// Messages of `modal_fem serve FILE.modal.npz`, which finds the modes of a table's body at other
-/// shapes. docs/modal_fem.md lists them. A request `solve` is f64 parameters [P], then f64 [P] the
-/// parameters of the shape whose modes are to be matched with the new ones, m. Solves are functions
-/// of the request alone: the program may be restarted between two of them.
+/// shapes. docs/formats/serve.md lists them. A request `solve` is f64 parameters [P], then f64 [P]
+/// the parameters of the shape whose modes are to be matched with the new ones, m. Solves are
+/// functions of the request alone: the program may be restarted between two of them.
 namespace tactus::serve {
 
 struct ModesReady {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 /// Messages of `part_stress serve FILE.stress.npz`, which solves the part of a table at other
-/// shapes. docs/part_stress.md lists them. A request `solve` is u32 ServeMethod, u32 ServeFlags,
+/// shapes. docs/formats/serve.md lists them. A request `solve` is u32 ServeMethod, u32 ServeFlags,
 /// f64 parameters [P] in m.
 namespace tactus::serve {
 

@@ -30,7 +30,7 @@ using design::DesignParameter;
 using design::kMaxControlPoints;
 
 /// Written by an offline finite-element program, read by files/stress_table.hpp;
-/// docs/stress_haptic.md lists the arrays.
+/// docs/formats/stress_table.md lists the arrays.
 struct StressTable {
   StressBase base;
   std::vector<float> weight; ///< [N] m^3, or empty

@@ -44,7 +44,7 @@ struct ModalTable {
 /// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation
 /// also mp_* and alpha_rad, with shape derivatives control_points, parameters, trust and
 /// domega2_dp, and for `modal_fem serve` the mesh (bytes) and in meta the command; of a moved
-/// shape displacement. docs/modal_fem.md lists them.
+/// shape displacement. docs/formats/modal_table.md lists them.
 void write_table(const std::string& path, const ModalTable&);
 
 /// The same file in memory, without the mesh.

@@ -35,7 +35,8 @@ struct StressTable {
 /// NAME.stress.npz, SI: meta (JSON), s0, shear0 [N], S, S_shear [P,N], weights [N], parameters
 /// [P,4], control_points [C,3], trust, surface_nodes [V,3], surface_triangles [T,3],
 /// surface_node_element [V], surface_weights [V,C] and, for solving again, mesh (bytes).
-/// docs/part_stress.md lists them. A surface node takes the colour of the largest of its elements.
+/// docs/formats/stress_table.md lists them. A surface node takes the colour of the largest of its
+/// elements.
 void write_stress_table(const std::string& path, const StressTable&);
 
 /// For each vertex of the skin the element whose stress is drawn there: of those that share the

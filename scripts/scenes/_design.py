@@ -5,7 +5,7 @@ import subprocess
 import numpy
 from harness import stage_folder
 
-MAGIC, SOLVE, READY, STRESS = 0x31525354, 1, 16, 17  # docs/part_stress.md
+MAGIC, SOLVE, READY, STRESS = 0x31525354, 1, 16, 17  # docs/formats/serve.md
 PCG, NEW_FACTOR = 1, 2
 
 

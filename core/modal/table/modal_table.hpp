@@ -74,7 +74,7 @@ struct RawTable {
 };
 
 /// The modes of a body's surface, with everything that sound and contact depend on. Written by
-/// modal_fem, read by files/modal_table.hpp; docs/modal_impact.md lists the arrays.
+/// modal_fem, read by files/modal_table.hpp; docs/formats/modal_table.md lists the arrays.
 struct ModalTable {
   std::vector<double> frequency_hz; ///< [K], ascending, elastic modes only
   std::vector<float> shape;         ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain

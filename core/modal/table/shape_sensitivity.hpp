@@ -15,7 +15,7 @@ namespace tactus::modal {
 ///   omega_k^2(d) = omega_k^2 exp(sum over p of slope_pk (d_p - d_p0) / omega_k^2).
 /// This keeps omega^2 above 0, is exact for shapes scaled along an axis by exp(d) (omega^2 ~
 /// scale^n), and has the least error of four expansions for stretched bars and plates
-/// (docs/modal_impact.md, "Shape"). Mode shapes, mass and surface stay those of the table.
+/// (docs/theory/modal_impact_shape.md). Mode shapes, mass and surface stay those of the table.
 struct ShapeSensitivity {
   design::ShapeParameters shape;
   std::vector<double> eigenvalue_slope; ///< [P][K] d(omega^2)/dp, rad^2/s^2 per m
