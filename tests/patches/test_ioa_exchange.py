@@ -1,4 +1,4 @@
-"""Each module is exchanged by changing one object box: the rows of docs/audiohaptics.md's table."""
+"""Each module is exchanged by changing one object box: the rows of docs/results/audiohaptics.md's table."""
 import socket
 import struct
 
