@@ -3,7 +3,7 @@
 
     bench/stress_petsc.py BUILD [--ranks 1,2] [--quick] [-o docs/results/stress_petsc.csv]
 
-Needs a build with Debian's libpetsc-real-dev, and openmpi-bin. The beam of docs/reanalysis.md in hex20, loaded at
+Needs a build with Debian's libpetsc-real-dev, and openmpi-bin. The beam of docs/results/reanalysis.md in hex20, loaded at
 its end, one static solution. Memory of PETSc is that of the largest process; part_stress itself keeps the mesh and
 K meanwhile, in the column before. CPU seconds are of all processes together.
 """

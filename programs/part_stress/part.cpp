@@ -19,7 +19,7 @@ constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron 
 constexpr int kElementsPerTurn = 12, kElementsPerTurnOfTable = 6;
 
 /// Of K here while it is exported, and of K, its levels and the vectors in PETSc's processes
-/// (measured, docs/part_stress.md); and of the libraries of one process.
+/// (measured, docs/results/part_stress.md); and of the libraries of one process.
 constexpr double kPetscPairBytes = 900, kPetscProcessBytes = 7e7;
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
