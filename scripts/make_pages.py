@@ -172,7 +172,8 @@ class Site:
             return [n for n in self.pages if pathlib.PurePosixPath(n).parent.as_posix() == folder and n not in BEGIN]
         shown = [("Begin", [n for n in BEGIN if n in self.pages]), ("Tutorials", under("docs/tutorials")),
                  ("Models and programs", under("docs")), ("Devices", under("docs/devices")),
-                 ("Reference", under("docs/reference")), ("Results", under("docs/results"))]
+                 ("Reference", under("docs/reference")), ("Theory", under("docs/theory")),
+                 ("Formats", under("docs/formats")), ("Results", under("docs/results"))]
         known = {name for _, names in shown for name in names}
         return shown + [("The checkout", [n for n in self.pages if n not in known])]
 

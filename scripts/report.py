@@ -25,8 +25,8 @@ LINKS = (("README.md", "README"), ("docs/install.md", "Installing"), ("docs/arch
          ("docs/reference/", "Reference of the objects"), ("patches/README.md", "Patches to play"),
          ("CHANGELOG.md", "Changes"))
 DOCS = {"greed": "greed.md", "fanfare": "greed.md", "reed": "results/reed_piece.md", "map": "guidance.md",
-        "reed-study": "results/reed_study.md", "bodies": "modal_fem.md", "board": "modal_impact.md",
-        "rubbing": "contact.md", "disk": "results/modal_disk.md", "disk-hollow": "modal_impact.md",
+        "reed-study": "results/reed_study.md", "bodies": "modal_fem.md", "board": "modal_impact_touch.md",
+        "rubbing": "contact.md", "disk": "results/modal_disk.md", "disk-hollow": "results/modal_disk.md",
         "footsteps": "footstep.md", "walking": "footstep.md", "walk-on-plate": "footstep.md",
         "particles": "particle.md", "audiohaptics": "audiohaptics.md", "finger": "audiohaptics.md",
         "strike": "scene.md", "spring": "network.md", "design": "stress_haptic.md"}

@@ -9,7 +9,7 @@
 
 namespace tactus::ioa_link {
 
-/// [ioa_link]: a bus of modules mirrored over TCP. docs/audiohaptics.md, "Elsewhere".
+/// [ioa_link]: a bus of modules mirrored over TCP. docs/audiohaptics_network.md.
 class IoaLink {
 public:
   static const Declaration declaration;
@@ -87,6 +87,7 @@ inline constexpr Declaration IoaLink::declaration{
     Rows::messages,
     Rows::arguments,
     "ioa_net, audiohaptics.pd",
-    "AudioHaptics: audiohaptics.md, four computers: four_computers.md"};
+    "AudioHaptics: audiohaptics.md, over a network: audiohaptics_network.md, "
+    "four computers: four_computers.md"};
 
 } // namespace tactus::ioa_link

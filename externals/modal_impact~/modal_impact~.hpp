@@ -432,7 +432,7 @@ inline constexpr Declaration ModalImpact::declaration{
     Rows::messages,
     Rows::arguments,
     "contact_impact~, struck_disk.pd, struck_beam.pd",
-    "the model: modal_impact.md, making a body: modal_fem.md",
+    "use: modal_impact.md, the model: theory/modal_impact.md, making a body: modal_fem.md",
     "bodies/piece.wav: a piece for nine bodies"};
 
 } // namespace tactus::modal

@@ -235,7 +235,7 @@ inline constexpr Declaration StressHaptic::declaration{
     Rows::messages,
     Rows::arguments,
     "phantom, haptic_server, beam.pd",
-    "the model: stress_haptic.md, making a table: part_stress.md",
+    "use: stress_haptic.md, the model: theory/stress_haptic.md, making a table: part_stress.md",
     "design/struck_beam.wav: a beam struck while it changes shape"};
 
 } // namespace tactus::stress
