@@ -23,8 +23,8 @@ struct Preset {
   }
 };
 
-/// All presets, the maraca first. docs/particle.md gives the source of each number. Only the levels
-/// are set by measurement: at a constant energy of 1, one sample in 10^4 exceeds 0.4.
+/// All presets, the maraca first. docs/theory/particle.md gives the source of each number. Only the
+/// levels are set by measurement: at a constant energy of 1, one sample in 10^4 exceeds 0.4.
 [[nodiscard]] std::span<const Preset> presets() noexcept;
 /// The preset of this name, or null.
 [[nodiscard]] const Preset* find_preset(std::string_view name) noexcept;

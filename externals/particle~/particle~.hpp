@@ -168,7 +168,7 @@ inline constexpr Declaration ParticleObject::declaration{
     Rows::messages,
     Rows::arguments,
     "footstep~, modal_impact~",
-    "the model: particle.md",
+    "how to use it: particle.md, the model: theory/particle.md",
     "particles/piece.wav: maraca, cabasa, tambourine and coins over rain and bubbles"};
 
 } // namespace tactus
