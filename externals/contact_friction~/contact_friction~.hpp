@@ -116,6 +116,6 @@ inline constexpr Declaration ContactFriction::declaration{
     Rows::messages,
     contact::kBodyArguments,
     "contact_impact~, modal_impact~",
-    "the model: contact.md"};
+    "how to use it: contact.md, the model: theory/contact.md"};
 
 } // namespace tactus

@@ -167,6 +167,6 @@ inline constexpr Declaration ContactImpact::declaration{
     Rows::messages,
     contact::kBodyArguments,
     "contact_friction~, modal_impact~",
-    "the model: contact.md"};
+    "how to use it: contact.md, the model: theory/contact.md"};
 
 } // namespace tactus

@@ -80,7 +80,7 @@ def rub(normal, speed, arguments, modes, rate=48000):
 
 
 def test_a_rubbed_body_speaks_with_the_pitch_of_theory():
-    # The third of the rubbed oscillators of docs/contact.md: 600.798 Hz.
+    # The third of the rubbed oscillators of docs/results/contact.md: 600.798 Hz.
     result = rub(20, 0.1, ("-body", 0.05), f"600 {math.log(1000) / 20} 1", 44100)
     sound = result["sound"][-22050:].astype(float)
     sound -= sound.mean()
