@@ -4,7 +4,8 @@
     reference_page.py --declarations declarations.json --surface-keys surface_keys.json --docs FOLDER
     reference_page.py ... --check FOLDER                        are the pages in FOLDER up to date?
 
-FOLDER is docs/; the pages are FOLDER/reference/NAME.md, and the part of FOLDER/surfaces.md between its two marks.
+FOLDER is docs/; the pages are FOLDER/reference/NAME.md, and the part of FOLDER/formats/surface.md between its
+two marks.
 """
 import argparse
 import json
@@ -124,7 +125,7 @@ def surface_tables(keys):
     out = []
     for section, title in SECTIONS.items():
         out += [f"### {title}", ""]
-        out += table(["key", "range", "left out", "meaning"],
+        out += table(["key", "range", "default", "meaning"],
                      [[code(k["name"]), with_unit(f"{number(k['lowest'])}..{number(k['highest'])}", k["unit"]),
                        with_unit(number(k["initial"]), k["unit"]), k["text"]]
                       for k in keys if k["section"] == section])
@@ -136,7 +137,7 @@ def pages(declarations, keys, folder):
     for d in declarations:
         spell_choices(d)
         yield folder / "reference" / f"{d['name']}.md", page(d)
-    surfaces = folder / "surfaces.md"
+    surfaces = folder / "formats" / "surface.md"
     before, _, rest = surfaces.read_text().partition(BEGIN)
     yield surfaces, before + BEGIN + "\n" + surface_tables(keys) + END + rest.partition(END)[2]
 

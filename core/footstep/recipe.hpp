@@ -11,7 +11,7 @@
 #include <string_view>
 
 /// Recipe: the parameters of a ground, as users write them down: sections and `key value` lines
-/// (docs/footstep.md), read by files/recipe.hpp.
+/// (docs/formats/surface.md), read by files/recipe.hpp.
 namespace tactus::footstep {
 
 inline constexpr std::size_t kMaxModes = 32, kMaxClouds = 4, kMaxPatches = 8;

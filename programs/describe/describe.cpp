@@ -1,8 +1,8 @@
 // tactus_describe: prints what every object says of itself as one JSON array.
 // Each entry: name, title, description, keywords, related, pages, sound, inlets, outlets,
 // arguments, parameters, messages and traits, as in core/declaration.hpp. `tactus_describe
-// surface_keys` prints the keys of a ground's text (docs/surfaces.md) instead: section, name, unit,
-// range, initial value, text.
+// surface_keys` prints the keys of a surface's text (docs/formats/surface.md) instead: section,
+// name, unit, range, initial value, text.
 #include "programs/describe/describe.hpp"
 
 #include "core/footstep/recipe.hpp"

@@ -73,9 +73,10 @@ TEST_CASE("every key sets its own number within its range, and refuses values ou
                       [&](const RecipeKey& key) { return key.section == section; }));
 }
 
-TEST_CASE("ranges, and what is left out, are those of docs/surfaces.md") {
+TEST_CASE("ranges and defaults are those of docs/formats/surface.md") {
   // Users' files rely on these: they are changed with a line in the change log, not in passing.
-  std::ifstream page(std::filesystem::path(__FILE__).parent_path() / "../../docs/surfaces.md");
+  std::ifstream page(std::filesystem::path(__FILE__).parent_path() /
+                     "../../docs/formats/surface.md");
   std::string section, line, cell, name, range, initial;
   std::size_t rows = 0;
   while (std::getline(page, line)) {
