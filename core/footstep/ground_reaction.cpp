@@ -17,7 +17,7 @@ constexpr double kContactSlip = 0.2 / 1.4; // of the walking speed: 3 mm in 30 m
 constexpr double kMaxWalk = 2.5, kMinWalk = 0.3, kMaxRun = 8, kMinRun = 1.5; // m/s
 constexpr double kMinSprint = 6; // m/s, from where runners land on the ball
 
-// Effective masses behind a landing, parts of the body's (docs/footstep.md).
+// Effective masses behind a landing, parts of the body's (docs/theory/footstep.md).
 constexpr double kHeelWalking = 0.063, kHeelRunning = 0.053, kHeelCrouched = 0.037;
 constexpr double kBallFirst = 0.017, kFoot = 0.0145;
 

@@ -41,7 +41,7 @@ struct Landing {
 /// Running: half a sine, no double support.
 /// Sneaking: both feet together carry exactly the weight at any time, so the body does not
 /// accelerate.
-/// Numbers and sources: docs/footstep.md.
+/// Numbers and sources: docs/theory/footstep.md.
 class GroundReaction {
 public:
   GroundReaction() { set({}); }

@@ -8,7 +8,7 @@
 namespace tactus::footstep {
 
 /// Makes the footfalls of steps, halts, jumps, scuffs and drags. Loads in N, from a weight in N.
-/// Equations, numbers and sources: docs/footstep.md, "Ways of walking".
+/// Equations, numbers and sources: docs/theory/footstep.md, "Movements".
 
 /// Factors by which one step differs from the walker's mean.
 struct StepVariation {

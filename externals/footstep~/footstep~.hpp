@@ -262,7 +262,7 @@ inline constexpr Declaration Footstep::declaration{
     Rows::messages,
     Rows::arguments,
     "particle~, modal_impact~, footstep_map.pd",
-    "the model: footstep.md, your own surface: surfaces.md",
+    "how to use it: footstep.md, the model: theory/footstep.md, your own surface: surfaces.md",
     "walking/tour.wav: one walker in one take"};
 
 } // namespace tactus::footstep

@@ -81,7 +81,7 @@ def recorded_steps(result):
 def test_a_walk_s_steps_measure_as_recordings_of_that_ground_do(surface):
     """Medians of 11 features within recordings' 10 to 90 %, their mean spectrum within 4.5 dB rms. Boards
     that creak for a sixth of the sound are longer than recordings, whose creaks hold a fiftieth; carpet's
-    recordings rise for 20 ms and die down within as many (docs/footstep.md)."""
+    recordings rise for 20 ms and die down within as many (docs/results/footstep.md)."""
     import targets
     from steps import measure
     steps = recorded_steps(foot(surface, messages=[(100, "walk 1")], seconds=45))
@@ -95,7 +95,7 @@ def test_a_walk_s_steps_measure_as_recordings_of_that_ground_do(surface):
 
 @pytest.mark.slow
 def test_boards_creak_in_bursts_of_friction_and_of_nothing_else(tmp_path):
-    """2 to 6 bursts at 1 to 4 kHz, 0.12 to 0.45 s after the onset (recordings, docs/footstep.md). Noise can
+    """2 to 6 bursts at 1 to 4 kHz, 0.12 to 0.45 s after the onset (recordings, docs/results/footstep.md). Noise can
     make that figure, too: without [friction] there must be none."""
     from time_course import bursts
     recipe = (ROOT / "data/surfaces/creak.txt").read_text()

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-// Ways of walking against momentum and published numbers (docs/footstep.md).
+// Ways of walking against momentum and published numbers (docs/theory/footstep.md).
 
 using namespace tactus::footstep;
 
@@ -144,9 +144,9 @@ TEST_CASE("forces of walking between the published speeds, and of running, follo
     CHECK(reaction.stride_s() == doctest::Approx(stride));
     CHECK(mean_of(reaction) ==
           doctest::Approx(1000 * stride / (2 * reaction.stance_s())).epsilon(1e-3));
-    // What landings add (docs/footstep.md): m v / g of the heel, 5.3 % of the body, and of the
-    // ball, 1.45 %, at 0.6 + 0.15 v and 0.6 of that; from 6 m/s the ball comes first, 1.7 %, and a
-    // fifth.
+    // What landings add (docs/theory/footstep.md): m v / g of the heel, 5.3 % of the body, and of
+    // the ball, 1.45 %, at 0.6 + 0.15 v and 0.6 of that; from 6 m/s the ball comes first, 1.7 %,
+    // and a fifth.
     const double v = .6 + .15 * speed;
     const double landings = (speed < 6 ? .053 * v + .0145 * .6 * v : .017 * v + .0145 * .2 * v) /
                             (9.81 * reaction.stance_s()) * 1000;
