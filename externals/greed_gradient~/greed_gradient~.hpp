@@ -198,7 +198,7 @@ inline constexpr Declaration GreedGradient::declaration{
     Rows::messages,
     greed::kArguments,
     "greed~, playability_map, reed_haptic.pd",
-    "the model: guidance.md",
+    "how to use it: guidance.md, the model: theory/guidance.md",
     "reed/adagio_room.wav: the clarinet of Mozart's Adagio, played by a hand"};
 
 } // namespace tactus

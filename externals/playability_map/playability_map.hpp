@@ -132,6 +132,6 @@ inline constexpr Declaration PlayabilityMapObject::declaration{
     Rows::messages,
     greed::kArguments,
     "playability~, greed_gradient~, reed_haptic.pd",
-    "guidance: guidance.md"};
+    "how to use it: guidance.md, the model: theory/guidance.md"};
 
 } // namespace tactus::reed

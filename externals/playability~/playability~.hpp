@@ -103,6 +103,6 @@ inline constexpr Declaration PlayabilityObject::declaration{
     Rows::messages,
     Rows::arguments,
     "greed~, playability_map, greed_gradient~",
-    "the model: playability.md"};
+    "how to use it: playability.md, the model: theory/playability.md"};
 
 } // namespace tactus::reed

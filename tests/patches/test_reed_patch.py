@@ -224,7 +224,7 @@ PERSON = "hand person 200 2 0.1 15 1000"  # without a goal
 
 
 @pytest.mark.parametrize("hand, instrument, seeds, seconds", [("hand free", (), range(1, 3), 5)] + [
-    pytest.param(hand, instrument, range(1, 5), 15, marks=slow)  # the table of docs/guidance.md
+    pytest.param(hand, instrument, range(1, 5), 15, marks=slow)  # the table of docs/results/guidance.md
     for hand in ("hand free", PERSON) for instrument in ((), CLARINET)])
 def test_with_guidance_a_hand_is_out_of_the_playable_region_half_as_long_at_most(hand, instrument, seeds, seconds):
     out, speeds = {}, {}

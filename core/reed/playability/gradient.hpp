@@ -25,7 +25,7 @@ namespace tactus::reed {
 /// The hand's position is read every kHandPeriod samples. Pressures then move linearly to the new
 /// position within one period; reed frequencies follow as ReedBank has them. The force is updated
 /// at every second reading, in the middle of a host's block of 64. Laws and measurements:
-/// docs/guidance.md.
+/// docs/theory/guidance.md.
 class ReedGradient {
 public:
   enum class Mode { kReed, kGrowth, kGuide };

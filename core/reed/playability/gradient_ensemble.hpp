@@ -14,7 +14,7 @@ namespace tactus::reed {
 /// its own mouth pressure, reed frequency and playability estimator; they share the bore frequency.
 ///
 /// Interface of LaneEnsemble, which is compiled once per instruction set. Each lane equals a scalar
-/// Instrument within single precision (docs/guidance.md has the figures).
+/// Instrument within single precision (docs/theory/guidance.md has the figures).
 class ReedEnsemble {
 public:
   static constexpr std::size_t kLanes = 8;

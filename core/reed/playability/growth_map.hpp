@@ -20,7 +20,7 @@ namespace tactus::reed {
 /// decays more slowly than with a little, so that g would point away from notes.
 ///
 /// The map is computed a few nodes at a time; meanwhile the previous map stays in use. Limits of
-/// linear theory: docs/guidance.md.
+/// linear theory: docs/theory/guidance.md.
 class GrowthMap {
 public:
   /// Allocates columns x rows nodes.

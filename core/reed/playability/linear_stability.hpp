@@ -39,7 +39,7 @@ struct Threshold {
 ///   Y_valve = -A_0/(rho (|u_0| + s lambda))
 ///             + (u_0 A_1 + s w lambda_b) w (-lambda_b + sigma mu u_0/(|u_0| + s lambda))/D_v,
 ///   D_v     = m (w_r^2 + s^2 + s w_r/Q),   A_1 = dA/dx,   sigma = open side of the valve.
-/// These are the equations of docs/greed.md, linearised. Limits: no final amplitude, and no
+/// These are the equations of docs/theory/greed.md, linearised. Limits: no final amplitude, and no
 /// hysteresis (a sounding instrument may continue below its threshold).
 ///
 /// A valve pressed against a stop is taken as fixed: only its opening remains, and such a state is

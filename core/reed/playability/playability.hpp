@@ -8,12 +8,12 @@
 namespace tactus::reed {
 
 /// Kind of oscillation found by the analysis. The boundaries (periodicity 0.985 and 0.85) are
-/// choices; weakly chaotic motion counts as periodic. See docs/playability.md.
+/// choices; weakly chaotic motion counts as periodic. See docs/theory/playability.md.
 enum class Regime { kSilent, kPeriodic, kQuasiPeriodic, kChaotic };
 
 /// Playability estimator of one reed: from the angle of its valve to f_p in 0..1, by amplitude and
 /// zero crossings (PlayabilityFollower) and periodicity (PeriodicityAnalysis). Equations:
-/// docs/playability.md.
+/// docs/theory/playability.md.
 class Playability {
 public:
   /// Allocates; keeps its state when nothing has changed. Without a transform (null) there is no

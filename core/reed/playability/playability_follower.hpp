@@ -8,7 +8,7 @@
 
 namespace tactus::reed {
 
-/// Parameters of the playability estimator, docs/playability.md.
+/// Parameters of the playability estimator, docs/theory/playability.md.
 struct PlayabilityParameters {
   enum class Mode { kPaper, kRobust };
   double attack_s = 5e-3;      // envelope's time constant on rise

@@ -56,7 +56,7 @@ TEST_CASE("the envelope of a sine is 2/pi of its amplitude, and a crossing count
 }
 
 TEST_CASE("envelope, crossings and jump are their definitions, sample by sample") {
-  // docs/playability.md, worked out from the whole history at each time that it is asked for.
+  // docs/theory/playability.md, computed from the whole history at each time of the request.
   for (const double rate : {8000.0, 48000.0})
     for (const bool slow_attack : {false, true}) {
       PlayabilityParameters p;
