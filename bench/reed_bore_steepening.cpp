@@ -1,5 +1,5 @@
 // Would steepening inside the bore, on each way of the wave, replace the steepening on the way out?
-// See docs/greed.md, "Steepening inside the bore".
+// See docs/results/greed.md, "Steepening inside the bore".
 //
 //   bench_reed_bore_steepening [--quick]
 //

@@ -148,7 +148,7 @@ struct Declaration {
   std::span<const CreationArgument> arguments{};
   std::string_view related{}; ///< objects and patches to look at next: "greed~, reed_haptic.pd"
   std::string_view
-      pages{}; ///< of docs/, that explain it: "the model: greed.md, guidance: guidance.md"
+      pages{}; ///< of docs/, that explain it: "the model: theory/greed.md, guidance: guidance.md"
   std::string_view sound{}; ///< of it, made by ./play: "fanfare/fanfare.wav: two trumpets"
 };
 

@@ -176,7 +176,8 @@ inline constexpr Declaration Greed::declaration{
     Rows::messages,
     greed::kArguments,
     "playability~, greed_gradient~, wind_controller.pd",
-    "the model: greed.md, wind controllers: wind_controller.md",
+    "how to use it: greed.md, the model: theory/greed.md, "
+    "wind controllers: wind_controller.md",
     "fanfare/fanfare.wav: two trumpets and two trombones"};
 
 } // namespace tactus

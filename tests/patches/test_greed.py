@@ -98,7 +98,7 @@ def test_the_papers_flow_plays_nearly_the_same_clarinet():
     ("trumpet", 3000, 175), pytest.param("trumpet", 3000, 466, marks=slow), ("trombone", 2500, 117),
     pytest.param("trombone", 2500, 233, marks=slow)])
 def test_a_tube_with_a_bell_is_as_much_softer_as_the_docs_say(preset, pressure, note):
-    """11 to 17 dB at the preset's gain, and 12 dB of it are four times that gain (docs/greed.md)."""
+    """11 to 17 dB at the preset's gain, and 12 dB of it are four times that gain (docs/fingerings.md)."""
     gain = {"trumpet": 0.04, "trombone": 0.035}[preset]
 
     def level(*more):

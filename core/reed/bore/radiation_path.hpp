@@ -24,8 +24,8 @@ namespace tactus::reed {
 /// Gilbert, Msallam & Wijnands 1996)
 ///   (gamma + 1)/(2 gamma P_0 c) * brassiness * L * a   seconds.
 /// Steepening computes it, shocks included. The bore itself is linear: there the way back undoes
-/// the steepening of the way out (docs/greed.md). brassiness > 1 stands for a louder wave than the
-/// bore's own.
+/// the steepening of the way out (docs/results/greed.md). brassiness > 1 stands for a louder wave
+/// than the bore's own.
 struct RadiationConstants {
   bool plain = true; // bell = 0
   // y = b0 x + b1 x_1 + b2 x_2 - a1 y_1 - a2 y_2: poles, slope at 0 Hz and gain at 8 kHz are exact.

@@ -23,7 +23,7 @@ namespace tactus::reed {
 /// the hole (also in a cone), p = a + b - q; b - q travels up, a - q down. A vent that is partly
 /// open lets out a share g of q, which gains no power for any g in 0..1. For small waves
 ///   q/(a + b) = H(s) = Z_0/(Z_0 + 2 (R + s M)) = share/(1 + s/corner).
-/// Limit: R is taken at one frequency (docs/greed.md, Limits).
+/// Limit: R is taken at one frequency (docs/theory/bores.md, Validity).
 struct RegisterVent {
   static constexpr double kFrictionFrequency_hz = 600;
   static constexpr double kSeparation = 1.5;

@@ -15,7 +15,7 @@ namespace tactus::reed {
 /// played by mouth pressure, reed frequency and bore frequency.
 ///
 /// Generalised reed of Smyth, Abel & Smith (2005); equations, units and limits are in
-/// docs/greed.md. All quantities are SI. prepare() allocates; everything else is bounded and
+/// docs/theory/greed.md. All quantities are SI. prepare() allocates; everything else is bounded and
 /// allocates nothing, for any input. The same input gives the same bits however the stream is cut
 /// into blocks.
 class Instrument {

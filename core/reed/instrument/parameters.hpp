@@ -13,8 +13,8 @@ enum class FlowMethod { kImplicit, kPaper };
 /// The parameters of a reed instrument: valve, bore, numerics and player. The three control signals
 /// (mouth pressure, reed frequency, bore frequency) are not among them.
 ///
-/// Symbols are those of Smyth, Smyth & Kirkpatrick and of docs/greed.md. SI units, angles in rad.
-/// The initial values are a clarinet's valve on a cylinder with an open end.
+/// Symbols are those of Smyth, Smyth & Kirkpatrick and of docs/theory/greed.md. SI units, angles in
+/// rad. The initial values are a clarinet's valve on a cylinder with an open end.
 struct Parameters {
   // valve
   ValveType type = ValveType::kClosed;

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 /// The time step of valve and jet: from mouth pressure and the wave p- out of the bore to the
-/// valve's motion, the flow and the wave p+ into the bore. Equations: docs/greed.md.
+/// valve's motion, the flow and the wave p+ into the bore. Equations: docs/theory/greed.md.
 ///
 /// V is double for one reed, or simd::Lanes<T, N, Set> for N reeds that share ValveConstants and
 /// bore (so f_b is common) and differ in mouth pressure, reed frequency and state. A lane of

@@ -6,7 +6,7 @@
 namespace tactus::reed {
 
 /// Coefficients of the valve and of the lumped elements at the bore's input (cone, cup) for one
-/// internal time step T. Symbols are those of docs/greed.md, SI units.
+/// internal time step T. Symbols are those of docs/theory/greed.md, SI units.
 ///
 /// Displacements are measured along `direction`, so that a valve with a stop opens towards positive
 /// values whether it is blown open or closed; the signs of the forces follow.

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The table of docs/greed.md: what the reed's tests assert, and how near to it they come.
+"""The table of docs/theory/greed.md: what the reed's tests assert, and how near to it they come.
 
     tests/core/reed/measured.py --program build/tests/core_reed_test [--rows ring-down,Raman]
 

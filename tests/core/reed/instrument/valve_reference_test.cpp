@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-// The step of valve, jet and port, sample by sample against its equations as docs/greed.md has
-// them: solved here one after the other in the valve's own coordinate (negative towards the mouth),
-// with none of the rearrangements that make step_valve quick.
+// The step of valve, jet and port, sample by sample against its equations as docs/theory/greed.md
+// has them: solved here one after the other in the valve's own coordinate (negative towards the
+// mouth), with none of the rearrangements that make step_valve quick.
 
 namespace tactus::reed {
 namespace {
