@@ -27,7 +27,7 @@ public:
   /// starts the air from rest. Blocks may have any size, whatever max_block says.
   void prepare(double sample_rate, std::size_t max_block);
   /// Takes the nearest usable parameters (clamped()). While the instrument sounds, numbers are
-  /// interpolated over some 16 ms; switches and words fade the sound out and in (ParameterGlide).
+  /// interpolated over some 16 ms; switches and words fade the sound out and in (ChangeFade).
   /// Another oversampling starts the air from rest.
   void set(const Parameters& parameters) noexcept {
     if (parameters.end != bank_.parameters().end)

@@ -1,12 +1,14 @@
 #pragma once
 
-#include "core/dsp/random.hpp"
 #include "core/dsp/simd.hpp"
 #include "core/reed/bore/bore_waveguide.hpp"
 #include "core/reed/bore/brass.hpp"
+#include "core/reed/instrument/breath_noise.hpp"
+#include "core/reed/instrument/change_fade.hpp"
 #include "core/reed/instrument/control_period.hpp"
-#include "core/reed/instrument/halfband.hpp"
+#include "core/reed/instrument/control_slew.hpp"
 #include "core/reed/instrument/moving_valve.hpp"
+#include "core/reed/instrument/oversampler.hpp"
 #include "core/reed/instrument/parameter_glide.hpp"
 #include "core/reed/instrument/parameters.hpp"
 #include "core/reed/player/player.hpp"
@@ -24,9 +26,9 @@ namespace tactus::reed {
 /// valve, bore and player put together and advanced sample by sample. The lanes share parameters,
 /// bore and player and differ in mouth pressure and reed frequency.
 ///
-/// The parts are MovingValve (equations in valve_bore_step.hpp), BoreWaveguide, Player and
-/// ParameterGlide; here are the clock that drives them, breath noise, oversampling and the checks
-/// that keep the state bounded.
+/// The parts are MovingValve (equations in valve_bore_step.hpp), BoreWaveguide and BreathNoise;
+/// Player, ControlSlew, ParameterGlide and ChangeFade, which move their settings; and Oversampler.
+/// Here are the clock that drives them and the check that keeps the state bounded.
 ///
 /// Controls are read once every kControlPeriod samples, counted from reset() whatever the blocks
 /// are. They are low-passed with 5 ms and interpolated for each sample in between:
@@ -41,14 +43,7 @@ public:
   static constexpr int kControlPeriod = reed::kControlPeriod;
   static constexpr double kHighestPressure = 50e3; ///< Pa, of the mouth
 
-  /// count samples each: radiated pressure at 1 m (Pa; of the first lane), theta (rad), p_b (Pa),
-  /// U (m^3/s).
-  struct Outputs {
-    double* radiated;
-    V* angle;
-    V* bore_pressure;
-    V* flow;
-  };
+  using Outputs = ReedOutputs<V>;
 
   /// Allocates room for the longest bore at this sample rate, Hz. The same rate again changes
   /// nothing; another rate starts the air from rest.
@@ -57,17 +52,17 @@ public:
       return;
     sample_rate_ = sample_rate;
     bore_.prepare(sample_rate * kMaxOversampling);
-    slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
-    max_immediate_step_ = kMaxImmediateRate * kControlPeriod / sample_rate;
+    slew_.prepare(sample_rate);
     player_.prepare(sample_rate);
     glide_.prepare(sample_rate / kControlPeriod);
+    fade_.prepare(sample_rate / kControlPeriod);
     starting_ = true;
     apply(parameters_);
     reset();
   }
 
   /// Takes the nearest usable parameters (clamped()). While a single reed sounds, numbers arrive
-  /// within some 16 ms and switches in a short fade (ParameterGlide); several side by side take
+  /// within some 16 ms and switches in a short fade (ChangeFade); several side by side take
   /// them at once. The state continues, within the new stops.
   void set(const Parameters& parameters) noexcept {
     requested_ = clamped(parameters);
@@ -77,9 +72,10 @@ public:
     if (target == parameters_)
       return;
     parameters_ = target;
-    glide_.begin(parameters_);
-    if (!glide_.fades_out())
-      update_player();
+    if (fade_.fades_out() || !can_interpolate(glide_.parameters(), target))
+      return fade_.begin();
+    glide_.begin(target);
+    update_player();
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return requested_; }
   /// Holes fingered one by one (Player::finger).
@@ -93,12 +89,12 @@ public:
   void reset() noexcept {
     starting_ = true;
     phase_ = kControlPeriod;
-    random_.seed(parameters_.seed);
+    noise_.seed(parameters_.seed);
     valve_.reset();
-    mouth_ = V(0.0);
+    oversampler_.set_mouth_pressure(V(0.0));
     player_.reset();
     peak_pressure_ = 0;
-    glide_.end_silence();
+    fade_.end_silence();
     if (sample_rate_ > 0)
       apply(parameters_);
     clear_air();
@@ -108,11 +104,11 @@ public:
   void restart() noexcept {
     if (kSeveral || starting_)
       return reset();
-    glide_.restart();
+    fade_.begin_restart();
   }
 
   /// Whether the sound fades out for a change that cannot be interpolated.
-  [[nodiscard]] bool fades_out() const noexcept { return glide_.fades_out(); }
+  [[nodiscard]] bool fades_out() const noexcept { return fade_.fades_out(); }
   /// The player's tongue stops the breath for a moment and releases it.
   void articulate() noexcept { player_.articulate(); }
   /// Samples that run() may compute before control() is due.
@@ -124,7 +120,7 @@ public:
   void control(const V& reed_frequency, double bore_frequency, double breath = -1) noexcept {
     phase_ = 0;
     flush_denormals();
-    update_fades();
+    update_fade();
     const V nominal_frequency = simd::select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)),
                                              reed_frequency, V(glide_.current().reed_frequency));
     const Player::Configuration& configuration = player_.control(
@@ -134,7 +130,7 @@ public:
     bore_.set_vent(parameters_.scalar_reflection > 0 ? 0 : configuration.vent, starting_);
     valve_.end_period(starting_);
     bore_.end_period();
-    const bool gliding = glide_.is_moving();
+    const bool gliding = glide_.is_moving() && !fade_.fades_out();
     if (gliding)
       advance_glide(configuration.valve);
     else if (configuration.valve_changed)
@@ -145,54 +141,34 @@ public:
     }
     update_omega(nominal_frequency, configuration.reed_scale);
     update_length(configuration.length);
-    bore_.update_steepening_length(parameters_.steepening, player_.note(), starting_ ? 1 : slew_);
+    bore_.update_steepening_length(parameters_.steepening, player_.note(),
+                                   starting_ ? 1 : slew_.gain());
     starting_ = false;
   }
 
   /// Computes count <= until_control() samples; mouth pressures in Pa, finite, within +-50 kPa.
   void run(const V* mouth_pressure, const Outputs& out, int count) noexcept {
-    const int max_samples = kChunk / oversampling_;
-    const double from = glide_.fade_from(), to = glide_.fade_to();
-    const int before = phase_;
-    const auto share = [before](int i) { return (before + i + 1.0) / kControlPeriod; };
+    const int max_samples = kChunk / oversampling_, phase = phase_;
     std::array<V, kControlPeriod> breath;
     std::copy_n(mouth_pressure, count, breath.begin());
     player_.apply_tongue(breath.data(), count, kHighestPressure);
-    const double breath_start = glide_.breath_gain_from(), breath_end = glide_.breath_gain_to();
-    if (breath_start < 1 || breath_end < 1)
-      for (int i = 0; i < count; ++i)
-        breath[index(i)] =
-            V(breath_start + (breath_end - breath_start) * share(i)) * breath[index(i)];
-    mouth_pressure = breath.data();
+    fade_.apply_to_breath(breath.data(), phase, count);
     for (int done = 0; done < count;) {
       const int samples = std::min(count - done, max_samples);
-      run_chunk(mouth_pressure + done,
+      run_chunk(breath.data() + done,
                 {out.radiated + done, out.angle + done, out.bore_pressure + done, out.flow + done},
                 samples);
       done += samples;
       phase_ += samples;
     }
-    if (from < 1 || to < 1)
-      for (int i = 0; i < count; ++i) {
-        const double fade_gain = from + (to - from) * share(i);
-        out.radiated[i] *= fade_gain;
-        for (V* signal : {out.angle, out.bore_pressure, out.flow})
-          signal[i] = V(fade_gain) * signal[i];
-      }
+    fade_.apply_to(out, phase, count);
   }
 
 private:
   static constexpr bool kSeveral = !std::is_same_v<V, double>;
   static constexpr int kChunk = 64; // internal samples computed in one go
   static constexpr int kMaxOversampling = 4;
-  static constexpr double kSlewTime = 5e-3; // s
-  /// 1/s: what moves by less than an octave in 30 ms is followed without delay.
-  static constexpr double kMaxImmediateRate = 25;
-  /// Up to this level noise is uniform and a share of the mouth pressure, which costs a fraction of
-  /// the jet's own noise. It is too faint to matter that it continues when the valve shuts.
-  static constexpr double kFaintNoise = kSeveral ? 1e-3 : 1e-5;
   static constexpr double kSilencePressure = 0.1; // Pa in the bore and the mouth: nothing sounds
-  using Signal = std::array<V, kChunk>;
 
   /// Takes over clamped parameters at once.
   void apply(const Parameters& parameters) noexcept {
@@ -201,6 +177,7 @@ private:
     if (!(sample_rate_ > 0))
       return;
     glide_.jump(parameters_);
+    fade_.changed();
     oversampling_ = oversampling_of(parameters_);
     bore_.set(parameters_, sample_rate_, oversampling_);
     update_player();
@@ -211,22 +188,22 @@ private:
     bore_.jump_to_length();
   }
 
-  /// Advances the fades of ParameterGlide; applies a change that waits until nothing is heard.
-  void update_fades() noexcept {
-    const bool silent =
-        !kSeveral && peak_pressure_ < kSilencePressure && simd::lane(mouth_, 0) < kSilencePressure;
+  /// Advances the fade; makes a change that waits until nothing is heard.
+  void update_fade() noexcept {
+    const bool silent = !kSeveral && peak_pressure_ < kSilencePressure &&
+                        simd::lane(oversampler_.mouth_pressure(), 0) < kSilencePressure;
     peak_pressure_ = 0;
-    if (glide_.fade() || (silent && glide_.fades_out()))
+    if (fade_.step() || (silent && fade_.fades_out()))
       change_in_silence();
     if (silent)
-      glide_.end_silence();
+      fade_.end_silence();
     valve_.rest(silent);
   }
 
   void change_in_silence() noexcept {
-    const bool restarted = glide_.restarts() || !can_continue(glide_.parameters(), parameters_);
-    if (glide_.restarts())
-      random_.seed(parameters_.seed);
+    const bool restarted = fade_.restarts() || !can_continue(glide_.parameters(), parameters_);
+    if (fade_.restarts())
+      noise_.seed(parameters_.seed);
     if (restarted)
       player_.reset();
     apply(parameters_);
@@ -234,7 +211,7 @@ private:
       valve_.reset();
       clear_air();
     }
-    glide_.begin_silence(restarted);
+    fade_.begin_silence(restarted);
   }
 
   void update_player() noexcept {
@@ -272,7 +249,7 @@ private:
         simd::minimum(simd::maximum(nominal_frequency, V(1.0)), V(0.45 * sample_rate_));
     const bool played = player_.plays();
     const V from = starting_ ? target : valve_.omega();
-    V to = from + slewed(target - from, from, played);
+    V to = from + slew_.step(target - from, from, played);
     to = simd::select(simd::absolute(target - to) < V(1e-6) * target, target, to);
     valve_.set_omega(from, to, played, starting_);
   }
@@ -282,30 +259,16 @@ private:
     const double next =
         starting_
             ? target
-            : current + simd::lane(slewed(V(target - current), V(current), player_.plays()), 0);
+            : current + simd::lane(slew_.step(V(target - current), V(current), player_.plays()), 0);
     bore_.set_length(std::abs(target - next) < 1e-7 * target ? target : next);
     if (starting_)
       bore_.jump_to_length();
   }
 
-  /// The step of a control period towards a target at this difference: a one-pole low-pass of
-  /// kSlewTime. Of what a player moves, the part below kMaxImmediateRate is followed at once, so
-  /// that glides and vibrato have no delay; only the rest of a leap is low-passed.
-  [[nodiscard]] V slewed(const V& difference, const V& size, bool played) const noexcept {
-    const V part = V(slew_) * difference;
-    if (!played)
-      return part;
-    const V room =
-        simd::minimum(simd::absolute(difference), V(max_immediate_step_) * simd::absolute(size));
-    return simd::copy_sign(simd::maximum(simd::absolute(part), room), difference);
-  }
-
   void clear_air() noexcept {
     bore_.clear();
     valve_.clear_air();
-    radiated_decimator_.reset();
-    for (auto& decimator : decimators_)
-      decimator.reset();
+    oversampler_.reset();
   }
 
   void flush_denormals() noexcept {
@@ -317,12 +280,10 @@ private:
 
   /// samples of the host, of at most kChunk internal samples in all.
   void run_chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
-    if (oversampling_ == 1) {
-      mouth_ = mouth_pressure[samples - 1];
-      advance(mouth_pressure, out, samples);
-    } else {
-      advance_oversampled(mouth_pressure, out, samples);
-    }
+    oversampler_.run(oversampling_, mouth_pressure, out, samples,
+                     [this](const V* mouth, const Outputs& internal, int count) {
+                       advance(mouth, internal, count);
+                     });
     if (player_.tracks_pitch()) {
       std::array<double, kChunk> pitch_samples;
       for (int i = 0; i < samples; ++i)
@@ -331,47 +292,15 @@ private:
     }
   }
 
-  /// The mouth pressure is interpolated linearly, the outputs are decimated by half-band filters.
-  void advance_oversampled(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
-    const int count = samples * oversampling_;
-    Signal mouth{}, angle, bore, flow;
-    std::array<double, kChunk> radiated;
-    const V share(1.0 / oversampling_);
-    for (int n = 0, i = 0; n < samples; ++n) {
-      const V rise = share * (mouth_pressure[n] - mouth_);
-      for (int k = 1; k < oversampling_; ++k)
-        mouth[index(i++)] = mouth_ + V(static_cast<double>(k)) * rise;
-      mouth[index(i++)] = mouth_ = mouth_pressure[n];
-    }
-    advance(mouth.data(), {radiated.data(), angle.data(), bore.data(), flow.data()}, count);
-    radiated_decimator_.run(oversampling_, radiated.data(), out.radiated, samples);
-    decimators_[0].run(oversampling_, angle.data(), out.angle, samples);
-    decimators_[1].run(oversampling_, bore.data(), out.bore_pressure, samples);
-    decimators_[2].run(oversampling_, flow.data(), out.flow, samples);
-  }
-
   /// count internal samples.
   void advance(const V* mouth, const Outputs& out, int count) noexcept {
-    std::array<double, kChunk> noise;
-    Signal breath;
-    const double share = glide_.current().breath_noise;
-    const bool noisy = share > kFaintNoise;
-    // The same power in each hertz at any rate.
-    const double strength = share * std::sqrt(sample_rate_ * oversampling_ / 48e3);
-    if (noisy) { // never more than what drives the jet
-      for (int i = 0; i < count; ++i)
-        noise[index(i)] = std::clamp(strength * random_.normal(), -0.9, 0.9);
-    } else if (strength > 0) {
-      const double amplitude = strength * std::numbers::sqrt3;
-      for (int i = 0; i < count; ++i)
-        breath[index(i)] = mouth[i] * V(1 + amplitude * (2 * random_.uniform() - 1));
-      mouth = breath.data();
-    }
+    const auto [breath, noise] =
+        noise_.draw(mouth, glide_.current().breath_noise, sample_rate_ * oversampling_, count);
     for (int done = 0; done < count;) {
       const int phase = phase_ * oversampling_ + done;
       const int part = bore_.block_size(phase, count - done);
       V* wave = bore_.propagate(phase, out.radiated + done, part);
-      valve_.run({mouth + done, noisy ? noise.data() + done : nullptr, wave, out.angle + done,
+      valve_.run({breath + done, noise != nullptr ? noise + done : nullptr, wave, out.angle + done,
                   out.bore_pressure + done, out.flow + done},
                  phase, part, oversampling_);
       bore_.advance(part);
@@ -415,20 +344,20 @@ private:
 
   static std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
 
-  double sample_rate_ = 0, slew_ = 1, max_immediate_step_ = 0;
+  double sample_rate_ = 0;
   int oversampling_ = 1, phase_ = kControlPeriod; // samples since control()
   bool starting_ = true;                          // nothing has sounded yet
   Parameters requested_{}, parameters_{}; // the second with the tube that is played, if one is
   double trim_ = 0;
   double peak_pressure_ = 0; // bore pressure since the last control period, Pa
-  V mouth_{0.0};
   MovingValve<V, kChunk> valve_{};
   BoreWaveguide<V, kChunk> bore_{};
   Player player_{};
+  ControlSlew<V> slew_{};
   ParameterGlide glide_{};
-  Decimator<double, kChunk> radiated_decimator_{};
-  std::array<Decimator<V, kChunk>, 3> decimators_{};
-  Random random_{};
+  ChangeFade fade_{};
+  BreathNoise<V, kChunk> noise_{};
+  Oversampler<V, kChunk> oversampler_{};
 };
 
 } // namespace tactus::reed

@@ -1,4 +1,4 @@
-#include "core/reed/instrument/parameter_glide.hpp"
+#include "core/reed/instrument/change_fade.hpp"
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/player/player.hpp"
 #include "core/reed/player/tongue.hpp"
@@ -135,37 +135,33 @@ TEST_CASE("the tongue pushes low notes and soft breath harder, and a loud one no
 }
 
 TEST_CASE("a change without a way in between keeps the breath while the sound fades out") {
-  ParameterGlide glide;
-  glide.prepare(1500);
-  Parameters one, other;
-  other.sweep = false;
-  glide.jump(one);
-  glide.end_silence();
-  glide.begin(other);
+  ChangeFade fade;
+  fade.prepare(1500);
+  fade.begin();
   int periods = 0;
-  while (!glide.fade()) {
+  for (double before = fade.gain(); !fade.step(); before = fade.gain()) {
     REQUIRE(++periods < 100);
-    CHECK(glide.breath_gain_to() == 1); // a reed that is let go sends a pulse
-    CHECK(glide.fade_to() < glide.fade_from());
+    CHECK(fade.breath_gain() == 1); // a reed that is let go sends a pulse
+    CHECK(fade.gain() < before);
   }
-  CHECK(periods <= 1500 * ParameterGlide::kFadeOutTime + 2);
+  CHECK(periods <= 1500 * ChangeFade::kFadeOutTime + 2);
   for (const bool restarted : {false, true}) {
-    glide.jump(other);
-    glide.begin_silence(restarted);
+    fade.changed();
+    fade.begin_silence(restarted);
     int silent = 0, swelling = 0;
-    for (int n = 0; n < 600 && glide.fade_from() < 1; ++n) {
-      glide.fade();
-      silent += glide.fade_to() == 0;
-      swelling += glide.breath_gain_to() < 1;
+    for (int n = 0; n < 600 && fade.gain() < 1; ++n) {
+      fade.step();
+      silent += fade.gain() == 0;
+      swelling += fade.breath_gain() < 1;
     }
     // The breath is full long before the sound comes back.
-    CHECK(silent == doctest::Approx(1500 * (restarted ? ParameterGlide::kRestartTime
-                                                      : ParameterGlide::kSettleTime))
-                        .epsilon(0.1));
-    CHECK(swelling == (restarted ? static_cast<int>(1500 * ParameterGlide::kFadeInTime) : 0));
-    CHECK(glide.fade_to() == 1);
-    glide.begin(one);
-    while (!glide.fade())
+    CHECK(silent ==
+          doctest::Approx(1500 * (restarted ? ChangeFade::kRestartTime : ChangeFade::kSettleTime))
+              .epsilon(0.1));
+    CHECK(swelling == (restarted ? static_cast<int>(1500 * ChangeFade::kFadeInTime) : 0));
+    CHECK(fade.gain() == 1);
+    fade.begin();
+    while (!fade.step())
       REQUIRE(++periods < 1000);
   }
 }
