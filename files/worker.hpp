@@ -18,7 +18,7 @@
 namespace tactus {
 
 /// When the next piece of a job is due, besides a time on its clock.
-inline constexpr double kAtOnce = -std::numeric_limits<double>::infinity();
+inline constexpr double kDueNow = -std::numeric_limits<double>::infinity();
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// One piece of a job, as the job sees it.
@@ -110,7 +110,7 @@ public:
   void finish() {
     std::unique_lock lock(state_->mutex);
     state_->changed.wait(lock, [&] { return !state_->busy; });
-    while (state_->in_caller && state_->due_s == kAtOnce)
+    while (state_->in_caller && state_->due_s == kDueNow)
       state_->work_on(lock, 0);
   }
   /// Time until step() has something to do.
@@ -200,7 +200,7 @@ private:
     state_->waiting = request;
     state_->requested = ++requested_;
     state_->has_waiting = state_->overtaken = true;
-    state_->due_s = kAtOnce;
+    state_->due_s = kDueNow;
     state_->in_caller = in_caller;
   }
 

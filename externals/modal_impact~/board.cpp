@@ -19,30 +19,17 @@ bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.numbe
 
 } // namespace
 
-void ModalImpact::execute(const TableWorker::Request& request, const std::string& subject,
-                          bool at_once, Host& host) {
-  if (at_once)
-    return accept(TableWorker::execute(request), &host);
-  if (const std::string refusal =
-          worker_.request(request, [waiting = &host] { waiting->wake_from_thread(); });
-      !refusal.empty()) {
-    host.error(subject + ": " + refusal);
-    return accept(TableWorker::execute(request), &host);
-  }
-  body_change_ = worker_.requested();
-}
-
 void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
   const bool displaced = arguments.size() == 4;
   if (!arguments[0].is_word || (arguments.size() != 1 && !displaced))
     return host.error(refusal("board", arguments, "a file's name, perhaps with dx dy dz, or none"));
-  TableWorker::Board board;
-  board.name = std::string(arguments[0].word);
+  TableFile board{{}, std::string(arguments[0].word), wanted_.board.number + 1};
+  Vec3 displacement_m{};
   if (displaced) {
     for (std::size_t i = 1; i < 4; ++i)
       if (!is_position(arguments[i]))
         return host.error(refusal("board", arguments, "dx dy dz of -1e+06..1e+06 mm"));
-    board.displacement_m =
+    displacement_m =
         kMillimetre * Vec3{arguments[1].number, arguments[2].number, arguments[3].number};
   }
   if (board.name != "none" || displaced) {
@@ -52,8 +39,10 @@ void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
   } else if (table_ && table_->parts.empty() && answered_ == worker_.requested()) {
     return;
   }
-  const std::string subject = "board " + board.name;
-  execute({{}, {}, table_, settings(), std::move(board), {}}, subject, at_once(), host);
+  wanted_.board = std::move(board);
+  wanted_.board_displacement_m = displacement_m;
+  request(at_once(), host);
+  body_change_ = worker_.requested();
 }
 
 void ModalImpact::set_rest(Numbers n, Host& host) {
@@ -89,10 +78,7 @@ bool ModalImpact::accept_support(const BodyModel& model, bool same_table, Host* 
   else
     settings_.rest.point_m.clear();
   last_valid_.rest = {};
-  if (!another)
-    return true;
-  rebuild_model();
-  return false;
+  return !another;
 }
 
 } // namespace tactus::modal

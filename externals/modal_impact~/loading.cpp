@@ -19,7 +19,7 @@ bool ModalImpact::must_wait(const Message& row, Numbers numbers,
   const bool changes =
       sync_ == Sync::kInOrder && body_change_ > answered_ && (strikes || waits == Waits::kAsInfo);
   const bool for_a_body = strikes || waits == Waits::kForBody;
-  if (!changes && !(for_a_body && worker_.loads_first()))
+  if (!changes && !(for_a_body && loads_first()))
     return false;
   body_.adopt();
   if (body_.model() && !changes)
@@ -55,7 +55,7 @@ void ModalImpact::reset(Numbers, Host& host) {
 
 void ModalImpact::carry_out_waiting(Host& host) {
   body_.adopt();
-  if (!body_.model() && worker_.loads_first())
+  if (!body_.model() && loads_first())
     return;
   std::size_t count = 0; // of those whose turn it is
   while (count < waiting_count_ && waiting_[count].after <= answered_)
@@ -96,7 +96,9 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
   const std::string path = find_table("load", name, host);
   if (path.empty())
     return;
-  execute({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
+  wanted_.body = {path, name, wanted_.body.number + 1};
+  request(at_once, host);
+  body_change_ = load_ = worker_.requested();
 }
 
 } // namespace tactus::modal

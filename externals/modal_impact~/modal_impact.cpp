@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -33,6 +34,7 @@ void ModalImpact::prepare(double sample_rate, std::size_t) {
   // A model belongs to one sample rate: the new one must be ready before the next block.
   body_.publish(std::make_unique<BodyModel>(table_, settings()), true);
   body_.adopt();
+  model_request_ = 0;
 }
 
 void ModalImpact::begin_block(double start_ms) noexcept {
@@ -70,7 +72,7 @@ void ModalImpact::set_radiation(Radiation wanted) {
   if (wanted == settings_.radiation)
     return;
   if (const std::string refusal =
-          table_ ? TableWorker::radiation_refusal(*table_, wanted, settings_.radiation)
+          table_ ? TableJob::radiation_refusal(*table_, wanted, settings_.radiation)
                  : std::string();
       !refusal.empty()) {
     if (host_)
@@ -98,81 +100,112 @@ bool ModalImpact::at_once() const {
   return sync_ == Sync::kAtOnce || (host_ && !host_->real_time());
 }
 
-void ModalImpact::rebuild_model(bool changes_body) {
-  if (!table_)
-    return;
-  TableWorker::Request request{{}, {}, table_, settings(), {}, {}};
-  const std::size_t work =
-      request.settings.radiation == Radiation::kBody
-          ? kMaxInlineWork + 1
-          : table_->table.modes() * table_->surface.triangles() * request.settings.listeners;
-  if (at_once() || work <= kMaxInlineWork || !host_)
-    return accept(TableWorker::execute(request), host_);
-  if (const std::string refusal =
-          worker_.request(request, [host = host_] { host->wake_from_thread(); });
-      !refusal.empty()) {
-    host_->error(refusal);
-    return accept(TableWorker::execute(request), host_);
+void ModalImpact::request(bool at_once, Host& host) {
+  wanted_.settings = settings();
+  wanted_.shaped_body = in_use_.body.number;
+  if (at_once) {
+    worker_.request_here(wanted_);
+  } else {
+    worker_.on_ready([waiting = &host] { waiting->wake_from_thread(); });
+    const std::string reason = worker_.request(wanted_);
+    if (reason.empty())
+      return;
+    host.error("no thread starts to read tables (" + reason +
+               "); they are read at once, which may interrupt the sound");
   }
-  if (changes_body)
-    body_change_ = worker_.requested();
+  worker_.finish();
+  take_tables(&host);
 }
 
-void ModalImpact::accept(TableWorker::Result result, Host* host) {
-  if (!result.refusal.empty()) {
-    if (host)
-      host->error(result.refusal);
+void ModalImpact::rebuild_model(bool changes_body) {
+  const bool waits = answered_ < worker_.requested(); // for tables, which are to sound so, too
+  if (!table_ && !waits)
+    return;
+  const BodySettings now = settings();
+  const bool here =
+      table_ &&
+      (at_once() || !host_ ||
+       (now.radiation != Radiation::kBody &&
+        table_->table.modes() * table_->surface.triangles() * now.listeners <= kMaxInlineWork));
+  if (here)
+    build_here(now);
+  if (!host_ || (here && !waits))
+    return;
+  if (!here)
+    model_request_ = worker_.requested() + 1;
+  if (!here && changes_body)
+    body_change_ = model_request_;
+  request(false, *host_);
+}
+
+void ModalImpact::build_here(const BodySettings& now) {
+  try {
+    auto model = std::make_unique<BodyModel>(table_, now);
+    model_request_ = 0;
+    if (accept_support(*model, true, host_))
+      body_.publish(std::move(model), true);
+    else
+      rebuild_model();
+  } catch (const std::exception&) { // bad_alloc, or the length_error of a container
+    if (host_)
+      host_->error(TableJob::kOutOfMemory);
   }
-  if (!result.model)
+}
+
+void ModalImpact::take_tables(Host* host) {
+  auto taken = worker_.take();
+  answered_ = taken.finished;
+  if (host)
+    for (const std::string& sentence : taken.sentences)
+      host->error(sentence);
+  if (taken.answer)
+    accept(std::move(*taken.answer), host);
+}
+
+void ModalImpact::accept(TableJob::Answer answer, Host* host) {
+  const TablesInUse before = std::exchange(in_use_, answer.in_use);
+  const bool loaded = in_use_.body.number != before.body.number;
+  const bool solved = !loaded && in_use_.solved != before.solved;
+  const bool same = table_ && (answer.table == table_ || answer.table->follows(*table_));
+  const bool asked = model_request_ > 0;
+  if (answered_ >= model_request_)
+    model_request_ = 0;
+  if (answer.table == table_ && !asked)
     return;
-  if (table_ && result.table && table_->follows(*result.table)) // solved again meanwhile
-    return rebuild_model();
-  const bool solved = table_ && result.table != table_ && result.table->follows(*table_);
-  const bool same = solved || result.table == table_;
-  if (!accept_support(*result.model, same, host))
-    return;
-  const BodySettings wanted = settings();
-  const bool stale =
-      result.model->settings.sample_rate != wanted.sample_rate ||
-      result.model->settings.voices != wanted.voices ||
-      (solved && result.model->settings.shape_displacement_m != wanted.shape_displacement_m);
-  table_ = result.table;
-  if (!missing_arrays(*table_, wanted.radiation).empty()) // an error has said so
+  const bool supported = accept_support(*answer.model, same, host);
+  table_ = answer.table;
+  if (!missing_arrays(*table_, settings().radiation).empty()) // an error has said so
     settings_.radiation = BodySettings().radiation;
-  if (result.loaded) { // the displacements belong to the old body
+  if (loaded) { // the displacements belong to the old body
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = warned_still_ = false;
-    table_path_ = result.path;
+    wanted_.solved = nullptr;
     reset_solver(host);
   }
   if (!same)
     last_point_.reset();
-  body_.publish(std::move(result.model), same);
+  const bool stale = answer.model->settings.sample_rate != sample_rate_;
+  if (supported)
+    body_.publish(std::move(answer.model), same);
   if (solved && host)
     resolved(*host);
-  if (result.loaded && host && !has_cords_)
+  if (loaded && host && !has_cords_)
     host->wake_in(kLoadedTimer, 0); // the patch has no cords yet
-  else if (result.loaded && host)
+  else if (loaded && host)
     post_loaded(*host);
-  if (result.board_loaded)
-    board_name_ = result.board_name;
-  if (result.board_loaded && host && !table_->parts.empty()) {
+  if (in_use_.board.number != before.board.number && host && !table_->parts.empty()) {
     const ModalTable& board = table_->parts[LoadedTable::kBoard].loaded->table;
     host->info({"board", std::string_view(board.body_name.empty() ? "body" : board.body_name),
                 static_cast<double>(board.modes())});
   }
-  if (stale)
+  if (stale || !supported)
     rebuild_model();
 }
 
 void ModalImpact::posted(Host& host) {
   host_ = &host;
-  if (auto result = worker_.take()) {
-    answered_ = result->number;
-    accept(std::move(*result), &host);
-  }
-  if (auto result = solver_.take())
-    accept_solution(std::move(*result), host);
+  take_tables(&host);
+  take_solution(host);
   if (waiting_count_ > 0)
     carry_out_waiting(host);
 }
@@ -210,7 +243,7 @@ void ModalImpact::post_info(Host& host) {
   host.info({"version", "0.1.0"});
   const BodyModel* model = body_.model();
   if (!model) {
-    host.info({"body", worker_.loads_first() ? "loading" : "none"});
+    host.info({"body", loads_first() ? "loading" : "none"});
     return;
   }
   const ModalTable& table = model->loaded->table;

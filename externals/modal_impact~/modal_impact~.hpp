@@ -139,7 +139,8 @@ private:
   void start_settle_timer(double ms, Host& host); ///< below 0: stop
   void shape_moved(bool beyond_trust, Host& host);
   void start_solve(Host& host);
-  void accept_solution(ModeSolver::Result result, Host& host);
+  void take_solution(Host& host);
+  void accept_solution(ModeJob::Answer result, Host& host);
   void resolved(Host& host);
   void reset_solver(Host* host);
   void set_solver(const Atom& program, Host& host);
@@ -159,10 +160,7 @@ private:
   void set_pulses(bool on) noexcept;
   [[nodiscard]] unsigned seed() const noexcept { return static_cast<unsigned>(options_.seed); }
   void set_seed(unsigned value) noexcept;
-  void model_changed() {
-    if (table_)
-      rebuild_model();
-  }
+  void model_changed() { rebuild_model(); }
   void resolve_changed() {
     if (host_ && table_)
       shape_moved(false, *host_);
@@ -171,6 +169,7 @@ private:
   /// worker's thread.
   /// changes_body: strikes may have to wait for it (`sync 2`).
   void rebuild_model(bool changes_body = true);
+  void build_here(const BodySettings& now);
   /// Takes other settings, and builds their model.
   template <class T> void change(T& setting, const T& value, bool changes_body = true) {
     if (setting == value)
@@ -178,11 +177,14 @@ private:
     setting = value;
     rebuild_model(changes_body);
   }
-  void accept(TableWorker::Result result, Host* host);
-  /// Executes a request at once, or in the worker's thread.
-  void execute(const TableWorker::Request& request, const std::string& subject, bool at_once,
-               Host& host);
-  /// False if the body cannot rest on its points: the last valid ones are restored.
+  /// Asks for what is wanted now, to be had at once or from the worker's thread.
+  void request(bool at_once, Host& host);
+  void take_tables(Host* host);
+  void accept(TableJob::Answer answer, Host* host);
+  /// Whether the first body is being read.
+  [[nodiscard]] bool loads_first() const noexcept { return !table_ && answered_ < load_; }
+  /// False if the body cannot rest on its points: the last valid ones are restored, and a model of
+  /// them is to be built.
   bool accept_support(const BodyModel& model, bool same_table, Host* host);
 
   BodySettings settings_;
@@ -195,16 +197,20 @@ private:
   BodySettings last_valid_;                           ///< the last valid `rest`
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
-  Host* host_ = nullptr; ///< lives as long as the object; for the worker's callback
+  TablesInUse in_use_;       ///< what table_ is made of
+  TableJob::Request wanted_; ///< what it should be made of, as far as it can be read
+  Host* host_ = nullptr;     ///< lives as long as the object; for the worker's callback
   bool created_ = false;
   bool has_cords_ = false; // the box has been made, and with it its cords
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::string_view preset_ = "table";
   std::array<WaitingMessage, kMaxWaiting> waiting_;
   std::size_t waiting_count_ = 0;
-  /// Numbers of the worker's requests: the last that was answered, and the last that changes the
-  /// body, not only where it is heard.
-  std::uint64_t answered_ = 0, body_change_ = 0;
+  /// Numbers of the worker's requests: the last that was answered, the last that changes the body,
+  /// not only where it is heard, and the last that reads a body.
+  std::uint64_t answered_ = 0, body_change_ = 0, load_ = 0;
+  /// The last for other settings of the present table; 0: the model here has them.
+  std::uint64_t model_request_ = 0;
   Random random_; // of variation
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_point_;
@@ -213,8 +219,6 @@ private:
   bool warned_ = false, warned_still_ = false;
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
-  std::string table_path_;     ///< of the body
-  std::string board_name_;     ///< as the user wrote it
   std::string solver_program_; ///< empty: searched for
   std::uint64_t load_number_ =
       0; ///< counts bodies and solvers; answers to earlier ones are dropped
@@ -222,8 +226,8 @@ private:
   double solve_s_ = 0; ///< the last one's duration
   bool solving_ = false, solver_unavailable_ = false, solve_failed_ = false;
   std::optional<std::vector<double>> settle_displacement_m_; ///< at the start of the settle timer
-  std::optional<ModeSolver::Request>
-      solver_request_; ///< in a render: answered at a set logical time
+  /// In a render: answered at a set logical time.
+  std::optional<ModeJob::Request> solver_request_;
   ModeSolver solver_;
   TableWorker worker_;
 };

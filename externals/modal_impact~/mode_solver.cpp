@@ -5,8 +5,6 @@
 #include "externals/program_file.hpp"
 #include "files/resolved_modes.hpp"
 
-#include <algorithm>
-#include <mutex>
 #include <new>
 #include <utility>
 
@@ -30,69 +28,36 @@ std::string text_of(const ServedProgram::Message& message) {
 
 std::string find_modal_fem(const std::string& program) { return find_program(kProgram, program); }
 
-std::string ModeSolver::request(Request request, std::function<void()> ready) {
-  if (!thread_.running())
-    if (const std::string reason = thread_.start(state_); !reason.empty())
-      return "no thread starts for the solver (" + reason + ")";
-  {
-    const std::lock_guard lock(state_->mutex);
-    state_->waiting = std::move(request);
-    state_->ready = std::move(ready);
-  }
-  state_->changed.notify_all();
-  return {};
-}
-
-std::optional<ModeSolver::Result> ModeSolver::take() {
-  const std::lock_guard lock(state_->mutex);
-  return std::exchange(state_->done, std::nullopt);
-}
-
-void ModeSolver::restart(std::uint64_t number) {
-  state_->number = number;
-  if (!thread_.running()) {
-    state_->child.reset();
-    return;
-  }
-  {
-    const std::lock_guard lock(state_->mutex);
-    state_->restarting = true;
-    state_->waiting.reset();
-    state_->done.reset();
-  }
-  state_->changed.notify_all();
-}
-
-std::string ModeSolver::State::launch(const Request& request) {
+std::string ModeJob::launch(const Request& request) {
   const std::string program = find_modal_fem(request.program);
   if (program.empty())
     return "the program " + (request.program.empty() ? kProgram : request.program) +
            " was not found: expected it beside modal_impact~, in PATH, or by solver PATH";
   std::string refusal;
-  child = ServedProgram::start({program, "serve", request.path}, kProgram, limits.start_s, refusal);
-  if (!child)
+  child_ =
+      ServedProgram::start({program, "serve", request.path}, kProgram, limits_.start_s, refusal);
+  if (!child_)
     return "the solver: " + refusal;
-  child_number = request.number;
-  loaded = false;
+  child_number_ = request.number;
+  loaded_ = false;
   return {};
 }
 
 std::optional<ServedProgram::Message>
-ModeSolver::State::await(const Request& request, const ServedProgram::Expects& expects,
-                         std::string& lost) {
-  while (!stop && number == request.number) {
-    if (auto message = child->poll(expects, lost); message || !lost.empty())
+ModeJob::await(const Turn<Answer>& turn, const ServedProgram::Expects& expects, std::string& lost) {
+  while (!turn.given_up()) {
+    if (auto message = child_->poll(expects, lost); message || !lost.empty())
       return message;
-    child->wait(kPollInterval_s);
+    child_->wait(kPollInterval_s);
   }
-  child.reset();
+  child_.reset();
   return {};
 }
 
-bool ModeSolver::State::await_ready(const Request& request, std::string& lost) {
-  const ModalTable& table = request.table->body().table;
+bool ModeJob::await_ready(const Request& request, const Turn<Answer>& turn, std::string& lost) {
+  const ModalTable& table = request.table->table;
   const auto answer = await(
-      request,
+      turn,
       [](const ServeHeader& header) {
         return header.kind == static_cast<std::uint32_t>(ServeKind::ready) &&
                header.size == sizeof(ModesReady);
@@ -112,28 +77,26 @@ bool ModeSolver::State::await_ready(const Request& request, std::string& lost) {
            std::to_string(table.sensitivity.parameters());
     return false;
   }
-  loaded = true;
+  loaded_ = true;
   return true;
 }
 
-std::string ModeSolver::State::exchange(const Request& request, Result& result) {
-  const LoadedTable& body = request.table->body();
+std::string ModeJob::exchange(const Request& request, const Turn<Answer>& turn, Answer& answer) {
+  const LoadedTable& body = *request.table;
   const ShapeSensitivity& sensitivity = body.table.sensitivity;
-  if (child && child_number != request.number)
-    child.reset();
-  if (!child)
+  if (!child_)
     if (std::string refusal = launch(request); !refusal.empty())
       return refusal;
   std::string lost;
-  if (!loaded && !await_ready(request, lost))
+  if (!loaded_ && !await_ready(request, turn, lost))
     return lost;
   std::vector<double> shapes = request.displacement_m;
   for (std::size_t p = 0; p < sensitivity.parameters(); ++p)
     shapes.push_back(sensitivity.solved_at(p));
-  child->send_request(ServeKind::solve, std::as_bytes(std::span(shapes)), limits.solve_s);
+  child_->send_request(ServeKind::solve, std::as_bytes(std::span(shapes)), limits_.solve_s);
   const std::uint64_t limit = max_answer_bytes(body.table);
   const auto reply = await(
-      request,
+      turn,
       [limit](const ServeHeader& header) {
         return header.kind == static_cast<std::uint32_t>(ServeKind::modes) && header.size <= limit;
       },
@@ -141,70 +104,42 @@ std::string ModeSolver::State::exchange(const Request& request, Result& result) 
   if (!reply)
     return lost;
   if (reply->kind == ServeKind::refused) {
-    result.refusal = text_of(*reply);
+    answer.refusal = text_of(*reply);
     return {};
   }
   ResolvedModes resolved;
   if (const std::string refusal = files::read_resolved_modes(reply->payload, body.table, resolved);
       !refusal.empty())
     return "the solver's answer is invalid, and it was ended: " + refusal;
-  result.seconds = resolved.seconds;
-  result.fraction = resolved.fraction;
-  auto solved = std::make_shared<const LoadedTable>(std::move(resolved.table), body,
-                                                    std::move(resolved.share));
-  if (!request.table->parts.empty()) {
-    result.refusal =
-        LoadedTable::refusal(*solved, *request.table->parts[LoadedTable::kBoard].loaded);
-    if (!result.refusal.empty())
-      return {};
-    solved = std::make_shared<const LoadedTable>(std::move(solved), *request.table);
-  }
-  result.table = std::move(solved);
+  answer.seconds = resolved.seconds;
+  answer.fraction = resolved.fraction;
+  answer.table = std::make_shared<const LoadedTable>(std::move(resolved.table), body,
+                                                     std::move(resolved.share));
   return {};
 }
 
-ModeSolver::Result ModeSolver::State::solve(const Request& request) {
-  Result result;
-  result.number = request.number;
-  result.before = request.table;
+double ModeJob::work(const Request& request, Turn<Answer>& turn) {
+  if (child_number_ != request.number)
+    child_.reset();
+  if (!request.table)
+    return kNever;
+  Answer answer;
+  answer.number = request.number;
+  answer.before = request.table;
   std::string lost;
   try {
-    lost = exchange(request, result);
+    lost = exchange(request, turn, answer);
   } catch (const std::bad_alloc&) {
     lost = "there is not enough memory for the solver's answer";
   }
   if (!lost.empty()) {
-    child.reset();
-    result.lost = true;
-    result.refusal = std::move(lost);
+    child_.reset();
+    answer.lost = true;
+    answer.refusal = std::move(lost);
   }
-  return result;
-}
-
-void ModeSolver::State::work() {
-  while (!stop) {
-    std::optional<Request> request;
-    {
-      std::unique_lock lock(mutex);
-      changed.wait(lock, [&] { return waiting || restarting || stop; });
-      if (stop)
-        break;
-      request = std::exchange(waiting, std::nullopt);
-      restarting = false;
-    }
-    if (child && child_number != number)
-      child.reset();
-    if (!request || request->number != number)
-      continue;
-    Result result = solve(*request);
-    const std::lock_guard lock(mutex);
-    if (result.number != number || (!result.table && result.refusal.empty()))
-      continue; // given up
-    done = std::move(result);
-    if (ready)
-      ready();
-  }
-  child.reset();
+  if (answer.table || !answer.refusal.empty()) // else given up
+    turn.hand_over(std::move(answer));
+  return kNever;
 }
 
 } // namespace tactus::modal

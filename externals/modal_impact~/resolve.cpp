@@ -84,19 +84,20 @@ void ModalImpact::start_solve(Host& host) {
     return;
   std::vector<double> displacement = settings_.shape_displacement_m;
   displacement.resize(table_->table.sensitivity.parameters());
-  ModeSolver::Request request{load_number_, table_path_, solver_program_, table_,
-                              std::move(displacement)};
+  ModeJob::Request request{load_number_, in_use_.body.path, solver_program_,
+                           table_->parts.empty() ? table_ : table_->parts[0].loaded,
+                           std::move(displacement)};
   solving_ = true;
   if (!host.real_time()) { // the answer arrives at the same logical time in every render
     solver_request_ = std::move(request);
     return host.wake_in(kReplyTimer, kBatchReply_ms);
   }
-  if (const std::string refusal =
-          solver_.request(std::move(request), [waiting = &host] { waiting->wake_from_thread(); });
-      !refusal.empty()) {
+  solver_.on_ready([waiting = &host] { waiting->wake_from_thread(); });
+  if (const std::string refusal = solver_.request(request); !refusal.empty()) {
     solving_ = false;
     solver_unavailable_ = true;
-    host.error("resolve: " + refusal + "; frequencies are extrapolated until load or solver");
+    host.error("resolve: no thread starts for the solver (" + refusal +
+               "); frequencies are extrapolated until load or solver");
   }
 }
 
@@ -106,11 +107,22 @@ void ModalImpact::tick(std::size_t timer, Host& host) {
     return start_solve(host);
   if (timer == kLoadedTimer)
     return post_loaded(host);
-  if (auto request = std::exchange(solver_request_, std::nullopt))
-    accept_solution(solver_.solve(*request), host);
+  if (auto request = std::exchange(solver_request_, std::nullopt)) {
+    solver_.request_here(*request);
+    solver_.finish();
+    take_solution(host);
+  }
 }
 
-void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
+void ModalImpact::take_solution(Host& host) {
+  auto taken = solver_.take();
+  for (const std::string& sentence : taken.sentences)
+    host.error(sentence);
+  if (taken.answer)
+    accept_solution(std::move(*taken.answer), host);
+}
+
+void ModalImpact::accept_solution(ModeJob::Answer result, Host& host) {
   if (result.number != load_number_)
     return;
   solving_ = false;
@@ -125,7 +137,7 @@ void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
   }
   if (resolve_ == Resolve::kOff)
     return;
-  if (result.before != table_) // another board came meanwhile
+  if (result.before.get() != &table_->body()) // a solution came meanwhile
     return start_settle_timer(0, host);
   if (result.fraction < 1) {
     solve_failed_ = true;
@@ -133,10 +145,12 @@ void ModalImpact::accept_solution(ModeSolver::Result result, Host& host) {
                "at " +
                number_text(100 * result.fraction) + " % of the move, and extrapolated from there");
   }
-  ++solve_count_;
   solve_s_ = result.seconds;
-  TableWorker::Request request{{}, {}, std::move(result.table), settings(), {}, table_};
-  execute(request, "resolve", at_once() || !host.real_time(), host);
+  wanted_.solved = std::move(result.table);
+  wanted_.solved_body = in_use_.body.number;
+  wanted_.solved_number = ++solve_count_;
+  request(at_once(), host);
+  body_change_ = worker_.requested();
 }
 
 /// A solved table has taken effect.
@@ -151,7 +165,14 @@ void ModalImpact::resolved(Host& host) {
 }
 
 void ModalImpact::reset_solver(Host* host) {
-  solver_.restart(++load_number_);
+  ModeJob::Request none;
+  none.number = ++load_number_;
+  if (!solver_.is_here()) {
+    static_cast<void>(solver_.request(none)); // it has its thread
+  } else {
+    solver_.request_here(none);
+    solver_.finish();
+  }
   solver_request_.reset();
   settle_displacement_m_.reset();
   solving_ = solver_unavailable_ = solve_failed_ = false;

@@ -72,7 +72,7 @@ void ModalImpact::post_settings(Host& host) const {
     host.info({"board", "none"});
   } else {
     const Vec3& d = model->loaded->parts[LoadedTable::kBoard].displacement_m;
-    host.info({"board", std::string_view(board_name_), d.x / kMillimetre, d.y / kMillimetre,
+    host.info({"board", std::string_view(in_use_.board.name), d.x / kMillimetre, d.y / kMillimetre,
                d.z / kMillimetre});
   }
   std::vector<Atom> rest{"rest"};

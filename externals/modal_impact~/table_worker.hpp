@@ -1,77 +1,67 @@
 #pragma once
 
 #include "core/modal/body/body_model.hpp"
-#include "files/background_thread.hpp"
+#include "files/worker.hpp"
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace tactus::modal {
 
-/// Reads tables and builds models in the background, or at once. Waiting requests are merged: the
-/// last load, the last board and the last settings count.
-class TableWorker {
+/// A table's file, by its number among those that were asked for; 0: none.
+struct TableFile {
+  std::string path, name; ///< as the user wrote it
+  std::uint64_t number = 0;
+};
+
+/// The files that a body sounds by.
+struct TablesInUse {
+  TableFile body, board;    ///< path empty: no board
+  std::uint64_t solved = 0; ///< number of the solution for the body's shape; 0: as it was read
+};
+
+/// Reads tables, and builds the model of a body. What cannot be read is one sentence, once, and
+/// what was there before stays.
+class TableJob {
 public:
-  /// A new board for the body.
-  struct Board {
-    std::string path, name; ///< empty: nothing
-    Vec3 displacement_m{};  ///< in the body's axes
-  };
   struct Request {
-    std::string path; ///< empty: only a new model of the same table, or another board
-    std::string name; ///< of the file, as the user wrote it
-    std::shared_ptr<const LoadedTable> table;
+    TableFile body, board;
+    Vec3 board_displacement_m{}; ///< in the body's axes
+    /// The table of a body of this number in another shape, in its place; null: none.
+    std::shared_ptr<const LoadedTable> solved;
+    std::uint64_t solved_body = 0, solved_number = 0;
     BodySettings settings;
-    std::optional<Board> board; ///< none: unchanged
-    /// If `table` is another shape of the present body: the table that it replaces; else null.
-    std::shared_ptr<const LoadedTable> replaces;
-    std::uint64_t number = 0; ///< counted by request()
+    std::uint64_t shaped_body = 0; ///< whose shape parameters `settings` displaces
   };
-  struct Result {
-    /// Why something could not be read, or why the model radiates in the default way; else empty.
-    std::string refusal;
+  struct Answer {
+    TablesInUse in_use;
     std::shared_ptr<const LoadedTable> table;
     std::unique_ptr<BodyModel> model;
-    bool loaded = false, board_loaded = false; ///< read now
-    std::string path;                          ///< of the body that was loaded
-    std::string board_name;                    ///< of the board, as the user wrote it
-    std::uint64_t number = 0;                  ///< of the last request whose settings it answers
   };
+  static constexpr const char* kOutOfMemory = "not enough memory: the body sounds on as before";
 
-  /// Queues a request. `ready` is called in the worker's thread when a result waits. Returns empty,
-  /// or why no thread could be started: the caller may then call execute().
-  [[nodiscard]] std::string request(const Request& request, std::function<void()> ready);
-  [[nodiscard]] std::optional<Result> take();
-  /// The number of the last request. The caller's thread.
-  [[nodiscard]] std::uint64_t requested() const noexcept { return requested_; }
-  /// Whether a table is being read while there is none yet, until its result has been taken. Any
-  /// thread; waits for nothing.
-  [[nodiscard]] bool loads_first() const noexcept { return state_->loads_first.load(); }
+  double work(const Request& request, Turn<Answer>& turn);
   /// Why a table cannot radiate as asked; empty: it can. `instead`: what happens then.
   [[nodiscard]] static std::string radiation_refusal(const LoadedTable& table, Radiation radiation,
                                                      Radiation instead);
-  /// Executes a request in the caller's thread.
-  [[nodiscard]] static Result execute(const Request& request);
 
 private:
-  std::uint64_t requested_ = 0;
-  struct State : BackgroundState {
-    void work() override;
-    void follow(Request& request) const;
-
-    std::optional<Request> waiting;
-    std::optional<Result> done;
-    /// The table in `done` and the one that it replaces: requests for that one are for the new one.
-    std::shared_ptr<const LoadedTable> pending_before, pending_table;
-    bool reading_first = false; ///< the request at hand reads the first table
-    std::atomic<bool> loads_first{false};
+  struct Tables {
+    TablesInUse in_use;
+    std::shared_ptr<const LoadedTable> body, board, both;
+    Vec3 board_displacement_m{};
   };
-  std::shared_ptr<State> state_ = std::make_shared<State>();
-  BackgroundThread thread_;
+  /// Begins with what the next table changes, and what is said of it; false: none is asked for.
+  [[nodiscard]] bool next(const Request& request, Tables& changed, std::string& subject,
+                          std::string& refusal);
+  [[nodiscard]] std::string join(Tables changed);
+
+  Tables tables_;
+  std::uint64_t body_seen_ = 0, board_seen_ = 0, solved_seen_ = 0; ///< whether read or refused
+  std::string radiation_refusal_;                                  ///< said of the last model
 };
+
+using TableWorker = Worker<TableJob>;
 
 } // namespace tactus::modal

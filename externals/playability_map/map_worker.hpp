@@ -69,7 +69,7 @@ private:
     static double work(const Request& grid, Turn<Answer>&) {
       if (grid)
         grid->done = grid->portion(grid->nodes, grid->done);
-      return grid && grid->done < grid->nodes.size() ? kAtOnce : kNever;
+      return grid && grid->done < grid->nodes.size() ? kDueNow : kNever;
     }
   };
   std::shared_ptr<Grid> grid_ = std::make_shared<Grid>();

@@ -1,5 +1,4 @@
 #include "devices/wake_count.hpp"
-#include "externals/modal_impact~/mode_solver.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
 #include "externals/playability_map/map_worker.hpp"
 #include "externals/stress_haptic/stress_worker.hpp"
@@ -42,43 +41,17 @@ TEST_CASE("a worker of stress ends whether it waits, works or has not begun") {
 
 TEST_CASE("a reader of tables ends") {
   std::atomic<int> ready{0};
-  modal::TableWorker::Request request;
-  request.path = request.name = "no-such-file";
+  modal::TableJob::Request request;
+  request.body = {"no-such-file", "no-such-file", 1};
   for (int i = 0; i < kRounds; ++i) {
     modal::TableWorker worker;
-    for (int requests = i % 4; requests-- > 0;)
-      REQUIRE(worker.request(request, [&] { ++ready; }).empty());
+    worker.on_ready([&] { ++ready; });
+    for (int requests = i % 4; requests-- > 0; ++request.body.number)
+      REQUIRE(worker.request(request).empty());
     if (i % 3 == 0)
       std::this_thread::yield();
   }
   CHECK(ready > 0);
-}
-
-TEST_CASE("a reader of tables that goes while it reads is not waited for") {
-  const auto path = std::filesystem::temp_directory_path() / "tactus_long_read.modal.npz";
-  std::ofstream(path).put('x');
-  std::filesystem::resize_file(path, std::uint64_t{1} << 26); // read in tenths of a second
-  modal::TableWorker::Request request;
-  request.path = request.name = path.string();
-  std::atomic<int> ready{0};
-  bool left_behind = false;
-  for (int i = 0; i < 10 && !left_behind; ++i) { // where this thread stalls, the read may end first
-    request.table = std::make_shared<const modal::LoadedTable>(modal::ModalTable{});
-    const std::weak_ptr<const modal::LoadedTable> held = request.table;
-    {
-      modal::TableWorker worker;
-      REQUIRE(worker.request(request, [&] { ++ready; }).empty());
-      request.table.reset();
-      while (held.use_count() < 3 && ready == 0) // it waits, and is then copied to be carried out
-        std::this_thread::yield();
-    }
-    left_behind = !held.expired() && ready == 0;
-    while (!held.expired())
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    ready = 0;
-  }
-  CHECK(left_behind);
-  std::filesystem::remove(path);
 }
 
 TEST_CASE("work in the background is not waited for, and tells nobody once its owner has gone") {
@@ -144,18 +117,6 @@ TEST_CASE("a map that takes the place of another, or is deleted, does not wait f
   while (portions.use_count() > 2) // this function's two
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK(*portions == 2);
-}
-
-TEST_CASE("a solver of modes ends") {
-  modal::ModeSolver::Request request;
-  request.number = 1; // of another load: given up
-  for (int i = 0; i < kRounds; ++i) {
-    modal::ModeSolver solver;
-    for (int requests = 1 + i % 3; requests-- > 0;)
-      REQUIRE(solver.request(request, {}).empty());
-    if (i % 3 == 0)
-      std::this_thread::yield();
-  }
 }
 
 TEST_CASE("no wake-up is lost between two threads that wait for each other") {

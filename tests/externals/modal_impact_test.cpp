@@ -42,6 +42,7 @@ struct Rig {
     std::ofstream(folder.path / "small.modal.npz", std::ios::binary) << test::archive(members);
     std::string& meta = members[0].data;
     meta.replace(meta.find("free"), 4, "held");
+    meta.replace(meta.find("four corners"), 12, "held corners");
     std::ofstream(folder.path / "held.modal.npz", std::ios::binary) << test::archive(members);
     object.prepare(48000, 64);
     test::set(object, "radiation", 2); // of the body: models are built by the worker, however small
@@ -78,6 +79,14 @@ struct Rig {
         largest = std::max(largest, std::abs(sample));
     }
     return largest;
+  }
+  /// What dump says last that begins so, when every change is answered.
+  std::string settled(const std::string& start) {
+    while (width() == 0)
+      take_answer();
+    host.infos.clear();
+    object.dump(host);
+    return host.said(start);
   }
   double width() {
     host.infos.clear();
@@ -147,15 +156,93 @@ TEST_CASE("a radiation for which the table has no arrays is refused, and get tel
   CHECK(rig.host.errors.size() == 2);
 }
 
+TEST_CASE(
+    "a solution takes the place of the body that it was made of, on its board, and of no other") {
+  const Rig rig;
+  TableWorker worker;
+  TableJob::Request request;
+  const auto file = [&rig](const char* name, std::uint64_t number) {
+    return TableFile{(rig.folder.path / name).string(), name, number};
+  };
+  const auto answer_to = [&worker](const TableJob::Request& asked) {
+    worker.request_here(asked);
+    worker.finish();
+    return worker.take();
+  };
+  request.body = file("small.modal.npz", 1);
+  request.board = file("held.modal.npz", 1);
+  request.board_displacement_m = {0, 0, -.3};
+  const auto first = answer_to(request).answer;
+  REQUIRE(first);
+  REQUIRE(first->table->parts.size() == 2);
+  ModalTable shifted = first->table->body().table;
+  shifted.shape.assign(2 * 4 * 3, 1);
+  request.solved = std::make_shared<const LoadedTable>(
+      std::move(shifted), first->table->body(), std::vector<ModeShare>{{0, 0, 1}, {1, 1, 1}});
+  request.solved_body = request.solved_number = 1;
+  const auto second = answer_to(request).answer;
+  REQUIRE(second);
+  CHECK(second->in_use.solved == 1);
+  CHECK(second->table->parts[0].loaded == request.solved);
+  CHECK(second->table->parts[1].loaded == first->table->parts[1].loaded);
+  CHECK(second->table->follows(*first->table));
+
+  request.body = file("mute.modal.npz", 2);
+  request.solved_number = 2; // still of the first
+  const auto third = answer_to(request).answer;
+  REQUIRE(third);
+  CHECK(third->in_use.body.number == 2);
+  CHECK(third->in_use.solved == 0);
+  CHECK(third->table->parts[0].loaded != request.solved);
+  request.body = file("no.modal.npz", 3);
+  const auto fourth = answer_to(request);
+  CHECK(fourth.sentences ==
+        std::vector<std::string>{"load no.modal.npz: it is no file that can be read"});
+  CHECK(fourth.answer->in_use.body.number == 2);
+  CHECK(answer_to(request).sentences.empty()); // once
+}
+
+TEST_CASE("a board that waits is kept when the table before it cannot be read") {
+  Rig rig;
+  const auto path = rig.folder.path / "long.modal.npz";
+  std::ofstream(path).put('x');
+  std::filesystem::resize_file(path, std::uint64_t{1} << 26); // read in tenths of a second
+  rig.say("load", {"long.modal.npz"});                        // the worker is busy
+  rig.say("load", {"long.modal.npz"});
+  rig.say("board", {"held.modal.npz", 0.0, 0.0, -300.0});
+  test::set(rig.object, "size", 2);
+  CHECK(rig.settled("board ") == "board held.modal.npz 0 0 -300");
+  CHECK(rig.settled("body ") == "body four corners");
+  REQUIRE(!rig.host.errors.empty());
+  for (const std::string& error : rig.host.errors)
+    CHECK(error.starts_with("load long.modal.npz: "));
+}
+
+TEST_CASE("what is set while a table is read holds for it, too") {
+  Rig rig;
+  const double width = rig.width();
+  test::set(rig.object, "radiation", 0); // built at once
+  rig.say("load", {"held.modal.npz"});
+  test::set(rig.object, "size", 2);
+  CHECK(rig.settled("body ") == "body held corners");
+  CHECK(rig.width() == doctest::Approx(2 * width));
+}
+
+TEST_CASE("a table that is read at once is not replaced by one that was asked for before") {
+  Rig rig;
+  rig.say("load", {"held.modal.npz"});
+  rig.say("load", {"mute.modal.npz", "-sync"});
+  REQUIRE(rig.host.said("loaded ") == "loaded four corners 2");
+  test::set(rig.object, "radiation", 3);
+  test::set(rig.object, "modes", 1); // whatever the worker has done since comes before this
+  CHECK(rig.settled("body ") == "body four corners");
+}
+
 TEST_CASE("a board that waits to be read is not lost by the changes that come after it") {
   Rig rig;
   const auto board_after = [&rig](auto change) {
     change();
-    while (rig.width() == 0)
-      rig.take_answer();
-    rig.host.infos.clear();
-    rig.object.dump(rig.host);
-    return rig.host.said("board ");
+    return rig.settled("board ");
   };
   for (int round = 0; round < 20; ++round) {
     REQUIRE(board_after([&] { rig.say("board", {"none"}); }) == "board none");

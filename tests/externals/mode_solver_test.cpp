@@ -37,9 +37,9 @@ struct Rig {
   test::TemporaryFolder folder;
   std::shared_ptr<const LoadedTable> table;
   std::unique_ptr<ModeSolver> solver;
-  ModeSolver::Request request;
+  ModeJob::Request request;
 
-  explicit Rig(const std::string& mode, const ModeSolver::Limits& limits = {}) {
+  explicit Rig(const std::string& mode, const ModeJob::Limits& limits = {}) {
     const fs::path body = folder.path / "body.modal.npz", program = folder.path / ("fake." + mode);
     const std::string bytes = test::archive(reshaped_table());
     std::ofstream(body, std::ios::binary) << bytes;
@@ -49,7 +49,6 @@ struct Rig {
     table = std::make_shared<const LoadedTable>(std::move(read));
     fs::create_symlink(TACTUS_FAKE_MODAL_FEM, program);
     solver = std::make_unique<ModeSolver>(limits);
-    solver->restart(1);
     request = {1, body.string(), program.string(), table, {.003}};
   }
   ~Rig() {
@@ -63,19 +62,21 @@ struct Rig {
   Rig& operator=(const Rig&) = delete;
 
   /// Up to a minute.
-  [[nodiscard]] ModeSolver::Result solve(bool threaded) const {
-    if (!threaded)
-      return solver->solve(request);
+  [[nodiscard]] ModeJob::Answer solve(bool threaded) const {
     std::atomic<bool> ready{false};
-    REQUIRE(solver->request(request, [&] { ready = true; }).empty());
-    for (int i = 0; i < 60000; ++i) {
-      if (auto result = solver->take()) {
-        CHECK(ready);
-        return std::move(*result);
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    solver->on_ready([&] { ready = true; });
+    if (!threaded) {
+      solver->request_here(request);
+      solver->finish();
+      ready = true;
+    } else {
+      REQUIRE(solver->request(request).empty());
     }
-    return {};
+    for (int i = 0; i < 60000 && !ready; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    solver->on_ready({});
+    auto answer = solver->take().answer;
+    return answer ? std::move(*answer) : ModeJob::Answer{};
   }
 };
 
@@ -145,12 +146,15 @@ TEST_CASE("a move that the mesh does not bear is solved as far as it does") {
 TEST_CASE("a solver is ended in the middle of whatever it does, and solves another table after") {
   for (const char* mode : {"good", "hangs", "mute"}) {
     Rig rig(mode);
-    REQUIRE(rig.solver->request(rig.request, [] {}).empty());
+    REQUIRE(rig.solver->request(rig.request).empty());
     while (std::string(mode) == "mute" && !fs::exists(rig.folder.path / "body.modal.npz.asked"))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    rig.solver->restart(2);
-    CHECK(!rig.solver->take());
+    ModeJob::Request none;
+    none.number = 2;
+    REQUIRE(rig.solver->request(none).empty());
     if (std::string(mode) == "good") {
+      while (rig.solver->take().finished < 2)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
       rig.request.number = 2;
       CHECK(rig.solve(true).table);
     }

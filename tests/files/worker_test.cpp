@@ -37,7 +37,7 @@ struct Counter {
   struct Request {
     int to = 0;
     std::string sentence{};
-    double pause_s = kAtOnce; ///< between two pieces
+    double pause_s = kDueNow; ///< between two pieces
   };
   struct Answer {
     int asked = 0, counted = 0;
@@ -60,7 +60,7 @@ struct Counter {
       turn.say(request.sentence);
     turn.hand_over({request.to, ++counted});
     return counted >= request.to        ? kNever
-           : request.pause_s == kAtOnce ? kAtOnce
+           : request.pause_s == kDueNow ? kDueNow
                                         : turn.now_s() + request.pause_s;
   }
   std::shared_ptr<Log> log;
