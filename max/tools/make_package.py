@@ -121,7 +121,7 @@ def copy_data(folder, library):
 def copy_guides(package):
     """The guides, with their pictures, under the paths by which help patchers and each other name them."""
     for path in sorted((ROOT / "docs").rglob("*")):
-        if path.suffix in (".md", ".png"):
+        if path.suffix in (".md", ".png", ".svg"):
             target = package / path.relative_to(ROOT)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)
