@@ -1,6 +1,6 @@
 // Does the passivity controller ever make things worse? A sampled wall, with the controller and
-// without, over stiffness, rate, encoder, latency, velocity and hand; docs/phantom.md shows the
-// worst rows.
+// without, over stiffness, rate, encoder, latency, velocity and hand; docs/results/passivity.md
+// shows the worst rows.
 //
 //   bench_haptic_passivity [--quick] [--csv FILE]
 //

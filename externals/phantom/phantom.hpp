@@ -40,8 +40,10 @@ public:
       phantom::kMessages,
       phantom::kArguments,
       "phantom~, haptic_server, struck_disk.pd",
-      "the servo: phantom.md, bodies to touch: scene.md, force effects: effects.md, masses and "
-      "springs: network.md, real devices: devices/README.md",
+      "in a patch: phantom.md, safety of the hand: phantom_safety.md, bodies to touch: scene.md, "
+      "force effects: effects.md, masses and springs: network.md, the simulated hand: "
+      "phantom_simulation.md, clock and trace: phantom_time.md, real devices: devices/README.md, "
+      "theory: theory/phantom.md",
       "strike/struck_disk.wav: a hand strikes a disk"};
   static constexpr std::size_t timers = 3;
 

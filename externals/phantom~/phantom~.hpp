@@ -170,7 +170,8 @@ inline constexpr Declaration PhantomSignal::declaration{
     Rows::messages,
     Rows::arguments,
     "phantom, modal_impact~, mass_spring.pd",
-    "the servo: phantom.md, masses and springs: network.md",
+    "signals of the hand: phantom_signal.md, the device: phantom.md, masses and springs: "
+    "network.md",
     "spring/string.wav: a string that a hand plucks"};
 
 } // namespace tactus

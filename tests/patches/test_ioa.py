@@ -198,7 +198,7 @@ def test_positions_that_come_together_give_the_hits_that_they_give_one_by_one(tm
 
 @pytest.mark.parametrize("amplitude, hz, expected", [(0.15, 40, 1), (1.0, 40, 10), (1.0, 100, 1)])
 def test_a_chattering_hand_hits_again_after_a_real_departure_only(tmp_path, amplitude, hz, expected):
-    """By docs/scene.md 0.2 mm and 10 ms away: 12.5 ms in the air at 40 Hz, 5 ms at 100 Hz."""
+    """By docs/results/scene.md 0.2 mm and 10 ms away: 12.5 ms in the air at 40 Hz, 5 ms at 100 Hz."""
     points = [(0, 25, 0, 9), (40, 25, 0, 6.01)]
     points += [(50 + k, 25, 0, 6 + amplitude * numpy.sin(2 * numpy.pi * hz * k / 1000 + 0.1))
                for k in range(240)]

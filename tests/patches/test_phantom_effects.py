@@ -95,7 +95,7 @@ PERSON = "-resolution 0.034 -hand person 200 2 0.1 0 0"
 def test_the_passivity_controller_makes_no_quiet_contact_worse(tmp_path, flags, messages):
     off, on = (last_second(tmp_path, passivity, flags, messages) for passivity in (0, 1))
     stiffness = next(float(words.split()[3]) for _, words in messages if words.startswith("scene mat"))
-    quiet_n = 0.034e-3 * stiffness if "resolution" in flags else 2e-3  # one step of the encoder (docs/phantom.md)
+    quiet_n = 0.034e-3 * stiffness if "resolution" in flags else 2e-3  # one step of the encoder (docs/results/passivity.md)
     assert on[0] <= max(1.1 * off[0], quiet_n) and on[1] <= max(1.1 * off[1], 0.02)
 
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 
 /// The safety chain: every force passes through it before it reaches a motor. One step function on
-/// a state, used for every device and by the haptic server. docs/phantom.md has the equations and
-/// the reasons.
+/// a state, used for every device and by the haptic server. docs/theory/phantom.md has the
+/// equations and the reasons.
 ///
 ///   interpolation of the commands -> + signals of the patch, local models, damping, soft walls
 ///   -> clamp -> watchdog and enable gain -> passivity controller -> slew limit -> clamp

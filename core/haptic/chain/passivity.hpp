@@ -21,8 +21,8 @@ struct PassivitySettings {
 };
 
 /// Passivity observer and controller in the time domain, after Hannaford & Ryu, IEEE Transactions
-/// on Robotics and Automation 18, 2002. docs/phantom.md, "Passivity", has the equations and the
-/// sweep over walls, rates, encoders, latencies and hands that they were tested with.
+/// on Robotics and Automation 18, 2002. docs/theory/passivity.md has the equations,
+/// docs/results/passivity.md the sweep over walls, rates, encoders, latencies and hands.
 ///
 /// A force that is a function of the position is held over a tick of length T and felt L ticks
 /// late. A spring K then creates the power K T (1/2 + L) u^2 at the speed u; a constant force
@@ -31,7 +31,7 @@ struct PassivitySettings {
 /// later.
 ///
 /// 1. The damper removes what has been created (D, J) and not removed yet: -b u, with
-///      b = min(D/(T u^2), (3 + L) K T, b_device)
+///      b = min(D/(T u^2), (3.5 + L) K T, b_device)   (4.5 for commands)
 ///    K is the regression of changes of force on changes of position, u the velocity reading where
 ///    the displacement d over the last 2 ms confirms its sign, no faster than d/T.
 /// 2. A contact of at most 0.1 s that throws the handle back is reduced, early enough for latency

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-/// A model of the hand that holds the simulated device: docs/phantom.md, "The hand".
+/// A model of the hand that holds the simulated device: docs/theory/simulated_device.md.
 namespace tactus::haptic {
 
 /// Band-limited Gaussian noise: an oscillator driven by white noise,

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <optional>
 
-/// Force effects that a host switches on and off by name. docs/effects.md has the equations.
+/// Force effects that a host switches on and off by name. docs/theory/effects.md has the equations.
 namespace tactus::haptic {
 
 /// Settings of the effects; an effect without a value is off. Stiffness N/m, damping N s/m.

@@ -9,7 +9,7 @@
 #include <vector>
 
 /// The description of a mass-spring network: masses, links, pickups. network_model.hpp simulates
-/// it; docs/network.md has the equations.
+/// it; docs/theory/network.md has the equations.
 namespace tactus::haptic {
 
 /// One point mass.

@@ -14,8 +14,8 @@ namespace tactus::haptic {
 /// One value of each pickup: the mean over one or more steps.
 using NetworkSample = std::array<float, Network::kPickups>;
 
-/// Simulates a mass-spring network inside the servo, both felt and heard. docs/network.md has the
-/// model.
+/// Simulates a mass-spring network inside the servo, both felt and heard.
+/// docs/theory/network.md has the model.
 ///   M x'' = f_links(x, x') - alpha M x' + M g + f_handle + f_pluck
 /// by the symplectic Euler rule, v += h F(x, v)/m, x += h v, with a whole number of steps in a
 /// servo tick (stability.hpp). A tick simulates the time since the last one: the handle moves

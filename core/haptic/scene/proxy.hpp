@@ -67,7 +67,7 @@ struct Surroundings {
 /// With friction the proxy itself is the anchor, one for all that it touches (the friction cone of
 /// Melder & Harwin, HAPTICS 2004). Of the way t along the faces it goes the part |t| - mu D, to
 /// where the goal lies on the edge of the cone, D being the sum of the depths; within the cone it
-/// stays. docs/scene.md has the steps.
+/// stays. docs/theory/scene.md has the steps.
 ///
 /// A motion is made only when its test against every obstacle is complete. When the work is
 /// exhausted the proxy stays at the end of the last such motion, outside of every body.

@@ -12,8 +12,8 @@
 
 namespace tactus::haptic {
 
-/// Renders the contact of a spherical tool with a scene inside the servo. docs/scene.md has the
-/// model.
+/// Renders the contact of a spherical tool with a scene inside the servo.
+/// docs/theory/scene.md has the model.
 ///   F = sum_i (k_i d_i + b_i max(0, -v . n_i)) n_i + k t
 /// over the faces i that hold the proxy. n_i, k_i, b_i: normal, stiffness and damping of a face;
 /// the vector from handle to proxy is sum_i d_i n_i + t, where d_i >= 0 is the depth along n_i and
@@ -36,7 +36,7 @@ public:
   static constexpr double kRearm_m = 2e-4,
                           kRearm_s = 0.01; ///< distance and time before the next hit
   static constexpr double kContactEvery_s = 4e-3;
-  static constexpr std::int64_t kWorkPerTick = 16000; ///< some 0.1 ms; see docs/scene.md
+  static constexpr std::int64_t kWorkPerTick = 16000; ///< some 0.1 ms; see docs/theory/scene.md
 
   explicit SceneModel(std::int64_t work_per_tick = kWorkPerTick) noexcept
       : work_per_tick_(work_per_tick) {}

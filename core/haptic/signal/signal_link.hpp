@@ -9,8 +9,8 @@
 #include <atomic>
 #include <limits>
 
-/// Connects audio and the servo: signals become forces, positions become signals. docs/phantom.md,
-/// "At audio rate".
+/// Connects audio and the servo: signals become forces, positions become signals.
+/// docs/phantom_signal.md.
 namespace tactus::haptic {
 
 /// The data that a device's servo shares with an object that processes audio. Three sides use it:

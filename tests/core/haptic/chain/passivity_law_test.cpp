@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-// The controller tick by tick against its equations (docs/phantom.md, "Passivity"), which are
+// The controller tick by tick against its equations (docs/theory/passivity.md), which are
 // evaluated here from the motion. passivity_test.cpp tests it in a loop with walls and hands.
 
 using namespace tactus::haptic;

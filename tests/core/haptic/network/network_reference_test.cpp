@@ -11,8 +11,8 @@ using tactus::test::approx;
 
 namespace {
 
-/// Integrates the equations of docs/network.md by the classical Runge-Kutta method of fourth order,
-/// independently of the model.
+/// Integrates the equations of docs/theory/network.md by the classical Runge-Kutta method of fourth
+/// order, independently of the model.
 class Reference {
 public:
   explicit Reference(const Network& network) : network_(network) {
