@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-/// The haptic protocol (docs/haptic_network.md): messages between a computer with a haptic device
-/// and its clients. net includes core/haptic and no driver.
+/// The haptic protocol (docs/formats/haptic_protocol.md): messages between a computer with a haptic
+/// device and its clients. net includes core/haptic and no driver.
 namespace tactus::net {
 
 /// The address of a message of the haptic protocol. On the wire `/hap/NAME` in OSC and `hap NAME`

@@ -16,9 +16,9 @@ struct BusSettings {
   std::string token{}; ///< the caller presents it, the listener requires it; empty: none is needed
 };
 
-/// One connection between two buses of modules (docs/haptic_network.md, "Buses"). The caller sends
-/// hello and the listener answers welcome; after that both sides are equal. No sockets, threads or
-/// clocks; times in s by one clock, never decreasing.
+/// One connection between two buses of modules (docs/formats/haptic_protocol.md, "Buses"). The
+/// caller sends hello and the listener answers welcome; after that both sides are equal. No
+/// sockets, threads or clocks; times in s by one clock, never decreasing.
 class BusSession : public PeerConnection {
 public:
   enum class Side { kListener, kCaller };

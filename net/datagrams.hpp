@@ -7,9 +7,9 @@
 #include <span>
 
 /// Positions and velocities as UDP datagrams, beside the TCP connection of the same client
-/// (docs/haptic_network.md): one OSC packet each, numbered, and with the key that the server gave
-/// the client over TCP. A lost packet of TCP holds back all that follow it by a round trip or more;
-/// a lost datagram costs one sample. Nothing that moves a motor travels so.
+/// (docs/formats/haptic_protocol.md): one OSC packet each, numbered, and with the key that the
+/// server gave the client over TCP. A lost packet of TCP holds back all that follow it by a round
+/// trip or more; a lost datagram costs one sample. Nothing that moves a motor travels so.
 namespace tactus::net {
 
 /// A client says over UDP this often which sample came last.

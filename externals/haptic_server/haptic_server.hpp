@@ -120,6 +120,6 @@ inline constexpr Declaration HapticServerObject::declaration{
     Rows::messages,
     Rows::arguments,
     "phantom, stress_haptic",
-    "the protocol: haptic_network.md"};
+    "a device on another computer: haptic_network.md, the protocol: formats/haptic_protocol.md"};
 
 } // namespace tactus::haptic_server

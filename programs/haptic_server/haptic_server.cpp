@@ -1,4 +1,5 @@
-// haptic_server: serves a haptic device over the network; docs/haptic_network.md has the protocol.
+// haptic_server: serves a haptic device over the network; docs/formats/haptic_protocol.md has the
+// protocol.
 #include "externals/phantom/trace.hpp"
 #include "programs/haptic_server/station.hpp"
 
