@@ -5,7 +5,7 @@
 namespace tactus::devices::falcon {
 namespace {
 
-// m; names as in the drawing of docs/devices/falcon.md
+// m; names as in the drawing of docs/theory/falcon.md
 constexpr double a = 0.060, b = 0.1025, c = 0.01443, d_e = 2 * 0.01125, f = -0.025;
 constexpr double r = 0.0400, s = -0.02309;
 

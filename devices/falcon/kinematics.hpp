@@ -9,7 +9,7 @@
 /// Geometry of the Novint Falcon: three legs around the z axis, each an upper arm a that a motor
 /// turns by theta and a parallelogram b that carries the grip's platform. A Delta robot with
 /// offsets c, d, e, f, r, s (R. E. Stamper, PhD thesis, University of Maryland 1997; the numbers
-/// are the open driver's). docs/devices/falcon.md has the drawing and the equations.
+/// are the open driver's). docs/theory/falcon.md has the drawing and the equations.
 ///
 /// Frame here: x right, y up, z from the base towards the user, origin in the base. SI, radians.
 namespace tactus::devices::falcon {
