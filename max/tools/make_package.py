@@ -35,7 +35,7 @@ DRAWN = "Pd draws its cells by data structures"
 # What of a Pd patch has no equivalent in Max: {patch: {object, label, or beginning of a text or sentence: reason}}.
 WITHOUT = {
     "reed_guide": {"switch~": "in Pd it stops the computation while guide is off"},
-    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "In the map bright is": "",
+    "reed_haptic": {"reed_map": "the map of playability; " + DRAWN, "Bright areas of the map": "",
                     "draw the map again": ""},
     "playability_map-help": {"reed_map": DRAWN, "reed_map draws": "", "quantity growth": "",
                              "quantity f_p": "", "s playability_map-map": ""},

@@ -28,7 +28,7 @@ def all_boxes(patcher):
 
 def test_the_guides_that_help_names_are_there_with_their_pictures(package, tmp_path):
     named = {guide for path in package.rglob("*.maxhelp") for guide in re.findall(r"docs/\w+\.md", path.read_text())}
-    assert {"docs/phantom.md", "docs/network.md"} <= named
+    assert {"docs/phantom_safety.md", "docs/network.md"} <= named
     for guide in (package / "docs").rglob("*.md"):
         for picture in re.findall(r"!\[[^]]*\]\(([^):]+\.png)\)", guide.read_text(encoding="utf-8")):
             assert (guide.parent / picture).exists(), (guide.name, picture)
@@ -70,7 +70,7 @@ def test_nothing_sends_a_reader_to_what_only_pd_has(package):
         for text in texts:
             assert not re.search(r"Pd's (window|path|search)|\b(in|see) the log\b", text), (path.name, text)
     text = (package / "patchers" / "reed_haptic.maxpat").read_text(encoding="utf-8")
-    assert "red square" not in text and "draw the map" not in text and "way out of silence.\"" in text
+    assert "red square" not in text and "draw the map" not in text and "leads out of silence.\"" in text
     assert "while guide is on" not in text
 
 
