@@ -1,110 +1,129 @@
-// Who calls: threads, and the external's function that each is in.
-#include "max/stub/kernel.hpp"
+// Who calls: threads, the external's function that each is in, and what is printed of it.
+#include "max/stub/stub.hpp"
+
+#include <cstdio>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#if !defined(_WIN32)
+#include <dlfcn.h>
+#endif
 
 namespace tactus::stub {
 namespace {
-constinit thread_local Role role = Role::kForeign;
+constinit thread_local Role role = kForeign;
 constinit thread_local Call* innermost = nullptr;
-constinit thread_local int kernel_depth = 0; // > 0: in the stub, not in an external
-
-const char* role_name(Role r) {
-  switch (r) {
-  case Role::kMain:
-    return "the main thread";
-  case Role::kScheduler:
-    return "the scheduler's thread";
-  case Role::kAudio:
-    return "the audio thread";
-  case Role::kForeign:
-    break;
-  }
-  return "a thread of the external's own";
+constinit thread_local int depth = 0; // > 0: in the stub, not in an external
+constinit thread_local std::vector<std::string>* collected = nullptr;
+std::mutex report_mutex;
+std::set<std::string>& reported() {
+  static std::set<std::string> texts;
+  return texts;
 }
 
-const char* where_name(Where where) {
-  switch (where) {
-  case Where::kLoad:
-    return "ext_main";
-  case Where::kConstruct:
-    return "constructor";
-  case Where::kFree:
-    return "free method";
-  case Where::kMessage:
-    return "message";
-  case Where::kSetter:
-    return "setter";
-  case Where::kGetter:
-    return "getter";
-  case Where::kAssist:
-    return "assist";
-  case Where::kDsp:
-    return "dsp64";
-  case Where::kPerform:
-    return "perform";
-  case Where::kCallback:
-    break;
+constexpr const char* kPlaces[]{"ext_main", "constructor", "free method", "message", "attribute",
+                                "assist",   "dsp64",       "perform",     "clock"};
+
+/// tests/guard, where it is preloaded, watches what perform does from 1 to 0.
+using Guard = void (*)(int);
+#if defined(_WIN32)
+constexpr Guard guard = nullptr;
+#else
+const Guard guard = reinterpret_cast<Guard>(dlsym(RTLD_DEFAULT, "rtguard_set"));
+#endif
+void watch_perform(int on) noexcept {
+  if (guard && innermost && innermost->where == Where::kPerform)
+    guard(on);
+}
+
+/// The stub's own work: nothing in it counts as the external's.
+struct HostWork {
+  HostWork() noexcept {
+    if (depth++ == 0)
+      watch_perform(0);
   }
-  return "callback";
+  ~HostWork() {
+    if (--depth == 0)
+      watch_perform(1);
+  }
+  HostWork(const HostWork&) = delete;
+  HostWork& operator=(const HostWork&) = delete;
+};
+
+void print(const std::string& line) {
+  std::fprintf(stdout, "%s\n", line.c_str());
+  std::fflush(stdout);
 }
 } // namespace
+
+void collect_lines(std::vector<std::string>* lines) { collected = lines; }
+
+void print_line(const std::string& line) {
+  const HostWork work;
+  if (collected)
+    collected->push_back(line);
+  else
+    print(line);
+}
+
+void violation(const std::string& text) {
+  const HostWork work;
+  std::string line = "violation: " + text;
+  if (innermost)
+    line.append(" [in ").append(kPlaces[static_cast<int>(innermost->where)]);
+  if (innermost && innermost->object)
+    line += " of " + innermost->object->text();
+  if (innermost)
+    line += "]";
+  const std::lock_guard lock(report_mutex);
+  if (reported().insert(line).second)
+    print(line);
+}
+
+bool any_violation() {
+  const std::lock_guard lock(report_mutex);
+  return !reported().empty();
+}
 
 Call* current_call() noexcept { return innermost; }
 Role current_role() noexcept { return role; }
 void set_role(Role r) noexcept { role = r; }
 
-std::string describe_call() {
-  if (!innermost)
-    return role == Role::kForeign ? role_name(role) : "";
-  std::string text = where_name(innermost->where);
-  if (!innermost->name.empty())
-    text.append(" ").append(innermost->name);
-  if (innermost->object)
-    text += " of " + innermost->object->text();
-  return text;
-}
-
 ApiCall::ApiCall(const char* function, unsigned roles) {
-  ++kernel_depth;
-  if ((roles & static_cast<unsigned>(role)) == 0)
-    violation(std::string(function) + ": called from " + role_name(role));
-  if (innermost && innermost->where == Where::kFree && innermost->object) {
-    const Object& object = *innermost->object;
-    if (object.type->dsp && !object.dsp_freed && std::string_view(function) != "z_dsp_free" &&
-        std::string_view(function) != "gensym")
-      violation(std::string("z_dsp_free must come first in a free method: ") + function);
-  }
+  if (depth++ == 0)
+    watch_perform(0);
+  if ((roles & role) == 0)
+    violation(std::string(function) + ": called from " +
+              (role == kMain        ? "the main thread"
+               : role == kScheduler ? "the scheduler's thread"
+               : role == kAudio     ? "the audio thread"
+                                    : "a thread of the external's own"));
+  if (innermost && innermost->where == Where::kFree && innermost->object->in_chain &&
+      std::string_view(function) != "z_dsp_free")
+    violation(std::string(function) + ": z_dsp_free must come first in a free method");
 }
-ApiCall::~ApiCall() { --kernel_depth; }
+ApiCall::~ApiCall() {
+  if (--depth == 0)
+    watch_perform(1);
+}
 
-HostWork::HostWork() noexcept { ++kernel_depth; }
-HostWork::~HostWork() { --kernel_depth; }
-
-bool in_external() noexcept { return innermost && kernel_depth == 0; }
-
-Entered::Entered(Call& call) noexcept : call_(call), kernel_depth_(kernel_depth) {
+void run_external(Call& call, const std::function<void()>& function) {
   call.outer = innermost;
   innermost = &call;
-  kernel_depth = 0;
-}
-Entered::~Entered() {
-  kernel_depth = kernel_depth_ + 1;
-  if (call_.critical > 0)
-    violation("critical_enter without critical_exit");
-  if (call_.buffer_locks > 0)
-    violation("buffer_locksamples without buffer_unlocksamples");
-  innermost = call_.outer;
-  kernel_depth = kernel_depth_;
-}
-
-void note_system_call(const char* function, bool releases) noexcept {
-  if (!in_external())
-    return;
-  const HostWork work;
-  if (innermost->where == Where::kPerform)
-    violation(std::string(function) + " in perform: it may not allocate, lock or call the system");
-  else if (releases && innermost->where == Where::kFree && innermost->object &&
-           innermost->object->type->dsp && !innermost->object->dsp_freed)
-    violation("z_dsp_free must come first in a free method: memory was freed before");
+  const int before = std::exchange(depth, 0);
+  watch_perform(1);
+  try {
+    function();
+  } catch (...) {
+    violation("an exception left the external's function");
+  }
+  watch_perform(0);
+  depth = before + 1;
+  if (call.held > 0)
+    violation("a critical region or a buffer's lock is not left");
+  innermost = call.outer;
+  depth = before;
 }
 
 } // namespace tactus::stub

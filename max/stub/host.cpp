@@ -1,52 +1,82 @@
-#include "max/stub/host.hpp"
-
-#include "max/stub/guarded.hpp"
-#include "max/stub/realtime_watch.hpp"
+// Loads externals, and reads the script from standard input.
+#include "files/utf8_path.hpp"
 #include "max/stub/script.hpp"
 
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 
-using namespace tactus::stub;
+#if defined(_WIN32)
+#include <windows.h>
+#else
+#include <dlfcn.h>
+#endif
 
-int run_host(int count, char** arguments) {
-  const std::string file = count > 1 ? arguments[1] : "-";
-  if (file == "--help") {
-    std::puts("usage: max_host [SCRIPT]   (standard input without)");
-    for (const Script::Command& command : Script::commands())
-      std::printf("  %s %s\n", std::string(command.name).c_str(),
-                  std::string(command.usage).c_str());
-    std::puts("  repeat COUNT ... end\n  threads VECTORS ... end");
-    return 0;
+namespace tactus::stub {
+namespace {
+#if defined(_WIN32)
+std::string load(const std::string& file, method& ext_main) {
+  // In Max, MaxAPI.dll and MaxAudio.dll are loaded before any external, wherever its file is.
+  static const HMODULE audio = LoadLibraryW(L"MaxAudio.dll");
+  const HMODULE module =
+      audio ? LoadLibraryW(std::filesystem::absolute(utf8_path(file)).c_str()) : nullptr;
+  if (!module)
+    return "Windows' error " + std::to_string(GetLastError());
+  ext_main =
+      reinterpret_cast<method>(reinterpret_cast<void (*)()>(GetProcAddress(module, "ext_main")));
+  return {};
+}
+#else
+std::string load(const std::string& file, method& ext_main) {
+  void* module = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!module)
+    return dlerror();
+  ext_main = reinterpret_cast<method>(dlsym(module, "ext_main"));
+  return {};
+}
+#endif
+
+void run(std::istream& script) {
+  std::vector<std::vector<std::string>> block; // "threads VECTORS" and the lines until "end"
+  for (std::string text; std::getline(script, text);) {
+    std::vector<std::string> line = split_line(text);
+    if (line.empty())
+      continue;
+    if (line[0] == "end") {
+      run_threads(std::stoull(block.at(0).at(1)), std::span(block).subspan(1));
+      block.clear();
+    } else if (!block.empty() || line[0] == "threads")
+      block.push_back(std::move(line));
+    else
+      execute(line);
   }
-  install_fault_handler();
-  install_realtime_watch();
-  set_role(Role::kMain);
-  Script script;
-  int status = 0;
+}
+} // namespace
+
+std::string load_external(const std::string& file) {
+  method ext_main = nullptr;
+  if (const std::string reason = load(file, ext_main); !reason.empty())
+    return reason;
+  if (!ext_main)
+    return "it exports no ext_main";
+  Call call{.where = Where::kLoad};
+  run_external(call, [&] { ext_main(nullptr); });
+  return {};
+}
+
+} // namespace tactus::stub
+
+/// The host's main(): 0, 2 where the script is wrong, 3 where there was a violation.
+extern "C" int run_host();
+extern "C" int run_host() {
+  using namespace tactus::stub;
+  set_role(kMain);
   try {
-    std::ifstream stream;
-    if (file != "-") {
-      stream.open(file);
-      if (!stream)
-        throw ScriptError("cannot read " + file);
-    }
-    script.run(file == "-" ? std::cin : stream);
+    run(std::cin);
+    set_role(kMain);
+    finish();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "script: %s\n", error.what());
-    status = 2;
+    return 2;
   }
-  set_role(Role::kMain);
-  try {
-    script.finish();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "script: %s\n", error.what());
-    status = 2;
-  }
-  if (const std::size_t violations = violation_count()) {
-    print_line("violations: " + std::to_string(violations));
-    status = 3;
-  }
-  return status;
+  return any_violation() ? 3 : 0;
 }

@@ -1,3 +1,3 @@
-#include "max/stub/host.hpp"
+extern "C" int run_host();
 
-int main(int count, char** arguments) { return run_host(count, arguments); }
+int main() { return run_host(); }

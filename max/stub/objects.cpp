@@ -1,105 +1,138 @@
-// Objects: from object_alloc in a constructor to object_free.
-#include "max/stub/audio.hpp"
-#include "max/stub/kernel.hpp"
+// What externals are given: classes, boxes, their outlets and inlets; and whether all is given
+// back.
+#include "max/stub/stub.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
 
 namespace tactus::stub {
 namespace {
-std::vector<Object*> living;
+constexpr intptr_t kMagic = 1758379419;
+constexpr std::size_t kBefore = 16; // bytes in front of a box's struct
+// Reachable until the end, so that a sanitizer sees the leaks of externals alone.
+auto& living = *new std::vector<Object*>;
+auto& every_object = *new std::vector<Object*>;
+auto& classes = *new std::vector<t_class*>;
 
-struct Patcher : Record {
-  Patcher() : Record(Kind::kPatcher) { header.o_magic = kMagic; }
-  t_object header{};
-};
-Patcher* make_patcher() {
-  auto* fresh = new Patcher;
-  add_record(&fresh->header, fresh);
-  return fresh;
+/// What Max itself calls, with its own arguments (A_CANT) or with those of a message.
+const std::map<std::string_view, std::vector<short>>& methods_of_max() {
+  static const std::map<std::string_view, std::vector<short>> types{
+      {"assist", {A_CANT}},
+      {"dsp64", {A_CANT}},
+      {"acceptsdrag_locked", {A_CANT}},
+      {"acceptsdrag_unlocked", {A_CANT}},
+      {"getvalueof", {A_CANT}},
+      {"setvalueof", {A_CANT}},
+      {"bang", {}},
+      {"preset", {}},
+      {"int", {A_LONG}},
+      {"float", {A_FLOAT}},
+      {"symbol", {A_SYM}},
+      {"list", {A_GIMME}},
+      {"anything", {A_GIMME}}};
+  return types;
 }
-Patcher& main_patcher() {
-  static Patcher& instance = *make_patcher();
-  return instance;
+
+void check_method(const t_class& c, const std::string& name, const std::vector<short>& types) {
+  const auto known = methods_of_max().find(name);
+  const bool wrong = known == methods_of_max().end() ? types == std::vector<short>{A_CANT}
+                                                     : types != known->second;
+  if (wrong)
+    violation(name + " has other types than Max's, or Max calls no such method");
+  if (c.methods.count(name) || c.attribute(name))
+    violation(name + " is there twice");
 }
-Patcher& subpatcher() {
-  static Patcher& instance = *make_patcher();
-  return instance;
+
+Object* in_constructor(void* x, const char* function) {
+  Object* object = require_object(x, function);
+  if (object && object->constructed)
+    violation(std::string(function) + ": outside the constructor");
+  return object;
 }
-bool in_subpatcher = false;
 
 /// What must be true of a box once its constructor is done.
 void check_construction(Object& object) {
   const std::string start = object.text() + ": ";
-  const t_class& c = *object.type;
-  if (c.dsp && !object.dsp_set_up)
+  if (object.type->dsp && !object.in_chain)
     violation(start + "the constructor did not call z_dsp_setup");
   if (!object.proxies.empty() && object.proxies.back()->id != 1)
-    violation(start + "the leftmost proxy has the number " +
-              std::to_string(object.proxies.back()->id) + ", expected 1");
-  const auto dumpout = object.obex.find(symbol("dumpout"));
-  if (dumpout != object.obex.end() && object.outlets.size() > 1 &&
-      dumpout->second == reinterpret_cast<t_object*>(object.outlets.front()))
+    violation(start + "the leftmost proxy is not that of inlet 1");
+  if (object.dumpout && object.outlets.size() > 1 && object.dumpout == object.outlets.front())
     violation(start + "dumpout is the leftmost outlet: make outlets from right to left");
-  for (std::size_t i = 0; i < object.outlets.size(); ++i)
-    if (!c.dsp && object.outlets[i]->signal())
-      violation(start + "a signal outlet of a class without class_dspinit");
-  for (std::size_t i = 0; i < object.outlets.size() && c.find("assist"); ++i) {
-    const std::string text = assist_text(object, ASSIST_OUTLET, static_cast<long>(i));
-    const bool says_signal = text.starts_with("(signal");
-    if (says_signal != object.outlets[i]->signal() && (says_signal || text.starts_with('(')))
-      violation(start + "outlet " + std::to_string(i) + " is " +
-                (object.outlets[i]->signal() ? "a" : "no") +
-                " signal outlet, but assist says: " + text);
-  }
-}
-
-void* construct(t_class& c, Call& call, std::string_view name, std::span<t_atom> arguments) {
-  void* made = nullptr;
-  run_external(call, [&] {
-    if (c.types == std::vector<short>{A_GIMME})
-      made = as<void* (*)(t_symbol*, long, t_atom*)>(c.constructor)(
-          symbol(name), static_cast<long>(arguments.size()), arguments.data());
-    else
-      made = c.types.empty() ? as<void* (*)()>(c.constructor)() : nullptr;
-  });
-  return made;
-}
-
-/// Whether one of the arguments is @ and the name of an attribute; @ and a message is the object's.
-bool has_attribute_argument(const t_class& c, std::span<t_atom> arguments) {
-  return std::any_of(arguments.begin(), arguments.end(), [&c](const t_atom& a) {
-    return a.a_type == A_SYM && name_of(a.a_w.w_sym).substr(0, 1) == "@" &&
-           c.attribute(name_of(a.a_w.w_sym).substr(1));
-  });
 }
 
 void report(const t_object* x, const char* kind, const char* format, va_list& arguments) {
   std::array<char, 2048> text{};
   std::vsnprintf(text.data(), text.size(), format, arguments);
-  const Record* record = x ? find_record(x) : nullptr;
-  std::string owner = "nobody";
-  if (record && record->kind == Kind::kObject)
-    owner = static_cast<const Object*>(record)->text();
-  else if (x && (!record || record->kind != Kind::kPatcher))
-    violation(std::string("object_") + kind + ": not an object of Max");
-  print_line(std::string(kind) + ": " + owner + ": " + text.data());
+  print_line(std::string(kind) + ": " + (x ? require_object(x, kind)->text() : "nobody") + ": " +
+             text.data());
+}
+
+void* send(void* address, const char* function, std::string_view selector,
+           std::span<const t_atom> atoms) {
+  const ApiCall api(function);
+  const Outlet* outlet = require<Outlet>(address, function);
+  if (!outlet)
+    return nullptr;
+  if (outlet->signal)
+    violation(std::string(function) + ": to a signal outlet");
+  Call* call = current_call();
+  if (!call || call->where == Where::kFree)
+    violation(std::string(function) + ": nothing can be sent from here");
+  for (; call; call = call->outer) {
+    call->sent = true;
+    if (call->held > 0)
+      violation(std::string(function) + ": within a critical region");
+  }
+  const auto& all = outlet->owner->outlets;
+  const auto index = std::find(all.begin(), all.end(), outlet) - all.begin();
+  const std::string text = to_text(atoms);
+  print_line("out: " + to_text(std::array{float_atom(now_ms())}) + " " + outlet->owner->id + " " +
+             std::to_string(index) + " " + std::string(selector) +
+             (text.empty() ? "" : " " + text));
+  return nullptr;
 }
 } // namespace
 
-std::string Object::text() const { return type->name + (id.empty() ? "" : " " + id); }
-const std::vector<Object*>& living_objects() { return living; }
-t_object* patcher() { return &(in_subpatcher ? subpatcher() : main_patcher()).header; }
-t_object* parent_patcher() { return in_subpatcher ? &main_patcher().header : nullptr; }
-void use_subpatcher(bool yes) { in_subpatcher = yes; }
+void keep(Record& record) {
+  record.owner = current_call() ? current_call()->object : nullptr;
+  if (record.owner)
+    record.owner->made.push_back(&record);
+}
+
+Record* require_record(const void* address, Kind kind, const char* function) {
+  auto* record = static_cast<Record*>(const_cast<void*>(address));
+  if (!record || record->kind != kind)
+    violation(std::string(function) + (record ? ": of another kind of thing" : ": null"));
+  else if (!record->alive)
+    violation(std::string(function) + ": use of a thing after it was freed");
+  else
+    return record;
+  return nullptr;
+}
 
 Object* require_object(const void* x, const char* function) {
-  Object* object = require<Object>(x, function);
-  if (object && object->header()->o_magic != kMagic)
-    violation(std::string(function) + ": the header of " + object->text() + " was overwritten");
-  return object;
+  Object* object = nullptr;
+  if (x)
+    std::memcpy(&object, static_cast<const std::byte*>(x) - kBefore, sizeof object);
+  if (object && object->alive && object->header()->z_ob.o_magic == kMagic)
+    return object;
+  violation(std::string(function) + ": not a living object");
+  return nullptr;
+}
+
+std::string Object::text() const { return type->name + (id.empty() ? "" : " " + id); }
+const std::vector<Object*>& living_objects() { return living; }
+
+t_class* find_class(std::string_view name) {
+  const auto found = std::find_if(classes.begin(), classes.end(),
+                                  [&](const t_class* c) { return c->name == name; });
+  return found == classes.end() ? nullptr : *found;
 }
 
 Object* make_object(const std::string& id, std::string_view class_name,
@@ -109,24 +142,22 @@ Object* make_object(const std::string& id, std::string_view class_name,
     print_error(nullptr, std::string(class_name) + ": no such object");
     return nullptr;
   }
-  Call call{.where = Where::kConstruct, .name = id};
-  symbol("#P")->s_thing = patcher();
-  void* made = construct(*c, call, class_name, arguments);
-  symbol("#P")->s_thing = nullptr;
-  for (const Object* object : living)
-    if (!object->constructed && object->alive && object->header() != made)
-      violation("the constructor of " + object->text() +
-                " did not free what it made and does not return");
+  Call call{.where = Where::kConstruct};
+  const std::size_t before = living.size();
+  void* made = nullptr;
+  run_external(call, [&] {
+    made = as<void* (*)(t_symbol*, long, t_atom*)>(c->constructor)(
+        symbol(class_name), static_cast<long>(arguments.size()), arguments.data());
+  });
   if (!made) {
+    if (living.size() != before)
+      violation(std::string(class_name) +
+                ": the constructor did not free what it made and does not return");
     print_error(nullptr, std::string(class_name) + ": could not be made");
     return nullptr;
   }
   Object* object = require_object(made, "the constructor's result");
-  if (!object)
-    return nullptr;
   object->id = id;
-  if (has_attribute_argument(*c, arguments) && !object->attributes_processed)
-    violation(object->text() + ": attributes among the arguments, but no attr_args_process");
   check_construction(*object);
   object->constructed = true;
   return object;
@@ -134,25 +165,14 @@ Object* make_object(const std::string& id, std::string_view class_name,
 
 void free_object(Object& object) {
   Call call{.where = Where::kFree, .object = &object};
-  for (Object* other : living) // patch cords to it
-    for (Outlet* outlet : other->outlets)
-      std::erase_if(outlet->cords,
-                    [&](const Outlet::Cord& cord) { return cord.receiver == &object; });
-  if (object.type->destructor)
-    run_external(call, [&] { object.type->destructor(object.header()); });
-  if (object.type->dsp && object.dsp_set_up && !object.dsp_freed)
-    violation(object.text() + ": z_dsp_free was not called by the free method");
-  remove_from_chain(object);
-  if (object.header()->o_magic != kMagic)
-    violation(object.text() + ": its header was overwritten");
-  if (!object.block.guards_intact())
-    violation(object.text() + ": a write beyond its struct");
-  report_leaks(&object);
-  forget_owner(object);
-  for (Outlet* outlet : object.outlets)
-    outlet->alive = false;
+  run_external(call, [&] { object.type->destructor(object.header()); });
+  if (object.in_chain)
+    violation("z_dsp_free was not called by the free method of " + object.text());
+  for (Record* record : object.made)
+    if (record->alive.exchange(false) && record->kind != Kind::kOutlet)
+      violation("leak: " + object.text() + " did not free a proxy, clock, qelem or buffer_ref");
+  forget_timers(object);
   object.alive = false;
-  object.block.bury();
   std::erase(living, &object);
 }
 
@@ -160,90 +180,131 @@ void free_object(Object& object) {
 
 using namespace tactus::stub;
 
-void* object_alloc(t_class* c) {
-  const ApiCall api("object_alloc", static_cast<unsigned>(Role::kMain));
-  t_class* type = require<t_class>(c, "object_alloc");
-  if (!type)
-    return nullptr;
-  Call* call = current_call();
-  if (!call || call->where != Where::kConstruct)
-    violation("object_alloc: outside a constructor");
-  if (!type->registered)
-    violation("object_alloc: " + type->name + " was not registered");
-  auto* object = new Object(type, type->size);
-  add_record(object->block.data(), object);
-  object->owner = nullptr;
-  t_object& header = *object->header();
-  header = {nullptr, kMagic, nullptr, nullptr};
-  if (type->dsp && type->size >= sizeof(t_pxobject)) {
-    auto& px = *reinterpret_cast<t_pxobject*>(object->block.data());
-    px = {header, 0, nullptr, 0, 0, 0};
+#if defined(__clang__) // Max's class_new has a short before its variadic arguments
+#pragma clang diagnostic ignored "-Wvarargs"
+#endif
+
+const t_class::Method* t_class::find(std::string_view method_name) const {
+  const auto found = methods.find(method_name);
+  return found == methods.end() ? nullptr : &found->second;
+}
+Attribute* t_class::attribute(std::string_view attribute_name) const {
+  const auto found = std::find_if(attributes.begin(), attributes.end(),
+                                  [&](const Attribute* a) { return a->name == attribute_name; });
+  return found == attributes.end() ? nullptr : *found;
+}
+
+// The signature is Max's (max/abi/max_abi.h); every class of ours takes A_GIMME.
+t_class* class_new(const char* name, method constructor, method destructor, long size, method,
+                   short type, ...) {
+  const ApiCall api("class_new", kMain);
+  if (type != A_GIMME || !constructor || !destructor)
+    violation("class_new: expected a constructor that takes A_GIMME, and a free method");
+  auto* c = new t_class;
+  c->name = name;
+  c->constructor = constructor;
+  c->destructor = destructor;
+  c->size = static_cast<std::size_t>(size);
+  return c;
+}
+
+t_max_err class_addmethod(t_class* c, method function, const char* name, ...) {
+  const ApiCall api("class_addmethod", kMain);
+  std::vector<short> types;
+  va_list rest;
+  va_start(rest, name);
+  for (int type = va_arg(rest, int); type != A_NOTHING; type = va_arg(rest, int)) {
+    if (type < 0 || type > A_CANT || types.size() == 7) {
+      violation(c->name + ": the types of " + name + " do not end with 0");
+      break;
+    }
+    types.push_back(static_cast<short>(type));
   }
-  if (call)
-    call->object = object;
+  va_end(rest);
+  check_method(*c, name, types);
+  c->methods[name] = {function, std::move(types)};
+  return 0;
+}
+
+t_object* attribute_new(const char* name, t_symbol* type, long, method getter, method setter) {
+  const ApiCall api("attribute_new", kMain);
+  auto* a = new Attribute;
+  a->name = name;
+  a->type = type->s_name;
+  a->getter = getter;
+  a->setter = setter;
+  return reinterpret_cast<t_object*>(a);
+}
+t_max_err class_addattr(t_class* c, t_object* attribute) {
+  const ApiCall api("class_addattr", kMain);
+  auto* a = require<Attribute>(attribute, "class_addattr");
+  if (c->find(a->name) || c->attribute(a->name))
+    violation("class_addattr: " + a->name + " is there twice");
+  c->attributes.push_back(a);
+  return 0;
+}
+t_max_err class_attr_addattr_parse(t_class* c, const char* attribute, const char* property,
+                                   t_symbol*, long, const char* text) {
+  const ApiCall api("class_attr_addattr_parse", kMain);
+  if (Attribute* a = c->attribute(attribute))
+    a->properties[property] = text;
+  else
+    violation(std::string("class_attr_addattr_parse: there is no attribute ") + attribute);
+  return 0;
+}
+t_max_err class_register(t_symbol*, t_class* c) {
+  const ApiCall api("class_register", kMain);
+  if (c->dsp != (c->find("dsp64") != nullptr))
+    violation("class_register: class_dspinit and a method dsp64 go together");
+  classes.push_back(c);
+  return 0;
+}
+
+void* object_alloc(t_class* c) {
+  const ApiCall api("object_alloc", kMain);
+  auto* object = new Object{.type = require<t_class>(c, "object_alloc")};
+  auto* memory = static_cast<std::byte*>(std::malloc(kBefore + c->size));
+  std::memset(memory, 0xCD, kBefore + c->size); // Max promises no zeros
+  std::memcpy(memory, &object, sizeof object);
+  object->memory = memory + kBefore;
+  object->header()->z_ob = {nullptr, kMagic, nullptr, nullptr};
+  if (c->dsp)
+    *object->header() = {object->header()->z_ob, 0, nullptr, 0, 0, 0};
+  current_call()->object = object;
   living.push_back(object);
-  return object->block.data();
+  every_object.push_back(object);
+  return object->memory;
 }
 
 t_max_err object_free(void* x) {
   const ApiCall api("object_free");
-  Record* record = find_record(x);
-  if (!record) {
-    violation(x ? "object_free: not an object that Max gave" : "object_free: null");
-    return -1;
-  }
-  if (!record->alive) {
-    violation(std::string("object_free: double free of ") + kind_name(record->kind));
-    return -1;
-  }
-  const Call* call = current_call();
-  switch (record->kind) {
-  case Kind::kObject: {
-    auto& object = static_cast<Object&>(*record);
-    if (object.constructed || !call || call->where != Where::kConstruct)
+  if (Call* call = current_call(); call && call->object && call->object->memory == x) {
+    if (call->where != Where::kConstruct)
       violation("object_free: a box is freed by its patcher only");
     else
-      free_object(object);
+      free_object(*std::exchange(call->object, nullptr));
     return 0;
   }
-  case Kind::kClock:
+  auto* record = static_cast<Record*>(x);
+  if (!record || !record->alive.exchange(false))
+    violation("object_free: null, or freed twice");
+  else if (record->kind == Kind::kClock)
     free_clock(*record);
-    return 0;
-  case Kind::kProxy:
-    if (static_cast<Proxy*>(record)->of_dsp)
-      violation("object_free: a proxy of z_dsp_setup, which z_dsp_free frees");
-    record->alive = false;
-    return 0;
-  case Kind::kBufferRef:
-    record->alive = false;
-    return 0;
-  default:
-    violation(std::string("object_free does not free this kind: ") + kind_name(record->kind));
-    return -1;
-  }
-}
-
-t_max_err object_obex_store(void* x, t_symbol* key, t_object* value) {
-  const ApiCall api("object_obex_store", static_cast<unsigned>(Role::kMain));
-  Object* object = require_object(x, "object_obex_store");
-  if (!object || !check_symbol(key, "object_obex_store"))
-    return -1;
-  if (name_of(key) == "dumpout" && !require<Outlet>(value, "object_obex_store"))
-    return -1;
-  object->obex[key] = value;
+  else if (record->kind != Kind::kProxy && record->kind != Kind::kBufferRef)
+    violation("object_free does not free this kind of thing");
   return 0;
 }
-t_max_err object_obex_lookup(void* x, t_symbol* key, t_object** value) {
+
+t_max_err object_obex_store(void* x, t_symbol*, t_object* outlet) { // of dumpout alone
+  const ApiCall api("object_obex_store", kMain);
+  require_object(x, "object_obex_store")->dumpout = require<Outlet>(outlet, "object_obex_store");
+  return 0;
+}
+t_max_err object_obex_lookup(void* x, t_symbol*, t_object** value) { // of the patcher alone
   const ApiCall api("object_obex_lookup");
-  Object* object = require_object(x, "object_obex_lookup");
-  if (!object || !value || !check_symbol(key, "object_obex_lookup"))
-    return -1;
-  *value = nullptr;
-  if (name_of(key) == "#P")
-    *value = patcher();
-  else if (const auto found = object->obex.find(key); found != object->obex.end())
-    *value = found->second;
-  return *value ? 0 : -1;
+  require_object(x, "object_obex_lookup");
+  *value = patcher();
+  return 0;
 }
 
 void object_post(t_object* x, const char* format, ...) {
@@ -259,4 +320,48 @@ void object_error(t_object* x, const char* format, ...) {
   va_start(arguments, format);
   report(x, "error", format, arguments);
   va_end(arguments);
+}
+
+void* outlet_new(void* x, const char* type) {
+  const ApiCall api("outlet_new", kMain);
+  Object* object = in_constructor(x, "outlet_new");
+  auto* outlet = new Outlet;
+  keep(*outlet);
+  outlet->signal = type && std::string_view(type) == "signal";
+  object->outlets.insert(object->outlets.begin(), outlet);
+  return outlet;
+}
+void* outlet_bang(void* outlet) { return send(outlet, "outlet_bang", "bang", {}); }
+void* outlet_float(void* outlet, double value) {
+  return send(outlet, "outlet_float", "float", std::array{float_atom(value)});
+}
+void* outlet_list(void* outlet, t_symbol*, short count, t_atom* atoms) {
+  return send(outlet, "outlet_list", "list", {atoms, static_cast<std::size_t>(count)});
+}
+void* outlet_anything(void* outlet, t_symbol* s, short count, t_atom* atoms) {
+  return send(outlet, "outlet_anything", s->s_name, {atoms, static_cast<std::size_t>(count)});
+}
+
+void* proxy_new(void* x, long id, long* inlet) {
+  const ApiCall api("proxy_new", kMain);
+  Object* object = in_constructor(x, "proxy_new");
+  if (object->in_chain || (!object->proxies.empty() && id != object->proxies.back()->id - 1))
+    violation("proxy_new: make inlets from right to left, those of signals by z_dsp_setup at last");
+  if (id < 1 || !inlet)
+    violation("proxy_new: no inlet, or nowhere to write its number");
+  auto* proxy = new Proxy;
+  keep(*proxy);
+  proxy->id = id;
+  proxy->inlet = inlet;
+  object->proxies.push_back(proxy);
+  return proxy;
+}
+long proxy_getinlet(t_object* x) {
+  const ApiCall api("proxy_getinlet");
+  const Call* call = current_call();
+  if (!call || call->inlet < 0 || call->object != require_object(x, "proxy_getinlet"))
+    violation("proxy_getinlet: outside a message to the object");
+  else if (call->sent)
+    violation("proxy_getinlet: after an outlet was used, which may have changed it");
+  return call ? call->inlet : 0;
 }

@@ -40,9 +40,9 @@ def test_the_last_value_that_a_thread_sends_wins(name):
 def test_the_thread_sanitizer_finds_the_planted_race_and_no_other():
     lines = [f'load "{os.environ["TACTUS_MAX_SMALL"]}"', "new a small~ @gain 0.5", "signal a 0 sine 440 0.5", "dsp on",
              "threads 2000"]
-    lines += [f"main {line}" for line in ("send a 0 float 0.5", "send a 1 int 2", "set a gain 0.25", "get a gain",
-                                          "send a 0 bang", "send a 2 words 1 2.", "new c small~ @gain 2.", "dsp on", "free c")]
-    lines += [f"scheduler send a {line}" for line in ("0 float 0.75", "1 int 3", "0 gain 0.5", "0 bang")]
+    lines += [f"main {line}" for line in ("send a 0 float 0.5", "send a 1 float 2.", "send a 0 gain 0.25", "get a gain",
+                                          "send a 0 bang", "send a 0 list 1. 2.")]
+    lines += [f"scheduler send a {line}" for line in ("0 float 0.75", "1 float 3.", "0 bang")]
     lines += ["end", "dsp off"]
     right = run(lines)
     assert "ThreadSanitizer" not in right.stderr and right.sent("a")
