@@ -145,20 +145,19 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
   return result_;
 }
 
-double StressSession::due_in_s(double now_s) const noexcept {
+double StressSession::due_s() const noexcept {
   if (!reanalysis_)
     return std::numeric_limits<double>::infinity();
-  const auto in = [&](double poll_s) { return std::max(0.0, last_step_s_ + poll_s - now_s); };
   if (result_.solving)
-    return in(kPoll_s);
+    return last_step_s_ + kPoll_s;
   if (failed_ || request_.resolve == Resolve::kTaylor)
-    return in(kIdlePoll_s);
+    return last_step_s_ + kIdlePoll_s;
   if (result_.solver == Solver::kStarting)
-    return in(kStartingPoll_s);
+    return last_step_s_ + kStartingPoll_s;
   const bool moved = result_.feedback.trust_ratio > UpdatePolicy::kMinRatio;
   const bool refreshes = stale_sensitivities_ && request_.resolve != Resolve::kPcg;
-  return moved || refreshes ? std::min(in(kIdlePoll_s), policy_.time_to_rest_s(now_s))
-                            : in(kIdlePoll_s);
+  const double idle_s = last_step_s_ + kIdlePoll_s;
+  return moved || refreshes ? std::min(idle_s, policy_.rest_s()) : idle_s;
 }
 
 } // namespace tactus::stress

@@ -58,8 +58,8 @@ public:
   /// Evaluates a request at the time now_s. request.displacement_m has the table's size [P].
   /// Allocates when settings or the base change.
   const SessionResult& step(double now_s, const SessionRequest& request);
-  /// Time until the next step is due without a new request, s; infinity: never.
-  [[nodiscard]] double due_in_s(double now_s) const noexcept;
+  /// When the next step is due without a new request; infinity: never.
+  [[nodiscard]] double due_s() const noexcept;
   /// Replaces the solver; null: none.
   void attach(std::unique_ptr<Reanalysis> reanalysis);
   [[nodiscard]] bool can_solve() const noexcept { return reanalysis_ != nullptr; }

@@ -52,10 +52,8 @@ public:
   [[nodiscard]] bool at_rest(double now_s) const noexcept {
     return now_s - moved_s_ >= kSettleTime_s;
   }
-  /// Time until the part is at rest, if it does not move, s.
-  [[nodiscard]] double time_to_rest_s(double now_s) const noexcept {
-    return std::max(0.0, moved_s_ + kSettleTime_s - now_s);
-  }
+  /// When the part is at rest, if it does not move.
+  [[nodiscard]] double rest_s() const noexcept { return moved_s_ + kSettleTime_s; }
   CostModel costs;
 
 private:

@@ -98,7 +98,7 @@ void StressHaptic::schedule(Host& host) {
 }
 
 void StressHaptic::tick(std::size_t, Host& host) {
-  worker_.poll(1e-3 * host.now_ms());
+  worker_.step(1e-3 * host.now_ms());
   collect(host);
 }
 

@@ -27,7 +27,7 @@ bool differs(const PictureFace& a, const PictureFace& b, const Picture& picture)
 void StressHaptic::draw(std::span<const Atom> arguments, Host& host) {
   if (!arguments.empty() && !(arguments[0].is_word && arguments[0].word == "all"))
     return host.error(sentence_of("draw", arguments) + ": expected nothing or all");
-  if (!table_ && loads_ > 0) {
+  if (!table_ && request_.load > 0) {
     draw_when_loaded_ = true; // the worker is reading it
     return;
   }

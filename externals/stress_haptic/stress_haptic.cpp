@@ -8,7 +8,7 @@ namespace tactus::stress {
 
 using haptic::Vec3;
 
-StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::move(solvers)) {}
+StressHaptic::StressHaptic(StressJob::SolverFactory solvers) : worker_(std::move(solvers)) {}
 
 StressHaptic::StressHaptic()
     : StressHaptic([](SolverOptions options) -> std::unique_ptr<Reanalysis> {
@@ -69,11 +69,9 @@ void StressHaptic::warn_about_resolve(Host& host) const {
 
 void StressHaptic::created(Host& host) {
   host_ = &host;
-  if (!host.real_time())
-    worker_.wait_for_solvers();
-  else if (const std::string refusal = worker_.start([this] { host_->wake_from_thread(); });
-           !refusal.empty())
-    host.error(refusal);
+  threaded_ = host.real_time();
+  request_.wait = !threaded_;
+  worker_.on_ready([this] { host_->wake_from_thread(); });
   if (!first_name_.empty())
     load(Atom(std::string_view(first_name_)), host);
 }
@@ -91,9 +89,10 @@ void StressHaptic::load(const Atom& name, Host& host) {
   if (path.empty())
     return host.error("load " + std::string(name.word) +
                       ": there is no such file beside the patch or in the search path");
-  first_name_ = name.word;
-  worker_.load(path, ++loads_);
-  collect(host);
+  request_.path = path;
+  request_.name = name.word;
+  ++request_.load;
+  request(host);
 }
 
 void StressHaptic::set_solver(const Atom& program, Host& host) {
@@ -108,18 +107,15 @@ void StressHaptic::set_solver(const Atom& program, Host& host) {
                         ": there is no such program beside the patch or in the search path that "
                         "may be run: expected the path of part_stress");
   }
-  worker_.set_program(path);
+  request_.program = path;
+  ++request_.set_solver;
   submit(host);
 }
 
-void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
-  if (loaded.number != loads_ && loaded.refusal.empty())
-    return; // a newer result will follow
-  if (!loaded.refusal.empty())
-    return host.error("load " + first_name_ + ": " + loaded.refusal);
-  table_ = std::move(loaded.table);
-  can_solve_ = loaded.can_solve;
-  request_.table = loaded.number;
+void StressHaptic::take_table(const StressJob::Answer& answer, Host& host) {
+  table_ = answer.table;
+  can_solve_ = answer.can_solve;
+  request_.table = answer.load;
   request_.control_point = -1;
   request_.picture = 0;
   sent_faces_.clear();
@@ -137,26 +133,40 @@ void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
 }
 
 void StressHaptic::submit(Host& host) {
-  if (!table_)
-    return;
-  worker_.request(request_, 1e-3 * host.now_ms());
-  if (!worker_.threaded())
-    collect(host);
+  if (table_)
+    request(host);
+}
+
+void StressHaptic::request(Host& host) {
+  if (threaded_) {
+    const std::string reason = worker_.request(request_);
+    if (reason.empty())
+      return;
+    threaded_ = false;
+    host.error("no thread starts for the stress (" + reason +
+               "); it is computed in the host's time, which the audio may miss");
+  } else {
+    worker_.request_here(request_);
+  }
+  worker_.step(1e-3 * host.now_ms());
+  collect(host);
 }
 
 /// Takes new tables, results and errors from the worker.
 void StressHaptic::collect(Host& host) {
-  if (auto loaded = worker_.take_loaded())
-    take_table(std::move(*loaded), host);
-  if (const std::string refusal = worker_.take_refusal(); !refusal.empty())
-    host.error(refusal);
+  const auto taken = worker_.take();
+  if (taken.answer && taken.answer->load != request_.table)
+    take_table(*taken.answer, host);
+  for (const std::string& sentence : taken.sentences)
+    host.error(sentence);
   const double now_s = 1e-3 * host.now_ms();
-  if (worker_.read() && worker_.latest().table == request_.table) {
-    const bool base_changed = worker_.latest().base_changes != result_.base_changes ||
-                              worker_.latest().table != result_.table;
-    result_.update_s = worker_.latest().update_s; // a measured time, excluded from comparison
-    const bool changed = !(result_ == worker_.latest());
-    result_ = worker_.latest();
+  if (taken.answer && taken.answer->result.table == request_.table) {
+    const SessionResult& fresh = taken.answer->result;
+    const bool base_changed =
+        fresh.base_changes != result_.base_changes || fresh.table != result_.table;
+    result_.update_s = fresh.update_s; // a measured time, excluded from comparison
+    const bool changed = !(result_ == fresh);
+    result_ = fresh;
     if (base_changed)
       gamma_.fade(result_.feedback.gamma, now_s, kFade_s);
     else if (!(result_.feedback.gamma == gamma_.target()))

@@ -24,7 +24,7 @@ public:
   static const Declaration declaration;
   static constexpr std::size_t timers = 1;
 
-  explicit StressHaptic(StressWorker::SolverFactory solvers);
+  explicit StressHaptic(StressJob::SolverFactory solvers);
   StressHaptic(); ///< solves by part_stress
   void scalar(std::size_t inlet, double value, Host& host);
   void list(std::size_t inlet, std::span<const Atom> atoms, Host& host);
@@ -45,7 +45,7 @@ private:
   static constexpr std::size_t kGammaOutlet = 0, kForceOutlet = 1, kProtocolOutlet = 3;
   static constexpr double kFade_s = 0.1; ///< of gamma at a swap, and of a moved anchor
   void load(const Atom& name, Host& host);
-  void take_table(StressWorker::Loaded loaded, Host& host);
+  void take_table(const StressJob::Answer& answer, Host& host);
   void set_solver(const Atom& program, Host& host);
   void set_control_point(std::span<const Atom> arguments, Host& host);
   void set_parameters(std::span<const Atom> arguments, Host& host);
@@ -82,6 +82,7 @@ private:
   void warn_about_weights(Host& host) const;
   void warn_about_resolve(Host& host) const;
   void submit(Host& host);
+  void request(Host& host);
   void collect(Host& host);
   void send(Host& host, bool all);
   void send_info(Host& host);
@@ -99,10 +100,10 @@ private:
   Device device_;
   Host* host_ = nullptr;   ///< outlives the object
   std::string first_name_; ///< creation argument; loaded after all flags are set
-  std::uint64_t loads_ = 0;
   std::shared_ptr<const StressTable> table_;
   bool can_solve_ = false;
-  SessionRequest request_;
+  StressJob::Request request_;
+  bool threaded_ = false;
   SessionResult result_;
   RenderGains gains_{0, 400, 0, 4};
   LinearGlide gamma_{}, anchor_{};

@@ -1,15 +1,11 @@
 #include "devices/wake_count.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
 #include "externals/playability_map/map_worker.hpp"
-#include "externals/stress_haptic/stress_worker.hpp"
 #include "files/background_thread.hpp"
 
 #include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -26,20 +22,7 @@ namespace {
 constexpr int kRounds = 2000;
 } // namespace
 
-TEST_CASE("a worker of stress ends whether it waits, works or has not begun") {
-  std::atomic<int> ready{0};
-  for (int i = 0; i < kRounds; ++i) {
-    stress::StressWorker worker;
-    REQUIRE(worker.start([&] { ++ready; }).empty());
-    for (int requests = i % 4; requests-- > 0;)
-      worker.request({}, 0);
-    if (i % 3 == 0)
-      std::this_thread::yield();
-  }
-  CHECK(ready > 0);
-}
-
-TEST_CASE("a reader of tables ends") {
+TEST_CASE("a worker ends whether it waits, works or has not begun") {
   std::atomic<int> ready{0};
   modal::TableJob::Request request;
   request.body = {"no-such-file", "no-such-file", 1};

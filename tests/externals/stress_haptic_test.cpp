@@ -32,7 +32,7 @@ struct Rig {
   test::RecordingHost host;
   StressHaptic object;
 
-  explicit Rig(bool real_time = false, StressWorker::SolverFactory solvers = {})
+  explicit Rig(bool real_time = false, StressJob::SolverFactory solvers = {})
       : host(folder.path, real_time), object(std::move(solvers)) {
     object.created(host);
   }
@@ -86,7 +86,7 @@ struct Rig {
   }
 };
 
-StressWorker::SolverFactory beam_solvers(const std::shared_ptr<BeamSolver::Log>& log) {
+StressJob::SolverFactory beam_solvers(const std::shared_ptr<BeamSolver::Log>& log) {
   return [log](const SolverOptions&) { return std::make_unique<BeamSolver>(log); };
 }
 
@@ -396,6 +396,29 @@ TEST_CASE("a named solver replaces the one before") {
   rig.run(500);
   CHECK(!rig.host.said("method full").empty()); // conjugate gradients, then new sensitivities
   CHECK(rig.host.errors.empty());
+}
+
+TEST_CASE("a table that cannot be read leaves the one before, also one that is not taken yet") {
+  const test::TableFolder folder;
+  StressWorker worker;
+  StressJob::Request request;
+  for (const char* name : {"cantilever.stress.npz", "none.stress.npz"}) {
+    request.path = (folder.path / name).string();
+    request.name = name;
+    ++request.load;
+    worker.request_here(request);
+    worker.finish();
+  }
+  const auto taken = worker.take();
+  REQUIRE(taken.answer);
+  CHECK(taken.answer->load == 1);
+  CHECK(taken.sentences ==
+        std::vector<std::string>{"load none.stress.npz: it is no file that can be read"});
+  request.table = 1; // and it is evaluated
+  request.displacement_m = {0, 0};
+  worker.request_here(request);
+  worker.finish();
+  CHECK(worker.take().answer->result.table == 1);
 }
 
 TEST_CASE("in real time the thread draws: what is asked while the table is read comes after it") {
