@@ -124,8 +124,9 @@ private:
 /// One greed_gradient~ that has played for a second.
 class Lanes {
 public:
-  Lanes(std::string_view preset, double pressure, Instructions instructions, bool moving = false)
-      : gradient_(instructions), moving_(moving) {
+  Lanes(std::string_view preset, double pressure, tactus::simd::VectorSet widest,
+        bool moving = false)
+      : gradient_(widest), moving_(moving) {
     const Parameters p = *find_preset(preset);
     gradient_.set(p);
     gradient_.set_range({0, 2 * pressure + 1, 0.5 * p.reed_frequency, 2 * p.reed_frequency});
@@ -259,11 +260,11 @@ struct Part {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   Scalar clarinet("clarinet", 2000), silence("clarinet", 0), trumpet("trumpet", 4000);
-  Lanes lanes("clarinet", 2000, best_instructions());
-  Lanes lip_lanes("trumpet", 4000, best_instructions());
-  Lanes silent_lanes("clarinet", 0, best_instructions());
-  Lanes plain("clarinet", 2000, Instructions::kBaseline);
-  Lanes moved("clarinet", 2000, best_instructions(), true);
+  Lanes lanes("clarinet", 2000, tactus::simd::kWidest);
+  Lanes lip_lanes("trumpet", 4000, tactus::simd::kWidest);
+  Lanes silent_lanes("clarinet", 0, tactus::simd::kWidest);
+  Lanes plain("clarinet", 2000, tactus::simd::VectorSet::kBaseline);
+  Lanes moved("clarinet", 2000, tactus::simd::kWidest, true);
   Scalar holed("clarinet", 2000, {.tune = true, .note = 175});
   Scalar open("clarinet", 2000, {.tune = true, .note = 175, .holes = false});
   Scalar moving_reed("clarinet", 2000, {.moving_reed = true});

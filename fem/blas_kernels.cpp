@@ -13,30 +13,25 @@ namespace {
 
 constexpr const char* kVariable = "OPENBLAS_CORETYPE";
 
-VectorUnits vector_units() noexcept {
-#if defined(__x86_64__)
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") &&
-                      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
-                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-  return {avx2, avx512};
-#else
-  return {};
-#endif
+simd::VectorSet widest() noexcept {
+  for (const auto set : {simd::VectorSet::kAvx512, simd::VectorSet::kAvx2})
+    if (simd::runs(set))
+      return set;
+  return simd::VectorSet::kBaseline;
 }
 
 } // namespace
 
-std::string_view faster_blas_kernels(std::string_view in_use, VectorUnits units) noexcept {
-  if (in_use != "Prescott" || !units.avx2)
+std::string_view faster_blas_kernels(std::string_view in_use, simd::VectorSet widest) noexcept {
+  if (in_use != "Prescott" || widest == simd::VectorSet::kBaseline)
     return {};
-  return units.avx512 ? "SkylakeX" : "Haswell";
+  return widest == simd::VectorSet::kAvx512 ? "SkylakeX" : "Haswell";
 }
 
 void restart_with_faster_blas_kernels(char** words) noexcept {
   if (std::getenv(kVariable))
     return;
-  const std::string_view faster = faster_blas_kernels(openblas_get_corename(), vector_units());
+  const std::string_view faster = faster_blas_kernels(openblas_get_corename(), widest());
   // By its path: started as /proc/self/exe, the process would be called "exe".
   std::array<char, PATH_MAX> path{};
   if (faster.empty() || ::readlink("/proc/self/exe", path.data(), path.size() - 1) < 0 ||

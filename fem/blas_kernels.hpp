@@ -1,19 +1,16 @@
 #pragma once
+#include "core/dsp/vector_set.hpp"
+
 #include <string_view>
 
 namespace tactus::fem {
 
-/// What a processor can compute with, as far as OpenBLAS's kernels differ by it.
-struct VectorUnits {
-  bool avx2 = false;   ///< with fused multiply-add
-  bool avx512 = false; ///< F, CD, BW, DQ and VL
-};
-
-/// The name of faster OpenBLAS kernels than those in use, for OPENBLAS_CORETYPE; empty when there
-/// are none. OpenBLAS chooses by the processor's model: one that is newer than the library gets the
-/// kernels of 2004, "Prescott" (OpenBLAS 0.3.21 on an Emerald Rapids).
+/// The name of faster OpenBLAS kernels than those in use, for OPENBLAS_CORETYPE, on a processor
+/// that runs this set; empty when there are none. OpenBLAS chooses by the processor's model: one
+/// that is newer than the library gets the kernels of 2004, "Prescott" (OpenBLAS 0.3.21 on an
+/// Emerald Rapids).
 [[nodiscard]] std::string_view faster_blas_kernels(std::string_view in_use,
-                                                   VectorUnits units) noexcept;
+                                                   simd::VectorSet widest) noexcept;
 
 /// Restarts this program with the faster kernels where there are some: OpenBLAS chooses before
 /// main(). Not when the user has set OPENBLAS_CORETYPE. Called first in main(), with its words.

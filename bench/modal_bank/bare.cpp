@@ -149,7 +149,7 @@ constexpr int kProducts = 400000;
 } // namespace
 
 std::unique_ptr<Peer> make_bare_recursion(VectorSet set, std::size_t modes) {
-  if (set == VectorSet::kBaseline || !tactus::modal::bank_kernel(set))
+  if (set == VectorSet::kBaseline || !tactus::simd::runs(set))
     return nullptr;
   if (set == VectorSet::kAvx2)
     return std::make_unique<Bare<Avx2, block_avx2>>(modes);
@@ -157,7 +157,7 @@ std::unique_ptr<Peer> make_bare_recursion(VectorSet set, std::size_t modes) {
 }
 
 double multiply_adds_per_ns(VectorSet set) {
-  if (set == VectorSet::kBaseline || !tactus::modal::bank_kernel(set))
+  if (set == VectorSet::kBaseline || !tactus::simd::runs(set))
     return 0;
   const bool wide = set == VectorSet::kAvx512;
   volatile float sink = 0;

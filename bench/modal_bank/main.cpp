@@ -61,7 +61,7 @@ std::shared_ptr<const LoadedTable> made_up_body(std::size_t modes) {
 }
 
 struct Body {
-  explicit Body(std::size_t modes, VectorSet set = best_vector_set()) {
+  explicit Body(std::size_t modes, VectorSet set = tactus::simd::kWidest) {
     settings.vector_set = set;
     settings.listeners = 1;
     settings.radiation = Radiation::kNone;
@@ -120,7 +120,7 @@ std::vector<Row> bank_rows() {
   };
   for (const std::size_t modes : {16UL, 64UL, 256UL, 1024UL, 4096UL, 16384UL}) {
     for (const auto& [set, name] : kSets)
-      if (bank_kernel(set)) {
+      if (tactus::simd::runs(set)) {
         auto bank = std::make_shared<Bank>(modes, set);
         rows.push_back(
             {std::string("bank, ") + name, modes, [bank] { bank->block(in.data(), out.data()); }});
@@ -128,7 +128,7 @@ std::vector<Row> bank_rows() {
         rows.push_back({std::string("whole object, ") + name, modes, [body] { body->block(); }});
       }
     for (const auto& [set, name] : kSets)
-      if (modes == 1024 && bank_kernel(set))
+      if (modes == 1024 && tactus::simd::runs(set))
         for (const auto& [spread, what] : {std::pair(100.0, "bank, decays 1 to 101/s, "),
                                            {1000.0, "bank, decays 1 to 1001/s, "}}) {
           auto bank = std::make_shared<Bank>(modes, set, spread);

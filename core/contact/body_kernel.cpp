@@ -3,40 +3,20 @@
 
 namespace tactus::contact {
 
-// Defined in body_lanes_avx2.cpp, which is compiled for AVX2; null if the compiler cannot.
-const BodyKernel* avx2_body_kernel() noexcept;
-const DenseKernel* avx2_dense_kernel() noexcept;
-
-namespace {
-
-#if defined(__x86_64__) || defined(__i386__)
-[[nodiscard]] bool has_avx2() noexcept { return __builtin_cpu_supports("avx2") != 0; }
-#endif
-
-} // namespace
-
-const BodyKernel& baseline_body_kernel() noexcept {
+const BodyKernel* body_kernel(simd::Baseline) noexcept {
   static const BodyLanes<simd::Baseline> kernel;
-  return kernel;
+  return &kernel;
 }
-const DenseKernel& baseline_dense_kernel() noexcept {
+const DenseKernel* dense_kernel(simd::Baseline) noexcept {
   static const DenseLanes<simd::Baseline> kernel;
-  return kernel;
+  return &kernel;
 }
 
-const BodyKernel& body_kernel() noexcept {
-#if defined(__x86_64__) || defined(__i386__)
-  if (const BodyKernel* newer = avx2_body_kernel(); newer && has_avx2())
-    return *newer;
-#endif
-  return baseline_body_kernel();
+const BodyKernel* body_kernel(simd::VectorSet widest) noexcept {
+  return simd::dispatch<simd::Avx2>(widest, [](auto set) { return body_kernel(set); });
 }
-const DenseKernel& dense_kernel() noexcept {
-#if defined(__x86_64__) || defined(__i386__)
-  if (const DenseKernel* newer = avx2_dense_kernel(); newer && has_avx2())
-    return *newer;
-#endif
-  return baseline_dense_kernel();
+const DenseKernel* dense_kernel(simd::VectorSet widest) noexcept {
+  return simd::dispatch<simd::Avx2>(widest, [](auto set) { return dense_kernel(set); });
 }
 
 } // namespace tactus::contact

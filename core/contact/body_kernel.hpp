@@ -2,6 +2,7 @@
 
 #include "core/contact/exciter.hpp"
 #include "core/contact/pressed_contacts.hpp"
+#include "core/dsp/vector_set.hpp"
 
 #include <cstddef>
 #include <span>
@@ -114,9 +115,9 @@ public:
                                         std::size_t padded) const noexcept = 0;
 };
 
-/// The widest implementation that this processor runs.
-[[nodiscard]] const BodyKernel& body_kernel() noexcept;
-/// The implementation that every processor runs, for comparison.
-[[nodiscard]] const BodyKernel& baseline_body_kernel() noexcept;
+/// The implementation for the widest set up to this one that the processor runs.
+[[nodiscard]] const BodyKernel* body_kernel(simd::VectorSet widest) noexcept;
+[[nodiscard]] const BodyKernel* body_kernel(simd::Baseline) noexcept;
+[[nodiscard]] const BodyKernel* body_kernel(simd::Avx2) noexcept;
 
 } // namespace tactus::contact

@@ -1,29 +1,16 @@
-// The kernels for AVX2. CMake compiles this file with AVX2 enabled; on other architectures the
-// functions return null.
+// Compiled for AVX2 (core/CMakeLists.txt).
 #include "core/contact/body_lanes.hpp"
 #include "core/contact/dense_lanes.hpp"
 
 namespace tactus::contact {
 
-const BodyKernel* avx2_body_kernel() noexcept;
-const DenseKernel* avx2_dense_kernel() noexcept;
-
-const BodyKernel* avx2_body_kernel() noexcept {
-#if defined(__AVX2__)
+const BodyKernel* body_kernel(simd::Avx2) noexcept {
   static const BodyLanes<simd::Avx2> kernel;
   return &kernel;
-#else
-  return nullptr;
-#endif
 }
-
-const DenseKernel* avx2_dense_kernel() noexcept {
-#if defined(__AVX2__)
+const DenseKernel* dense_kernel(simd::Avx2) noexcept {
   static const DenseLanes<simd::Avx2> kernel;
   return &kernel;
-#else
-  return nullptr;
-#endif
 }
 
 } // namespace tactus::contact

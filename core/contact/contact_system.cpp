@@ -12,8 +12,8 @@ constexpr double kMinPivot = 0.5;
 
 } // namespace
 
-ContactSystem::ContactSystem(std::size_t max_contacts)
-    : dense_(&dense_kernel()), stride_(whole_lanes(max_contacts)), block_{0, 0, stride_},
+ContactSystem::ContactSystem(std::size_t max_contacts, simd::VectorSet widest)
+    : dense_(dense_kernel(widest)), stride_(whole_lanes(max_contacts)), block_{0, 0, stride_},
       terms_(max_contacts), coupling_(max_contacts * stride_), matrix_(max_contacts * stride_),
       right_(max_contacts), other_(max_contacts), root_(max_contacts), solution_(max_contacts),
       column_(max_contacts) {

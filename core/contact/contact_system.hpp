@@ -19,7 +19,7 @@ namespace tactus::contact {
 /// system of the others is solved again.
 class ContactSystem {
 public:
-  explicit ContactSystem(std::size_t max_contacts);
+  explicit ContactSystem(std::size_t max_contacts, simd::VectorSet widest = simd::kWidest);
 
   /// One of several independent systems in the same memory: index of its first contact, offset of
   /// its coupling matrix, and the length of that matrix's columns.
@@ -79,8 +79,6 @@ public:
   /// The contacts with a force in the last solution.
   [[nodiscard]] std::span<const std::size_t> acting() const noexcept { return acting_; }
 
-  /// Uses the instructions that every processor has (for comparison in tests).
-  void use_baseline() noexcept { dense_ = &baseline_dense_kernel(); }
   [[nodiscard]] const DenseKernel& dense() const noexcept { return *dense_; }
 
   static constexpr double kMinSlope = 1e-250; ///< N s/m; a contact below it has no force

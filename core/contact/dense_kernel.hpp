@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/dsp/vector_set.hpp"
+
 #include <cstddef>
 
 namespace tactus::contact {
@@ -40,9 +42,9 @@ public:
                           std::size_t padded) const noexcept = 0;
 };
 
-/// The widest implementation that this processor runs.
-[[nodiscard]] const DenseKernel& dense_kernel() noexcept;
-/// The implementation that every processor runs, for comparison.
-[[nodiscard]] const DenseKernel& baseline_dense_kernel() noexcept;
+/// The implementation for the widest set up to this one that the processor runs.
+[[nodiscard]] const DenseKernel* dense_kernel(simd::VectorSet widest) noexcept;
+[[nodiscard]] const DenseKernel* dense_kernel(simd::Baseline) noexcept;
+[[nodiscard]] const DenseKernel* dense_kernel(simd::Avx2) noexcept;
 
 } // namespace tactus::contact

@@ -15,13 +15,14 @@ std::size_t packed_modes(std::size_t modes, std::size_t exciters) noexcept {
 
 } // namespace
 
-ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_t pickups)
-    : body_(max_modes), kernel_(&body_kernel()), exciters_(exciters),
+ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_t pickups,
+                         simd::VectorSet widest)
+    : body_(max_modes), kernel_(body_kernel(widest)), exciters_(exciters),
       shape_(exciters, std::vector<double>(max_modes, 1)),
       pickup_shape_(pickups, std::vector<double>(max_modes, 1)),
       point_shape_(exciters, ModeArray(max_modes)), pickup_real_(pickups, ModeArray(max_modes)),
       pickup_imaginary_(pickups, ModeArray(max_modes)), external_(max_modes), mean_(max_modes),
-      point_memory_(max_modes), system_(exciters), point_modes_(max_modes, exciters),
+      point_memory_(max_modes), system_(exciters, widest), point_modes_(max_modes, exciters),
       in_use_(max_modes, exciters), islands_(max_modes, exciters), pressed_(exciters),
       before_real_(max_modes), before_imaginary_(max_modes),
       packed_points_(packed_modes(max_modes, exciters)), few_(exciters), sleep_(exciters),

@@ -41,7 +41,8 @@ namespace tactus::contact {
 class ExcitedBody {
 public:
   /// Allocates for at most this many modes, exciters (slots 0 ... exciters - 1) and pickups.
-  explicit ExcitedBody(std::size_t max_modes, std::size_t exciters = 1, std::size_t pickups = 1);
+  explicit ExcitedBody(std::size_t max_modes, std::size_t exciters = 1, std::size_t pickups = 1,
+                       simd::VectorSet widest = simd::kWidest);
 
   /// Sets the sample rate in Hz. The vibration of the body goes on.
   void prepare(double sample_rate) noexcept;
@@ -116,11 +117,6 @@ public:
   [[nodiscard]] double energy() const noexcept;
   /// True while modes vibrate or an exciter is near the surface.
   [[nodiscard]] bool active() const noexcept { return ringing_ || near_ > 0 || any_single_near(); }
-  /// Uses the instructions that every processor has (for comparison in tests).
-  void use_baseline() noexcept {
-    kernel_ = &baseline_body_kernel();
-    system_.use_baseline();
-  }
   /// Sets the modes to rest and the masses 1 m above the surface.
   void reset() noexcept;
 

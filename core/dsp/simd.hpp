@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/dsp/vector_set.hpp"
+
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -19,19 +21,6 @@
 ///
 /// In place of a branch, such code uses select(mask, a, b).
 namespace tactus::simd {
-
-/// Instruction sets. The set is part of every type, so the linker cannot use code compiled for one
-/// set in place of another's. Each set has source files of its own, with its own compiler flags.
-struct Baseline {
-  static constexpr int register_bytes = 16;
-};
-struct Avx2 {
-  static constexpr int register_bytes = 32;
-};
-/// AVX-512's masks and 32 registers, with vectors of 256 bits.
-struct Avx512 {
-  static constexpr int register_bytes = 32;
-};
 
 /// Registers of one instruction set.
 template <std::floating_point T, class Set> struct Register {

@@ -2,20 +2,12 @@
 
 namespace tactus::stress {
 
-// Defined in feedback_lanes_avx2.cpp, which is compiled for AVX2; null if the compiler cannot.
-const FeedbackKernel* avx2_feedback_kernel() noexcept;
-
-const FeedbackKernel& baseline_feedback_kernel() noexcept {
+const FeedbackKernel* feedback_kernel(simd::Baseline) noexcept {
   static const FeedbackLanes<simd::Baseline> kernel;
-  return kernel;
+  return &kernel;
 }
-
-const FeedbackKernel& feedback_kernel() noexcept {
-#if defined(__x86_64__) || defined(__i386__)
-  if (const FeedbackKernel* newer = avx2_feedback_kernel(); newer && __builtin_cpu_supports("avx2"))
-    return *newer;
-#endif
-  return baseline_feedback_kernel();
+const FeedbackKernel* feedback_kernel(simd::VectorSet widest) noexcept {
+  return simd::dispatch<simd::Avx2>(widest, [](auto set) { return feedback_kernel(set); });
 }
 
 } // namespace tactus::stress

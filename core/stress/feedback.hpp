@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/vector_set.hpp"
 #include "core/geometry/vec3.hpp"
 
 #include <algorithm>
@@ -85,10 +86,11 @@ public:
   virtual ~FeedbackKernel() = default;
   [[nodiscard]] virtual FeedbackSums run(const FeedbackTask& task) const noexcept = 0;
 };
-/// The fastest implementation that this processor runs.
-[[nodiscard]] const FeedbackKernel& feedback_kernel() noexcept;
-/// The implementation that every processor runs, for comparison.
-[[nodiscard]] const FeedbackKernel& baseline_feedback_kernel() noexcept;
+/// The implementation for the widest set up to this one that the processor runs.
+[[nodiscard]] const FeedbackKernel*
+feedback_kernel(simd::VectorSet widest = simd::kWidest) noexcept;
+[[nodiscard]] const FeedbackKernel* feedback_kernel(simd::Baseline) noexcept;
+[[nodiscard]] const FeedbackKernel* feedback_kernel(simd::Avx2) noexcept;
 
 /// gamma of equation (4), 0..1.
 [[nodiscard]] inline double gamma_of(double raw, double min, double max) noexcept {

@@ -70,7 +70,7 @@ void StressModel::prepare() {
   if (base_)
     compute_weighting(own, first);
   const FeedbackTask at_rest = task(own, base_ ? first : weighting_);
-  initial_ = feedback_kernel().run(at_rest);
+  initial_ = feedback_kernel()->run(at_rest);
   scale_pa_ = initial_.stress.max > 0 ? initial_.stress.max : 1;
   weight_sum_ = static_cast<double>(table_->elements());
   if (at_rest.weight) {
@@ -138,7 +138,7 @@ const Feedback& StressModel::update(std::span<const double> displacement_m) noex
   now.terms = terms_;
   now.power = settings_.power;
   now.scale_pa = scale_pa_;
-  const FeedbackSums found = feedback_kernel().run(now);
+  const FeedbackSums found = feedback_kernel()->run(now);
   for (int axis = 0; axis < 3; ++axis) {
     const auto of = [&](const FeedbackSums& sums) -> const Extremes& {
       if (settings_.mapping == Mapping::kMean)

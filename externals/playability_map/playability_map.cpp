@@ -38,7 +38,7 @@ Colour colour(double x) {
 
 /// The length that an instrument with these parameters takes for a bore frequency.
 double length_of(const Parameters& parameters, double bore_frequency) {
-  const auto reeds = make_reed_ensemble(Instructions::kBaseline);
+  const auto reeds = make_reed_ensemble(simd::Baseline{});
   reeds->set(parameters);
   reeds->prepare(48000);
   reeds->process({}, {}, bore_frequency, 1, {});

@@ -103,10 +103,11 @@ public:
                           std::size_t inner, std::size_t columns) const noexcept = 0;
 };
 
-enum class VectorSet { kBaseline, kAvx2, kAvx512 };
-/// The widest instruction set that this processor runs.
-[[nodiscard]] VectorSet best_vector_set() noexcept;
-/// Null where the processor does not run it.
-[[nodiscard]] const BankKernel* bank_kernel(VectorSet) noexcept;
+using simd::VectorSet;
+/// The implementation for the widest set up to this one that the processor runs.
+[[nodiscard]] const BankKernel* bank_kernel(VectorSet widest) noexcept;
+[[nodiscard]] const BankKernel* bank_kernel(simd::Baseline) noexcept;
+[[nodiscard]] const BankKernel* bank_kernel(simd::Avx2) noexcept;
+[[nodiscard]] const BankKernel* bank_kernel(simd::Avx512) noexcept;
 
 } // namespace tactus::modal

@@ -1,17 +1,11 @@
-// Compiled for AVX-512 (core/CMakeLists.txt); the functions return null on other processors.
+// Compiled for AVX-512 (core/CMakeLists.txt).
 #include "core/modal/bank/bank_lanes.hpp"
 
 namespace tactus::modal {
 
-const BankKernel* avx512_bank_kernel() noexcept;
-
-const BankKernel* avx512_bank_kernel() noexcept {
-#if defined(__AVX512F__)
+const BankKernel* bank_kernel(simd::Avx512) noexcept {
   static const BankLanes<simd::Avx512> kernel;
   return &kernel;
-#else
-  return nullptr;
-#endif
 }
 
 } // namespace tactus::modal

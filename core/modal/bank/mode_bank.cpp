@@ -17,15 +17,13 @@ std::complex<double> product(std::complex<double> a, std::complex<double> b) noe
 } // namespace
 
 ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rate,
-                   std::size_t drives, std::size_t pickups, VectorSet set)
+                   std::size_t drives, std::size_t pickups, VectorSet widest)
     : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
-      kernel_(bank_kernel(set)), poles_(blocks_), state_(blocks_),
+      kernel_(bank_kernel(widest)), poles_(blocks_), state_(blocks_),
       gain_(std::min(drives, kMaxDrives), std::vector<Lane>(blocks_)),
       pickups_(std::min(pickups, kMaxPickups)), feedthrough_(gain_.size() * pickups_.size() * 3),
       active_(blocks_), is_active_(blocks_, 0), released_(blocks_), released_active_(blocks_),
       history_(gain_.size()) {
-  if (!kernel_)
-    kernel_ = bank_kernel(VectorSet::kBaseline);
   for (Pickup& pickup : pickups_) {
     for (auto& weight : pickup.weight)
       weight.resize(blocks_);

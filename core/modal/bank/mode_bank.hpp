@@ -27,7 +27,7 @@ public:
   /// `rate` holds s of each mode, in any order; modes of similar decay next to each other are
   /// computed fastest. |s| T should be below pi. At most 72 drives and 4 pick-ups are used.
   ModeBank(std::span<const std::complex<double>> rate, double sample_rate, std::size_t drives,
-           std::size_t pickups, VectorSet set = best_vector_set());
+           std::size_t pickups, VectorSet widest = simd::kWidest);
 
   /// Sets the gains b of the modes, 1/sqrt(kg), at the point where a drive acts, at once.
   void set_gain(std::size_t drive, std::span<const double> gain) noexcept;

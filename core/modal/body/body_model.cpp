@@ -308,9 +308,8 @@ void BodyModel::compute_weights() {
   const std::vector<DirectKernels::Mode> modes = direct_modes();
   const bool has_surface = !loaded->surface.empty();
   uses_recordings = settings.radiation == Radiation::kRaw && !table.raw.empty();
-  const BankKernel* const kernel = bank_kernel(settings.vector_set);
   const DirectKernels::SurfaceShapes shapes{loaded->shape, table.modes(),
-                                            kernel ? kernel : bank_kernel(VectorSet::kBaseline)};
+                                            bank_kernel(settings.vector_set)};
   for (std::size_t l = 0; l < kMaxListeners; ++l) {
     weight[l].assign(audible_modes, 0);
     if (uses_recordings) {

@@ -78,7 +78,7 @@ struct BodySettings {
   std::size_t voices = 8;    ///< strikes at once
   RestSettings rest;
   double sample_rate = 48000;
-  VectorSet vector_set = best_vector_set(); ///< must be one that this processor runs
+  VectorSet vector_set = simd::kWidest; ///< the widest that is used
 };
 
 /// A modal table with settings applied: all rates, weights and kernels that the audio path needs.

@@ -78,15 +78,21 @@ public:
                         std::size_t count) const noexcept = 0;
 };
 
-/// The kernels of one instruction set; null where the compiler lacks it.
 struct ContactKernels {
   const ContactKernel<float>* single_precision = nullptr;
   const ContactKernel<double>* double_precision = nullptr;
-};
 
-/// The kernel of an instruction set; null where the processor does not run it.
-template <class T> [[nodiscard]] const ContactKernel<T>* contact_kernel(VectorSet) noexcept;
-template <> const ContactKernel<float>* contact_kernel<float>(VectorSet) noexcept;
-template <> const ContactKernel<double>* contact_kernel<double>(VectorSet) noexcept;
+  template <class T> [[nodiscard]] const ContactKernel<T>* of() const noexcept {
+    if constexpr (sizeof(T) == sizeof(float))
+      return single_precision;
+    else
+      return double_precision;
+  }
+};
+/// The implementations for the widest set up to this one that the processor runs.
+[[nodiscard]] ContactKernels contact_kernels(VectorSet widest) noexcept;
+[[nodiscard]] ContactKernels contact_kernels(simd::Baseline) noexcept;
+[[nodiscard]] ContactKernels contact_kernels(simd::Avx2) noexcept;
+[[nodiscard]] ContactKernels contact_kernels(simd::Avx512) noexcept;
 
 } // namespace tactus::modal

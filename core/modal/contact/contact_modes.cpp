@@ -12,8 +12,8 @@ namespace {
 template <class T> class ModesOf final : public ContactModes {
 public:
   ModesOf(std::span<const std::complex<double>> rate, double sample_rate, unsigned max_steps,
-          std::size_t contacts, std::size_t listeners, VectorSet set)
-      : kernel_(contact_kernel<T>(set)), modes_(rate.size()), max_steps_(max_steps),
+          std::size_t contacts, std::size_t listeners, VectorSet widest)
+      : kernel_(contact_kernels(widest).of<T>()), modes_(rate.size()), max_steps_(max_steps),
         alpha_(modes_, 0), omega_(modes_, 1), inverse_omega_(modes_, 1), inverse_square_(modes_, 1),
         finest_(modes_), force_response_(modes_), pole_minus_one_(modes_), state_(modes_),
         slots_(contacts),
@@ -377,13 +377,12 @@ private:
 std::unique_ptr<ContactModes> ContactModes::make(std::span<const std::complex<double>> rate,
                                                  double sample_rate, unsigned max_steps,
                                                  std::size_t contacts, std::size_t listeners,
-                                                 VectorSet set) {
-  if (!contact_kernel<double>(set))
-    set = VectorSet::kBaseline;
+                                                 VectorSet widest) {
   if (rate.size() <= kMaxModesInDouble)
     return std::make_unique<ModesOf<double>>(rate, sample_rate, max_steps, contacts, listeners,
-                                             set);
-  return std::make_unique<ModesOf<float>>(rate, sample_rate, max_steps, contacts, listeners, set);
+                                             widest);
+  return std::make_unique<ModesOf<float>>(rate, sample_rate, max_steps, contacts, listeners,
+                                          widest);
 }
 
 } // namespace tactus::modal

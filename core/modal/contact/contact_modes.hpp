@@ -25,7 +25,7 @@ public:
   /// of 2. `contacts`, `listeners`: the number of slots.
   [[nodiscard]] static std::unique_ptr<ContactModes>
   make(std::span<const std::complex<double>> rate, double sample_rate, unsigned max_steps,
-       std::size_t contacts, std::size_t listeners, VectorSet set = best_vector_set());
+       std::size_t contacts, std::size_t listeners, VectorSet widest = simd::kWidest);
   virtual ~ContactModes() = default;
 
   /// Sets the number of steps in a sample, a power of 2 up to `max_steps`.

@@ -27,7 +27,8 @@ constexpr double kMaxContactDurations = 8; // after which a striker under gravit
 } // namespace
 
 ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
-                             std::size_t contacts, bool rigid, std::size_t listeners, VectorSet set)
+                             std::size_t contacts, bool rigid, std::size_t listeners,
+                             VectorSet widest)
     : sample_rate_(sample_rate), has_rigid_(rigid), modes_(rate.size()), alpha_(modes_, 0),
       omega_(modes_, 1), contacts_(contacts), slots_(contacts), system_(contacts),
       touching_(contacts, 0), sampled_(contacts) {
@@ -37,7 +38,7 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
   }
   while (max_steps_ > kMinSteps && max_steps_ * modes_ > kMaxWork)
     max_steps_ /= 2;
-  contact_modes_ = ContactModes::make(rate, sample_rate, max_steps_, contacts, listeners, set);
+  contact_modes_ = ContactModes::make(rate, sample_rate, max_steps_, contacts, listeners, widest);
   steps_ = 1;
 }
 

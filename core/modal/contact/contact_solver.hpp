@@ -37,7 +37,7 @@ public:
   /// `listeners`: the number of slots. `rigid`: the body is free to recoil.
   ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
                 std::size_t contacts, bool rigid, std::size_t listeners = 0,
-                VectorSet set = best_vector_set());
+                VectorSet widest = simd::kWidest);
 
   /// A striker in flight, or a hand (held).
   struct Strike {

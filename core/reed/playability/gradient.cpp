@@ -8,8 +8,7 @@
 #include <cmath>
 
 namespace tactus::reed {
-ReedGradient::ReedGradient(Instructions instructions)
-    : ensemble_(make_reed_ensemble(instructions)) {
+ReedGradient::ReedGradient(simd::VectorSet widest) : ensemble_(make_reed_ensemble(widest)) {
   ensemble_->set_active_lanes(GradientStencil::kPoints);
   guidance_.set(guidance_settings_);
 }

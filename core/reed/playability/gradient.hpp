@@ -31,7 +31,7 @@ public:
   enum class Mode { kReed, kGrowth, kGuide };
   static constexpr std::size_t kGrowthNodes = 41; // along y and along z
 
-  explicit ReedGradient(Instructions instructions = best_instructions());
+  explicit ReedGradient(simd::VectorSet widest = simd::kWidest);
 
   /// Allocates; keeps the physical state when the rate is the same.
   void prepare(double sample_rate);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/dsp/vector_set.hpp"
 #include "core/reed/instrument/parameters.hpp"
 #include "core/reed/playability/playability_follower.hpp"
 
@@ -52,14 +53,10 @@ public:
   [[nodiscard]] virtual double length() const noexcept = 0;
 };
 
-/// Instruction sets an ensemble is compiled for.
-enum class Instructions { kBaseline, kAvx2, kAvx512 };
-/// The widest that this machine and this build support.
-[[nodiscard]] Instructions best_instructions() noexcept;
-/// Null when this machine or build does not support them.
-[[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(Instructions instructions);
-[[nodiscard]] inline std::unique_ptr<ReedEnsemble> make_reed_ensemble() {
-  return make_reed_ensemble(best_instructions());
-}
+/// The implementation for the widest set up to this one that the processor runs.
+[[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::VectorSet widest);
+[[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::Baseline);
+[[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::Avx2);
+[[nodiscard]] std::unique_ptr<ReedEnsemble> make_reed_ensemble(simd::Avx512);
 
 } // namespace tactus::reed

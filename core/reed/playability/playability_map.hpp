@@ -25,8 +25,8 @@ struct PlayabilityMapSettings {
 /// listen_s. Eight nodes are computed at a time, in some milliseconds, independently of all others.
 class PlayabilityMap {
 public:
-  explicit PlayabilityMap(Instructions instructions = best_instructions())
-      : ensemble_(make_reed_ensemble(instructions)) {}
+  explicit PlayabilityMap(simd::VectorSet widest = simd::kWidest)
+      : ensemble_(make_reed_ensemble(widest)) {}
   /// Allocates columns x rows nodes and the reeds; clears the map.
   void begin(const PlayabilityMapSettings& settings, std::size_t columns, std::size_t rows);
   /// Computes up to eight nodes from `first` on (counted along y, then z); returns the first node

@@ -82,7 +82,8 @@ inline std::vector<std::size_t> in_order(std::size_t count) {
 /// mode in turn, with a pickup of each; `slots` names the slot of each striker of the first part,
 /// then the second...
 inline std::unique_ptr<ExcitedBody> combined_body(const std::vector<Part>& parts, bool interleaved,
-                                                  const std::vector<std::size_t>& slots) {
+                                                  const std::vector<std::size_t>& slots,
+                                                  simd::VectorSet widest = simd::kWidest) {
   std::vector<std::vector<std::size_t>> at(parts.size());
   std::vector<Mode> modes;
   const auto take = [&](std::size_t part) {
@@ -94,7 +95,7 @@ inline std::unique_ptr<ExcitedBody> combined_body(const std::vector<Part>& parts
       for (std::size_t k = round; k < (interleaved ? round + 1 : 100); ++k)
         if (k < parts[p].modes.size())
           take(p);
-  auto body = std::make_unique<ExcitedBody>(modes.size(), slots.size(), parts.size());
+  auto body = std::make_unique<ExcitedBody>(modes.size(), slots.size(), parts.size(), widest);
   body->prepare(48000);
   body->set_modes(modes);
   std::size_t next = 0;

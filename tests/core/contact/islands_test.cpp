@@ -15,6 +15,7 @@
 
 using namespace tactus::contact;
 using namespace tactus::test;
+using tactus::simd::VectorSet;
 
 namespace {
 
@@ -28,8 +29,10 @@ struct Together {
   };
   std::vector<Compared> compared; ///< largest of each part
 
-  explicit Together(const std::vector<Part>& parts, bool interleaved = false)
-      : all(combined_body(parts, interleaved, in_order(strikers(parts)))), compared(parts.size()) {
+  explicit Together(const std::vector<Part>& parts, bool interleaved = false,
+                    VectorSet widest = tactus::simd::kWidest)
+      : all(combined_body(parts, interleaved, in_order(strikers(parts)), widest)),
+        compared(parts.size()) {
     std::size_t slot = 0;
     for (const Part& part : parts) {
       alone.push_back(body_of(part));
@@ -108,11 +111,9 @@ TEST_CASE("bodies in one list of modes do what each does alone, whatever touches
         Row{1e4, 1e7, 8, true, 150, kAny, 1e-6},
         Row{1e17, 1e18, 8, false, 60, kAny, 1e-4}}) // impulses
     for (const bool interleaved : {false, true})
-      for (const bool baseline : {false, true}) {
+      for (const VectorSet widest : {VectorSet::kBaseline, tactus::simd::kWidest}) {
         const std::vector<Part> parts = mixed(source, row.softest, row.stiffest);
-        Together bodies(parts, interleaved);
-        if (baseline)
-          bodies.all->use_baseline();
+        Together bodies(parts, interleaved, widest);
         bodies.all->set_min_steps(std::max(1U, row.steps));
         for (auto& body : bodies.alone)
           body->set_min_steps(std::max(1U, row.steps));

@@ -273,7 +273,8 @@ TEST_CASE("samples in a row give the same bits as one at a time, with any instru
                              : 20 * std::sin(60 * t) + 5);
       normal.push_back(n % 3000 > 1500 || n < 200 ? 0 : 10 + 5 * std::sin(30 * t));
     }
-    std::vector<ExcitedBody> bodies(3, ExcitedBody(12, 1));
+    std::vector<ExcitedBody> bodies(2, ExcitedBody(12, 1));
+    bodies.emplace_back(12, 1, 1, tactus::simd::VectorSet::kBaseline);
     for (ExcitedBody& body : bodies) {
       body.prepare(48000);
       body.set_modes(std::array{Mode{200, .002, .2}, Mode{731, .001, .3}, Mode{2600, .001, .3}});
@@ -284,7 +285,6 @@ TEST_CASE("samples in a row give the same bits as one at a time, with any instru
         body.launch_mass(0, 1e-4, 1);
       }
     }
-    bodies[2].use_baseline();
     std::vector<double> output(kSamples), force(kSamples);
     std::size_t contact_samples = 0, silent = 0;
     for (std::size_t from = 0; from < kSamples;) {

@@ -17,8 +17,9 @@ constexpr double kRate = 48000;
 /// Pebbles of one mode each, laws of all powers; and a mass far away from another mode.
 class SingleModeImpacts {
 public:
-  SingleModeImpacts(std::size_t count, bool unbatched)
-      : body(count + 1, count + 1), one_(unbatched) {
+  SingleModeImpacts(std::size_t count, bool unbatched,
+                    tactus::simd::VectorSet widest = tactus::simd::kWidest)
+      : body(count + 1, count + 1, 1, widest), one_(unbatched) {
     body.prepare(kRate);
     tactus::Random random(7);
     std::vector<Mode> modes;
@@ -82,8 +83,8 @@ void check_same(const ExcitedBody& a, const ExcitedBody& b) {
 namespace {
 
 void check_fours(std::size_t count) {
-  SingleModeImpacts batched(count, false), single(count, true), baseline(count, false);
-  baseline.body.use_baseline();
+  SingleModeImpacts batched(count, false), single(count, true),
+      baseline(count, false, tactus::simd::VectorSet::kBaseline);
   tactus::Random random(3);
   std::size_t touching = 0;
   for (int n = 0; n < 6000; ++n) {

@@ -241,8 +241,8 @@ TEST_CASE("the kernels agree with plain sums for any size, and with each other t
           return s[i] *
                  (mapping == Mapping::kAxis ? h(axis, i) : (h(0, i) + h(1, i) + h(2, i)) / 3);
         };
-        const FeedbackSums fast = feedback_kernel().run(task),
-                           base = baseline_feedback_kernel().run(task);
+        const FeedbackSums fast = feedback_kernel()->run(task),
+                           base = feedback_kernel(tactus::simd::Baseline{})->run(task);
         // The rounding is that of sums of some unit numbers, powers of up to (4/3 max)^10.
         const auto check = [&](bool wanted, const Extremes& a, const Extremes& b, auto&& value_at) {
           CHECK(a.sum == b.sum);

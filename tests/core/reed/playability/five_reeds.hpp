@@ -15,8 +15,8 @@ constexpr double kHandRate = 48000;
 constexpr double kHandPeriod_s = ReedGradient::kHandPeriod / kHandRate;
 
 inline ReedGradient five_trumpets(ReedGradient::Mode mode = ReedGradient::Mode::kReed,
-                                  Instructions instructions = best_instructions()) {
-  ReedGradient gradient(instructions);
+                                  simd::VectorSet widest = simd::kWidest) {
+  ReedGradient gradient(widest);
   gradient.set(reference::trumpet());
   gradient.set_range({0, 8000, 80, 900});
   gradient.prepare(kHandRate);

@@ -20,9 +20,9 @@ namespace tactus::reed {
 namespace {
 
 using namespace test;
+using simd::VectorSet;
 using HandMode = ReedGradient::Mode;
-constexpr Instructions kAll[] = {Instructions::kBaseline, Instructions::kAvx2,
-                                 Instructions::kAvx512};
+constexpr VectorSet kAll[] = {VectorSet::kBaseline, VectorSet::kAvx2, VectorSet::kAvx512};
 constexpr HandMode kModes[] = {HandMode::kReed, HandMode::kGrowth, HandMode::kGuide};
 constexpr double kForcePeriod_s = ReedGradient::kForcePeriod / kHandRate;
 
@@ -80,10 +80,10 @@ TEST_CASE("eight reeds side by side play what each of them plays alone") {
   constexpr std::size_t kRamp = 960;
   // Lane i blows (1 + i/50) times as hard, all of them where the instrument speaks.
   for (const bool lips : {false, true})
-    for (const Instructions instructions : kAll) {
-      const auto ensemble = make_reed_ensemble(instructions);
-      if (!ensemble)
+    for (const VectorSet set : kAll) {
+      if (!simd::runs(set))
         continue;
+      const auto ensemble = make_reed_ensemble(set);
       const Parameters p = lips ? reference::trumpet() : reference::clarinet();
       ensemble->set(p);
       ensemble->prepare(kHandRate);
@@ -109,7 +109,7 @@ TEST_CASE("eight reeds side by side play what each of them plays alone") {
             play(alone, ramp(pressure[lane], kSeconds, kHandRate), kHandRate, reed[lane]);
         const auto one = part(r, r.bore_pressure, 0.3, kSeconds);
         const auto other = part(lanes[lane], lanes[lane].bore_pressure, 0.3, kSeconds);
-        INFO("lips ", lips, ", lane ", lane, " of ", static_cast<int>(instructions));
+        INFO("lips ", lips, ", lane ", lane, " of ", static_cast<int>(set));
         CHECK(rms(one) > 100);
         const double low = lips ? 360 : 160, f = pitch(one, kHandRate, low, 1.2 * low);
         CHECK(std::abs(cents(pitch(other, kHandRate, low, 1.2 * low), f)) < 0.5);
@@ -199,12 +199,12 @@ TEST_CASE("after reset a gradient is a new one, to the bit, wherever it was stop
 TEST_CASE("every instruction set feels the same") {
   // Newer processors fuse products and sums, and so round single precision otherwise. What that
   // does to f_p, 1e-7, it does to the gradient fifty times over: the stencil is 0.02 wide.
-  ReedGradient baseline = five_trumpets(HandMode::kReed, Instructions::kBaseline);
+  ReedGradient baseline = five_trumpets(HandMode::kReed, VectorSet::kBaseline);
   stay(baseline, 0.6, 0.42, 0.5);
-  for (const Instructions instructions : kAll) {
-    if (!make_reed_ensemble(instructions))
+  for (const VectorSet set : kAll) {
+    if (!simd::runs(set))
       continue;
-    ReedGradient other = five_trumpets(HandMode::kReed, instructions);
+    ReedGradient other = five_trumpets(HandMode::kReed, set);
     stay(other, 0.6, 0.42, 0.5);
     CHECK(std::abs(other.playability() - baseline.playability()) < 1e-6);
     CHECK(std::abs(other.gradient().y - baseline.gradient().y) < 1e-4);
