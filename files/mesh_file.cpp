@@ -1,7 +1,6 @@
 #include "files/mesh_file.hpp"
 
 #include "files/mesh_formats.hpp"
-#include "files/text.hpp"
 
 #include <algorithm>
 
@@ -22,8 +21,8 @@ std::string ascii_of_utf16(std::string_view bytes, bool big_endian) {
 /// The format of a text: that of its first line with a keyword of either.
 MeshFormat format_of(std::string_view text) {
   MeshFormat format = MeshFormat::kObj;
-  for_each_line(text, [&](std::size_t, Words words) {
-    const std::string_view word = words.next();
+  for_each_line(text, [&](std::size_t, std::string_view line) {
+    const std::string_view word = Words(line).next();
     const auto is = [word](std::string_view name) { return is_word(word, name); };
     if (is("solid") || is("facet") || is("outer") || is("vertex")) {
       format = MeshFormat::kStl;

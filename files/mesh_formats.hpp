@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/text.hpp"
 #include "files/mesh_file.hpp"
-#include "files/text_lines.hpp"
 
 /// The parts of read_mesh(): one reader a format, and what they share.
 namespace tactus::files {

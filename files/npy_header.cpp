@@ -1,6 +1,7 @@
 #include "files/npy_header.hpp"
 
-#include <charconv>
+#include "core/text.hpp"
+
 #include <cstring>
 
 namespace tactus::files {
@@ -28,11 +29,8 @@ std::string read_type(std::string_view text, NpzArray& array) {
   const char order = text[1];
   array.kind = text[2];
   array.big_endian = order == '>';
-  const std::string_view digits = text.substr(3, close - 3);
-  const auto end = digits.data() + digits.size();
-  if (std::from_chars(digits.data(), end, array.item_bytes).ptr != end)
-    return unknown;
-  const std::size_t n = array.item_bytes;
+  const std::size_t n = to_number<std::size_t>(text.substr(3, close - 3)).value_or(0);
+  array.item_bytes = n;
   const bool whole = array.kind == 'i' || array.kind == 'u';
   const bool known = (whole && (n == 1 || n == 2 || n == 4 || n == 8)) ||
                      (array.kind == 'f' && (n == 4 || n == 8)) ||
@@ -45,23 +43,16 @@ std::string read_type(std::string_view text, NpzArray& array) {
 
 std::string read_shape(std::string_view text, NpzArray& array) {
   constexpr const char* damaged = "has a damaged shape";
-  if (text.empty() || text[0] != '(')
+  const std::size_t close = text.find(')');
+  if (!text.starts_with('(') || close == std::string_view::npos)
     return damaged;
-  text.remove_prefix(1);
-  for (;;) {
-    const std::size_t next = text.find_first_not_of(" ,L");
-    if (next == std::string_view::npos)
+  for (const std::string_view word : split_words(text.substr(1, close - 1), ",L")) {
+    const auto extent = to_number<std::size_t>(word);
+    if (!extent || array.shape.size() == 4)
       return damaged;
-    text.remove_prefix(next);
-    if (text[0] == ')')
-      return {};
-    std::size_t extent = 0;
-    const auto read = std::from_chars(text.data(), text.data() + text.size(), extent);
-    if (read.ec != std::errc{} || array.shape.size() == 4)
-      return damaged;
-    array.shape.push_back(extent);
-    text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+    array.shape.push_back(*extent);
   }
+  return {};
 }
 
 } // namespace

@@ -1,5 +1,4 @@
 #include "files/mesh_formats.hpp"
-#include "files/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -93,7 +92,7 @@ private:
     const auto count = static_cast<std::int64_t>(mesh_.points.size());
     for (std::string_view word = words.next(); !word.empty() && word[0] != '#';
          word = words.next()) {
-      const auto index = to_integer(word.substr(0, word.find('/')));
+      const auto index = to_number<int>(word.substr(0, word.find('/')));
       const std::int64_t at = !index ? -1 : *index < 0 ? count + *index : *index - std::int64_t{1};
       if (at < 0 || at >= count) {
         mesh_.error = line_text(number) + "vertex " + std::string(word) + " does not exist";
@@ -132,8 +131,9 @@ void read_obj(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh
   if (text.find('\\') != std::string_view::npos)
     text = whole_lines = joined(text);
   ObjReader reader(limits, mesh);
-  for_each_line(text,
-                [&](std::size_t number, const Words& words) { return reader.line(number, words); });
+  for_each_line(text, [&](std::size_t number, std::string_view line) {
+    return reader.line(number, Words(line));
+  });
   reader.end();
 }
 

@@ -1,11 +1,10 @@
 #include "files/recipe.hpp"
 
 #include "core/declaration_text.hpp"
+#include "core/text.hpp"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <vector>
 
 namespace tactus::files {
@@ -18,29 +17,9 @@ using footstep::Recipe;
 using footstep::recipe_keys;
 using footstep::RecipeKey;
 
-constexpr std::string_view kSpaces = " \t\r";
 constexpr double kDefaultRoomLevel = -10; // dB, of a section [room] without a level
 constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
                                                     "bubbles", "rustle",   "room"};
-
-std::vector<std::string_view> split_words(std::string_view line) {
-  std::vector<std::string_view> words;
-  line = line.substr(0, line.find('#'));
-  for (;;) {
-    const auto begin = line.find_first_not_of(kSpaces);
-    if (begin == line.npos)
-      return words;
-    line.remove_prefix(begin);
-    const auto end = std::min(line.find_first_of(kSpaces), line.size());
-    words.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-}
-
-bool to_number(std::string_view word, double& value) {
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
-}
 
 class Reader {
 public:
@@ -60,14 +39,14 @@ public:
       return "there is no '" + std::string(words[0]) + "' " +
              (section_.empty() ? "before the first section" : "in [" + std::string(section_) + "]");
     const std::string label = std::string(words[0]);
-    double value = 0;
-    if (words.size() != 2 || !to_number(words[1], value))
+    const auto value = words.size() == 2 ? to_number(words[1]) : std::nullopt;
+    if (!value)
       return label + ": expected one number";
-    if (value < key->lowest || value > key->highest)
-      return label + " " + number_text(value) + (key->unit.empty() ? "" : " ") +
+    if (*value < key->lowest || *value > key->highest)
+      return label + " " + number_text(*value) + (key->unit.empty() ? "" : " ") +
              std::string(key->unit) + ": expected " + number_text(key->lowest) + ".." +
              number_text(key->highest);
-    key->member(recipe) = value;
+    key->member(recipe) = *value;
     return {};
   }
 
@@ -104,10 +83,10 @@ private:
     if (words.size() < 2 || words.size() > footstep::kMaxModes + 1)
       return "gains: expected 1.." + number_text(footstep::kMaxModes) + " numbers";
     for (std::size_t i = 1; i < words.size(); ++i) {
-      double value = 0;
-      if (!to_number(words[i], value) || std::abs(value) > 120)
+      const auto value = to_number(words[i], -120., 120.);
+      if (!value)
         return "gains " + std::string(words[i]) + " dB: expected -120..120";
-      modes.gains_db[i - 1] = value;
+      modes.gains_db[i - 1] = *value;
     }
     return {};
   }
@@ -119,12 +98,14 @@ private:
 
 std::string read_recipe(std::string_view text, Recipe& recipe) {
   Reader reader;
-  for (int number = 1; !text.empty(); ++number) {
-    const auto end = std::min(text.find('\n'), text.size());
-    if (const std::string error_text = reader.line(text.substr(0, end)); !error_text.empty())
-      return "line " + number_text(number) + ": " + error_text;
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
+  std::string refusal;
+  for_each_line(text, [&](std::size_t number, std::string_view line) {
+    if (const std::string why = reader.line(line); !why.empty())
+      refusal = "line " + std::to_string(number) + ": " + why;
+    return refusal.empty();
+  });
+  if (!refusal.empty())
+    return refusal;
   if (!reader.recipe.solid.present && !reader.recipe.friction.present && reader.recipe.clouds == 0)
     return "it has no section that sounds";
   recipe = reader.recipe;

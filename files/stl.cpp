@@ -1,6 +1,5 @@
 #include "files/mesh_formats.hpp"
 #include "files/product.hpp"
-#include "files/text.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -158,8 +157,9 @@ private:
 
 void read_stl_text(std::string_view text, const MeshLimits& limits, PolygonMesh& mesh) {
   StlTextReader reader(limits, mesh);
-  for_each_line(text,
-                [&](std::size_t number, const Words& words) { return reader.line(number, words); });
+  for_each_line(text, [&](std::size_t number, std::string_view line) {
+    return reader.line(number, Words(line));
+  });
   reader.end();
 }
 

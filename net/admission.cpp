@@ -5,15 +5,6 @@
 
 namespace tactus::net {
 
-std::string printable(std::string_view text) {
-  constexpr std::size_t kMaxText = 256;
-  std::string clean(text.substr(0, kMaxText));
-  for (char& c : clean)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      c = '?';
-  return clean;
-}
-
 std::string_view refusal_text(std::string_view code) noexcept {
   using Row = std::pair<std::string_view, std::string_view>;
   constexpr std::array kRows{

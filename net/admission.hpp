@@ -9,9 +9,6 @@
 /// is told of one that has not come in.
 namespace tactus::net {
 
-/// Text from the network for a window or a log: at most 256 bytes, control characters replaced.
-[[nodiscard]] std::string printable(std::string_view text);
-
 /// Our sentence for a code by which a connection is refused; empty for any other code.
 [[nodiscard]] std::string_view refusal_text(std::string_view code) noexcept;
 

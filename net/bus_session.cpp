@@ -1,5 +1,6 @@
 #include "net/bus_session.hpp"
 
+#include "core/text.hpp"
 #include "net/bus_topic.hpp"
 
 namespace tactus::net {

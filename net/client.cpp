@@ -1,5 +1,6 @@
 #include "net/client.hpp"
 
+#include "core/text.hpp"
 #include "net/admission.hpp"
 #include "net/units.hpp"
 

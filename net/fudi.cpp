@@ -1,5 +1,7 @@
 #include "net/fudi.hpp"
 
+#include "core/text.hpp"
+
 #include <charconv>
 #include <cmath>
 
@@ -56,18 +58,13 @@ std::string_view add_word(const Word& word, Message& message) noexcept {
     message.string(word.text);
     return {};
   }
-  const char* begin =
-      word.text.data() + (word.text.starts_with('+') && !word.text.starts_with("+-") ? 1 : 0);
-  const char* end = word.text.data() + word.text.size();
-  std::int32_t integer_value = 0;
-  if (const auto [stopped, failed] = std::from_chars(begin, end, integer_value);
-      failed == std::errc() && stopped == end) {
-    message.integer(integer_value);
+  if (const auto whole = to_number<std::int32_t>(word.text)) {
+    message.integer(*whole);
     return {};
   }
   double number = 0;
-  const auto [stopped, failed] = std::from_chars(begin, end, number);
-  if (failed == std::errc::invalid_argument || stopped != end) {
+  const std::errc failed = read_number(word.text, number);
+  if (failed == std::errc::invalid_argument) {
     message.string(word.text); // such as 1-2
     return {};
   }

@@ -1,12 +1,12 @@
 #include "net/remote_device.hpp"
 
+#include "core/text.hpp"
 #include "net/backoff.hpp"
 #include "net/client.hpp"
 #include "net/clock.hpp"
 #include "net/remote_wire.hpp"
 #include "net/token_file.hpp"
 
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -36,12 +36,7 @@ constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
 /// A whole number from 1 to 65535; 0 when the text is none.
-int port_of(const std::string& text) noexcept {
-  int port = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, failed] = std::from_chars(text.data(), end, port);
-  return failed == std::errc() && stopped == end && port >= 1 && port <= 65535 ? port : 0;
-}
+int port_of(std::string_view text) noexcept { return to_number(text, 1, 65535).value_or(0); }
 
 } // namespace
 
@@ -76,12 +71,10 @@ std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
     return file.error.empty() ? std::string() : "net: " + file.error;
   }
   if (words.size() == 2 && words[0] == "rate") {
-    double rate_hz = 0;
-    const auto [end, failed] =
-        std::from_chars(words[1].data(), words[1].data() + words[1].size(), rate_hz);
-    if (failed != std::errc() || !(rate_hz >= 50 && rate_hz <= 4000))
+    const auto rate_hz = to_number(words[1], 50., 4000.);
+    if (!rate_hz)
       return "net: the rate " + words[1] + " is not from 50 to 4000 Hz";
-    settings_.rate_hz = rate_hz;
+    settings_.rate_hz = *rate_hz;
     return {};
   }
   if (words.size() == 2 && words[0] == "device") {

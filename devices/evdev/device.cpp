@@ -1,14 +1,13 @@
 #include "devices/evdev/device.hpp"
 
+#include "core/text.hpp"
 #include "devices/evdev/joysticks.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstring>
-#include <limits>
 #include <system_error>
 
 #include <fcntl.h>
@@ -29,13 +28,6 @@ constexpr auto kBetweenStarts = std::chrono::milliseconds(250);
 constexpr std::size_t kMaxButtons = 32;
 constexpr int kMaxEventsPerTick = 256;
 
-double number(const std::string& word) {
-  double value = 0;
-  const char* end = word.data() + word.size();
-  const auto [stopped, failed] = std::from_chars(word.data(), end, value);
-  return failed == std::errc() && stopped == end ? value : std::numeric_limits<double>::quiet_NaN();
-}
-
 const char* permission_advice() {
   return "install packaging/udev/70-tactus.rules and plug the device in again, or join the group "
          "input and log in again";
@@ -45,7 +37,7 @@ const char* permission_advice() {
 
 std::string Device::configure(std::span<const std::string> words) {
   const std::string name = words.empty() ? "nothing" : words[0];
-  const double value = words.size() == 2 ? number(words[1]) : 0;
+  const double value = words.size() == 2 ? to_number(words[1]).value_or(-1) : -1;
   const std::lock_guard lock(settings_mutex_);
   if (name == "device" && words.size() == 2)
     settings_.device = words[1];
@@ -90,11 +82,9 @@ std::string Device::open() {
     found = std::find_if(all.begin(), all.end(), [&](const Joystick& one) {
       return one.node == requested || (!one.serial.empty() && one.serial == requested);
     });
-    std::size_t index = all.size();
-    const char* end = requested.data() + requested.size();
-    if (found == all.end() && std::from_chars(requested.data(), end, index).ptr == end &&
-        index < all.size())
-      found = all.begin() + static_cast<std::ptrdiff_t>(index);
+    const auto index = to_number<std::size_t>(requested);
+    if (found == all.end() && index && *index < all.size())
+      found = all.begin() + static_cast<std::ptrdiff_t>(*index);
   }
   if (found == all.end())
     return "evdev: no device " + requested + "; there are " + std::to_string(all.size()) +

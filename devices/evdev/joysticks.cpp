@@ -1,5 +1,7 @@
 #include "devices/evdev/joysticks.hpp"
 
+#include "core/text.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
@@ -20,10 +22,7 @@ std::string first_line(const std::filesystem::path& file) {
 
 int number_of(const Joystick& joystick) noexcept {
   const auto digits = joystick.node.find_last_not_of("0123456789") + 1;
-  int number = 0;
-  std::from_chars(joystick.node.data() + digits, joystick.node.data() + joystick.node.size(),
-                  number);
-  return number;
+  return to_number<int>(std::string_view(joystick.node).substr(digits)).value_or(0);
 }
 
 } // namespace

@@ -1,7 +1,7 @@
+#include "core/text.hpp"
 #include "devices/falcon/falcon.hpp"
 
 #include <array>
-#include <charconv>
 #include <string_view>
 
 namespace tactus::devices::falcon {
@@ -70,15 +70,12 @@ std::string Falcon::configure(std::span<const std::string> words) {
     return {};
   }
   if (name == "gain" && values.size() == 1) {
-    double gain = 0;
-    const std::string& text = values[0];
-    const auto end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, gain);
-    if (read.ec != std::errc() || read.ptr != end || !(gain >= kMinGain && gain <= kMaxGain))
-      return "falcon: gain " + text +
+    const auto gain = to_number(values[0], kMinGain, kMaxGain);
+    if (!gain)
+      return "falcon: gain " + values[0] +
              " is not possible: expected 1000 to 100000 motor counts per "
              "N m (10000 unless you have measured another)";
-    counts_per_n_m_ = gain;
+    counts_per_n_m_ = *gain;
     return {};
   }
   return "falcon: " + (name.empty() ? std::string("a setting") : name) +

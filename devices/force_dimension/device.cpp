@@ -1,9 +1,9 @@
 #include "devices/force_dimension/device.hpp"
 
+#include "core/text.hpp"
 #include "devices/force_dimension/limits.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -58,13 +58,7 @@ std::string Device::configure(std::span<const std::string> words) {
   if (words.empty() || words[0] != "device")
     return "dhd: " + (words.empty() ? std::string("nothing") : words[0]) +
            " is not a setting; there are: device INDEX or SERIAL, and home";
-  int which = -1;
-  if (words.size() == 2) {
-    const char* end = words[1].data() + words[1].size();
-    const auto [stopped, failed] = std::from_chars(words[1].data(), end, which);
-    if (failed != std::errc() || stopped != end)
-      which = -1;
-  }
+  const int which = words.size() == 2 ? to_number<int>(words[1]).value_or(-1) : -1;
   if (which < 0)
     return "dhd: device takes a number, an index from 0 or a serial number; ask devices for them";
   const std::lock_guard lock(settings_mutex_);

@@ -1,11 +1,11 @@
 #include "devices/haply/connection.hpp"
 
+#include "core/text.hpp"
 #include "devices/haply/socket.hpp"
 #include "devices/servo_thread.hpp"
 #include "devices/thread_priority.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
@@ -145,14 +145,13 @@ std::string Connection::choose(const Message& inventory) {
     return "Haply's service runs but sees no Inverse3: check the device's cable and power";
   std::size_t index = 0;
   if (!settings_.device.empty()) {
-    const char* end = settings_.device.data() + settings_.device.size();
     const auto by_id = std::find_if(devices.begin(), devices.end(), [this](const DeviceState& one) {
       return one.id == settings_.device;
     });
-    if (by_id != devices.end())
-      index = static_cast<std::size_t>(by_id - devices.begin());
-    else if (std::from_chars(settings_.device.data(), end, index).ptr != end ||
-             index >= devices.size())
+    index = by_id != devices.end()
+                ? static_cast<std::size_t>(by_id - devices.begin())
+                : to_number<std::size_t>(settings_.device).value_or(devices.size());
+    if (index >= devices.size())
       return "Haply's service has no device " + settings_.device + "; the first it has is " +
              devices.front().id + ": say device 0, or its device_id";
   }

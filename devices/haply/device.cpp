@@ -1,8 +1,8 @@
 #include "devices/haply/device.hpp"
 
+#include "core/text.hpp"
 #include "devices/servo_thread.hpp"
 
-#include <charconv>
 #include <limits>
 
 namespace tactus::devices::haply {
@@ -29,29 +29,21 @@ constexpr Vec3 kCentreFromBase{0, -0.12, 0.15};
 constexpr double kStale_s = 0.02;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Not a number when the word is none.
-double number(const std::string& word) {
-  double value = 0;
-  const char* end = word.data() + word.size();
-  const auto [stopped, failed] = std::from_chars(word.data(), end, value);
-  return failed == std::errc() && stopped == end ? value : kNaN;
-}
-
 } // namespace
 
 Device::Device() { settings_.address = default_address(); }
 
 std::string Device::configure(std::span<const std::string> words) {
   const std::string name = words.empty() ? "nothing" : words[0];
-  const double value = words.size() == 2 ? number(words[1]) : kNaN;
+  const double value = words.size() == 2 ? to_number(words[1]).value_or(kNaN) : kNaN;
   const std::lock_guard lock(settings_mutex_);
   if (name == "device" && words.size() == 2) {
     settings_.device = words[1];
   } else if (name == "service" && words.size() == 3) {
-    const double port = number(words[2]);
-    if (!(port >= 1 && port <= 65535) || port != static_cast<int>(port))
+    const auto port = to_number(words[2], 1, 65535);
+    if (!port)
       return "haply: the port " + words[2] + " is no whole number from 1 to 65535";
-    settings_.address = {words[1], std::to_string(static_cast<int>(port))};
+    settings_.address = {words[1], std::to_string(*port)};
   } else if (name == "rate" && value >= 50 && value <= 4000) {
     settings_.rate_hz = value;
   } else if (name == "peak" && value >= 0.1 && value <= 20) {

@@ -1,6 +1,5 @@
+#include "core/text.hpp"
 #include "devices/hid/hid.hpp"
-
-#include <charconv>
 
 namespace tactus::devices::hid {
 
@@ -43,22 +42,19 @@ std::string Hid::set_name(const std::string& name, const std::string& value) {
 }
 
 std::string Hid::set_number(const std::string& name, const std::string& text) {
-  double number = 0;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, number);
   const double most = name == "speed" ? 1000 : name == "deadzone" ? 90 : 1;
-  const bool good = read.ec == std::errc() && read.ptr == end && number >= 0 && number <= most;
-  if (!good || (name == "led" && number != 0 && number != 1))
+  const auto number = to_number(text, 0., most);
+  if (!number || (name == "led" && *number != 0 && *number != 1))
     return "hid: " + name + " " + text + " is not possible: expected " +
            (name == "speed"      ? "0 to 1000 mm/s"
             : name == "deadzone" ? "0 to 90 % of full deflection"
                                  : "0 or 1");
   if (name == "speed")
-    speed_m_per_s_ = number * 1e-3;
+    speed_m_per_s_ = *number * 1e-3;
   else if (name == "deadzone")
-    dead_zone_ = number * 1e-2;
+    dead_zone_ = *number * 1e-2;
   else
-    light_ = number == 1;
+    light_ = *number == 1;
   return {};
 }
 

@@ -1,12 +1,12 @@
 #include "externals/phantom/named_scene.hpp"
 
 #include "core/declaration_text.hpp"
+#include "core/text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/scene_shape.hpp"
 #include "externals/phantom/text.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -15,13 +15,6 @@ namespace {
 
 constexpr double kLast = std::numeric_limits<double>::infinity();
 constexpr Range kStiffness{"k", "N/m", 0, 1e5};
-
-/// The number that text_of has written.
-double number_of(const std::string& text) {
-  double number = 0;
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;
-}
 
 bool is_mesh(const haptic::Body& body) {
   return std::holds_alternative<haptic::MeshSurface>(body.shape);
@@ -175,8 +168,7 @@ std::unique_ptr<const haptic::Scene> NamedScene::snapshot() const {
   for (const Entry& entry : entries_)
     ordered.push_back(&entry);
   const auto rank = [](const Entry* entry) { // words come last
-    const double number = entry->is_number ? number_of(entry->name) : kLast;
-    return std::isfinite(number) ? number : kLast;
+    return entry->is_number ? to_number(entry->name).value_or(kLast) : kLast;
   };
   std::stable_sort(ordered.begin(), ordered.end(),
                    [&](const Entry* a, const Entry* b) { return rank(a) < rank(b); });
@@ -188,7 +180,7 @@ std::unique_ptr<const haptic::Scene> NamedScene::snapshot() const {
 
 Atom NamedScene::name_of(std::uint64_t key) const noexcept {
   const auto atom = [](const std::string& name, bool is_number) {
-    return is_number ? Atom(number_of(name)) : Atom(std::string_view(name));
+    return is_number ? Atom(to_number(name).value_or(kLast)) : Atom(std::string_view(name));
   };
   for (const Entry& entry : entries_)
     if (entry.body.key == key)

@@ -1,10 +1,10 @@
 #include "externals/phantom/text.hpp"
 
 #include "core/declaration_text.hpp"
+#include "core/text.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "files/file_bytes.hpp"
 
-#include <charconv>
 #include <fstream>
 
 namespace tactus::phantom {
@@ -15,22 +15,12 @@ std::string text_of(const Atom& atom) {
 
 std::vector<Atom> words_of(std::string_view line) {
   std::vector<Atom> words;
-  constexpr std::string_view kBlanks = " \t\r,;";
-  line = line.substr(0, line.find('#'));
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos)
-      return words;
-    line.remove_prefix(begin);
-    const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
-    double number = 0;
-    const auto read = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (read.ec == std::errc() && read.ptr == word.data() + word.size())
-      words.emplace_back(number);
+  for (const std::string_view word : split_words(line.substr(0, line.find('#')), ",;"))
+    if (const auto number = to_number(word))
+      words.emplace_back(*number);
     else
       words.emplace_back(word);
-    line.remove_prefix(word.size());
-  }
+  return words;
 }
 
 std::string handle_file(std::span<const Atom> words, std::string_view message, const Host& host,

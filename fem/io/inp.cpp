@@ -282,7 +282,7 @@ private:
     return at->second;
   }
   [[nodiscard]] int id(const std::string& cell) const {
-    const auto value = to_integer(cell);
+    const auto value = to_number<int>(cell);
     if (!value)
       lines_.refuse(printable(cell, 60) + " is no number");
     return *value;
@@ -406,7 +406,7 @@ private:
         members_->push_back(find(static_cast<int>(i)));
     } else {
       for (const std::string& cell : cells)
-        if (to_integer(cell)) {
+        if (to_number<int>(cell)) {
           members_->push_back(find(id(cell)));
         } else {
           const std::vector<int> named = members_of(sets, cell); // a copy: of the set itself, too

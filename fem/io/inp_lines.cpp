@@ -18,7 +18,7 @@ std::vector<std::string> cells_of(std::string_view line) {
     quoted ^= i < line.size() && line[i] == '"';
     if (i < line.size() && (quoted || line[i] != ','))
       continue;
-    cells.emplace_back(files::trimmed(line.substr(first, i - first)));
+    cells.emplace_back(trimmed(line.substr(first, i - first)));
     first = i + 1;
   }
   return cells;
@@ -58,7 +58,7 @@ bool InpLines::next() {
     std::string_view text = line;
     if (number_ == 1 && text.starts_with("\xEF\xBB\xBF"))
       text.remove_prefix(3);
-    text_ = files::trimmed(text);
+    text_ = trimmed(text);
     if (text_.find('\0') != std::string::npos)
       refuse("a byte of 0, expected text in ASCII or UTF-8");
     if (!text_.empty() && !text_.starts_with("**"))
@@ -101,7 +101,7 @@ InpKeyword InpLines::keyword() {
   for (std::size_t i = 1; i < cells.size(); ++i) {
     const auto equals = cells[i].find('=');
     const std::string value =
-        equals == std::string::npos ? "" : std::string(files::trimmed(cells[i].substr(equals + 1)));
+        equals == std::string::npos ? "" : std::string(trimmed(cells[i].substr(equals + 1)));
     keyword.parameters[without_blanks(cells[i].substr(0, equals))] = unquoted(value);
   }
   return keyword;

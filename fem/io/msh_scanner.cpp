@@ -5,30 +5,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 namespace tactus::fem {
-namespace {
-
-bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-std::string_view trimmed(std::string_view text) noexcept {
-  while (!text.empty() && is_blank(text.front()))
-    text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back()))
-    text.remove_suffix(1);
-  return text;
-}
-
-template <class Number> bool parse(std::string_view text, Number& value) noexcept {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
-}
-
-} // namespace
 
 MshScanner::MshScanner(std::string path, std::string bytes)
     : path_(std::move(path)), bytes_(std::move(bytes)) {}
@@ -141,7 +122,7 @@ int MshScanner::integer(const char* what, int low, int high) {
     text = std::to_string(value);
   } else {
     const std::string_view word = token();
-    good = parse(word, value);
+    good = read_number(word, value) == std::errc{};
     text = printable_value(word);
   }
   if (!good || value < low || value > high)
@@ -155,10 +136,10 @@ std::uint64_t MshScanner::tag(const char* what) {
   if (binary_)
     return stored(word_, what);
   const std::string_view word = token();
-  std::uint64_t value = 0;
-  if (!parse(word, value))
+  const auto value = to_number<std::uint64_t>(word);
+  if (!value)
     refuse(printable_value(word), std::string(what) + ", a whole number from 0");
-  return value;
+  return *value;
 }
 
 std::size_t MshScanner::count(const char* what, std::size_t numbers, std::size_t bytes) {

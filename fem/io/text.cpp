@@ -9,20 +9,11 @@ std::vector<std::string> split(std::string_view text, char separator) {
   std::vector<std::string> cells;
   for (std::size_t at = 0;;) {
     const auto end = text.find(separator, at);
-    cells.emplace_back(
-        files::trimmed(text.substr(at, end == std::string_view::npos ? end : end - at)));
+    cells.emplace_back(trimmed(text.substr(at, end == std::string_view::npos ? end : end - at)));
     if (end == std::string_view::npos)
       return cells;
     at = end + 1;
   }
-}
-
-std::string printable(std::string_view text, std::size_t max_bytes) {
-  std::string result(text.substr(0, max_bytes));
-  for (char& c : result)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      c = '?';
-  return text.size() > max_bytes ? result + "..." : result;
 }
 
 std::string format(const char* pattern, ...) {

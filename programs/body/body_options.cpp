@@ -81,8 +81,8 @@ double number(const std::string& option, const std::string& word, double low, do
 }
 
 int integer(const std::string& option, const std::string& word, int low, int high) {
-  const auto value = to_integer(word);
-  if (!value || *value < low || *value > high)
+  const auto value = to_number(word, low, high);
+  if (!value)
     throw InputError(option + " " + word +
                      format(": expected a whole number from %d to %d", low, high));
   return *value;

@@ -15,7 +15,7 @@ std::array<int, 3> read_counts(BodyReader& reader, int low, int high) {
   std::array<int, 3> counts{};
   for (int& count : counts) {
     const std::string& word = reader.value();
-    const auto value = to_integer(word);
+    const auto value = to_number<int>(word);
     if (!value || *value < low || *value > high)
       throw InputError(reader.option() + " " + printable(word, 20) +
                        format(": expected three whole numbers from %d to %d", low, high));
@@ -135,7 +135,7 @@ bool DesignOptions::take(BodyReader& reader) {
     degree = read_counts(reader, 1, kMaxPoints - 1);
   } else if (option == "--controls") {
     for (const std::string& cell : split(reader.value(), ',')) {
-      const auto id = to_integer(cell);
+      const auto id = to_number<int>(cell);
       if (!id || *id < 0)
         throw InputError("--controls " + printable(cell, 20) +
                          ": expected numbers of control points from 0 between commas");

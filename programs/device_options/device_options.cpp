@@ -1,25 +1,20 @@
 #include "programs/device_options/device_options.hpp"
 
-#include <charconv>
-#include <sstream>
+#include "core/text.hpp"
+
+#include <algorithm>
 
 namespace tactus::programs {
+
 namespace {
 
-std::vector<std::string> split_words(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;)
-    words.push_back(word);
-  return words;
-}
-
-} // namespace
-
+/// Takes --device and --set. Nothing when the option is another one; false when its value is not
+/// understood.
 std::optional<bool> set_device_option(std::string_view name, const std::string& value,
                                       DeviceOptions& options) {
   if (name == "--set") {
-    options.settings.push_back(split_words(value));
+    const auto words = split_words(value);
+    options.settings.emplace_back(words.begin(), words.end());
     return true;
   }
   if (name != "--device")
@@ -29,6 +24,8 @@ std::optional<bool> set_device_option(std::string_view name, const std::string& 
   options.which = colon == std::string::npos ? "" : value.substr(colon + 1);
   return !options.driver.empty();
 }
+
+} // namespace
 
 std::string configure(haptic::Backend& device, const DeviceOptions& options) {
   auto settings = options.settings;
@@ -40,37 +37,43 @@ std::string configure(haptic::Backend& device, const DeviceOptions& options) {
   return {};
 }
 
-std::optional<double> number_of(std::string_view text, double min, double max) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
-  if (failed != std::errc() || stopped != end || !(value >= min && value <= max))
-    return {};
-  return value;
-}
-
 std::string option_text(std::string_view usage, std::string_view name) {
-  std::istringstream lines{std::string(usage)};
   std::string text;
   bool found = false;
-  for (std::string line; std::getline(lines, line);) {
+  for_each_line(usage, [&](std::size_t, std::string_view line) {
     const auto words = split_words(line);
     const bool begins = line.starts_with("  -"), continues = line.starts_with("   ");
     if (begins || !continues)
       found = begins && words[0] == name;
     if (found)
       for (std::size_t i = begins ? 1 : 0; i < words.size(); ++i)
-        text += (text.empty() ? "" : " ") + words[i];
-  }
+        text.append(text.empty() ? "" : " ").append(words[i]);
+    return true;
+  });
   return text;
 }
 
-std::string option_refusal(std::string_view usage, const std::string& name,
-                           std::string_view value) {
-  const std::string expected = option_text(usage, name);
-  if (expected.empty())
-    return "there is no option " + name + "; --help shows all";
-  return name + " " + std::string(value) + ": expected " + expected;
+std::string read_options(std::span<const char* const> words, std::string_view usage,
+                         std::span<const Flag> flags, DeviceOptions& device, const SetOption& set) {
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string name = words[i] == std::string_view("-h") ? "--help" : words[i];
+    const auto flag =
+        std::find_if(flags.begin(), flags.end(), [&](const Flag& one) { return one.name == name; });
+    if (flag != flags.end()) {
+      *flag->set = true;
+      continue;
+    }
+    const std::string expected = option_text(usage, name);
+    if (expected.empty())
+      return "there is no option " + name + "; --help shows all";
+    if (++i == words.size())
+      return name + " lacks its value";
+    const std::string value = words[i];
+    const auto taken = set_device_option(name, value, device);
+    if (!(taken ? *taken : set(name, value)))
+      return name + " " + value + ": expected " + expected;
+  }
+  return {};
 }
 
 } // namespace tactus::programs

@@ -1,8 +1,11 @@
 #pragma once
 
 #include "core/haptic/device/device.hpp"
+#include "core/text.hpp"
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,23 +18,34 @@ struct DeviceOptions {
   std::vector<std::vector<std::string>> settings{}; ///< --set "WORD VALUE...", once each
 };
 
-/// Takes --device and --set. Nothing when the option is another one; false when its value is not
-/// understood.
-[[nodiscard]] std::optional<bool> set_device_option(std::string_view name, const std::string& value,
-                                                    DeviceOptions& options);
-
 /// Gives the device its settings, then its WHICH. Empty, or the device's first refusal.
 [[nodiscard]] std::string configure(haptic::Backend& device, const DeviceOptions& options);
-
-/// A number from min to max and nothing behind it.
-[[nodiscard]] std::optional<double> number_of(std::string_view text, double min, double max);
 
 /// What the usage text says of an option, on one line: "0..65535; 0 takes one that is free (7770)".
 /// Empty when it has no line that begins with two spaces and the option.
 [[nodiscard]] std::string option_text(std::string_view usage, std::string_view name);
 
-/// The error for a wrong value of an option, or for an option that there is not.
-[[nodiscard]] std::string option_refusal(std::string_view usage, const std::string& name,
-                                         std::string_view value);
+/// An option without a value.
+struct Flag {
+  std::string_view name;
+  bool* set;
+};
+/// Takes an option's value; false when it is not understood.
+using SetOption = std::function<bool(std::string_view name, const std::string& value)>;
+
+/// Reads a command line, whose first word is the program: flags (-h counts as --help), options of
+/// the device, and those that the usage text names, by `set`. Empty, or one sentence.
+[[nodiscard]] std::string read_options(std::span<const char* const> words, std::string_view usage,
+                                       std::span<const Flag> flags, DeviceOptions& device,
+                                       const SetOption& set);
+
+/// Reads a number within a range into `target`; false where it is none.
+template <class Target>
+[[nodiscard]] bool read(std::string_view text, double low, double high, Target& target) {
+  const auto value = to_number(text, low, high);
+  if (value)
+    target = *value;
+  return value.has_value();
+}
 
 } // namespace tactus::programs

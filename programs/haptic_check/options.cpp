@@ -1,23 +1,6 @@
 #include "programs/haptic_check/options.hpp"
 
 namespace tactus::haptic_check {
-namespace {
-
-bool set_number(const std::string& name, const char* value, Options& options) {
-  const auto real = [value](double min, double max, auto& target) {
-    const auto parsed = programs::number_of(value, min, max);
-    if (parsed)
-      target = *parsed;
-    return parsed.has_value();
-  };
-  if (name == "--seconds")
-    return real(0.5, 300, options.seconds);
-  if (name == "--rate")
-    return real(200, 4000, options.rate_hz);
-  return name == "--force" && real(0.1, 20, options.force_n);
-}
-
-} // namespace
 
 const char* usage() noexcept {
   return "haptic_check [--list] [--device DRIVER[:WHICH]] [--set \"NAME VALUE\"]... [--yes]\n"
@@ -35,34 +18,20 @@ const char* usage() noexcept {
 }
 
 ParsedOptions parse_options(int count, const char* const* words) {
-  ParsedOptions parsed;
-  Options& options = parsed.options;
-  for (int i = 1; i < count; ++i) {
-    const std::string name = words[i];
-    const char* value = i + 1 < count ? words[i + 1] : nullptr;
-    if (name == "--list")
-      options.list = true;
-    else if (name == "--yes")
-      options.yes = true;
-    else if (name == "--help" || name == "-h")
-      options.help = true;
-    else if (programs::option_text(usage(), name).empty())
-      return {{}, "there is no option " + name + "; --help shows all"};
-    else if (!value)
-      return {{}, name + " lacks its value"};
-    else {
-      ++i;
-      if (const auto taken = programs::set_device_option(name, value, options.device)) {
-        if (!*taken)
-          return {{}, programs::option_refusal(usage(), name, value)};
-      } else if (name == "--report") {
-        options.report = value;
-      } else if (!set_number(name, value, options)) {
-        return {{}, programs::option_refusal(usage(), name, value)};
-      }
-    }
-  }
-  return parsed;
+  Options o;
+  const programs::Flag flags[] = {{"--list", &o.list}, {"--yes", &o.yes}, {"--help", &o.help}};
+  std::string error = programs::read_options(
+      std::span(words, static_cast<std::size_t>(count)), usage(), flags, o.device,
+      [&o](std::string_view name, const std::string& value) {
+        if (name == "--report")
+          return o.report = value, true;
+        if (name == "--seconds")
+          return programs::read(value, 0.5, 300, o.seconds);
+        if (name == "--rate")
+          return programs::read(value, 200, 4000, o.rate_hz);
+        return name == "--force" && programs::read(value, 0.1, 20, o.force_n);
+      });
+  return {o, error};
 }
 
 } // namespace tactus::haptic_check

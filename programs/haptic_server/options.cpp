@@ -6,48 +6,34 @@ namespace tactus::haptic_server {
 namespace {
 
 /// One option with its value; false when the value is not understood.
-bool set(const std::string& name, const std::string& value, Options& options) {
-  const auto real = [&](double min, double max, auto& target) {
-    const auto parsed = programs::number_of(value, min, max);
-    if (parsed)
-      target = *parsed;
-    return parsed.has_value();
-  };
-  if (const auto taken = programs::set_device_option(name, value, options.device))
-    return *taken;
+bool set(std::string_view name, const std::string& value, Options& o) {
+  using programs::read;
   if (name == "--port") {
-    double port = 0;
-    if (!real(0, 65535, port) || port != static_cast<int>(port))
-      return false;
-    options.port = static_cast<int>(port);
-    return true;
+    const auto port = to_number(value, 0, 65535);
+    o.port = port.value_or(o.port);
+    return port.has_value();
   }
   if (name == "--hand")
-    return options.hand = value,
+    return o.hand = value,
            value == "free" || value == "rigid" || value == "spring" || value == "person";
   if (name == "--listen")
-    return options.listen = value, true;
+    return o.listen = value, true;
   if (name == "--token")
-    return options.token_file = value, true;
+    return o.token_file = value, true;
   if (name == "--trace")
-    return options.trace = value, true;
+    return o.trace = value, true;
   if (name == "--path")
-    return options.path = value, true;
+    return o.path = value, true;
   if (name == "--force-limit")
-    return real(0.01, 40, options.force_limit_n);
+    return read(value, 0.01, 40, o.force_limit_n);
   if (name == "--stiffness-limit")
-    return real(0, 20000, options.stiffness_limit_n_per_m);
+    return read(value, 0, 20000, o.stiffness_limit_n_per_m);
   if (name == "--damping-limit")
-    return real(0, 1000, options.damping_limit_n_s_per_m);
+    return read(value, 0, 1000, o.damping_limit_n_s_per_m);
   if (name == "--grab-radius")
-    return real(0, 1000, options.grab_radius_mm);
-  return name == "--rate" && real(200, 4000, options.rate_hz);
+    return read(value, 0, 1000, o.grab_radius_mm);
+  return name == "--rate" && read(value, 200, 4000, o.rate_hz);
 }
-
-constexpr std::string_view kWithValue[] = {
-    "--device",          "--set",           "--port",       "--listen", "--token",
-    "--force-limit",     "--rate",          "--trace",      "--path",   "--hand",
-    "--stiffness-limit", "--damping-limit", "--grab-radius"};
 
 } // namespace
 
@@ -83,29 +69,12 @@ const char* usage() noexcept {
 }
 
 ParsedOptions parse_options(int count, const char* const* words) {
-  ParsedOptions parsed;
-  for (int i = 1; i < count; ++i) {
-    const std::string name = words[i];
-    if (name == "--once") {
-      parsed.options.once = true;
-    } else if (name == "--udp") {
-      parsed.options.udp = true;
-    } else if (name == "--help" || name == "-h") {
-      parsed.options.help = true;
-    } else {
-      bool known = false;
-      for (const std::string_view one : kWithValue)
-        known = known || name == one;
-      if (!known)
-        return {{}, "there is no option " + name + "; --help shows all"};
-      if (i + 1 == count)
-        return {{}, name + " lacks its value"};
-      const std::string value = words[++i];
-      if (!set(name, value, parsed.options))
-        return {{}, programs::option_refusal(usage(), name, value)};
-    }
-  }
-  return parsed;
+  Options o;
+  const programs::Flag flags[] = {{"--once", &o.once}, {"--udp", &o.udp}, {"--help", &o.help}};
+  std::string error = programs::read_options(
+      std::span(words, static_cast<std::size_t>(count)), usage(), flags, o.device,
+      [&o](std::string_view name, const std::string& value) { return set(name, value, o); });
+  return {o, error};
 }
 
 } // namespace tactus::haptic_server

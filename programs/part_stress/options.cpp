@@ -205,7 +205,7 @@ PartOptions read_options(const std::vector<std::string>& words) {
     } else if (option == "--move") {
       Move move;
       const std::string& id = reader.value();
-      const auto control = to_integer(id);
+      const auto control = to_number<int>(id);
       if (!control || *control < 0)
         throw InputError("--move " + printable(id, 20) +
                          ": expected ID DX DY DZ, the number of a control point first");

@@ -65,7 +65,7 @@ Region read_region(const std::string& option, std::vector<std::string>& parts, d
     chosen = InNodeSet{take(2)};
   } else if (kind == "face") {
     const std::string word = take(2);
-    const auto face = to_integer(word);
+    const auto face = to_number<int>(word);
     if (!face || *face < 1)
       throw InputError(option + " face:" + printable(word, 40) +
                        ": expected a number from 1, as "

@@ -13,9 +13,9 @@
 #include "core/reed/playability/gradient_range.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 #include "core/reed/playability/playability_map.hpp"
+#include "programs/part.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <optional>
 #include <span>
@@ -43,16 +43,9 @@ struct Order {
   Parameters parameters{};
   ControlRange range{};
   double bore_frequency = 0;
-  std::size_t columns = 61, rows = 61, part = 1, parts = 1;
+  std::size_t columns = 61, rows = 61;
+  tactus::programs::Part part;
 };
-
-std::optional<double> number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size())
-    return std::nullopt;
-  return value;
-}
 
 int refuse(const std::string& sentence) {
   std::fprintf(stderr, "tactus_reed_map: %s\n", sentence.c_str());
@@ -63,8 +56,9 @@ int refuse(const std::string& sentence) {
 bool take(std::span<char*> words, std::size_t at, std::span<double> values, double low,
           double high) {
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto value = at + 1 + i < words.size() ? number(words[at + 1 + i]) : std::nullopt;
-    if (!value || !(*value >= low && *value <= high))
+    const auto value =
+        at + 1 + i < words.size() ? tactus::to_number(words[at + 1 + i], low, high) : std::nullopt;
+    if (!value)
       return false;
     values[i] = *value;
   }
@@ -101,12 +95,10 @@ std::string read(std::span<char*> words, Order& order) {
       order.rows = static_cast<std::size_t>(v[1]);
       i += 2;
     } else if (option == "--part") {
-      unsigned part = 0, parts = 0;
-      if (i + 1 >= words.size() || std::sscanf(words[i + 1], "%u/%u", &part, &parts) != 2 ||
-          part < 1 || part > parts)
+      const auto part = tactus::programs::to_part(i + 1 < words.size() ? words[i + 1] : "");
+      if (!part)
         return "--part: expected i/n with 1 <= i <= n";
-      order.part = part;
-      order.parts = parts;
+      order.part = *part;
       i += 1;
     } else {
       return "there is no option " + std::string(option) + "; --help shows all";
@@ -133,9 +125,9 @@ int main(int argc, char** argv) {
   map.begin(settings, order.columns, order.rows);
   const double length = map.length();
   const LinearStability theory(clamped(order.parameters), length);
-  const std::size_t first = (order.part - 1) * order.rows / order.parts * order.columns;
-  const std::size_t end = order.part * order.rows / order.parts * order.columns;
-  if (order.part == 1)
+  const std::size_t first = (order.part.part - 1) * order.rows / order.part.parts * order.columns;
+  const std::size_t end = order.part.part * order.rows / order.part.parts * order.columns;
+  if (order.part.part == 1)
     std::puts("y,z,pressure_pa,reed_hz,f_p,growth_per_s,frequency_hz,free");
   for (std::size_t n = first; n < end;) {
     const std::size_t done = std::min(map.advance(n), end);

@@ -20,9 +20,9 @@
 //   --trace               the course of each trial instead: feel,seed,t,y,z,f_p,force_y,force_z
 #include "core/reed/instrument/presets.hpp"
 #include "core/reed/playability/gradient_range.hpp"
+#include "programs/part.hpp"
 #include "programs/reed_study/trial.hpp"
 
-#include <charconv>
 #include <cstdio>
 #include <optional>
 #include <span>
@@ -38,17 +38,10 @@ struct Options {
   std::vector<study::Feel> feels;
   std::vector<double> ceilings{1, 2}, stiffnesses{200};
   study::TrialSettings trial{};
-  std::size_t first = 1, last = 20, part = 1, parts = 1;
+  std::size_t first = 1, last = 20;
+  programs::Part part;
   bool trace = false;
 };
-
-std::optional<double> number(std::string_view text, double low, double high) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
-    return std::nullopt;
-  return value;
-}
 
 std::optional<study::Feel> feel_named(std::string_view name) {
   for (std::size_t i = 0; i < study::kFeels.size(); ++i)
@@ -70,7 +63,7 @@ std::vector<double> numbers(std::span<char*> arguments, std::size_t max_count, d
                             double high) {
   std::vector<double> found;
   for (const char* word : arguments) {
-    const auto value = number(word, low, high);
+    const auto value = to_number(word, low, high);
     if (!value || found.size() == max_count)
       return {};
     found.push_back(*value);
@@ -125,12 +118,10 @@ std::string parse_option(std::string_view option, std::span<char*> values, Optio
       return "--seconds: 1 to 3600";
     options.trial.duration_s = v[0];
   } else if (option == "--part") {
-    unsigned part = 0, parts = 0;
-    if (values.size() != 1 || std::sscanf(values[0], "%u/%u", &part, &parts) != 2 || part < 1 ||
-        part > parts)
+    const auto part = programs::to_part(values.size() == 1 ? values[0] : "");
+    if (!part)
       return "--part: expected i/n with 1 <= i <= n";
-    options.part = part;
-    options.parts = parts;
+    options.part = *part;
   } else if (option == "--trace" && values.empty()) {
     options.trace = true;
   } else {
@@ -197,7 +188,7 @@ int main(int argc, char** argv) {
   }
   const reed::Parameters parameters = *reed::find_preset(options.preset);
   const study::World world(parameters, plane_of(options.preset, parameters));
-  if (options.part == 1)
+  if (options.part.part == 1)
     std::puts(options.trace ? "feel,seed,t,y,z,f_p,force_y,force_z"
                             : "preset,hand,stiffness,yield,gain,ceiling,feel,seed,playing,losses,"
                               "first_s,silence_s,force_n,playing_force_n,speed_mm_s,places");
@@ -209,7 +200,7 @@ int main(int argc, char** argv) {
         if (feel == study::Feel::kOff && ceiling != options.ceilings.front())
           continue; // no force has no ceiling
         for (trial.seed = options.first; trial.seed <= options.last; ++trial.seed) {
-          if (number++ % options.parts != options.part - 1)
+          if (number++ % options.part.parts != options.part.part - 1)
             continue;
           trial.hand.stiffness_n_per_m = stiffness;
           trial.feel = feel;
