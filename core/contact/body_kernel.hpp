@@ -75,20 +75,17 @@ public:
                                   const double* pickup_imaginary) const noexcept = 0;
   /// The sums that advance_contact() starts with, from the state.
   [[nodiscard]] virtual Prediction predict(const ModesView&, const PointView&) const noexcept = 0;
-  /// Advances a body with one near exciter and no external forces by up to batch.count samples.
+  /// Advances a body with one near exciter by up to batch.count samples.
   /// Returns the number of samples done. It stops early after a sample that requires a new
   /// ExcitedBody::update_proximity().
   virtual std::size_t advance_contact(const ModesView&, const PointView&, Prediction&, Exciter&,
                                       Steps, const SampleBatch&) const noexcept = 0;
-  /// mean[i] = mean velocity of mode i in a step under these forces. `external`: modal forces over
-  /// sqrt(m); null: none.
-  virtual void mean(const ModesView&, const double* external, std::span<const PointForce>,
-                    double* mean) const noexcept = 0;
+  /// mean[i] = mean velocity of mode i in a step under these forces.
+  virtual void mean(const ModesView&, std::span<const PointForce>, double* mean) const noexcept = 0;
   /// The same without forces.
   virtual void free_mean(const ModesView&, double* mean) const noexcept = 0;
   /// Advances the state by a step under these forces.
-  virtual void advance(const ModesView&, const double* external,
-                       std::span<const PointForce>) const noexcept = 0;
+  virtual void advance(const ModesView&, std::span<const PointForce>) const noexcept = 0;
   /// Marks the contacts that are about to end, or whose energy no longer fits their step length h.
   /// `measure`: recompute their depths from the positions of mass and surface first.
   virtual void check_pressed(std::span<PressedBlock>, const double* real, const double* imaginary,

@@ -46,9 +46,9 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     store(m.imaginary + i, z.imaginary);
   }
   /// Sum of the modal forces over sqrt(m).
-  [[gnu::always_inline]] static V
-  force_of(const double* external, std::span<const PointForce> forces, std::size_t i) noexcept {
-    V sum = external ? load(external + i) : V{};
+  [[gnu::always_inline]] static V force_of(std::span<const PointForce> forces,
+                                           std::size_t i) noexcept {
+    V sum{};
     for (const PointForce& point : forces)
       sum += all(point.force) * load(point.shape + i);
     return sum;
@@ -288,12 +288,12 @@ public:
     return e.friction.law().roughness > 0 ? rub<true>(m, point, next, e, steps, batch)
                                           : rub<false>(m, point, next, e, steps, batch);
   }
-  void mean(const ModesView& m, const double* external, std::span<const PointForce> forces,
+  void mean(const ModesView& m, std::span<const PointForce> forces,
             double* mean) const noexcept override {
     for_each_register(m.padded, [&](std::size_t i, std::size_t) {
       const V z = load(m.mean_real + i) * load(m.real + i) +
                   load(m.mean_imaginary + i) * load(m.imaginary + i);
-      store(mean + i, z + load(m.mobility + i) * force_of(external, forces, i));
+      store(mean + i, z + load(m.mobility + i) * force_of(forces, i));
     });
   }
   void free_mean(const ModesView& m, double* mean) const noexcept override {
@@ -302,11 +302,10 @@ public:
                           load(m.mean_imaginary + i) * load(m.imaginary + i));
     });
   }
-  void advance(const ModesView& m, const double* external,
-               std::span<const PointForce> forces) const noexcept override {
+  void advance(const ModesView& m, std::span<const PointForce> forces) const noexcept override {
     for_each_register(m.padded, [&](std::size_t i, std::size_t) {
       State z = advanced(m, i);
-      const V f = force_of(external, forces, i);
+      const V f = force_of(forces, i);
       z.real += load(m.response_real + i) * f;
       z.imaginary += load(m.response_imaginary + i) * f;
       store(m, i, z);

@@ -21,12 +21,11 @@ ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_
       shape_(exciters, std::vector<double>(max_modes, 1)),
       pickup_shape_(pickups, std::vector<double>(max_modes, 1)),
       point_shape_(exciters, ModeArray(max_modes)), pickup_real_(pickups, ModeArray(max_modes)),
-      pickup_imaginary_(pickups, ModeArray(max_modes)), external_(max_modes), mean_(max_modes),
-      point_memory_(max_modes), system_(exciters, widest), point_modes_(max_modes, exciters),
-      in_use_(max_modes, exciters), islands_(max_modes, exciters), pressed_(exciters),
-      before_real_(max_modes), before_imaginary_(max_modes),
-      packed_points_(packed_modes(max_modes, exciters)), few_(exciters), sleep_(exciters),
-      island_of_(exciters) {
+      pickup_imaginary_(pickups, ModeArray(max_modes)), mean_(max_modes), point_memory_(max_modes),
+      system_(exciters, widest), point_modes_(max_modes, exciters), in_use_(max_modes, exciters),
+      islands_(max_modes, exciters), pressed_(exciters), before_real_(max_modes),
+      before_imaginary_(max_modes), packed_points_(packed_modes(max_modes, exciters)),
+      few_(exciters), sleep_(exciters), island_of_(exciters) {
   for (std::vector<std::size_t>* const slots :
        {&order_, &sorted_, &single_, &single_awake_, &single_near_})
     slots->reserve(exciters);
@@ -35,7 +34,7 @@ ExcitedBody::ExcitedBody(std::size_t max_modes, std::size_t exciters, std::size_
   sleep_until_.reserve(exciters);
   const ModeArray none(packed_modes(max_modes, exciters));
   packed_level_ = {none, none, none, none, none, none, none};
-  packed_real_ = packed_imaginary_ = packed_decay_over_omega_ = packed_external_ = none;
+  packed_real_ = packed_imaginary_ = packed_decay_over_omega_ = none;
   packed_shapes_ = ModeArray(exciters * whole_lanes(max_modes));
   same_as_previous_.reserve(exciters);
   compute_step_lengths();
@@ -132,7 +131,7 @@ void ExcitedBody::compute_point(std::size_t slot) noexcept {
   Exciter& e = exciters_[slot];
   ModeArray& point = point_shape_[slot];
   const bool strikes = e.kind == Exciter::Kind::kImpact;
-  e.inverse_mass = strikes && !e.held ? 1 / e.mass_kg : 0;
+  e.inverse_mass = strikes ? 1 / e.mass_kg : 0;
   e.impulse_mobility = e.inverse_mass;
   for (std::size_t i = 0; i < body_.max_modes(); ++i)
     point[i] = shape_[slot][i] * body_.inverse_sqrt_mass(i);
@@ -175,24 +174,12 @@ void ExcitedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass
   wake(slot);
   Exciter& e = exciters_[slot];
   const double mass = std::isfinite(mass_kg) ? std::clamp(mass_kg, 1e-6, 1e6) : 0.01;
-  if (e.kind == Exciter::Kind::kImpact && !e.held && mass > e.mass_kg) // keeps the kinetic energy
+  if (e.kind == Exciter::Kind::kImpact && mass > e.mass_kg) // keeps the kinetic energy
     e.velocity_m_per_s *= std::sqrt(e.mass_kg / mass);
   e.mass_kg = mass;
-  make_impact(slot, law, false);
-}
-
-void ExcitedBody::set_held(std::size_t slot, const ImpactLaw& law) noexcept {
-  if (slot < exciters_.size())
-    make_impact(slot, law, true);
-}
-
-void ExcitedBody::make_impact(std::size_t slot, const ImpactLaw& law, bool held) noexcept {
-  wake(slot);
-  Exciter& e = exciters_[slot];
-  if (e.kind != Exciter::Kind::kImpact || e.held != held) {
+  if (e.kind != Exciter::Kind::kImpact) {
     clear(slot);
     e.kind = Exciter::Kind::kImpact;
-    e.held = held;
     e.position_m = surface(slot) - 1;
     e.velocity_m_per_s = 0;
   }
@@ -246,14 +233,6 @@ void ExcitedBody::launch_mass(std::size_t slot, double gap_m, double velocity) n
   order_stale_ = true;
 }
 
-void ExcitedBody::set_held_velocity(std::size_t slot, double velocity_m_per_s) noexcept {
-  if (slot >= exciters_.size() || !exciters_[slot].held)
-    return;
-  wake(slot);
-  exciters_[slot].move_at(velocity_m_per_s);
-  drives_changed_ = true;
-}
-
 void ExcitedBody::set_mass_force(std::size_t slot, double force_n) noexcept {
   if (slot >= exciters_.size())
     return;
@@ -281,16 +260,6 @@ void ExcitedBody::seed(std::size_t slot, std::uint64_t seed) noexcept {
     exciters_[slot].noise.seed(seed);
 }
 
-void ExcitedBody::apply_force(std::size_t slot, double force_n) noexcept {
-  const double force = bounded(force_n, kMaxForce);
-  if (slot >= exciters_.size() || force == 0)
-    return;
-  wake_around(slot);
-  for (const std::uint32_t i : point_modes_[slot])
-    external_[i] += force * point_shape_[slot][i];
-  has_external_force_ = ringing_ = true;
-}
-
 void ExcitedBody::apply_impulse(std::size_t slot, double impulse_ns) noexcept {
   const double impulse = bounded(impulse_ns, kMaxForce);
   if (slot >= exciters_.size() || impulse == 0)
@@ -301,18 +270,6 @@ void ExcitedBody::apply_impulse(std::size_t slot, double impulse_ns) noexcept {
       release_pressed(i);
   for (const std::uint32_t i : point_modes_[slot])
     body_.real[i] += impulse * point_shape_[slot][i];
-  ringing_ = true;
-  invalidate_prediction();
-  for (Exciter& e : exciters_)
-    e.depth_valid = false;
-}
-
-void ExcitedBody::set_modal_velocity(std::size_t mode, double velocity_m_per_s) noexcept {
-  if (mode >= body_.modes() || !(body_.inverse_sqrt_mass(mode) > 0))
-    return;
-  wake_all();
-  body_.real[mode] = bounded(velocity_m_per_s, kMaxSpeed) / body_.inverse_sqrt_mass(mode) +
-                     body_.decay_over_omega[mode] * body_.imaginary[mode];
   ringing_ = true;
   invalidate_prediction();
   for (Exciter& e : exciters_)
@@ -375,8 +332,7 @@ void ExcitedBody::reset() noexcept {
   wake_all();
   body_.silence();
   invalidate_prediction();
-  external_.clear();
-  has_external_force_ = ringing_ = false;
+  ringing_ = false;
   for (Exciter& e : exciters_) {
     e.impact.release();
     e.friction.release();

@@ -57,10 +57,6 @@ public:
 
   /// Makes the exciter a free mass. Changing the law or the mass during contact adds no energy.
   void set_impact(std::size_t exciter, const ImpactLaw& law, double mass_kg) noexcept;
-  /// Makes the exciter a striker with prescribed motion: launch_mass() sets where it starts,
-  /// set_held_velocity() its velocity. With velocity 0 and a shape that is non-zero for the modes
-  /// of two bodies, opposite in sign, it is the contact between these two bodies.
-  void set_held(std::size_t exciter, const ImpactLaw& law) noexcept;
   /// Makes the exciter a rubbing surface.
   void set_friction(std::size_t exciter, const FrictionLaw& law) noexcept;
   /// Removes the exciter.
@@ -68,20 +64,14 @@ public:
 
   /// Puts an impact's mass `gap_m` above the surface, with this velocity into the body.
   void launch_mass(std::size_t exciter, double gap_m, double velocity_m_per_s) noexcept;
-  /// Velocity of a held striker, until changed.
-  void set_held_velocity(std::size_t exciter, double velocity_m_per_s) noexcept;
   /// External force on an impact's mass, until changed.
   void set_mass_force(std::size_t exciter, double force_n) noexcept;
   /// Normal force and velocity of a rubbing surface, until changed.
   void rub(std::size_t exciter, double normal_force_n, double velocity_m_per_s) noexcept;
   /// Seeds the noise of a rough friction.
   void seed(std::size_t exciter, std::uint64_t seed) noexcept;
-  /// Force on the body at the exciter's contact point, during the next sample only.
-  void apply_force(std::size_t exciter, double force_n) noexcept;
   /// Impulse on the body at the exciter's contact point, at once.
   void apply_impulse(std::size_t exciter, double impulse_ns) noexcept;
-  /// Sets one mode's velocity, m/s at a point of shape 1.
-  void set_modal_velocity(std::size_t mode, double velocity_m_per_s) noexcept;
   /// Smallest number of steps a sample: 1, 2, 4 ... 64.
   void set_min_steps(unsigned steps) noexcept;
 
@@ -128,7 +118,6 @@ private:
   void store_depths() noexcept;
   void restore_depths() noexcept;
   void compute_point(std::size_t exciter) noexcept;
-  void make_impact(std::size_t exciter, const ImpactLaw& law, bool held) noexcept;
   void sort() noexcept;
   void check_symmetry() noexcept;
   [[nodiscard]] bool precedes(std::size_t a, std::size_t b) const noexcept;
@@ -149,7 +138,6 @@ private:
     std::span<const std::size_t> slots;
     ModesView modes;
     std::size_t mode_count;
-    const double* external; ///< external modal forces; null: none
     std::size_t level;
   };
   void step_coupled(const Group& group) noexcept;
@@ -235,7 +223,7 @@ private:
   std::vector<ModeArray> point_shape_; ///< shapes over sqrt(m)
   /// By pickup: velocity = pickup_real . Re z + pickup_imaginary . Im z.
   std::vector<ModeArray> pickup_real_, pickup_imaginary_;
-  ModeArray external_, mean_; ///< external modal forces over sqrt(m); mean velocities of the modes
+  ModeArray mean_; ///< mean velocities of the modes
   /// The arrays of a PointView, and their memory.
   struct PointArrays {
     double *response_at_point_real, *response_at_point_imaginary, *next_mean_real,
@@ -259,8 +247,7 @@ private:
   ModesView all_modes_{};     ///< all modes in steps of a sample
   double output_m_per_s_ = 0; ///< velocity at the first pickup, if output_known_
   bool output_known_ = false;
-  bool has_external_force_ = false, ringing_ = false, order_stale_ = true, has_identical_ = false,
-       drives_changed_ = false;
+  bool ringing_ = false, order_stale_ = true, has_identical_ = false, drives_changed_ = false;
   bool coupled_ = false; ///< the system's coupling or point_view_ belongs to near_slots_
   std::array<double, kLevels> step_s_{}; ///< length of a step, by level
   std::size_t level_ = 0, min_level_ = 0, coarse_count_ = 0, near_ = 0;
@@ -318,8 +305,7 @@ private:
   PointMemory packed_points_;
   bool islands_predicted_ = false; ///< the predictions of the islands belong to the current state
   ModalBody::Level packed_level_;
-  ModeArray packed_real_, packed_imaginary_, packed_decay_over_omega_, packed_external_,
-      packed_shapes_;
+  ModeArray packed_real_, packed_imaginary_, packed_decay_over_omega_, packed_shapes_;
 
   std::vector<FewModes> few_;
   /// An exciter that cannot reach the surface for a while: its mass flies freely from this state.

@@ -28,10 +28,7 @@ void ExcitedBody::step_coupled(const Group& group) noexcept {
   const std::size_t count = slots.size();
   for (std::size_t n = std::size_t{1} << group.level; n-- > 0;) {
     solve_impulses(group);
-    if (group.external)
-      kernel_->mean(modes, group.external, {}, mean_.data());
-    else
-      kernel_->free_mean(modes, mean_.data());
+    kernel_->free_mean(modes, mean_.data());
     bool any_friction = false;
     for (std::size_t c = 0; c < count; ++c) {
       Exciter& e = exciters_[slots[c]];
@@ -50,8 +47,8 @@ void ExcitedBody::step_coupled(const Group& group) noexcept {
     for (const std::size_t c : system_.acting())
       forces_.push_back({shapes_[c], system_[c].force});
     if (forces_.size() < count) // velocities of the contacts without force
-      kernel_->mean(modes, group.external, forces_, mean_.data());
-    kernel_->advance(modes, group.external, forces_);
+      kernel_->mean(modes, forces_, mean_.data());
+    kernel_->advance(modes, forces_);
     for (std::size_t c = 0; c < count; ++c) {
       ContactTerm& t = system_[c];
       if (!t.acts) {

@@ -146,7 +146,6 @@ ExcitedBody::Group ExcitedBody::pack(std::size_t island, std::size_t level_index
                      to.mean_real.data() + p.at, to.mean_imaginary.data() + p.at,
                      to.mobility.data() + p.at, packed_decay_over_omega_.data() + p.at, p.lanes},
                     p.skip + modes.size(),
-                    has_external_force_ ? packed_external_.data() + p.at : nullptr,
                     level_index};
   system_.select(p.block);
   if (!p.ready) {
@@ -174,8 +173,6 @@ ExcitedBody::Group ExcitedBody::pack(std::size_t island, std::size_t level_index
     gather(packed_real_.data() + p.at, from_real_, 0);
     gather(packed_imaginary_.data() + p.at, from_imaginary_, 0);
   }
-  if (has_external_force_)
-    gather(packed_external_.data() + p.at, external_.data(), 0);
   return group;
 }
 
@@ -244,7 +241,7 @@ void ExcitedBody::step_islands() noexcept {
     from_imaginary_ = before_imaginary_.data();
     ring(0, padded);
   }
-  islands_predicted_ = islands_predicted_ && !has_external_force_ && clock_ % kFlushPeriod != 1;
+  islands_predicted_ = islands_predicted_ && clock_ % kFlushPeriod != 1;
   level_ = coarse_count_ = 0;
   const std::span<const std::size_t> near = single_near_;
   step_pressed(); // appends contacts that end to single_near_, after the range `near`
@@ -263,7 +260,7 @@ void ExcitedBody::step_islands() noexcept {
       continue;
     }
     const Group group = pack(k, level, all_move);
-    if (Packed& p = packed_[k]; group.slots.size() == 1 && !has_external_force_) {
+    if (Packed& p = packed_[k]; group.slots.size() == 1) {
       p.predicted = p.predicted && islands_predicted_;
       step_only_contact(group.slots[0], group.modes, p.point, p.prediction, p.predicted, level);
     } else {
@@ -275,7 +272,7 @@ void ExcitedBody::step_islands() noexcept {
     scatter(modes, group.modes.real + packed_[k].skip, body_.real);
     scatter(modes, group.modes.imaginary + packed_[k].skip, body_.imaginary);
   }
-  islands_predicted_ = !has_external_force_;
+  islands_predicted_ = true;
   gather_pressed();
 }
 

@@ -25,9 +25,9 @@ void solve_single_force(ContactTerm& t, double mobility) noexcept {
 
 } // namespace
 
-/// State of one mode of a single contact, its shape at the contact point, and the external force.
+/// State of one mode of a single contact, and its shape at the contact point.
 struct ExcitedBody::SingleMode {
-  double shape, real, imaginary, external;
+  double shape, real, imaginary;
 };
 
 /// A sample of an impact in contact on one mode, in one step and without compliance. It has the
@@ -36,8 +36,7 @@ struct ExcitedBody::SingleMode {
 bool ExcitedBody::step_single_impact(std::size_t slot) noexcept {
   Exciter& e = exciters_[slot];
   const FewModes& few = few_[slot];
-  if (few.count != 1 || has_external_force_ || !e.impact.touching() || e.impact.compliant() ||
-      !(e.depth_m > 0))
+  if (few.count != 1 || !e.impact.touching() || e.impact.compliant() || !(e.depth_m > 0))
     return false;
   const ModalBody::Level& level = body_.level(0);
   const double h = step_s_[0];
@@ -107,12 +106,9 @@ void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcep
   const FewModes& few = few_[slot];
   const std::span<const std::uint32_t> modes{few.mode.data(), few.count};
   std::array<SingleMode, kFewModes> state;
-  double external_mean = 0;
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const std::uint32_t i = modes[k];
-    state[k] = {few.shape[k], from_real_[i], from_imaginary_[i],
-                has_external_force_ ? external_[i] : 0.0};
-    external_mean += state[k].shape * level.mobility[i] * state[k].external;
+    state[k] = {few.shape[k], from_real_[i], from_imaginary_[i]};
   }
   ContactTerm t;
   const bool strikes = e.kind == Exciter::Kind::kImpact;
@@ -121,7 +117,7 @@ void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcep
   for (std::size_t n = std::size_t{1} << level_index; n-- > 0;) {
     if (strikes && e.impulsive && !e.impact.touching())
       solve_single_impulse(e, modes, state.data(), h);
-    double body_free = external_mean;
+    double body_free = 0;
     for (std::size_t k = 0; k < modes.size(); ++k)
       body_free += state[k].shape * (level.mean_real[modes[k]] * state[k].real +
                                      level.mean_imaginary[modes[k]] * state[k].imaginary);
@@ -134,7 +130,7 @@ void ExcitedBody::step_single(std::size_t slot, std::size_t level_index) noexcep
     for (std::size_t k = 0; k < modes.size(); ++k) {
       const std::uint32_t i = modes[k];
       SingleMode& z = state[k];
-      const double force = z.external + z.shape * t.force, real = z.real;
+      const double force = z.shape * t.force, real = z.real;
       z.real = level.pole_real[i] * real - level.pole_imaginary[i] * z.imaginary +
                level.response_real[i] * force;
       z.imaginary = level.pole_real[i] * z.imaginary + level.pole_imaginary[i] * real +
@@ -181,7 +177,7 @@ void ExcitedBody::step_pressed() noexcept {
 
 /// Moves sustained single contacts on one mode into pressed_.
 void ExcitedBody::gather_pressed() noexcept {
-  if (has_external_force_ || min_level_ > 0 || single_near_.empty())
+  if (min_level_ > 0 || single_near_.empty())
     return;
   bool any = false;
   for (const std::size_t i : single_near_) {

@@ -23,7 +23,6 @@ bool ExcitedBody::precedes(std::size_t a, std::size_t b) const noexcept {
     const ImpactLaw& i = e.impact.law();
     const FrictionLaw& f = e.friction.law();
     return std::array{static_cast<double>(e.kind),
-                      static_cast<double>(e.held),
                       e.mass_kg,
                       e.position_m,
                       e.velocity_m_per_s,
@@ -84,10 +83,9 @@ void ExcitedBody::list_awake() noexcept {
 void ExcitedBody::check_symmetry() noexcept {
   for (std::size_t i = 1; i < order_.size() && !order_stale_; ++i) {
     const Exciter &a = exciters_[order_[i - 1]], &b = exciters_[order_[i]];
-    order_stale_ = same_as_previous_[i] && (a.external_force_n != b.external_force_n ||
-                                            a.normal_force_n != b.normal_force_n ||
-                                            a.rubbing_m_per_s != b.rubbing_m_per_s ||
-                                            (a.held && a.velocity_m_per_s != b.velocity_m_per_s));
+    order_stale_ = same_as_previous_[i] &&
+                   (a.external_force_n != b.external_force_n ||
+                    a.normal_force_n != b.normal_force_n || a.rubbing_m_per_s != b.rubbing_m_per_s);
   }
   drives_changed_ = false;
 }
@@ -268,18 +266,14 @@ void ExcitedBody::step_only_contact(std::size_t slot, const ModesView& modes,
 
 /// A sample of modes first ... end - 1 without contacts.
 void ExcitedBody::ring(std::size_t first, std::size_t end) noexcept {
-  if (first == end)
-    return;
-  if (has_external_force_)
-    kernel_->advance(view(0, first, end), external_.data() + first, {});
-  else
+  if (first < end)
     kernel_->ring(view(0, first, end));
 }
 
 /// A sample of a body without contacts, and its output at the first pickup.
 void ExcitedBody::step_free() noexcept {
   invalidate_prediction();
-  if (has_external_force_ || pickup_real_.empty())
+  if (pickup_real_.empty())
     return ring(0, body_.padded());
   output_m_per_s_ =
       kernel_->ring_with_output(all_modes_, pickup_real_[0].data(), pickup_imaginary_[0].data());
@@ -289,7 +283,7 @@ void ExcitedBody::step_free() noexcept {
 /// A sample of the only island, on its range of modes.
 void ExcitedBody::step_in_place() noexcept {
   ringing_ = true;
-  if (near_ == 1 && !has_external_force_) { // step_only_contact() takes no external forces
+  if (near_ == 1) {
     if (!coupled_)
       prepare_single_contact(near_slots_[0]);
     step_only_contact(near_slots_[0], view(), point_view_, prediction_, predicted_, level_);
@@ -300,7 +294,7 @@ void ExcitedBody::step_in_place() noexcept {
     for (const std::size_t i : near_slots_)
       shapes_.push_back(point_shape_[i].data() + range_first_);
     const Group group{near_slots_, view(), std::min(range_end_, body_.modes()) - range_first_,
-                      has_external_force_ ? external_.data() + range_first_ : nullptr, level_};
+                      level_};
     invalidate_prediction();
     if (!coupled_ || near_ == 1) {
       couple(group);
@@ -317,8 +311,8 @@ void ExcitedBody::step_in_place() noexcept {
 bool ExcitedBody::can_batch(std::size_t slot) const noexcept {
   const Exciter& e = exciters_[slot];
   if (order_stale_ || used_ != 1 || near_ != 1 || near_slots_[0] != slot || !e.depth_valid ||
-      !predicted_ || !coupled_ || has_external_force_ ||
-      range_end_ - range_first_ != body_.padded() || clock_ % kProximityPeriod == 0)
+      !predicted_ || !coupled_ || range_end_ - range_first_ != body_.padded() ||
+      clock_ % kProximityPeriod == 0)
     return false;
   if (e.kind == Exciter::Kind::kFriction)
     return std::max(e.level, min_level_) == level_;
@@ -331,8 +325,7 @@ bool ExcitedBody::can_batch(std::size_t slot) const noexcept {
 /// their number.
 std::size_t ExcitedBody::skip_idle(std::size_t slot, const SampleBatch& batch) noexcept {
   Exciter& e = exciters_[slot];
-  if (ringing_ || near_ > 0 || order_stale_ || has_external_force_ || used_ != 1 ||
-      level_ != min_level_)
+  if (ringing_ || near_ > 0 || order_stale_ || used_ != 1 || level_ != min_level_)
     return 0;
   std::size_t n = 0;
   if (e.kind == Exciter::Kind::kImpact) {
@@ -421,10 +414,6 @@ void ExcitedBody::step() noexcept {
     step_in_place();
   else if (ringing_)
     step_free();
-  if (has_external_force_) {
-    external_.clear();
-    has_external_force_ = false;
-  }
   check_state();
 }
 

@@ -122,4 +122,14 @@ inline std::unique_ptr<ExcitedBody> body_of(const Part& part) {
   return combined_body({part}, false, in_order(part.strikers.size()));
 }
 
+/// Adds to the modes' velocities, m/s at a point of shape 1, by an impulse at a contact point,
+/// whose shape is then what that took.
+inline void set_off(ExcitedBody& body, std::size_t slot, const std::vector<double>& velocities) {
+  std::vector<double> shape;
+  for (std::size_t k = 0; k < velocities.size(); ++k)
+    shape.push_back(velocities[k] / std::pow(body.body().inverse_sqrt_mass(k), 2));
+  body.set_contact_shape(slot, shape);
+  body.apply_impulse(slot, 1);
+}
+
 } // namespace tactus::test
