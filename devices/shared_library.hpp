@@ -20,7 +20,6 @@ public:
   /// when none loads: error() is then why the first one that is there does not load; if none is
   /// there, the loader's message for the last name.
   bool load(std::span<const char* const> names);
-  [[nodiscard]] bool loaded() const noexcept { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
   /// After load() without success: whether a file of one of the names was there.
   [[nodiscard]] bool found() const noexcept { return found_; }

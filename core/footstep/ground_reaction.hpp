@@ -6,7 +6,6 @@ namespace tactus::footstep {
 
 /// Styles of walking.
 enum class Style { kWalk, kRun, kSneak, kUpstairs, kDownstairs };
-inline constexpr int kStyles = 5;
 
 /// m/s^2, between a walker's weight and mass.
 inline constexpr double kGravity = 9.81;

@@ -28,7 +28,6 @@ struct Response {
   enum Flags : std::uint8_t { kButtons = 0x0f, kHomed = 0x70 };
   Values encoders{};
   std::uint8_t flags = 0;
-  [[nodiscard]] bool homed() const noexcept { return (flags & kHomed) == kHomed; }
 };
 
 [[nodiscard]] Packet encode(const Command& command) noexcept;

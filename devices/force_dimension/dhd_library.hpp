@@ -71,7 +71,6 @@ struct DhdLibrary {
   /// Empty when every function that must be there is; else what is missing and what to do. The
   /// environment's TACTUS_LIBDHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
-  [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
 
 private:
   SharedLibrary library_;

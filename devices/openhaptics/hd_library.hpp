@@ -107,7 +107,6 @@ struct HdLibrary {
   /// Empty when every function is there; else a sentence that says what is missing and what to do.
   /// The environment's PHANTOM_LIBHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
-  [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
 
   /// The errors that have piled up, oldest first out; the most serious one is the answer. warm, if
   /// given, becomes true when warm motors were among them.

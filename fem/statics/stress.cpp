@@ -155,24 +155,6 @@ std::vector<Stress> element_stress(const Mesh& mesh, std::span<const Material> m
   return stress;
 }
 
-PeakStress peak_stress(const Mesh& mesh, std::span<const Material> materials,
-                       std::span<const double> displacement) {
-  const auto laws = elastic_laws(mesh, materials);
-  PeakStress peak;
-  for (const Element& e : mesh.elements) {
-    const ElementField own = gather(displacement, mesh.nodes_of(e));
-    double mises = 0, shear = 0;
-    for (const ShapeValues& values : at_stiffness_points(e.shape).values) {
-      const Stress s = stress_with(mesh, e, laws[static_cast<std::size_t>(e.region)], own, values);
-      mises = std::max(mises, von_mises(s));
-      shear = std::max(shear, max_shear(s));
-    }
-    peak.von_mises.push_back(mises);
-    peak.max_shear.push_back(shear);
-  }
-  return peak;
-}
-
 std::vector<std::vector<StressSample>> best_stress(const Mesh& mesh,
                                                    std::span<const Material> materials,
                                                    std::span<const double> displacement) {
@@ -198,30 +180,6 @@ std::span<const double> shares_of_best_points(Shape shape, std::size_t node) {
   const Smoothing& smooth = smoothing(shape);
   const std::size_t points = smooth.points.values.size();
   return std::span(smooth.to_nodes).subspan(node * points, points);
-}
-
-std::vector<Stress> nodal_stress(const Mesh& mesh, std::span<const Material> materials,
-                                 std::span<const double> displacement) {
-  const auto samples = best_stress(mesh, materials, displacement);
-  std::vector<Stress> stress(mesh.nodes.size(), Stress{});
-  std::vector<double> weight(mesh.nodes.size(), 0.0);
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
-    const auto nodes = mesh.nodes_of(mesh.elements[e]);
-    const auto& points = samples[e];
-    const double volume = volume_of(mesh, mesh.elements[e]);
-    for (std::size_t a = 0; a < nodes.size(); ++a) {
-      const auto node = static_cast<std::size_t>(nodes[a]);
-      weight[node] += volume;
-      const auto shares = shares_of_best_points(mesh.elements[e].shape, a);
-      for (std::size_t p = 0; p < points.size(); ++p)
-        for (std::size_t v = 0; v < 6; ++v)
-          stress[node][v] += volume * shares[p] * points[p].stress[v];
-    }
-  }
-  for (std::size_t n = 0; n < stress.size(); ++n)
-    for (double& s : stress[n])
-      s /= weight[n] > 0 ? weight[n] : 1;
-  return stress;
 }
 
 std::vector<double> element_volumes(const Mesh& mesh) {

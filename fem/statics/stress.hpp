@@ -31,13 +31,6 @@ using Stress = std::array<double, 6>;
 [[nodiscard]] std::vector<Stress> element_stress(const Mesh&, std::span<const Material>,
                                                  std::span<const double> displacement);
 
-/// The largest values over each element's stiffness quadrature points, [element], Pa.
-struct PeakStress {
-  std::vector<double> von_mises, max_shear;
-};
-[[nodiscard]] PeakStress peak_stress(const Mesh&, std::span<const Material>,
-                                     std::span<const double> displacement);
-
 struct StressSample {
   Vector3 at; ///< m
   Stress stress;
@@ -49,12 +42,6 @@ best_stress(const Mesh&, std::span<const Material>, std::span<const double> disp
 
 /// The shares with which values at the best points extend to one of the element's nodes.
 [[nodiscard]] std::span<const double> shares_of_best_points(Shape, std::size_t node);
-
-/// Smoothed at nodes, [node]: in each element best_stress() is extrapolated to its nodes; a node
-/// takes the mean of its elements weighted by their volume. Regions are smoothed together: at the
-/// border of two materials the jump is lost.
-[[nodiscard]] std::vector<Stress> nodal_stress(const Mesh&, std::span<const Material>,
-                                               std::span<const double> displacement);
 
 /// Volume of each element, m^3.
 [[nodiscard]] std::vector<double> element_volumes(const Mesh&);

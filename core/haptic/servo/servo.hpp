@@ -121,7 +121,6 @@ public:
   void continue_statistics(const Report& last, const ServoStatistics& statistics) noexcept;
   /// Reads the device's Caps again after they have changed. Not while a step runs.
   void refresh_caps() noexcept;
-  [[nodiscard]] bool attached() const noexcept { return device_ != nullptr; }
 
   Exchange& exchange() noexcept { return exchange_; }
 

@@ -31,7 +31,6 @@ public:
   /// Computes up to that many nodes; true when the map is finished. Each takes 20 to 150 us.
   bool advance(std::size_t nodes) noexcept;
   [[nodiscard]] bool ready() const noexcept { return ready_; }
-  [[nodiscard]] bool working() const noexcept { return theory_.has_value(); }
   /// Share of the nodes computed, 0..1.
   [[nodiscard]] double progress() const noexcept;
 

@@ -309,21 +309,4 @@ Threshold LinearStability::threshold(double reed_frequency_hz, double frequency_
   return {};
 }
 
-double linear_playing_frequency(const Parameters& parameters, double length_m,
-                                double reed_frequency_hz, double near_hz) noexcept {
-  const LinearStability theory(parameters, length_m);
-  const Threshold threshold = theory.threshold(reed_frequency_hz, near_hz);
-  if (threshold.found)
-    return threshold.frequency_hz;
-  const double start = theory.bore_resonance_near(near_hz).frequency_hz;
-  const double highest = theory.highest_pressure(reed_frequency_hz);
-  Mode best;
-  for (int i = 1; i <= 24; ++i) {
-    const Mode mode = theory.mode_near(highest * i / 24, reed_frequency_hz, start);
-    if (mode.found && (!best.found || mode.growth_rate > best.growth_rate))
-      best = mode;
-  }
-  return best.frequency_hz;
-}
-
 } // namespace tactus::reed

@@ -102,10 +102,4 @@ private:
   double direction_;                // sign of theta_0
 };
 
-/// Frequency, Hz, at which the instrument starts to play the bore resonance nearest to near_hz, at
-/// its threshold; `tune` makes it equal to f_b. Where the mode never grows: the frequency at the
-/// pressure with the largest growth rate. 0 when no mode is found.
-[[nodiscard]] double linear_playing_frequency(const Parameters& parameters, double length_m,
-                                              double reed_frequency_hz, double near_hz) noexcept;
-
 } // namespace tactus::reed

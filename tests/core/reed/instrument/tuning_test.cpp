@@ -23,7 +23,7 @@ TEST_CASE("the tuned bore has its linear playing frequency at f_b") {
       const double length = tuned_length(p, f, p.reed_frequency);
       INFO(std::string(name), ", ", f, " Hz");
       // The threshold search of linear theory, which knows nothing of the tuning's way.
-      const double linear = linear_playing_frequency(p, length, p.reed_frequency, f);
+      const double linear = LinearStability(p, length).threshold(p.reed_frequency, f).frequency_hz;
       CHECK(std::abs(cents(linear, f)) < 1);
     }
 }
