@@ -1,8 +1,7 @@
-#include "files/modal_table.hpp"
+#include "files/tables.hpp"
 
 #include "files/json.hpp"
 #include "files/product.hpp"
-#include "files/shape_parameters.hpp"
 #include "files/table_arrays.hpp"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
-#include "files/resolved_modes.hpp"
+#include "files/tables.hpp"
 
 #include "core/declaration_text.hpp"
 #include "core/serve/modal_fem.hpp"
-#include "files/modal_table.hpp"
 
 #include <bit>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "files/shape_parameters.hpp"
+#include "files/table_arrays.hpp"
 
 #include "core/declaration_text.hpp"
 

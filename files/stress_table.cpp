@@ -1,8 +1,7 @@
-#include "files/stress_table.hpp"
+#include "files/tables.hpp"
 
 #include "core/declaration_text.hpp"
 #include "files/json.hpp"
-#include "files/shape_parameters.hpp"
 #include "files/table_arrays.hpp"
 
 #include <algorithm>

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <dlfcn.h>
 #include <string_view>
+#include <system_error>
+
+#include <dlfcn.h>
+#include <unistd.h>
 
 namespace tactus {
 
@@ -26,6 +29,15 @@ std::vector<std::filesystem::path> folders_in_path() {
       folders.emplace_back(folder);
   }
   return folders;
+}
+
+bool is_program_path(const std::string& text) { return text.find('/') != std::string::npos; }
+
+std::filesystem::path runnable(const std::filesystem::path& path) {
+  std::error_code error;
+  const bool can_run =
+      std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+  return can_run ? path : std::filesystem::path();
 }
 
 } // namespace tactus

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <windows.h>
@@ -33,6 +34,18 @@ std::vector<std::filesystem::path> folders_in_path() {
       folders.push_back(std::move(here));
   }
   return folders;
+}
+
+bool is_program_path(const std::string& text) {
+  return text.find_first_of("/\\") != std::string::npos;
+}
+
+std::filesystem::path runnable(const std::filesystem::path& path) {
+  std::filesystem::path program = path;
+  if (program.extension() != ".exe")
+    program += ".exe";
+  std::error_code error;
+  return std::filesystem::is_regular_file(program, error) ? program : std::filesystem::path();
 }
 
 } // namespace tactus

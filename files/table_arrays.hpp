@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/design/shape_parameters.hpp"
 #include "files/json.hpp"
 #include "files/npz.hpp"
 
@@ -45,5 +46,11 @@ private:
   const NpzFile& file_;
   std::string refusal_;
 };
+
+/// Reads `control_points` f8 [C,3] m, `parameters` f8 [P,4] (control point, axis, lowest and
+/// highest displacement in m) and `trust` f8 [] m, all required. What is wrong is refused in
+/// `arrays`.
+void read_shape_parameters(TableArrays& arrays, const NpzFile& file,
+                           design::ShapeParameters& shape);
 
 } // namespace tactus::files

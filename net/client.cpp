@@ -2,7 +2,7 @@
 
 #include "core/text.hpp"
 #include "net/admission.hpp"
-#include "net/units.hpp"
+#include "net/limits.hpp"
 
 namespace tactus::net {
 namespace {

@@ -9,6 +9,10 @@
 /// clock.
 namespace tactus::net {
 
+/// Positions are metres inside and millimetres in messages.
+inline constexpr double kM_per_mm = 1e-3;
+inline constexpr double kMm_per_m = 1e3;
+
 inline constexpr int kProtocol = 1;
 inline constexpr int kPort = 7770;
 /// Connections at once. One that has not said hello (with the token, where there is one) is

@@ -1,6 +1,6 @@
 #include "net/server.hpp"
 
-#include "net/units.hpp"
+#include "net/limits.hpp"
 
 namespace tactus::net {
 namespace {

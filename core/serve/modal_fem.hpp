@@ -15,7 +15,7 @@ struct ModesReady {
 };
 
 /// The fixed part of an answer. `shares` modal::ModeShares follow
-/// (core/modal/table/mode_share.hpp), then to the end a modal table (NPZ) of the new shape, whose
+/// (core/modal/table/resolved_modes.hpp), then to the end a modal table (NPZ) of the new shape, whose
 /// array `displacement` [P] holds the parameters that were reached.
 struct ModesAnswer {
   double seconds = 0;  ///< that the solve took

@@ -29,7 +29,7 @@ struct StressBase {
 using design::DesignParameter;
 using design::kMaxControlPoints;
 
-/// Written by an offline finite-element program, read by files/stress_table.hpp;
+/// Written by an offline finite-element program, read by files/tables.hpp;
 /// docs/formats/stress_table.md lists the arrays.
 struct StressTable {
   StressBase base;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/reed/playability/gradient.hpp"
-#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 #include "core/reed/playability/playability_rows.hpp"
 #include "core/rows.hpp"
 #include "externals/greed_gradient~/guide_updater.hpp"

@@ -2,8 +2,8 @@
 
 #include "core/modal/table/resolved_modes.hpp"
 #include "core/serve/modal_fem.hpp"
-#include "externals/program_file.hpp"
-#include "files/resolved_modes.hpp"
+#include "files/system_folders.hpp"
+#include "files/tables.hpp"
 
 #include <new>
 #include <utility>

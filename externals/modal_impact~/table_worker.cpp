@@ -2,7 +2,7 @@
 
 #include "externals/modal_impact~/units.hpp"
 #include "files/file_bytes.hpp"
-#include "files/modal_table.hpp"
+#include "files/tables.hpp"
 
 #include <cstddef>
 #include <exception>

@@ -1,7 +1,7 @@
 #include "externals/playability_map/playability_map.hpp"
 
 #include "core/reed/instrument/tuning.hpp"
-#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 #include "core/reed/playability/playability_map.hpp"
 #include "core/refusal.hpp"

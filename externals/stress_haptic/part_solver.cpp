@@ -1,7 +1,7 @@
 #include "externals/stress_haptic/part_solver.hpp"
 
 #include "core/declaration_text.hpp"
-#include "externals/program_file.hpp"
+#include "files/system_folders.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "externals/stress_haptic/stress_worker.hpp"
 
 #include "files/file_bytes.hpp"
-#include "files/stress_table.hpp"
+#include "files/tables.hpp"
 
 #include <chrono>
 #include <cstddef>

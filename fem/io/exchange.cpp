@@ -1,6 +1,5 @@
 #include "fem/io/exchange.hpp"
 
-#include "fem/io/file_bytes.hpp"
 #include "fem/io/inp.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"

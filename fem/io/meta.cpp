@@ -1,10 +1,77 @@
 #include "fem/io/meta.hpp"
 
-#include "fem/io/checksums.hpp"
 #include "fem/io/text.hpp"
 #include "files/json.hpp"
 
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 namespace tactus::fem {
+namespace {
+
+/// The first 32 bits of the fractional parts of roots of the first primes: the standard's
+/// constants.
+std::array<std::uint32_t, 64> prime_roots(bool cube, std::size_t count) {
+  std::array<std::uint32_t, 64> words{};
+  std::uint64_t found = 0;
+  for (std::uint64_t p = 2; found < count; ++p) {
+    bool prime = true;
+    for (std::uint64_t d = 2; d * d <= p; ++d)
+      prime = prime && p % d != 0;
+    if (!prime)
+      continue;
+    const long double root =
+        cube ? std::cbrt(static_cast<long double>(p)) : std::sqrt(static_cast<long double>(p));
+    words[found++] = static_cast<std::uint32_t>((root - std::floor(root)) * 4294967296.0L);
+  }
+  return words;
+}
+
+} // namespace
+
+std::string sha256(std::span<const std::byte> bytes) {
+  static const auto k = prime_roots(true, 64);
+  auto h = prime_roots(false, 8);
+  std::vector<std::byte> text(bytes.begin(), bytes.end());
+  const std::uint64_t bits = 8 * static_cast<std::uint64_t>(bytes.size());
+  text.push_back(std::byte{0x80});
+  while (text.size() % 64 != 56)
+    text.push_back(std::byte{0});
+  for (int i = 7; i >= 0; --i)
+    text.push_back(static_cast<std::byte>(bits >> (8 * i)));
+  for (std::size_t block = 0; block < text.size(); block += 64) {
+    std::array<std::uint32_t, 64> w{};
+    for (std::size_t i = 0; i < 64; ++i)
+      if (i < 16)
+        for (std::size_t b = 0; b < 4; ++b)
+          w[i] = w[i] << 8 | static_cast<std::uint32_t>(text[block + 4 * i + b]);
+      else
+        w[i] = w[i - 16] + w[i - 7] +
+               (std::rotr(w[i - 15], 7) ^ std::rotr(w[i - 15], 18) ^ w[i - 15] >> 3) +
+               (std::rotr(w[i - 2], 17) ^ std::rotr(w[i - 2], 19) ^ w[i - 2] >> 10);
+    std::array<std::uint32_t, 8> v{};
+    for (std::size_t i = 0; i < 8; ++i)
+      v[i] = h[i];
+    for (std::size_t i = 0; i < 64; ++i) {
+      const std::uint32_t e = v[4], a = v[0];
+      const std::uint32_t t1 = v[7] + (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) +
+                               ((e & v[5]) ^ (~e & v[6])) + k[i] + w[i];
+      const std::uint32_t t2 = (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) +
+                               ((a & v[1]) ^ (a & v[2]) ^ (v[1] & v[2]));
+      v = {t1 + t2, v[0], v[1], v[2], v[3] + t1, v[4], v[5], v[6]};
+    }
+    for (std::size_t i = 0; i < 8; ++i)
+      h[i] += v[i];
+  }
+  std::string hex;
+  for (std::size_t i = 0; i < 8; ++i)
+    for (int shift = 28; shift >= 0; shift -= 4)
+      hex += "0123456789abcdef"[h[i] >> shift & 15];
+  return hex;
+}
 
 std::string list(const std::vector<std::string>& words) {
   std::string out = "[";

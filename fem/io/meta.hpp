@@ -1,12 +1,17 @@
 #pragma once
+
 #include "fem/material/material.hpp"
 #include "fem/mesh/mesh.hpp"
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace tactus::fem {
+
+/// SHA-256 (FIPS 180-4), 64 hexadecimal digits.
+[[nodiscard]] std::string sha256(std::span<const std::byte>);
 
 /// Pieces of the JSON text that goes into tables as `meta`: a list of words, a list of numbers
 /// (nine digits), a material of a region with its constants in SI. files::quoted_json() writes a

@@ -1,7 +1,7 @@
 #include "fem/io/msh.hpp"
 
-#include "fem/io/file_bytes.hpp"
 #include "fem/io/msh_sections.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 
 #include <algorithm>

@@ -2,12 +2,14 @@
 
 #include "fem/io/isolated_process.hpp"
 #include "fem/mesh/mesh.hpp"
+#include "files/file_bytes.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+
 #include <unistd.h>
 
 namespace tactus::fem {
@@ -69,6 +71,36 @@ void SafeFile::commit() {
     throw InputError("cannot write " + path_ + ": " + std::strerror(errno));
   partial_.clear();
   g_writing = false;
+}
+
+namespace {
+
+void emit(const NpzWriter& arrays, const NpzWriter::Sink& sink) {
+  if (const std::string refusal = arrays.emit(sink); !refusal.empty())
+    throw InputError(refusal);
+}
+
+} // namespace
+
+void write_npz(const std::string& path, const NpzWriter& arrays) {
+  SafeFile file(path);
+  emit(arrays, [&](const void* bytes, std::size_t size) { file.write(bytes, size); });
+  file.commit();
+}
+
+std::string npz_bytes(const NpzWriter& arrays) {
+  std::string out;
+  emit(arrays, [&](const void* bytes, std::size_t size) {
+    out.append(static_cast<const char*>(bytes), size);
+  });
+  return out;
+}
+
+std::string read_bytes(const std::string& path, std::uint64_t largest) {
+  std::string bytes;
+  if (const std::string refusal = files::read_file(path, bytes, largest); !refusal.empty())
+    throw InputError("cannot read " + path + ": " + refusal);
+  return bytes;
 }
 
 } // namespace tactus::fem

@@ -1,4 +1,8 @@
 #pragma once
+
+#include "files/npz_writer.hpp"
+
+#include <cstdint>
 #include <cstdio>
 #include <span>
 #include <string>
@@ -29,5 +33,17 @@ void clean_up_on_interrupt();
 
 /// Sets a further function that the interrupt calls. It must be async-signal-safe; null: none.
 void also_on_interrupt(void (*)());
+
+using files::NpzWriter;
+
+/// Writes all arrays; the file appears only when complete. Refuses what is larger than 4 GB.
+void write_npz(const std::string& path, const NpzWriter& arrays);
+/// The same file in memory.
+[[nodiscard]] std::string npz_bytes(const NpzWriter& arrays);
+
+/// Reads a whole regular file. Refuses anything else (a pipe or a device may never end) and a file
+/// of more than `largest` bytes.
+[[nodiscard]] std::string read_bytes(const std::string& path,
+                                     std::uint64_t largest = std::uint64_t{4} << 30);
 
 } // namespace tactus::fem

@@ -2,7 +2,7 @@
 
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/meta.hpp"
-#include "fem/io/npz.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/simplify.hpp"
 #include "files/json.hpp"

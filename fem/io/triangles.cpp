@@ -1,6 +1,6 @@
 #include "fem/io/triangles.hpp"
 
-#include "fem/io/file_bytes.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/ears.hpp"
 #include "files/mesh_file.hpp"

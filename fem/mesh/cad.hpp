@@ -1,7 +1,15 @@
 #pragma once
+
 #include "fem/io/load.hpp"
 
+#include <string>
+
 namespace tactus::fem {
+
+/// "step" or "brep", from the first kilobyte of a CAD file: ISO 10303-21 files begin with
+/// `ISO-10303-21;` (blanks and /* comments */ may come before), OCC's with `DBRep_DrawableShape` or
+/// `CASCADE Topology`. Refuses everything else, under any ending.
+[[nodiscard]] std::string cad_format(const std::string& path);
 
 /// A CAD file in curved tet10. Edges where faces meet at an inner angle above 200 degrees are found
 /// and the mesh is graded into them.

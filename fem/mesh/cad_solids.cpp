@@ -1,8 +1,8 @@
 #include "fem/mesh/cad_solids.hpp"
 
-#include "fem/io/cad_format.hpp"
 #include "fem/io/text.hpp"
 #include "fem/io/triangles.hpp"
+#include "fem/mesh/cad.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 #include "fem/mesh/parts.hpp"
 

@@ -1,6 +1,6 @@
 #include "fem/modes/modes.hpp"
 
-#include "core/modal/table/mode_groups.hpp"
+#include "core/modal/table/modal_table.hpp"
 #include "fem/modes/dense.hpp"
 #include "fem/modes/rigid.hpp"
 

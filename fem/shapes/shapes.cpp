@@ -1,6 +1,6 @@
 #include "fem/shapes/shapes.hpp"
 
-#include "fem/io/file_bytes.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/shapes/ball.hpp"
 #include "fem/shapes/block.hpp"

@@ -1,7 +1,7 @@
 #include "programs/body/serve.hpp"
 
-#include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "files/json.hpp"
 #include "files/npz.hpp"

@@ -2,12 +2,11 @@
 #include "programs/body/output_files.hpp"
 #include "programs/modal_fem/raw.hpp"
 
-#include "fem/io/file_bytes.hpp"
-#include "fem/io/npz.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/mesh.hpp"
-#include "files/modal_table.hpp"
 #include "files/npz.hpp"
+#include "files/tables.hpp"
 
 #include <cstdio>
 #include <numbers>

@@ -1,13 +1,12 @@
 #include "programs/modal_fem/serve.hpp"
 
 #include "core/modal/table/modal_table.hpp"
-#include "core/modal/table/mode_share.hpp"
 #include "core/serve/modal_fem.hpp"
 #include "fem/design/valid_step.hpp"
 #include "fem/io/text.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/mode_match.hpp"
-#include "files/modal_table.hpp"
+#include "files/tables.hpp"
 #include "programs/body/serve.hpp"
 #include "programs/modal_fem/run.hpp"
 

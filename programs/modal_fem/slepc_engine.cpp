@@ -1,6 +1,6 @@
 #include "programs/modal_fem/slepc_engine.hpp"
 
-#include "core/modal/table/mode_groups.hpp"
+#include "core/modal/table/modal_table.hpp"
 #include "fem/io/exchange.hpp"
 #include "fem/io/text.hpp"
 #include "fem/modes/rigid.hpp"

@@ -2,7 +2,7 @@
 
 #include "fem/error/singular.hpp"
 #include "fem/io/meta.hpp"
-#include "fem/io/npz.hpp"
+#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/statics/recovery.hpp"
 #include "files/json.hpp"

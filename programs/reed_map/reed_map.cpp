@@ -10,7 +10,7 @@
 //   --nodes COLUMNS ROWS          along pressure and along frequency; otherwise 61 61
 //   --part I/N                    only the I-th of N shares of the rows (1 <= I <= N), for batches
 #include "core/reed/instrument/presets.hpp"
-#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 #include "core/reed/playability/linear_stability.hpp"
 #include "core/reed/playability/playability_map.hpp"
 #include "programs/part.hpp"

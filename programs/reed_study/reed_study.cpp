@@ -19,7 +19,7 @@
 //   --part I/N            every N-th trial from the I-th on (1 <= I <= N), for batches
 //   --trace               the course of each trial instead: feel,seed,t,y,z,f_p,force_y,force_z
 #include "core/reed/instrument/presets.hpp"
-#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 #include "programs/part.hpp"
 #include "programs/reed_study/trial.hpp"
 

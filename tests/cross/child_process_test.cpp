@@ -1,5 +1,5 @@
 #include "externals/child_process.hpp"
-#include "externals/program_file.hpp"
+#include "files/system_folders.hpp"
 #include "files/utf8_path.hpp"
 
 #include <chrono>

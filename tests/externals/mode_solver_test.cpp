@@ -2,7 +2,7 @@
 // stands for modal_fem (fake_modal_fem.py); tests/patches/test_shape_solver.py runs the program
 // itself.
 #include "externals/modal_impact~/mode_solver.hpp"
-#include "files/modal_table.hpp"
+#include "files/tables.hpp"
 #include "tests/externals/table_folder.hpp"
 #include "tests/files/modal_members.hpp"
 

@@ -3,7 +3,7 @@
 #include "core/modal/radiation/raw_radiation.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/radiation/spherical_waves.hpp"
-#include "files/modal_table.hpp"
+#include "files/tables.hpp"
 #include "programs/modal_fem/raw.hpp"
 #include "solve.hpp"
 

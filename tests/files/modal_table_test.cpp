@@ -1,6 +1,6 @@
 // Modal tables as files: every array in its place, what a table may say, and every damage a
 // sentence.
-#include "files/modal_table.hpp"
+#include "files/tables.hpp"
 #include "tests/approx.hpp"
 #include "tests/files/modal_members.hpp"
 

@@ -1,8 +1,7 @@
 // Answers of modal_fem about a body in another shape: what is read, kept and refused.
 #include "core/modal/table/resolved_modes.hpp"
 #include "core/serve/modal_fem.hpp"
-#include "files/modal_table.hpp"
-#include "files/resolved_modes.hpp"
+#include "files/tables.hpp"
 #include "tests/approx.hpp"
 #include "tests/files/modal_members.hpp"
 

@@ -1,5 +1,5 @@
 // Stress tables as files: what is read where, and one sentence for every damage.
-#include "files/stress_table.hpp"
+#include "files/tables.hpp"
 #include "tests/core/stress/tables.hpp"
 #include "tests/files/archives.hpp"
 

@@ -1,8 +1,7 @@
 // NumPy's archives and the tables in them. The input is an archive; where its directory can be
 // found, its checksums are made right first, so that damage gets behind them.
-#include "files/modal_table.hpp"
 #include "files/npz.hpp"
-#include "files/stress_table.hpp"
+#include "files/tables.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/haptic/scene/bounds.hpp"
-#include "core/haptic/scene/crossing.hpp"
+#include "core/haptic/scene/convex_crossing.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "core/modal/body/body_model.hpp"
 
 #include "core/modal/radiation/combined_arrivals.hpp"
-#include "core/modal/table/mode_groups.hpp"
+#include "core/modal/table/modal_table.hpp"
 
 #include <algorithm>
 #include <cmath>

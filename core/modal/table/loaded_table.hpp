@@ -3,7 +3,6 @@
 #include "core/geometry/surface.hpp"
 #include "core/modal/radiation/radiation.hpp"
 #include "core/modal/table/modal_table.hpp"
-#include "core/modal/table/mode_share.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,11 +3,14 @@
 #include "core/geometry/vec3.hpp"
 #include "core/modal/table/shape_sensitivity.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,7 +77,7 @@ struct RawTable {
 };
 
 /// The modes of a body's surface, with everything that sound and contact depend on. Written by
-/// modal_fem, read by files/modal_table.hpp; docs/formats/modal_table.md lists the arrays.
+/// modal_fem, read by files/tables.hpp; docs/formats/modal_table.md lists the arrays.
 struct ModalTable {
   std::vector<double> frequency_hz; ///< [K], ascending, elastic modes only
   std::vector<float> shape;         ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain
@@ -108,5 +111,27 @@ struct ModalTable {
 
 inline constexpr std::size_t kMaxModes = 20000;
 inline constexpr std::size_t kMaxVertices = 5'000'000;
+
+/// How far a mode of the earlier shape goes on as a mode of the new one: their modal coordinates
+/// are z_now = sum over before of share z_before. The shares are a partial isometry, so that no
+/// energy arises: +-1 for a mode that keeps its shape, a rotation among modes of like frequency
+/// that mix, nothing for a mode that has no successor.
+struct ModeShare {
+  std::uint32_t before = 0, now = 0; ///< numbers of the modes
+  double share = 0;                  ///< -1..1
+};
+
+/// How many modes to keep so that `count` cut no group of near-equal frequencies: all of its last
+/// group. Any directions of a group's modes are right, so a part of it would be heard by how the
+/// body is turned. Near is a gap below 0.1 %, and below a tenth of a plate's mean one, 1 / mode.
+[[nodiscard]] inline std::size_t with_whole_groups(std::span<const double> frequency_hz,
+                                                   std::size_t count) noexcept {
+  const auto& f = frequency_hz;
+  while (count > 0 && count < f.size() &&
+         std::abs(f[count] - f[count - 1]) <
+             std::min(1e-3, .1 / static_cast<double>(count)) * f[count])
+    ++count;
+  return std::min(count, f.size());
+}
 
 } // namespace tactus::modal

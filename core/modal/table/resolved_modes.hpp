@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/modal/table/modal_table.hpp"
-#include "core/modal/table/mode_share.hpp"
 
 #include <cstdint>
 #include <string>

@@ -7,7 +7,7 @@
 #include "core/reed/bore/register_vent.hpp"
 #include "core/reed/bore/round_trip_filter.hpp"
 #include "core/reed/bore/tone_hole_end.hpp"
-#include "core/reed/instrument/control_period.hpp"
+#include "core/reed/instrument/parameters.hpp"
 
 #include <algorithm>
 #include <cmath>

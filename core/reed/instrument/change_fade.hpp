@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/reed/instrument/control_period.hpp"
+#include "core/reed/instrument/parameters.hpp"
 #include "core/reed/instrument/oversampler.hpp"
 
 #include <cmath>

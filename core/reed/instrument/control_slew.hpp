@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/dsp/simd.hpp"
-#include "core/reed/instrument/control_period.hpp"
+#include "core/reed/instrument/parameters.hpp"
 
 #include <cmath>
 

@@ -4,6 +4,10 @@
 
 namespace tactus::reed {
 
+/// Samples between two readings of the controls of a reed: f_r, f_b, the player, parameters that
+/// glide. Counted from reset(), whatever the host's blocks are.
+inline constexpr int kControlPeriod = 32;
+
 enum class ValveType { kClosed, kOpen, kSwinging }; ///< blown closed, blown open, swinging door
 enum class BoreShape { kCylinder, kCone };
 /// How the flow of a step is found: solved with the pressure it causes, or by the paper's explicit

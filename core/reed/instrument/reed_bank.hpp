@@ -5,7 +5,6 @@
 #include "core/reed/bore/brass.hpp"
 #include "core/reed/instrument/breath_noise.hpp"
 #include "core/reed/instrument/change_fade.hpp"
-#include "core/reed/instrument/control_period.hpp"
 #include "core/reed/instrument/control_slew.hpp"
 #include "core/reed/instrument/moving_valve.hpp"
 #include "core/reed/instrument/oversampler.hpp"

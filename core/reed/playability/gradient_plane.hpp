@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/reed/instrument/parameters.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -50,5 +52,11 @@ struct GradientStencil {
     return {(f[1] - f[2]) / (y[1] - y[2]), (f[3] - f[4]) / (z[3] - z[4])};
   }
 };
+
+/// The range of mouth pressure and reed frequency in which an instrument plays. Blown closed: up to
+/// 1.25 times the closing pressure, 0.4 to 1.4 times the reed frequency. Others: up to 5.6 times
+/// the lowest threshold, 0.25 to 2.75 times their frequency, so that lips find several registers.
+/// Pressures are rounded to 100 Pa. Takes some milliseconds.
+[[nodiscard]] ControlRange range_for(const Parameters& parameters) noexcept;
 
 } // namespace tactus::reed

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/reed/instrument/control_period.hpp"
+#include "core/reed/instrument/parameters.hpp"
 
 #include <array>
 #include <complex>

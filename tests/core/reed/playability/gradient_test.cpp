@@ -1,6 +1,5 @@
 #include "core/reed/playability/gradient_field.hpp"
 #include "core/reed/playability/gradient_plane.hpp"
-#include "core/reed/playability/gradient_range.hpp"
 #include "core/reed/playability/growth_map.hpp"
 
 #include "tests/core/reed/playability/five_reeds.hpp"

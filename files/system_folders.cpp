@@ -1,6 +1,5 @@
-#include "externals/program_file.hpp"
-
 #include "files/system_folders.hpp"
+
 #include "files/utf8_path.hpp"
 
 namespace tactus {

@@ -1,4 +1,4 @@
-#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 
 #include "core/reed/playability/linear_stability.hpp"
 
