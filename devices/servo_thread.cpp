@@ -1,8 +1,7 @@
 #include "devices/servo_thread.hpp"
 
-#include "devices/precise_sleep.hpp"
+#include "devices/real_time.hpp"
 #include "devices/scoped_signal_mask.hpp"
-#include "devices/thread_priority.hpp"
 
 #include <array>
 #include <atomic>

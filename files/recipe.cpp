@@ -24,7 +24,7 @@ constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grai
 class Reader {
 public:
   std::string line(std::string_view text) {
-    const auto words = split_words(text);
+    const auto words = split_words(text.substr(0, text.find('#')));
     if (words.empty())
       return {};
     if (words[0].front() == '[')

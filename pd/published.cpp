@@ -1,10 +1,10 @@
-#include "pd/published.hpp"
+#include "core/published.hpp"
 
 #include <string>
 
 #include <m_pd.h>
 
-namespace tactus::pd {
+namespace tactus {
 namespace {
 
 constexpr const char* kClassName = "tactus offer";
@@ -51,4 +51,4 @@ std::shared_ptr<void> find_published(std::string_view name) {
   return reinterpret_cast<PublishedObject::Entry*>(symbol->s_thing)->what;
 }
 
-} // namespace tactus::pd
+} // namespace tactus

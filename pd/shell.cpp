@@ -4,17 +4,16 @@
 #include "core/declaration_text.hpp"
 #include "core/guarded.hpp"
 #include "core/named_lines.hpp"
+#include "core/published.hpp"
 #include "pd/atoms.hpp"
 #include "pd/host_features.hpp"
 #include "pd/host_process.hpp"
-#include "pd/published.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -193,13 +192,10 @@ public:
   }
   bool real_time() const override { return !runs_in_batch(); }
   bool publish(std::string_view name, const std::shared_ptr<void>& what) override {
-    if (!what)
-      return published_.erase(std::string(name)) > 0;
-    auto made = PublishedObject::make(name, what);
-    return made && published_.emplace(std::string(name), std::move(made)).second;
+    return published_.publish(name, what);
   }
   std::shared_ptr<void> find_published(std::string_view name) const override {
-    return pd::find_published(name);
+    return tactus::find_published(name);
   }
   void wake_from_thread() noexcept override {
     if (posted_.exchange(true, std::memory_order_acq_rel))
@@ -532,7 +528,7 @@ private:
   t_clock* report_clock_ = nullptr;
   t_clock* post_clock_ = nullptr;
   std::atomic<bool> posted_{false};
-  std::map<std::string, std::unique_ptr<PublishedObject>> published_;
+  PublishedObjects published_;
   std::vector<const t_sample*> in_;
   std::vector<t_sample> silence_; // of an inlet whose signal has no channels
   std::vector<t_sample*> out_;

@@ -1,6 +1,6 @@
 #include "devices/falcon/stream.hpp"
 
-#include "devices/thread_priority.hpp"
+#include "devices/real_time.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -4,7 +4,7 @@
 #include "core/haptic/servo/mailbox.hpp"
 #include "devices/falcon/link.hpp"
 #include "devices/falcon/packet.hpp"
-#include "devices/wake_count.hpp"
+#include "devices/real_time.hpp"
 
 #include <array>
 #include <atomic>

@@ -2,8 +2,8 @@
 
 #include "core/text.hpp"
 #include "devices/haply/socket.hpp"
+#include "devices/real_time.hpp"
 #include "devices/servo_thread.hpp"
-#include "devices/thread_priority.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "devices/hid/hid.hpp"
 
-#include "devices/thread_priority.hpp"
+#include "devices/real_time.hpp"
 #include "files/file_bytes.hpp"
 
 #include <algorithm>

@@ -409,13 +409,10 @@ bool MaxObject::read_array(std::string_view name, std::vector<double>& values) c
 }
 
 bool MaxObject::publish(std::string_view name, const std::shared_ptr<void>& what) {
-  if (!what)
-    return published_.erase(std::string(name)) > 0;
-  auto made = PublishedObject::make(name, what);
-  return made && published_.emplace(std::string(name), std::move(made)).second;
+  return published_.publish(name, what);
 }
 std::shared_ptr<void> MaxObject::find_published(std::string_view name) const {
-  return max::find_published(name);
+  return tactus::find_published(name);
 }
 
 void MaxObject::wake_from_thread() noexcept {

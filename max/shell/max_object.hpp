@@ -3,19 +3,18 @@
 #include "core/command.hpp"
 #include "core/instance_numbers.hpp"
 #include "core/module_object.hpp"
+#include "core/published.hpp"
 #include "max/abi/max_abi.h"
 #include "max/shell/block_clock.hpp"
 #include "max/shell/executor.hpp"
 #include "max/shell/files.hpp"
 #include "max/shell/ports.hpp"
-#include "max/shell/published.hpp"
 #include "max/shell/signal_inlets.hpp"
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -130,7 +129,7 @@ private:
   std::atomic<unsigned> blocks_{0}, blocks_at_nudge_{0}, lost_{0};
   std::atomic<double> nudge_ms_{50}, sample_rate_{48000};
   unsigned lost_outputs_said_ = 0;
-  std::map<std::string, std::unique_ptr<PublishedObject>, std::less<>> published_;
+  PublishedObjects published_;
   // Of the audio thread alone.
   BlockClock block_clock_;
   double block_start_ms_ = 0;

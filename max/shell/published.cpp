@@ -1,16 +1,16 @@
-#include "max/shell/published.hpp"
+#include "core/published.hpp"
 
 #include "max/shell/atoms.hpp"
 
 #include <string>
 #include <utility>
 
-namespace tactus::max {
+namespace tactus {
 namespace {
 
 /// What the symbol points to is of this layout: its name says which.
 t_symbol* published_symbol(std::string_view name) {
-  return symbol_of("tactus published 1 " + std::string(name));
+  return max::symbol_of("tactus published 1 " + std::string(name));
 }
 
 /// Max's region that all modules share.
@@ -58,4 +58,4 @@ std::shared_ptr<void> find_published(std::string_view name) {
                          : nullptr;
 }
 
-} // namespace tactus::max
+} // namespace tactus

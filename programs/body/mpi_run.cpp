@@ -169,7 +169,7 @@ void MpiRun::require_disk_space(double bytes) const {
                      ": set TMPDIR to a larger disk");
 }
 
-void MpiRun::run(int ranks, const std::vector<std::string>& arguments,
+void MpiRun::run(int ranks, const std::vector<std::string>& arguments, ProgressLine& progress,
                  const std::function<void(const char* line)>& on_line) const {
   std::vector<std::string> words{mpirun_path(), "--oversubscribe",     "--bind-to",         "none",
                                  "-n",          std::to_string(ranks), solver_path(engine_)};
@@ -178,9 +178,13 @@ void MpiRun::run(int ranks, const std::vector<std::string>& arguments,
   const pid_t child = start(engine_, words, file(kErrors), output);
   {
     std::FILE* lines = ::fdopen(output, "r");
-    char line[256];
+    char line[256], stage[128];
+    double share = 0;
     while (std::fgets(line, sizeof line, lines))
-      on_line(line);
+      if (std::sscanf(line, "stage %lf %127[^\n]", &share, stage) == 2)
+        progress.stage(engine_.library + (": " + std::string(stage)), share);
+      else
+        on_line(line);
     std::fclose(lines);
   }
   int status = 0;

@@ -1,4 +1,6 @@
 #pragma once
+#include "programs/body/progress.hpp"
+
 #include <functional>
 #include <span>
 #include <string>
@@ -38,10 +40,11 @@ public:
   [[nodiscard]] std::string file(const char* name) const { return folder_ + "/" + name; }
   /// Refuses when the folder's disk has less room.
   void require_disk_space(double bytes) const;
-  /// Runs the program on `ranks` processes with these arguments; `tell` gets each line of its
-  /// standard output. Refuses when it fails or a process dies, with the program's own sentence
+  /// Runs the program on `ranks` processes with these arguments. Lines "stage SHARE NAME" of its
+  /// standard output are shown; `on_line` gets the others. Refuses when it fails or a process dies,
+  /// with the program's own sentence
   /// ("PROGRAM: ..." on its standard error) or mpirun's.
-  void run(int ranks, const std::vector<std::string>& arguments,
+  void run(int ranks, const std::vector<std::string>& arguments, ProgressLine& progress,
            const std::function<void(const char* line)>& on_line) const;
 
 private:

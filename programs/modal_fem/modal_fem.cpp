@@ -9,11 +9,10 @@
 //   5. shape    how the frequencies follow control points (--lattice)
 //   6. radiate  the air around each mode, by boundary elements (--radiation body)
 //   7. write    NAME.modal.npz, and CSV, VTU, a picture sheet
-#include "fem/blas_kernels.hpp"
 #include "fem/io/load.hpp"
 #include "fem/io/modal_table.hpp"
-#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
+#include "programs/body/body_program.hpp"
 #include "programs/body/output_files.hpp"
 #include "programs/modal_fem/options.hpp"
 #include "programs/modal_fem/outputs.hpp"
@@ -24,7 +23,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <new>
 #include <numbers>
 
 namespace {
@@ -108,23 +106,7 @@ int run(const std::vector<std::string>& words) {
 } // namespace
 
 int main(int argc, char** argv) {
-  restart_with_faster_blas_kernels(argv);
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  clean_up_on_interrupt();
-  try {
-    if (!words.empty() && (words[0] == "--help" || words[0] == "-h")) {
-      std::fputs((usage() + raw_usage()).c_str(), stdout);
-      return 0;
-    }
-    if (!words.empty() && words[0] == "raw")
-      return run_raw({words.begin() + 1, words.end()});
-    if (!words.empty() && words[0] == "serve")
-      return serve({words.begin() + 1, words.end()});
-    return run(words);
-  } catch (const std::bad_alloc&) {
-    std::fputs("modal_fem: out of memory; take a coarser mesh (--h)\n", stderr);
-  } catch (const std::exception& refusal) {
-    std::fprintf(stderr, "modal_fem: %s\n", refusal.what());
-  }
-  return 1;
+  constexpr Command kCommands[] = {{"raw", run_raw}, {"serve", serve}};
+  return body_program(
+      argc, argv, "modal_fem", [] { return usage() + raw_usage(); }, kCommands, run);
 }

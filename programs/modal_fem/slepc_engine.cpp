@@ -44,14 +44,7 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
             {slepc.file("matrices"), slepc.file("rigid"), slepc.file("values"),
              slepc.file("vectors"), std::to_string(requested), std::to_string(rigid.size() / n),
              format("%.17g", default_shift(mesh, materials))},
-            [&](const char* line) {
-              char stage[128];
-              double share = 0;
-              if (std::sscanf(line, "stage %lf %127[^\n]", &share, stage) == 2)
-                progress.stage("SLEPc: " + std::string(stage), share);
-              else
-                std::sscanf(line, "peak %lf", &peak);
-            });
+            progress, [&](const char* line) { std::sscanf(line, "peak %lf", &peak); });
   progress.notify(format("%d processes, at most ", ranks) + format_bytes(peak) + " each");
 
   progress.stage("importing the modes", 0);

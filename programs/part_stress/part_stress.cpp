@@ -8,13 +8,12 @@
 //                several processes for the displacement
 //   4. move      control points, where asked: Taylor's series beside a new solution
 //   5. write     NAME.stress.npz, VTU, CalculiX, a picture sheet
-#include "fem/blas_kernels.hpp"
 #include "fem/io/exchange.hpp"
-#include "fem/io/safe_file.hpp"
 #include "fem/io/text.hpp"
 #include "fem/io/vtu.hpp"
 #include "fem/modes/body.hpp"
 #include "fem/statics/recovery.hpp"
+#include "programs/body/body_program.hpp"
 #include "programs/body/budget.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
 #include "programs/part_stress/picture.hpp"
@@ -25,7 +24,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <new>
 #include <numeric>
 
 namespace {
@@ -315,21 +313,6 @@ int run(const std::vector<std::string>& words) {
 } // namespace
 
 int main(int argc, char** argv) {
-  restart_with_faster_blas_kernels(argv);
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  clean_up_on_interrupt();
-  try {
-    if (!words.empty() && (words[0] == "--help" || words[0] == "-h")) {
-      std::fputs(usage().c_str(), stdout);
-      return 0;
-    }
-    if (!words.empty() && words[0] == "serve")
-      return serve({words.begin() + 1, words.end()});
-    return run(words);
-  } catch (const std::bad_alloc&) {
-    std::fputs("part_stress: out of memory; take a coarser mesh (--h)\n", stderr);
-  } catch (const std::exception& refusal) {
-    std::fprintf(stderr, "part_stress: %s\n", refusal.what());
-  }
-  return 1;
+  constexpr Command kCommands[] = {{"serve", serve}};
+  return body_program(argc, argv, "part_stress", usage, kCommands, run);
 }

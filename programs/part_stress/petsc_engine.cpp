@@ -90,16 +90,12 @@ StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
   petsc.run(ranks,
             {petsc.file("matrix"), petsc.file("vectors"), petsc.file("solution"),
              format("%.17g", kPetscTolerance)},
-            [&](const char* line) {
-              char stage[128];
-              double share = 0;
+            progress, [&](const char* line) {
               std::size_t rank = 0;
               Process process;
-              if (std::sscanf(line, "stage %lf %127[^\n]", &share, stage) == 2)
-                progress.stage("PETSc: " + std::string(stage), share);
-              else if (std::sscanf(line, "process %zu %lf %lf", &rank, &process.bytes,
-                                   &process.seconds) == 3 &&
-                       rank < processes.size())
+              if (std::sscanf(line, "process %zu %lf %lf", &rank, &process.bytes,
+                              &process.seconds) == 3 &&
+                  rank < processes.size())
                 processes[rank] = process;
               else
                 std::sscanf(line, "iterations %d", &iterations);

@@ -1,4 +1,4 @@
-#include "devices/wake_count.hpp"
+#include "devices/real_time.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
 #include "externals/playability_map/map_worker.hpp"
 #include "files/background_thread.hpp"

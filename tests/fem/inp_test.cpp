@@ -46,7 +46,7 @@ TEST_CASE("a CalculiX file is read in each way that it may be written") {
     const Mesh mesh = deck.read(same);
     CHECK(mesh.nodes == whole.nodes);
     CHECK(mesh.connectivity == whole.connectivity);
-    CHECK(lower(mesh.regions.at(0)) == "e");
+    CHECK(tactus::lower(mesh.regions.at(0)) == "e");
     CHECK(mesh.regions.size() == 1);
   }
   CHECK(deck.said.find("1 elements of S3 (line 10) have no volume") != std::string::npos);

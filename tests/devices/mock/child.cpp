@@ -36,7 +36,7 @@ struct Lines {
   }
 };
 
-constexpr int kHardwarePriority = 80; // devices/thread_priority.hpp: drivers have 60 and 61
+constexpr int kHardwarePriority = 80; // devices/real_time.hpp: drivers have 60 and 61
 
 void set_scheduling(int policy, int priority) {
   sched_param parameters{};

@@ -1,4 +1,4 @@
-#include "devices/precise_sleep.hpp"
+#include "devices/real_time.hpp"
 
 #include <chrono>
 #include <thread>
@@ -37,6 +37,30 @@ void PreciseSleep::until(double time_s) noexcept {
     std::this_thread::sleep_for(std::chrono::duration<double>(left_s));
   else
     WaitForSingleObject(timer_, INFINITE);
+}
+
+/// Windows has no real-time policy for a user's thread; the highest class that needs no right is
+/// TIME_CRITICAL, above all threads of normal programs.
+Scheduling raise_thread_priority(int) noexcept {
+  return SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_TIME_CRITICAL) != 0
+             ? Scheduling::kNice
+             : Scheduling::kOther;
+}
+
+static_assert(sizeof(std::atomic<int>) == sizeof(int) && std::atomic<int>::is_always_lock_free);
+
+void WakeCount::wake() noexcept {
+  count_.fetch_add(1, std::memory_order_release);
+  WakeByAddressSingle(&count_);
+}
+
+int WakeCount::wait(int seen) noexcept {
+  for (;;) {
+    const int now = count_.load(std::memory_order_acquire);
+    if (now != seen)
+      return now;
+    WaitOnAddress(&count_, &seen, sizeof seen, INFINITE); // returns at once if it has changed
+  }
 }
 
 } // namespace tactus::devices

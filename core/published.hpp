@@ -1,11 +1,15 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <utility>
 
 /// Shares an object of one external with other externals by name. Externals are separate modules
-/// without common variables, so Max's symbol table carries the pointer. Any thread but audio's.
-namespace tactus::max {
+/// without common variables, so the host's symbol table carries the pointer: each shell defines
+/// PublishedObject and find_published() by it. Any thread but audio's.
+namespace tactus {
 
 /// Publishes an object under a name until this is destroyed.
 class PublishedObject {
@@ -26,4 +30,20 @@ private:
 /// Null when nothing is published under the name.
 [[nodiscard]] std::shared_ptr<void> find_published(std::string_view name);
 
-} // namespace tactus::max
+/// What one object publishes (Host::publish()).
+class PublishedObjects {
+public:
+  /// Null takes back what is published under the name. False when it is taken, or there is nothing
+  /// to take back.
+  bool publish(std::string_view name, const std::shared_ptr<void>& what) {
+    if (!what)
+      return all_.erase(std::string(name)) > 0;
+    auto made = PublishedObject::make(name, what);
+    return made && all_.emplace(std::string(name), std::move(made)).second;
+  }
+
+private:
+  std::map<std::string, std::unique_ptr<PublishedObject>> all_;
+};
+
+} // namespace tactus
