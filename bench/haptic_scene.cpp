@@ -25,6 +25,7 @@ namespace {
 
 using namespace tactus::haptic;
 using tactus::Random;
+using tactus::Vec3;
 
 constexpr std::size_t kTicks = 4000;
 constexpr int kRuns = 5;

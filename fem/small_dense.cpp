@@ -44,8 +44,8 @@ std::vector<double> solve_of_any_rank(std::vector<double> a, std::span<const dou
   return x;
 }
 
-Eigenpairs3 symmetric_eigenpairs(const std::array<Vector3, 3>& rows) noexcept {
-  std::array<Vector3, 3> a = rows, axis{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+Eigenpairs3 symmetric_eigenpairs(const std::array<Vec3, 3>& rows) noexcept {
+  std::array<Vec3, 3> a = rows, axis{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const auto at = [&](int i, int j) -> double& { return a[static_cast<std::size_t>(i)][j]; };
   for (int sweep = 0; sweep < 30; ++sweep) { // six are enough; a matrix that is no number ends too
     const double off = std::abs(at(0, 1)) + std::abs(at(0, 2)) + std::abs(at(1, 2));
@@ -66,8 +66,8 @@ Eigenpairs3 symmetric_eigenpairs(const std::array<Vector3, 3>& rows) noexcept {
       at(p, q) = at(q, p) = 0;
       at(p, r) = at(r, p) = c * pr - s * qr;
       at(q, r) = at(r, q) = s * pr + c * qr;
-      Vector3 &one = axis[static_cast<std::size_t>(p)], &other = axis[static_cast<std::size_t>(q)];
-      const Vector3 before = one;
+      Vec3 &one = axis[static_cast<std::size_t>(p)], &other = axis[static_cast<std::size_t>(q)];
+      const Vec3 before = one;
       one = c * before - s * other;
       other = s * before + c * other;
     }

@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 #include <span>
@@ -23,9 +23,9 @@ namespace tactus::fem {
 
 /// Of a symmetric 3 x 3 matrix, by Jacobi's rotations.
 struct Eigenpairs3 {
-  std::array<double, 3> values;   ///< ascending
-  std::array<Vector3, 3> vectors; ///< orthonormal
+  std::array<double, 3> values; ///< ascending
+  std::array<Vec3, 3> vectors;  ///< orthonormal
 };
-[[nodiscard]] Eigenpairs3 symmetric_eigenpairs(const std::array<Vector3, 3>& rows) noexcept;
+[[nodiscard]] Eigenpairs3 symmetric_eigenpairs(const std::array<Vec3, 3>& rows) noexcept;
 
 } // namespace tactus::fem

@@ -52,7 +52,7 @@ void read_text(std::string_view text, MeshFormat format, const MeshLimits& limit
 std::string line_text(std::size_t line) { return "line " + std::to_string(line) + ": "; }
 
 bool add_point(Words& words, std::size_t line, PolygonMesh& mesh) {
-  haptic::Vec3 p;
+  Vec3 p;
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = words.next();
     const auto value = to_number(word);

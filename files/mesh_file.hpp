@@ -16,7 +16,7 @@ namespace tactus::files {
 
 /// The polygons of a file as they are written there.
 struct PolygonMesh {
-  std::vector<haptic::Vec3> points;  ///< in the file's own unit
+  std::vector<Vec3> points;          ///< in the file's own unit
   std::vector<std::uint32_t> corner; ///< numbers of points: the polygons one after the other
   std::vector<std::uint32_t> end;    ///< of each polygon in `corner`; empty: all are triangles
   std::vector<std::uint32_t> group;  ///< of each polygon, in `groups`; empty: all are of the first

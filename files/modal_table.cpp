@@ -40,7 +40,7 @@ std::array<double, 3> triple(const Json& object, std::string_view name) {
 void read_orthotropy(TableArrays& arrays, const Json& meta, Material& material) {
   const auto axis = [&](std::string_view name) {
     const auto xyz = triple(meta, name);
-    return haptic::Vec3{xyz[0], xyz[1], xyz[2]};
+    return Vec3{xyz[0], xyz[1], xyz[2]};
   };
   modal::Orthotropy own{triple(meta, "E"), triple(meta, "G"), triple(meta, "nu")};
   if (meta.find("axis_1") || meta.find("axis_2")) {

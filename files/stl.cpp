@@ -75,7 +75,7 @@ void read_binary_stl(std::string_view bytes, const MeshLimits& limits, PolygonMe
   for (std::size_t t = 0; t < count; ++t) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = kHeader + kRecord * t + kNormal + 12 * c;
-      haptic::Vec3 p;
+      Vec3 p;
       for (int axis = 0; axis < 3; ++axis)
         p[axis] = static_cast<double>(
             std::bit_cast<float>(read_uint32(bytes, at + 4 * static_cast<std::size_t>(axis))));

@@ -7,8 +7,6 @@
 namespace tactus::net {
 namespace {
 
-using haptic::Vec3;
-
 Message& add_mm(Message& message, const Vec3& position_m) {
   for (int axis = 0; axis < 3; ++axis)
     message.real(position_m[axis] * kMm_per_m);

@@ -17,9 +17,9 @@ namespace tactus::net {
 /// A client's settings, sent after every connection. m, N
 struct ClientSetup {
   std::optional<haptic::Workspace> workspace{};
-  std::vector<haptic::Vec3> points{};
+  std::vector<Vec3> points{};
   std::optional<stress::RenderGains> gains{};
-  std::optional<haptic::Vec3> anchor{};
+  std::optional<Vec3> anchor{};
   std::optional<double> force_limit_n{};
 };
 
@@ -64,8 +64,8 @@ public:
   void set(ClientSetup setup);
   void start(RenderMode mode);
   void stop();
-  void send_force(const haptic::Vec3& force_n);
-  void send_feedback(const haptic::Vec3& gamma);
+  void send_force(const Vec3& force_n);
+  void send_feedback(const Vec3& gamma);
 
   [[nodiscard]] OutQueue& out() noexcept { return out_; }
   /// Welcome, and the first position is there.
@@ -73,11 +73,11 @@ public:
   /// start() has been called and the server has not ended it.
   [[nodiscard]] bool in_control() const noexcept { return in_control_; }
   [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
-  [[nodiscard]] const haptic::Vec3& position() const noexcept { return position_; } ///< m
-  [[nodiscard]] double position_s() const noexcept { return position_s_; } ///< of its arrival
+  [[nodiscard]] const Vec3& position() const noexcept { return position_; } ///< m
+  [[nodiscard]] double position_s() const noexcept { return position_s_; }  ///< of its arrival
   /// The velocity that the server's servo has estimated, m/s. Differences of positions received
   /// over a network would contain its jitter: two positions in one tick, none in the next.
-  [[nodiscard]] const haptic::Vec3& velocity() const noexcept { return velocity_; }
+  [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
   /// Counts the times that the server refused or ended our control.
   [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
@@ -107,7 +107,7 @@ private:
   DatagramReceiver datagrams_{};
   bool udp_refused_ = false;
   std::optional<std::int32_t> position_sequence_{}, velocity_sequence_{};
-  haptic::Vec3 position_{}, velocity_{};
+  Vec3 position_{}, velocity_{};
   double position_s_ = -1e9;
   std::uint32_t buttons_ = 0, refusals_ = 0;
   std::optional<double> round_trip_s_{};

@@ -18,7 +18,6 @@ namespace tactus::net {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 

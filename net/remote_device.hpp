@@ -30,7 +30,7 @@ public:
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   /// "HOST PORT", "device HOST" or "device HOST:PORT", "host HOST PORT", "token FILE", "rate HZ",
   /// "udp 0" or "udp 1"; "udp 0|1" may also stand behind HOST PORT.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -63,8 +63,8 @@ private:
   void set_trouble(const std::string& trouble);
   void update_caps(const Welcome& welcome, double round_trip_s, double rate_hz) noexcept;
 
-  haptic::Mailbox<Sample> samples_;
-  haptic::TimedMailbox<haptic::Vec3> forces_;
+  Mailbox<Sample> samples_;
+  haptic::TimedMailbox<Vec3> forces_;
   std::thread thread_;
   std::atomic<bool> stop_{false}, cancelled_{false};
 
@@ -72,7 +72,7 @@ private:
   unsigned name_ = std::random_device{}() % 100000; ///< tells clients apart
   Sample sample_{};
   double down_until_s_ = 0, failed_until_s_ = 0, sent_s_ = 0;
-  haptic::Vec3 sent_force_{};
+  Vec3 sent_force_{};
   bool may_start_ = false; ///< no force was written since the connection, or since a refusal
   std::uint32_t refusals_ = 0, failures_ = 0;
   std::string notice_{}; ///< what is worth telling while nothing is wrong
@@ -80,7 +80,7 @@ private:
   std::atomic<std::uint32_t> failures_seen_{0};
 
   // The servo's
-  haptic::Vec3 last_position_{};
+  Vec3 last_position_{};
   haptic::Caps caps_{};
   haptic::Identity identity_{};
 

@@ -2,8 +2,6 @@
 
 namespace tactus::net {
 
-using haptic::Vec3;
-
 Vec3 RenderModel::force(const haptic::Tick& tick, const haptic::State& state) noexcept {
   const bool fresh = requests_.read();
   const RenderRequest& request = requests_.latest();

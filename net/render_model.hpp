@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/servo/mailbox.hpp"
+#include "core/dsp/mailbox.hpp"
 #include "core/haptic/servo/servo.hpp"
 #include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"
@@ -17,8 +17,8 @@ struct RenderRequest {
   RenderMode mode = RenderMode::kStopped;
   stress::RenderGains gains{};
   bool anchored = false;    ///< else the anchor is where the handle was at the start
-  haptic::Vec3 anchor{};    ///< m
-  haptic::Vec3 gamma{};     ///< of each axis, 0..1
+  Vec3 anchor{};            ///< m
+  Vec3 gamma{};             ///< of each axis, 0..1
   std::uint64_t starts = 0; ///< counts `start`
   friend bool operator==(const RenderRequest&, const RenderRequest&) = default;
 };
@@ -30,11 +30,10 @@ public:
   /// For the thread of the network.
   void set(const RenderRequest& request) noexcept { requests_.write(request); }
 
-  [[nodiscard]] haptic::Vec3 force(const haptic::Tick& tick,
-                                   const haptic::State& state) noexcept override;
+  [[nodiscard]] Vec3 force(const haptic::Tick& tick, const haptic::State& state) noexcept override;
 
 private:
-  haptic::Mailbox<RenderRequest> requests_;
+  Mailbox<RenderRequest> requests_;
   stress::LinearGlide gamma_{}, anchor_{};
   std::uint64_t starts_ = 0;
   bool waiting_ = false; ///< for a position to be the anchor

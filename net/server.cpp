@@ -142,7 +142,7 @@ void Server::advance(const DeviceReport& report, double now_s) {
   if (controller_ && (report.emergency_stopped || report.faults != faults_))
     release_control(report.emergency_stopped ? "estop" : "fault");
   if (controller_ && now_s - controller_->last_message_s >= kSilence_s &&
-      !(servo_command_.force_n == haptic::Vec3{})) {
+      !(servo_command_.force_n == Vec3{})) {
     servo_command_.force_n = {}; // a client that sends again begins at zero force
     ++servo_command_.forces;
   }

@@ -44,7 +44,7 @@ struct Clipping {
 struct ServoCommand {
   bool running = false; ///< a client has sent start; else the motors are off
   RenderRequest render{};
-  haptic::Vec3 force_n{};   ///< of force mode
+  Vec3 force_n{};           ///< of force mode
   std::uint64_t forces = 0; ///< counts the forces that came
   double alive_s = -1e9;    ///< when the controlling client was last heard
   double force_limit_n = 0; ///< the server's, or less
@@ -163,7 +163,7 @@ private:
   std::optional<double> origin_s_{}; ///< of milliseconds()
 
   std::optional<std::size_t> grabbed_{}; ///< a control point of the controller's
-  haptic::Vec3 grab_offset_{};
+  Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
   std::vector<std::string> notices_{};
   std::optional<Clipping> clipping_{};

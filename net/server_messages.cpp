@@ -7,8 +7,6 @@
 namespace tactus::net {
 namespace {
 
-using haptic::Vec3;
-
 std::optional<RenderMode> mode_of(std::string_view word) noexcept {
   if (word == "spring")
     return RenderMode::kSpring;

@@ -5,8 +5,6 @@
 namespace tactus::net {
 namespace {
 
-using haptic::Vec3;
-
 /// N numbers and nothing else.
 template <std::size_t N>
 bool numbers(const Message& message, std::array<double, N>& values) noexcept {

@@ -3,11 +3,7 @@
 #include "net/limits.hpp"
 
 namespace tactus::net {
-namespace {
-
-using haptic::Vec3;
-
-} // namespace
+namespace {} // namespace
 
 void Server::send_streams(Session& session, double now_s) {
   const auto sample = [&](Address address, const Vec3& v) {

@@ -12,10 +12,10 @@ namespace tactus::net {
 
 /// The settings of a client; they take effect while that client is in control.
 struct Setup {
-  haptic::Workspace workspace{};      ///< m; dragged points stay inside
-  std::vector<haptic::Vec3> points{}; ///< control points, m
+  haptic::Workspace workspace{}; ///< m; dragged points stay inside
+  std::vector<Vec3> points{};    ///< control points, m
   stress::RenderGains gains{};
-  std::optional<haptic::Vec3> anchor{}; ///< m
+  std::optional<Vec3> anchor{}; ///< m
   double force_limit_n = 0;
 };
 
@@ -31,16 +31,16 @@ public:
   [[nodiscard]] bool open() const noexcept { return open_; }
   [[nodiscard]] std::size_t size() const noexcept { return points_.size(); }
   [[nodiscard]] std::size_t missing() const noexcept { return missing_; }
-  void set(std::size_t id, const haptic::Vec3& position) noexcept {
+  void set(std::size_t id, const Vec3& position) noexcept {
     points_[id] = position;
     missing_ -= is_set_[id] ? 0 : 1;
     is_set_[id] = true;
   }
   void close() noexcept { open_ = false; }
-  [[nodiscard]] const std::vector<haptic::Vec3>& points() const noexcept { return points_; }
+  [[nodiscard]] const std::vector<Vec3>& points() const noexcept { return points_; }
 
 private:
-  std::vector<haptic::Vec3> points_{};
+  std::vector<Vec3> points_{};
   std::vector<bool> is_set_{};
   std::size_t missing_ = 0;
   bool open_ = false;

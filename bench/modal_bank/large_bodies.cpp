@@ -24,6 +24,7 @@ double thread_cpu_seconds() {
 namespace {
 
 using namespace tactus::modal;
+using tactus::Vec3;
 
 constexpr double kWidth = 1.5, kHeight = 1.2, kThickness = 0.5e-3; // m
 constexpr std::size_t kColumns = 60, kRows = 40;

@@ -10,15 +10,15 @@
 namespace tactus::design {
 
 void displace(std::span<const DesignParameter> parameters, std::size_t control_point,
-              const haptic::Vec3& by_m, std::span<double> displacement_m) noexcept {
+              const Vec3& by_m, std::span<double> displacement_m) noexcept {
   for (std::size_t p = 0; p < parameters.size(); ++p)
     if (const DesignParameter& parameter = parameters[p]; parameter.control_point == control_point)
       displacement_m[p] = std::clamp(by_m[parameter.axis], parameter.low_m, parameter.high_m);
 }
 
-haptic::Vec3 displacement_of(std::span<const DesignParameter> parameters, std::size_t control_point,
-                             std::span<const double> displacement_m) noexcept {
-  haptic::Vec3 by_m;
+Vec3 displacement_of(std::span<const DesignParameter> parameters, std::size_t control_point,
+                     std::span<const double> displacement_m) noexcept {
+  Vec3 by_m;
   for (std::size_t p = 0; p < parameters.size(); ++p)
     if (const DesignParameter& parameter = parameters[p]; parameter.control_point == control_point)
       by_m[parameter.axis] = displacement_m[p];

@@ -19,7 +19,7 @@ struct DesignParameter {
 /// What a part's shape depends on in a table that holds derivatives with respect to it.
 struct ShapeParameters {
   std::vector<DesignParameter> parameters;
-  std::vector<haptic::Vec3> control_point_m; ///< of the undeformed part
+  std::vector<Vec3> control_point_m; ///< of the undeformed part
   double trust_m = 0; ///< largest displacement of a control point for which Taylor's error is small
 };
 
@@ -28,12 +28,12 @@ inline constexpr std::size_t kMaxControlPoints = 4096; // as the haptic protocol
 /// Displaces a control point, each coordinate within its parameter's bounds; one that has no
 /// parameter stays. `displacement_m` are those of all parameters.
 void displace(std::span<const DesignParameter> parameters, std::size_t control_point,
-              const haptic::Vec3& by_m, std::span<double> displacement_m) noexcept;
+              const Vec3& by_m, std::span<double> displacement_m) noexcept;
 
 /// The displacement of a control point; 0 along a coordinate that has no parameter.
-[[nodiscard]] haptic::Vec3 displacement_of(std::span<const DesignParameter> parameters,
-                                           std::size_t control_point,
-                                           std::span<const double> displacement_m) noexcept;
+[[nodiscard]] Vec3 displacement_of(std::span<const DesignParameter> parameters,
+                                   std::size_t control_point,
+                                   std::span<const double> displacement_m) noexcept;
 
 /// "control point 9: expected 0..2" when there is none of this number among `count`, or none that
 /// can move; else empty.

@@ -9,8 +9,6 @@
 
 namespace tactus::modal {
 
-using haptic::Vec3;
-
 /// A point on a triangulated surface.
 struct SurfacePoint {
   std::size_t triangle = 0;

@@ -3,37 +3,40 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tactus::haptic {
+namespace tactus {
 
-/// A vector of three doubles in the project frame: x right, y up, z towards the user. The unit is
-/// the quantity's: m, m/s, N.
+/// A vector of three doubles, as a rule in the project frame: x right, y up, z towards the user.
+/// The unit is the quantity's: m, m/s, N.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
-  double& operator[](int axis) noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
-  double operator[](int axis) const noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
-  Vec3& operator+=(const Vec3& b) noexcept { return *this = {x + b.x, y + b.y, z + b.z}; }
-  Vec3& operator-=(const Vec3& b) noexcept { return *this = {x - b.x, y - b.y, z - b.z}; }
-  friend bool operator==(const Vec3&, const Vec3&) = default;
+  constexpr double& operator[](int axis) noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr double operator[](int axis) const noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr Vec3& operator+=(const Vec3& b) noexcept { return *this = {x + b.x, y + b.y, z + b.z}; }
+  constexpr Vec3& operator-=(const Vec3& b) noexcept { return *this = {x - b.x, y - b.y, z - b.z}; }
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 
-inline Vec3 operator+(Vec3 a, const Vec3& b) noexcept { return a += b; }
-inline Vec3 operator-(Vec3 a, const Vec3& b) noexcept { return a -= b; }
-inline Vec3 operator-(const Vec3& a) noexcept { return {-a.x, -a.y, -a.z}; }
-inline Vec3 operator*(const Vec3& a, double s) noexcept { return {a.x * s, a.y * s, a.z * s}; }
-inline Vec3 operator*(double s, const Vec3& a) noexcept { return a * s; }
-inline double dot(const Vec3& a, const Vec3& b) noexcept {
+constexpr Vec3 operator+(Vec3 a, const Vec3& b) noexcept { return a += b; }
+constexpr Vec3 operator-(Vec3 a, const Vec3& b) noexcept { return a -= b; }
+constexpr Vec3 operator-(const Vec3& a) noexcept { return {-a.x, -a.y, -a.z}; }
+constexpr Vec3 operator*(const Vec3& a, double s) noexcept { return {a.x * s, a.y * s, a.z * s}; }
+constexpr Vec3 operator*(double s, const Vec3& a) noexcept { return a * s; }
+constexpr double dot(const Vec3& a, const Vec3& b) noexcept {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
+constexpr Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline bool is_finite(const Vec3& a) noexcept {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Euclidean length. The components are scaled first, so that their squares neither overflow nor
-/// underflow.
+/// Euclidean length, sqrt(a . a), of what can be neither huge nor tiny: a place, an edge of a mesh.
+inline double length(const Vec3& a) noexcept { return std::sqrt(dot(a, a)); }
+
+/// Euclidean length of any vector. The components are scaled first, so that their squares neither
+/// overflow nor underflow.
 inline double norm(const Vec3& a) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
   if (!(largest > 0.0) || !std::isfinite(largest))
@@ -55,4 +58,4 @@ inline Vec3 limited(const Vec3& a, double max_norm) noexcept {
   return largest * length > max_norm ? scaled * (max_norm / length) : a;
 }
 
-} // namespace tactus::haptic
+} // namespace tactus

@@ -14,22 +14,22 @@ class LinearGlide {
 public:
   static constexpr double kMax_s = 0.05;
   /// Takes the value at once.
-  void jump(const haptic::Vec3& value) noexcept {
+  void jump(const Vec3& value) noexcept {
     value_ = target_ = value;
     fade_end_s_ = 0;
   }
-  [[nodiscard]] const haptic::Vec3& target() const noexcept { return target_; }
+  [[nodiscard]] const Vec3& target() const noexcept { return target_; }
   [[nodiscard]] bool moving() const noexcept { return !(value_ == target_); }
-  void go(const haptic::Vec3& target, double now_s) noexcept {
+  void go(const Vec3& target, double now_s) noexcept {
     approach(target, now_s, std::clamp(now_s - since_s_, 0.0, kMax_s));
   }
   /// Goes to a target within fade_s.
-  void fade(const haptic::Vec3& target, double now_s, double fade_s) noexcept {
+  void fade(const Vec3& target, double now_s, double fade_s) noexcept {
     fade_end_s_ = now_s + fade_s;
     approach(target, now_s, fade_s);
   }
   /// Value at a time.
-  [[nodiscard]] haptic::Vec3 at(double now_s) noexcept {
+  [[nodiscard]] Vec3 at(double now_s) noexcept {
     if (value_ == target_)
       return value_;
     const double share = length_s_ > 0 ? (now_s - since_s_) / length_s_ : 1.0;
@@ -37,14 +37,14 @@ public:
   }
 
 private:
-  void approach(const haptic::Vec3& target, double now_s, double length_s) noexcept {
+  void approach(const Vec3& target, double now_s, double length_s) noexcept {
     from_ = at(now_s);
     length_s_ = std::max(length_s, fade_end_s_ - now_s);
     since_s_ = now_s;
     target_ = target;
   }
 
-  haptic::Vec3 value_{}, target_{}, from_{};
+  Vec3 value_{}, target_{}, from_{};
   double since_s_ = 0, length_s_ = 0, fade_end_s_ = 0;
 };
 

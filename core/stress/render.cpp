@@ -3,8 +3,6 @@
 namespace tactus::stress {
 namespace {
 
-using haptic::Vec3;
-
 /// -(low + (high - low) gamma) motion on each axis.
 Vec3 opposing(double low, double high, const Vec3& gamma, const Vec3& motion) noexcept {
   Vec3 force;

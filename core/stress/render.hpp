@@ -15,11 +15,11 @@ struct RenderGains {
 
 /// Spring force, N: F = -k (x - anchor), k = kmin + (kmax - kmin) gamma per axis. gamma is clamped
 /// to 0..1. displacement: x - anchor, m.
-[[nodiscard]] haptic::Vec3 spring_force(const RenderGains& gains, const haptic::Vec3& gamma,
-                                        const haptic::Vec3& displacement) noexcept;
+[[nodiscard]] Vec3 spring_force(const RenderGains& gains, const Vec3& gamma,
+                                const Vec3& displacement) noexcept;
 
 /// Damper force, N: F = -b v, b = bmin + (bmax - bmin) gamma per axis. velocity: m/s.
-[[nodiscard]] haptic::Vec3 damper_force(const RenderGains& gains, const haptic::Vec3& gamma,
-                                        const haptic::Vec3& velocity) noexcept;
+[[nodiscard]] Vec3 damper_force(const RenderGains& gains, const Vec3& gamma,
+                                const Vec3& velocity) noexcept;
 
 } // namespace tactus::stress

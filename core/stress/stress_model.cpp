@@ -5,8 +5,6 @@
 
 namespace tactus::stress {
 
-using haptic::Vec3;
-
 StressModel::StressModel(std::shared_ptr<const StressTable> table) : table_(std::move(table)) {
   terms_.reserve(table_->parameters.size());
   moves_m_.resize(table_->control_point_m.size());
@@ -105,7 +103,7 @@ double StressModel::distance_m(std::span<const double> a, std::span<const double
   }
   double longest = 0;
   for (const Vec3& move : moves_m_)
-    longest = std::max(longest, haptic::norm(move));
+    longest = std::max(longest, norm(move));
   return longest;
 }
 

@@ -11,10 +11,10 @@ namespace tactus::stress {
 
 /// Feedback of one shape of the part. The three components differ only in the axis mapping.
 struct Feedback {
-  haptic::Vec3 raw, min, max; ///< g and its range: Pa, or Pa^2/m in the weighted and axis mappings
-  haptic::Vec3 gamma;         ///< 0..1
-  double mean_pa = 0;         ///< weighted mean of the stress, in every mapping
-  double peak_pa = 0;         ///< largest stress of an element
+  Vec3 raw, min, max;     ///< g and its range: Pa, or Pa^2/m in the weighted and axis mappings
+  Vec3 gamma;             ///< 0..1
+  double mean_pa = 0;     ///< weighted mean of the stress, in every mapping
+  double peak_pa = 0;     ///< largest stress of an element
   double trust_ratio = 0; ///< largest displacement of a control point from the base / trust size
   friend bool operator==(const Feedback&, const Feedback&) = default;
 };
@@ -66,7 +66,7 @@ private:
   double weight_sum_ = 0;
   double scale_pa_ = 1; ///< divisor in the sum of powers: largest stress of the table's own base
   std::vector<TaylorTerm> terms_;
-  std::vector<haptic::Vec3> moves_m_; ///< [C]
+  std::vector<Vec3> moves_m_; ///< [C]
   Feedback feedback_;
 };
 

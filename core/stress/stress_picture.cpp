@@ -8,8 +8,6 @@
 
 namespace tactus::stress {
 
-using haptic::Vec3;
-
 namespace {
 
 constexpr double kEdgeOn = 1e-3; // cosine between normal and view below which a face is not seen
@@ -40,8 +38,8 @@ StressPicture::StressPicture(const StressTable& table) {
   std::vector<std::pair<double, std::array<std::int32_t, 3>>> visible;
   for (const auto& triangle : table.surface_triangle) {
     const Vec3 a = at(triangle[0]), b = at(triangle[1]), c = at(triangle[2]);
-    const Vec3 normal = haptic::cross(b - a, c - a);
-    if (normal.z > kEdgeOn * haptic::norm(normal))
+    const Vec3 normal = cross(b - a, c - a);
+    if (normal.z > kEdgeOn * norm(normal))
       visible.emplace_back(a.z + b.z + c.z, triangle);
   }
   std::stable_sort(visible.begin(), visible.end(),

@@ -35,9 +35,9 @@ struct StressTable {
   StressBase base;
   std::vector<float> weight; ///< [N] m^3, or empty
   std::vector<DesignParameter> parameters;
-  std::vector<haptic::Vec3> control_point_m;
+  std::vector<Vec3> control_point_m;
   double trust_m = 0; ///< largest displacement of a control point for which Taylor's error is small
-  std::vector<haptic::Vec3> surface_node_m;                  ///< for drawing, or empty
+  std::vector<Vec3> surface_node_m;                          ///< for drawing, or empty
   std::vector<std::array<std::int32_t, 3>> surface_triangle; ///< counterclockwise from outside
   std::vector<std::int32_t> surface_node_element;            ///< [V] element that colours the node
   std::vector<float> surface_weight; ///< [V][C] motion of a node over a control point's, or empty

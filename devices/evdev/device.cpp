@@ -18,7 +18,6 @@ namespace tactus::devices::evdev {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 
 constexpr auto kBetweenUploads = std::chrono::milliseconds(4);
 // linux/input.h, struct ff_replay: above 32767 ms is unspecified; 0, which many drivers take for

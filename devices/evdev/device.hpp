@@ -30,7 +30,7 @@ public:
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   /// "device WHICH" (index, /dev/input/eventN or serial), "reach MM" (1..1000), "peak N" (0.1..40),
   /// "wheel 0|1|auto" (force along x alone), "reverse 0|1" (of the force, not of the position).
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -74,7 +74,7 @@ private:
   std::mutex settings_mutex_;
   Settings settings_, active_settings_;
 
-  haptic::TimedMailbox<haptic::Vec3> forces_;
+  haptic::TimedMailbox<Vec3> forces_;
   std::thread sender_;
   std::atomic<bool> stop_{false};
   ff_effect effect_{}; ///< as uploaded last

@@ -6,7 +6,7 @@
 
 namespace tactus::devices::evdev {
 
-ConstantForce constant_force(const haptic::Vec3& force_n, double peak_n, bool two_axes) noexcept {
+ConstantForce constant_force(const Vec3& force_n, double peak_n, bool two_axes) noexcept {
   const double x = force_n.x, z = force_n.z;
   if (!two_axes) {
     constexpr std::uint16_t kLeft = 0x4000;

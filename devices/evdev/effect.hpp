@@ -18,7 +18,7 @@ struct ConstantForce {
 /// put 0x4000 in its place (drivers/hid/usbhid/hid-pidff.c, PIDFF_FIXED_WHEEL_DIRECTION), so it is
 /// always that, left, and a positive level pulls to the left. A force that is not finite gives
 /// none.
-[[nodiscard]] ConstantForce constant_force(const haptic::Vec3& force_n, double peak_n,
+[[nodiscard]] ConstantForce constant_force(const Vec3& force_n, double peak_n,
                                            bool two_axes) noexcept;
 
 } // namespace tactus::devices::evdev

@@ -27,12 +27,12 @@ void FrozenEncoderDetector::end_test(double period_s) noexcept {
   gain_ = std::min(1.0, gain_ + period_s / kReturn_s);
 }
 
-void FrozenEncoderDetector::update(bool changed, const haptic::Vec3& commanded_n, double period_s,
+void FrozenEncoderDetector::update(bool changed, const Vec3& commanded_n, double period_s,
                                    bool active) noexcept {
   if (!(period_s > 0))
     return;
   since_test_s_ += period_s;
-  const haptic::Vec3 finite = haptic::limited(commanded_n, kMaxForce_n);
+  const Vec3 finite = limited(commanded_n, kMaxForce_n);
   const double smoothing = std::min(1.0, period_s / kLowPass_s);
   commanded_ += (finite - commanded_) * smoothing;
   sent_ += (finite * gain_ - sent_) * smoothing;

@@ -36,7 +36,7 @@ public:
   /// One tick of period_s. changed: any count differs from the last tick's. commanded_n: the
   /// requested force before gain(), N. active: homed, so that counts and force mean something;
   /// else reset().
-  void update(bool changed, const haptic::Vec3& commanded_n, double period_s, bool active) noexcept;
+  void update(bool changed, const Vec3& commanded_n, double period_s, bool active) noexcept;
 
   /// Factor for the requested force, 0 to 1.
   [[nodiscard]] double gain() const noexcept { return gain_; }
@@ -45,12 +45,12 @@ public:
 private:
   void end_test(double period_s) noexcept;
 
-  haptic::Vec3 commanded_{}, sent_{}; // low-passed, N
-  haptic::Vec3 reference_{};          // sent_ at the last change of a count, N
-  double still_s_ = 0;                // since a count changed, under force
-  double mismatch_s_ = 0;             // time that the force was outside the band around reference_
-  double zero_force_s_ = 0;           // since the force has faded out
-  double wait_s_ = kWait_s;           // still_s_ at which the next test begins
+  Vec3 commanded_{}, sent_{}; // low-passed, N
+  Vec3 reference_{};          // sent_ at the last change of a count, N
+  double still_s_ = 0;        // since a count changed, under force
+  double mismatch_s_ = 0;     // time that the force was outside the band around reference_
+  double zero_force_s_ = 0;   // since the force has faded out
+  double wait_s_ = kWait_s;   // still_s_ at which the next test begins
   double since_test_s_ = 1e9;
   double gain_ = 1;
   int moved_ = 0; // ticks in which a count changed, more than kSettled_s after a test

@@ -14,7 +14,6 @@
 /// Frame here: x right, y up, z from the base towards the user, origin in the base. SI, radians.
 namespace tactus::devices::falcon {
 
-using haptic::Vec3;
 using Angles = std::array<double, 3>;
 using Counts = std::array<std::int16_t, 3>;
 

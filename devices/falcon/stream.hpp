@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/dsp/mailbox.hpp"
 #include "core/haptic/device/force_timeout.hpp"
-#include "core/haptic/servo/mailbox.hpp"
 #include "devices/falcon/link.hpp"
 #include "devices/falcon/packet.hpp"
 #include "devices/real_time.hpp"
@@ -80,9 +80,9 @@ private:
 
   Link& link_;
   std::array<Transfer, 2> in_, out_;
-  haptic::Mailbox<Numbered> commands_;
+  Mailbox<Numbered> commands_;
   std::atomic<double> written_s_{-1e9}; // of the newest order
-  haptic::Mailbox<Frame> frames_;
+  Mailbox<Frame> frames_;
   ResponseParser parser_;
   std::uint64_t commands_written_ = 0; // by the servo
   std::uint64_t frame_ = 0;

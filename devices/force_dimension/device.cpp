@@ -13,7 +13,6 @@ namespace tactus::devices::force_dimension {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 
 constexpr int kSerialsFrom = 64;
 constexpr unsigned char kWatchdogSteps = 240, kNoWatchdog = 0; // of 125 us: 30 ms

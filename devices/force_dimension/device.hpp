@@ -29,7 +29,7 @@ public:
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   void set_wrist(const haptic::WristCommand& command) noexcept override;
   /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": a device that
   /// can do it initialises itself, moved by its motors; another waits for its calibration again.
@@ -42,9 +42,9 @@ private:
   [[nodiscard]] std::string open_with_retries(int requested);
   [[nodiscard]] bool set_watchdog(unsigned char steps) noexcept;
   void detect_wrist() noexcept;
-  [[nodiscard]] int send(const haptic::Vec3& force_n, const haptic::WristCommand& wrist) noexcept;
+  [[nodiscard]] int send(const Vec3& force_n, const haptic::WristCommand& wrist) noexcept;
   [[nodiscard]] bool read_device(haptic::State& state) noexcept;
-  [[nodiscard]] bool write_device(const haptic::Vec3& force_n) noexcept;
+  [[nodiscard]] bool write_device(const Vec3& force_n) noexcept;
   void update_status() noexcept;
   [[nodiscard]] bool answered(int result) noexcept;
 
@@ -66,7 +66,7 @@ private:
   std::array<int, kMaxStatus> status_{};
   haptic::ForceTimeout timeout_{};
   double written_s_ = -1e9;
-  haptic::Vec3 last_position_{};
+  Vec3 last_position_{};
   haptic::WristCommand wrist_command_{};  // of the next write
   std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
   haptic::State state_{};                 // of the tick before

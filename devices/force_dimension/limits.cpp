@@ -37,8 +37,8 @@ haptic::Caps caps_of(const Model& model) noexcept {
   caps.peak_force_n = model.peak_force_n;
   caps.stiffness_limit_n_per_m = model.stiffness_n_per_m;
   caps.damping_limit_n_s_per_m = model.damping_n_s_per_m;
-  caps.workspace_min = haptic::Vec3{1, 1, 1} * -model.radius_m;
-  caps.workspace_max = haptic::Vec3{1, 1, 1} * model.radius_m;
+  caps.workspace_min = Vec3{1, 1, 1} * -model.radius_m;
+  caps.workspace_max = Vec3{1, 1, 1} * model.radius_m;
   caps.peak_torque_n_m = model.peak_torque_n_m;
   caps.peak_grip_n = model.peak_grip_n;
   caps.position_noise_m = 1e-5;

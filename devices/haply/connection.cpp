@@ -16,7 +16,6 @@ namespace tactus::devices::haply {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/dsp/mailbox.hpp"
 #include "core/haptic/device/device.hpp"
 #include "core/haptic/device/force_timeout.hpp"
-#include "core/haptic/servo/mailbox.hpp"
 #include "devices/haply/protocol.hpp"
 
 #include <atomic>
@@ -56,7 +56,7 @@ public:
     return samples_.latest();
   }
   /// Servo's thread. N, project frame; a force that is not written again ends (force_timeout.hpp).
-  void ask(const haptic::Vec3& force_n) noexcept { forces_.write(force_n); }
+  void ask(const Vec3& force_n) noexcept { forces_.write(force_n); }
 
   /// Any thread that may wait.
   [[nodiscard]] std::string trouble() const;
@@ -74,14 +74,14 @@ private:
   [[nodiscard]] std::string set_up(Socket& socket);
   [[nodiscard]] std::string choose(const Message& inventory);
   [[nodiscard]] bool take(const Message& message);
-  [[nodiscard]] haptic::Vec3 next_force() noexcept;
+  [[nodiscard]] Vec3 next_force() noexcept;
   void set_trouble(Phase phase, const std::string& trouble);
 
   Settings settings_;
   std::thread thread_;
   std::atomic<bool> stop_{false}, leaving_{false}, cancelled_{false};
-  haptic::Mailbox<Sample> samples_;
-  haptic::TimedMailbox<haptic::Vec3> forces_;
+  Mailbox<Sample> samples_;
+  haptic::TimedMailbox<Vec3> forces_;
 
   std::atomic<bool> is_centred_{false};
 

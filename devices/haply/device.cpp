@@ -9,7 +9,6 @@ namespace tactus::devices::haply {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 
 struct Limits {
   double peak_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;

@@ -17,7 +17,7 @@ public:
   void close() noexcept override { connection_.close(); }
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   /// "device WHICH" (index or device_id), "service HOST PORT", "rate HZ" (50..4000),
   /// "peak N" (0.1..20).
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -28,7 +28,7 @@ private:
   Connection connection_;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
-  haptic::Vec3 last_position_{}; // m; the servo's thread
+  Vec3 last_position_{}; // m; the servo's thread
   std::atomic<bool> calibrated_{true};
 
   std::mutex settings_mutex_;

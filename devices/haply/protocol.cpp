@@ -8,7 +8,6 @@
 namespace tactus::devices::haply {
 namespace {
 
-using haptic::Vec3;
 using Json = nlohmann::json;
 
 /// Null when there is no such member.

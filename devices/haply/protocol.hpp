@@ -17,7 +17,7 @@ namespace tactus::devices::haply {
 /// user.
 struct DeviceState {
   std::string id, type, firmware;
-  std::optional<haptic::Vec3> position, velocity; ///< m, m/s, in the application's space
+  std::optional<Vec3> position, velocity; ///< m, m/s, in the application's space
   std::optional<bool> calibrated;
   std::optional<Transform> workspace; ///< the workspace transform
   std::optional<Transform> mount;     ///< mount, preset and basis: in answers to status_request()
@@ -28,7 +28,7 @@ struct DeviceState {
 struct Message {
   std::vector<DeviceState> devices;
   std::optional<std::uint32_t> buttons; ///< of a VerseGrip, when there is one
-  std::optional<haptic::Vec3> rotation; ///< of a VerseGrip: axis times angle, rad
+  std::optional<Vec3> rotation;         ///< of a VerseGrip: axis times angle, rad
 };
 
 /// Reads a message of the service. Nothing when the text is no JSON object. Numbers that are not
@@ -45,7 +45,7 @@ constexpr const char* kBasis = "XYZ";
 enum class ForceKey { kVector, kBoth };
 
 /// A force on one device, N, project frame.
-[[nodiscard]] std::string force_message(std::string_view device_id, const haptic::Vec3& force_n,
+[[nodiscard]] std::string force_message(std::string_view device_id, const Vec3& force_n,
                                         ForceKey key = ForceKey::kVector);
 /// The first message of a session: our name, the axes and the preset, and no force, by both keys.
 [[nodiscard]] std::string first_message(std::string_view device_id);
@@ -54,11 +54,7 @@ enum class ForceKey { kVector, kBoth };
 [[nodiscard]] std::string status_request(std::string_view device_id, bool basis);
 
 /// Vectors between the service's axes (x right, y forward, z up) and the project's.
-[[nodiscard]] inline haptic::Vec3 to_project(const haptic::Vec3& v) noexcept {
-  return {v.x, v.z, -v.y};
-}
-[[nodiscard]] inline haptic::Vec3 to_service(const haptic::Vec3& v) noexcept {
-  return {v.x, -v.z, v.y};
-}
+[[nodiscard]] inline Vec3 to_project(const Vec3& v) noexcept { return {v.x, v.z, -v.y}; }
+[[nodiscard]] inline Vec3 to_service(const Vec3& v) noexcept { return {v.x, -v.z, v.y}; }
 
 } // namespace tactus::devices::haply

@@ -10,8 +10,8 @@ namespace tactus::devices::haply {
 /// by axis in s. Project frame. A mount (where the device stands, set by a preset) and a workspace
 /// transform (navigation of a scene, which another program may set) are both of this kind.
 struct Transform {
-  haptic::Pose pose{};         ///< t, m, and R
-  haptic::Vec3 scale{1, 1, 1}; ///< s
+  haptic::Pose pose{}; ///< t, m, and R
+  Vec3 scale{1, 1, 1}; ///< s
 
   /// False for a scale or a quaternion that cannot be undone.
   [[nodiscard]] bool valid() const noexcept {
@@ -24,20 +24,16 @@ struct Transform {
            std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < kUnit;
   }
   /// R v.
-  [[nodiscard]] haptic::Vec3 rotated(const haptic::Vec3& v) const noexcept {
-    return pose.rotation.rotated(v);
-  }
+  [[nodiscard]] Vec3 rotated(const Vec3& v) const noexcept { return pose.rotation.rotated(v); }
   /// A position of the application's space as the device's own: metres of the handle.
-  [[nodiscard]] haptic::Vec3 point(const haptic::Vec3& p) const noexcept {
-    return unscaled(pose.to_local(p));
-  }
+  [[nodiscard]] Vec3 point(const Vec3& p) const noexcept { return unscaled(pose.to_local(p)); }
   /// A velocity of the application's space as the device's own.
-  [[nodiscard]] haptic::Vec3 motion(const haptic::Vec3& v) const noexcept {
+  [[nodiscard]] Vec3 motion(const Vec3& v) const noexcept {
     return unscaled(pose.rotation.inverse().rotated(v));
   }
 
 private:
-  [[nodiscard]] haptic::Vec3 unscaled(const haptic::Vec3& v) const noexcept {
+  [[nodiscard]] Vec3 unscaled(const Vec3& v) const noexcept {
     return {v.x / scale.x, v.y / scale.y, v.z / scale.z};
   }
 };

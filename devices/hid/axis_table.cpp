@@ -62,11 +62,11 @@ std::string AxisTable::read(std::string_view text) {
   return {};
 }
 
-haptic::Vec3 AxisTable::position(const Knob& knob) const noexcept {
+Vec3 AxisTable::position(const Knob& knob) const noexcept {
   return {share(knob, rows[0]), share(knob, rows[1]), share(knob, rows[2])};
 }
 
-haptic::Vec3 AxisTable::rotation(const Knob& knob) const noexcept {
+Vec3 AxisTable::rotation(const Knob& knob) const noexcept {
   return {share(knob, rows[3]), share(knob, rows[4]), share(knob, rows[5])};
 }
 

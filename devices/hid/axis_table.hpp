@@ -24,8 +24,8 @@ struct AxisTable {
   /// Empty when the text is good, else a sentence; then nothing changes.
   [[nodiscard]] std::string read(std::string_view text);
 
-  [[nodiscard]] haptic::Vec3 position(const Knob& knob) const noexcept;
-  [[nodiscard]] haptic::Vec3 rotation(const Knob& knob) const noexcept;
+  [[nodiscard]] Vec3 position(const Knob& knob) const noexcept;
+  [[nodiscard]] Vec3 rotation(const Knob& knob) const noexcept;
 };
 
 /// 0 below the dead zone, from there straight to 1 at full deflection.

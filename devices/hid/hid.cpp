@@ -163,7 +163,7 @@ bool Hid::read(const haptic::Tick& tick, haptic::State& state) noexcept {
   knobs_.read();
   const Knob& knob = knobs_.latest();
   const double dead_zone = dead_zone_.load(std::memory_order_relaxed);
-  haptic::Vec3 share = table_.position(knob), turn = table_.rotation(knob);
+  Vec3 share = table_.position(knob), turn = table_.rotation(knob);
   for (int axis = 0; axis < 3; ++axis) {
     share[axis] = apply_dead_zone(share[axis], dead_zone);
     turn[axis] = apply_dead_zone(turn[axis], dead_zone);
@@ -184,9 +184,7 @@ bool Hid::read(const haptic::Tick& tick, haptic::State& state) noexcept {
   return true;
 }
 
-bool Hid::write(const haptic::Vec3&) noexcept {
-  return device_ && !lost_.load(std::memory_order_relaxed);
-}
+bool Hid::write(const Vec3&) noexcept { return device_ && !lost_.load(std::memory_order_relaxed); }
 
 haptic::Identity Hid::identity() const {
   const std::scoped_lock lock(mutex_);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/dsp/mailbox.hpp"
 #include "core/haptic/device/device.hpp"
 #include "core/haptic/device/linear_glide.hpp"
-#include "core/haptic/servo/mailbox.hpp"
 #include "devices/hid/axis_table.hpp"
 #include "devices/hid/catalogue.hpp"
 
@@ -27,7 +27,7 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override;
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   /// Accepted and without effect: there are no motors.
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override;
   [[nodiscard]] std::string trouble() const override;
@@ -54,7 +54,7 @@ private:
   std::thread reader_;
 
   // between the threads
-  haptic::Mailbox<Knob> knobs_;
+  Mailbox<Knob> knobs_;
   std::atomic<bool> stopping_{false}, lost_{false}, rate_{false}, light_{true};
   std::atomic<double> speed_m_per_s_{0.1}, dead_zone_{0.03};
   std::atomic<int> battery_percent_{-1};
@@ -66,7 +66,7 @@ private:
   bool has_buttons_ = false;
 
   // the servo's
-  haptic::Vec3 position_{};
+  Vec3 position_{};
   haptic::LinearGlide glide_; // of deflection as position
   double time_s_ = 0;
   bool begun_ = false;

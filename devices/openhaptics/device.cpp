@@ -14,7 +14,6 @@ namespace tactus::devices::openhaptics {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 using Milliseconds = std::chrono::milliseconds;
 
 constexpr int kCalibrationCheck_ticks = 256;

@@ -23,7 +23,7 @@ public:
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
   void set_wrist(const haptic::WristCommand& command) noexcept override;
   /// "device NAME": the name under which the vendor's set-up tool knows it. "home" or "calibrate":
   /// the vendor's library looks at the calibration again.
@@ -41,7 +41,7 @@ private:
   void update_calibration_status() noexcept;
   void update_calibration(bool requested) noexcept;
   void check_error(Code error, bool warm) noexcept;
-  void send(const haptic::Vec3& force_n, const haptic::Vec3& torque_n_m) noexcept;
+  void send(const Vec3& force_n, const Vec3& torque_n_m) noexcept;
   [[nodiscard]] std::string try_names(const std::string& requested);
 
   HdLibrary library_;
@@ -62,8 +62,8 @@ private:
   int until_calibration_check_ = 0, calibrated_ticks_ = 0;
   int error_ticks_left_ = 0, warm_ticks_left_ = 0, error_free_ticks_ = 0;
   bool force_off_ = false;
-  haptic::Vec3 last_position_{};
-  haptic::Vec3 torque_n_m_{};  // of the next write
+  Vec3 last_position_{};
+  Vec3 torque_n_m_{};          // of the next write
   bool torque_driven_ = false; // since the opening; then zero is sent, too
 
   // Both sides

@@ -7,8 +7,6 @@
 namespace tactus::devices::openhaptics {
 namespace {
 
-using haptic::Vec3;
-
 struct Model {
   std::string_view word; ///< in lower case, found in the model's name
   double peak_force_n, continuous_force_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;

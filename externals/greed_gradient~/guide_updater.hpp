@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/servo/mailbox.hpp"
+#include "core/dsp/mailbox.hpp"
 #include "core/reed/playability/plane_guide.hpp"
 #include "externals/playability_map/map_worker.hpp"
 
@@ -44,7 +44,7 @@ private:
   struct Maps {
     GrowthMap map;
     PlaneGuide finished_guide;
-    haptic::Mailbox<PlaneGuide> mailbox;
+    Mailbox<PlaneGuide> mailbox;
   };
   std::shared_ptr<Maps> maps_ = std::make_shared<Maps>();
   PlaneSettings target_{}, requested_{};

@@ -9,7 +9,6 @@
 namespace tactus::haptic_server {
 namespace {
 
-using haptic::Vec3;
 using net::text_of;
 
 constexpr double kShortest_s = 5e-4;

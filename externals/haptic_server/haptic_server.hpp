@@ -56,7 +56,7 @@ private:
   std::unique_ptr<Service> service_;
   std::uint64_t ticks_ = 0;
   double stepped_s_ = 0;
-  haptic::Vec3 sent_n_{};
+  Vec3 sent_n_{};
 };
 
 struct HapticServerObject::Rows {

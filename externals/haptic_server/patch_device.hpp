@@ -14,14 +14,14 @@ public:
     state = state_;
     return true;
   }
-  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override {
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override {
     force_n_ = force_n;
     return true;
   }
 
   void set_caps(const haptic::Caps& caps) noexcept { caps_ = caps; }
   /// m; before the first there is no force.
-  void set_position(const haptic::Vec3& position) noexcept {
+  void set_position(const Vec3& position) noexcept {
     state_.position = position;
     state_.flags = haptic::State::kHomed;
   }
@@ -29,12 +29,12 @@ public:
     const std::uint32_t bit = 1u << number;
     state_.buttons = down ? state_.buttons | bit : state_.buttons & ~bit;
   }
-  [[nodiscard]] const haptic::Vec3& force_n() const noexcept { return force_n_; }
+  [[nodiscard]] const Vec3& force_n() const noexcept { return force_n_; }
 
 private:
   haptic::Caps caps_{};
   haptic::State state_{.flags = 0};
-  haptic::Vec3 force_n_{};
+  Vec3 force_n_{};
 };
 
 } // namespace tactus::haptic_server

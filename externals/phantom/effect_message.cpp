@@ -15,7 +15,6 @@ namespace tactus::phantom {
 namespace {
 
 using haptic::EffectSettings;
-using haptic::Vec3;
 using Words = std::span<const Atom>;
 
 constexpr std::array<std::string_view, 7> kNames{"constant", "spring",  "viscous", "inertia",

@@ -11,7 +11,6 @@
 namespace tactus {
 
 using namespace phantom;
-using haptic::Vec3;
 
 void Phantom::on_list(Words words, Host& host) {
   for (const Atom& atom : words)

@@ -212,7 +212,7 @@ void NamedScene::dump(Host& host) const {
     host.info({"scene", "tool", tool_radius_m_ * 1e3});
   for (const Entry& entry : entries_) {
     const haptic::Material& m = entry.body.material;
-    const haptic::Vec3 p = entry.body.pose.position * 1e3;
+    const Vec3 p = entry.body.pose.position * 1e3;
     host.info({"scene", "add", std::string_view(entry.name), std::string_view(entry.description)});
     host.info({"scene", "move", std::string_view(entry.name), p.x, p.y, p.z});
     host.info({"scene", "mat", std::string_view(entry.name), m.stiffness_n_per_m,

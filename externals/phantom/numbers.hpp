@@ -22,9 +22,7 @@ constexpr Range millimetres(std::string_view name) {
   return {name, "mm", -kMaxCoordinate_mm, kMaxCoordinate_mm};
 }
 
-[[nodiscard]] inline haptic::Vec3 metres(const double* mm) {
-  return haptic::Vec3{mm[0], mm[1], mm[2]} * 1e-3;
-}
+[[nodiscard]] inline Vec3 metres(const double* mm) { return Vec3{mm[0], mm[1], mm[2]} * 1e-3; }
 
 /// Reads one number for each range from the words. Returns a sentence when one is missing or
 /// outside its range.

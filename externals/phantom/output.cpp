@@ -104,7 +104,7 @@ void Phantom::send_contact(const haptic::ContactEvent& event, Host& host) {
   using Kind = haptic::ContactEvent::Kind;
   const Atom body = scene_.name_of(event.key);
   const double ms = message_time(patch_ms(event.time_s));
-  const haptic::Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;
+  const Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;
   switch (event.kind) {
   case Kind::kHit:
     if (reported_[kHitTag])
@@ -139,7 +139,7 @@ void Phantom::send_values(Host& host, bool all) {
   if (!has_report_)
     return;
   const haptic::Report report = exchange().reports.latest();
-  const auto send_vector = [&host](std::string_view tag, const haptic::Vec3& v) {
+  const auto send_vector = [&host](std::string_view tag, const Vec3& v) {
     host.info({tag, v.x, v.y, v.z});
   };
   if (all || reported_[kMm])
@@ -154,8 +154,7 @@ void Phantom::send_values(Host& host, bool all) {
 }
 
 void Phantom::send_workspace(Host& host) const {
-  const haptic::Vec3 low = settings_.chain.workspace.min * 1e3,
-                     high = settings_.chain.workspace.max * 1e3;
+  const Vec3 low = settings_.chain.workspace.min * 1e3, high = settings_.chain.workspace.max * 1e3;
   host.info({"workspace", low.x, low.y, low.z, high.x, high.y, high.z});
 }
 

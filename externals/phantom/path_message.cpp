@@ -11,7 +11,6 @@
 namespace tactus::phantom {
 namespace {
 
-using haptic::Vec3;
 using Words = std::span<const Atom>;
 
 constexpr Range kPeriod{"period", "ms", 1, 1e6};

@@ -207,7 +207,7 @@ private:
   haptic::SimulatedDevice::Settings simulation_{};
   haptic::Command command_{};
   haptic::WristRequest wrist_{};
-  haptic::Vec3 input_force_{}; // inlets, in the chosen units
+  Vec3 input_force_{}; // inlets, in the chosen units
   bool input_refused_ = false, input_changed_ = false;
 
   const devices::Driver* driver_ = nullptr; // null: the simulated device
@@ -238,7 +238,7 @@ private:
   std::uint64_t audio_blocks_ = 0, ticks_since_offer_ = 0;
   double audio_ms_ = -1e9; // when audio was last seen to step
 
-  std::optional<haptic::Vec3> sent_{};
+  std::optional<Vec3> sent_{};
   bool has_report_ = false;
   haptic::ClockMap clock_map_{};          // of ServoThread's clock
   double report_s_ = 0, collected_s_ = 0; // newest report, last look for one; ServoThread's clock

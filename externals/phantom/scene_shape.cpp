@@ -9,7 +9,6 @@ namespace tactus::phantom {
 namespace {
 
 using haptic::Rotation;
-using haptic::Vec3;
 using Words = std::span<const Atom>;
 
 constexpr std::size_t kMaxTriangles = 4'000'000; // of a mesh that is felt

@@ -46,7 +46,7 @@ void Phantom::set_wrist(const haptic::WristCommand& command, std::string_view me
 
 void Phantom::send_wrist(Host& host, bool all) {
   const haptic::Report& report = exchange().reports.latest();
-  const haptic::Vec3& torque = report.wrist.torque_n_m;
+  const Vec3& torque = report.wrist.torque_n_m;
   if (reported_[kTorqueTag] || (all && wrist_.on))
     host.info({"torque", torque.x, torque.y, torque.z});
   if (reported_[kGripTag] || (all && device().caps().has_gripper))

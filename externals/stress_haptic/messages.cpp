@@ -7,7 +7,6 @@
 
 namespace tactus::stress {
 
-using haptic::Vec3;
 
 namespace {
 
@@ -63,7 +62,7 @@ void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
   const Vec3 estimate = velocity_estimate_.update(position_m, now_s);
   const Vec3 velocity = numbers.size() == 6 ? Vec3{numbers[3], numbers[4], numbers[5]} : estimate;
   position_m_ = position_m;
-  velocity_m_per_s_ = haptic::limited(velocity, kMaxSpeed_m_per_s);
+  velocity_m_per_s_ = limited(velocity, kMaxSpeed_m_per_s);
   has_position_ = true;
   sent_force_n_.reset(); // every position is answered by a force
   if (!anchored_) {

@@ -6,7 +6,6 @@
 
 namespace tactus::stress {
 
-using haptic::Vec3;
 
 namespace {
 

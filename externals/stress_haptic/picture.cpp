@@ -5,7 +5,6 @@
 
 namespace tactus::stress {
 
-using haptic::Vec3;
 
 namespace {
 

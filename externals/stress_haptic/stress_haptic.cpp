@@ -6,7 +6,6 @@
 
 namespace tactus::stress {
 
-using haptic::Vec3;
 
 StressHaptic::StressHaptic(StressJob::SolverFactory solvers) : worker_(std::move(solvers)) {}
 

@@ -75,8 +75,8 @@ private:
   [[nodiscard]] std::optional<std::size_t> control_point(std::string_view message, double id,
                                                          Host& host) const;
   /// Displacements of a control point's parameters, within their bounds.
-  void displace(std::size_t control_point, const haptic::Vec3& displacement_m) noexcept;
-  [[nodiscard]] haptic::Vec3 displacement_of(std::size_t control_point) const noexcept;
+  void displace(std::size_t control_point, const Vec3& displacement_m) noexcept;
+  [[nodiscard]] Vec3 displacement_of(std::size_t control_point) const noexcept;
   // Each reports a setting that the table or the object does not support; the rest goes on.
   void warn_about_state(Host& host) const;
   void warn_about_weights(Host& host) const;
@@ -86,9 +86,9 @@ private:
   void collect(Host& host);
   void send(Host& host, bool all);
   void send_info(Host& host);
-  void send_feedback(Host& host, const haptic::Vec3& gamma);
+  void send_feedback(Host& host, const Vec3& gamma);
   void schedule(Host& host);
-  [[nodiscard]] haptic::Vec3 force(double now_s) noexcept;
+  [[nodiscard]] Vec3 force(double now_s) noexcept;
   [[nodiscard]] RenderGains gains_in_force() const noexcept;
   [[nodiscard]] double stiffness_limit() const noexcept {
     return device_.share * device_.nominal_n_per_m;
@@ -109,11 +109,11 @@ private:
   LinearGlide gamma_{}, anchor_{};
   bool anchored_ = false;     ///< else the first position becomes the anchor
   bool has_position_ = false; ///< the handle's position is known
-  haptic::Vec3 position_m_{}, velocity_m_per_s_{};
+  Vec3 position_m_{}, velocity_m_per_s_{};
   haptic::VelocityEstimator velocity_estimate_;
-  haptic::Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< at the grab
+  Vec3 grab_position_m_{}, grab_displacement_m_{}; ///< at the grab
   // Last output, and its time.
-  std::optional<haptic::Vec3> sent_gamma_, sent_force_n_, sent_feedback_;
+  std::optional<Vec3> sent_gamma_, sent_force_n_, sent_feedback_;
   double feedback_ms_ = -1e9, info_ms_ = -1e9;
   std::uint64_t feedback_sequence_ = 0;
   bool info_due_ = false;

@@ -64,7 +64,7 @@ void check_lattice(const Lattice& lattice) {
 
 ControlWeights embed(const Mesh& mesh, const Lattice& lattice) {
   check_lattice(lattice);
-  const Vector3 size = lattice.box.size();
+  const Vec3 size = lattice.box.size();
   std::array<std::vector<double>, 3> knot, greville;
   for (std::size_t k = 0; k < 3; ++k) {
     knot[k] = knots(lattice.points[k], lattice.degree[k]);
@@ -80,10 +80,10 @@ ControlWeights embed(const Mesh& mesh, const Lattice& lattice) {
     for (const double y : greville[1])
       for (const double x : greville[0])
         weights.control_points.push_back(lattice.box.low +
-                                         Vector3{x * size.x, y * size.y, z * size.z});
+                                         Vec3{x * size.x, y * size.y, z * size.z});
   weights.start.push_back(0);
   bool any = false;
-  for (const Vector3& p : mesh.nodes) {
+  for (const Vec3& p : mesh.nodes) {
     std::array<std::vector<double>, 3> own;
     bool inside = true;
     for (std::size_t k = 0; k < 3 && inside; ++k) {
@@ -110,7 +110,7 @@ ControlWeights embed(const Mesh& mesh, const Lattice& lattice) {
   return weights;
 }
 
-ControlWeights import_weights(const Mesh& mesh, std::vector<Vector3> control_points,
+ControlWeights import_weights(const Mesh& mesh, std::vector<Vec3> control_points,
                               std::span<const double> dense) {
   const std::size_t controls = control_points.size(), nodes = mesh.nodes.size();
   if (controls == 0 || dense.size() != controls * nodes)
@@ -177,13 +177,13 @@ std::vector<DesignVelocity> design_velocities(const ControlWeights& weights,
   return velocities;
 }
 
-std::vector<Vector3> moved_nodes(std::span<const Vector3> nodes,
-                                 std::span<const DesignVelocity> velocities,
-                                 std::span<const double> parameters) {
+std::vector<Vec3> moved_nodes(std::span<const Vec3> nodes,
+                              std::span<const DesignVelocity> velocities,
+                              std::span<const double> parameters) {
   if (parameters.size() != velocities.size())
     throw InputError("a shape has " + std::to_string(velocities.size()) + " parameters, got " +
                      std::to_string(parameters.size()));
-  std::vector<Vector3> moved(nodes.begin(), nodes.end());
+  std::vector<Vec3> moved(nodes.begin(), nodes.end());
   for (std::size_t k = 0; k < velocities.size(); ++k) {
     if (!std::isfinite(parameters[k]))
       throw InputError("parameter " + velocities[k].name + " is no number, expected metres");

@@ -6,8 +6,8 @@ namespace tactus::fem {
 /// Weights of control points at every node, frozen when the mesh is embedded: a node moves by
 /// sum_c W[node][c] times the displacement of control point c. Compressed by nodes.
 struct ControlWeights {
-  std::vector<Vector3> control_points; ///< undeformed, m
-  std::vector<std::size_t> start;      ///< node count + 1
+  std::vector<Vec3> control_points; ///< undeformed, m
+  std::vector<std::size_t> start;   ///< node count + 1
   std::vector<int> control;
   std::vector<double> weight;
 };
@@ -36,7 +36,7 @@ struct Lattice {
 /// Weights made elsewhere (a Catmull-Clark volume, a hexahedral cage subdivided once): dense, row
 /// by row, [node][control]. Refuses a wrong size, values that are no numbers, and rows that sum
 /// neither to 1 (moves with the cage) nor to 0 (does not move).
-[[nodiscard]] ControlWeights import_weights(const Mesh&, std::vector<Vector3> control_points,
+[[nodiscard]] ControlWeights import_weights(const Mesh&, std::vector<Vec3> control_points,
                                             std::span<const double> weights);
 
 /// dX/dp of one shape parameter, the design velocity (Choi & Kim, Structural Sensitivity Analysis
@@ -44,7 +44,7 @@ struct Lattice {
 struct DesignVelocity {
   std::string name;
   std::vector<int> node;
-  std::vector<Vector3> velocity;
+  std::vector<Vec3> velocity;
 };
 
 /// One direction of a control point, or of several that move together: parameter p moves control
@@ -52,7 +52,7 @@ struct DesignVelocity {
 struct ShapeParameter {
   std::string name;
   std::vector<int> controls;
-  Vector3 direction;
+  Vec3 direction;
 };
 
 /// One row of `parameters`: a coordinate of a control point and the bounds of its displacement.
@@ -69,8 +69,8 @@ struct ParameterRange {
                                                             std::span<const ShapeParameter>);
 
 /// X0 + sum_k p_k dX/dp_k for all nodes.
-[[nodiscard]] std::vector<Vector3> moved_nodes(std::span<const Vector3> nodes,
-                                               std::span<const DesignVelocity>,
-                                               std::span<const double> parameters);
+[[nodiscard]] std::vector<Vec3> moved_nodes(std::span<const Vec3> nodes,
+                                            std::span<const DesignVelocity>,
+                                            std::span<const double> parameters);
 
 } // namespace tactus::fem

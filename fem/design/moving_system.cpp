@@ -88,7 +88,7 @@ std::size_t MovingSystem::update(const Mesh& mesh, const StaticModel& model, Sta
 
 double MovingSystem::bytes() const noexcept {
   return static_cast<double>(positions_.bytes() + 8 * (first_.size() + around_.size()) +
-                             sizeof(Vector3) * nodes_.size() + 8 * elements_alone_.size() +
+                             sizeof(Vec3) * nodes_.size() + 8 * elements_alone_.size() +
                              changed_pair_.size() + element_state_.size());
 }
 

@@ -18,7 +18,7 @@ private:
   std::vector<ElasticLaw> laws_;
   PairPositions positions_;
   std::vector<std::size_t> first_, around_; ///< elements of each node
-  std::vector<Vector3> nodes_;              ///< at the last assembly
+  std::vector<Vec3> nodes_;                 ///< at the last assembly
   std::vector<double> elements_alone_;      ///< K without springs, where there are springs
   std::vector<std::uint8_t> changed_pair_, element_state_;
 };

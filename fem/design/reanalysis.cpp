@@ -45,7 +45,7 @@ const char* name(Method method) noexcept {
 
 struct Refactorisation::Implementation {
   std::unique_ptr<ShiftedFactor> factor;
-  std::vector<Vector3> nodes; ///< of the shape that is factorised
+  std::vector<Vec3> nodes; ///< of the shape that is factorised
   bool done = false;
 };
 
@@ -64,13 +64,13 @@ struct Reanalysis::Implementation {
   StaticModel model;
   std::vector<DesignVelocity> velocities;
   ReanalysisSettings settings;
-  std::vector<Vector3> original; ///< nodes at parameters 0
-  Stopwatch factor_watch;        ///< since the first factorisation began
+  std::vector<Vec3> original; ///< nodes at parameters 0
+  Stopwatch factor_watch;     ///< since the first factorisation began
   StaticAnalysis analysis;
   MovingSystem moving;
   PastSolutions past;
   std::vector<double> parameters, base_parameters;
-  std::vector<Vector3> factor_nodes; ///< the shape of analysis.factor
+  std::vector<Vec3> factor_nodes; ///< the shape of analysis.factor
   std::vector<double> base_von_mises, base_max_shear;
   StressSensitivity sensitivity;
   CostModel cost;
@@ -138,7 +138,7 @@ struct Reanalysis::Implementation {
     cost.assembly = best_of(1, [&] { assemble_stiffness(mesh, model.materials, -1, copy); });
   }
 
-  void take_factor(std::unique_ptr<ShiftedFactor> factor, std::vector<Vector3> nodes) {
+  void take_factor(std::unique_ptr<ShiftedFactor> factor, std::vector<Vec3> nodes) {
     analysis.factor = std::move(factor);
     factor_nodes = std::move(nodes);
   }
@@ -326,11 +326,11 @@ MemoryUse Reanalysis::memory() const {
                impl_->moving.bytes() + impl_->past.bytes();
   use.sensitivities = 4. * static_cast<double>(impl_->sensitivity.von_mises.size() +
                                                impl_->sensitivity.max_shear.size());
-  use.mesh = static_cast<double>(2 * sizeof(Vector3) * impl_->mesh.nodes.size() +
+  use.mesh = static_cast<double>(2 * sizeof(Vec3) * impl_->mesh.nodes.size() +
                                  4 * impl_->mesh.connectivity.size() +
                                  sizeof(Element) * impl_->mesh.elements.size());
   for (const DesignVelocity& v : impl_->velocities)
-    use.mesh += static_cast<double>((4 + sizeof(Vector3)) * v.node.size());
+    use.mesh += static_cast<double>((4 + sizeof(Vec3)) * v.node.size());
   return use;
 }
 

@@ -14,7 +14,7 @@ constexpr std::size_t kBlockParameters = 8;
 /// The design velocities V = dX/dp of up to eight parameters at every node.
 struct VelocityBlock {
   std::size_t count = 0;
-  std::vector<std::array<Vector3, kBlockParameters>> of_node;
+  std::vector<std::array<Vec3, kBlockParameters>> of_node;
   std::vector<std::uint8_t> moves; ///< [node], a bit a parameter
 
   VelocityBlock(std::size_t nodes, std::span<const DesignVelocity> velocities)
@@ -37,7 +37,7 @@ struct VelocityBlock {
                                 std::size_t k) const noexcept {
     Tensor l{};
     for (std::size_t a = 0; a < nodes.size(); ++a) {
-      const Vector3& v = of_node[static_cast<std::size_t>(nodes[a])][k];
+      const Vec3& v = of_node[static_cast<std::size_t>(nodes[a])][k];
       for (std::size_t i = 0; i < 3; ++i) {
         const double value = v[static_cast<int>(i)];
         l[i][0] += value * at.slope[a].x;
@@ -89,7 +89,7 @@ void subtract_internal_forces(const Mesh& mesh, std::span<const ElasticLaw> laws
                       (sigma[i][0] * l[j][0] + sigma[i][1] * l[j][1] + sigma[i][2] * l[j][2]);
         double* to = &right[k * n];
         for (std::size_t a = 0; a < nodes.size(); ++a) {
-          const Vector3& g = at.slope[a];
+          const Vec3& g = at.slope[a];
           for (std::size_t i = 0; i < 3; ++i)
             to[3 * static_cast<std::size_t>(nodes[a]) + i] -=
                 weight * (t[i][0] * g.x + t[i][1] * g.y + t[i][2] * g.z);
@@ -318,7 +318,7 @@ Gradient stress_scalar(const Mesh& mesh, const StaticModel& model, StaticAnalysi
     const double weight = slopes.by_measure[e];
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       const auto node = static_cast<std::size_t>(nodes[a]);
-      const Vector3& g = at.slope[a];
+      const Vec3& g = at.slope[a];
       for (std::size_t i = 0; i < 3; ++i) {
         adjoint[3 * node + i] += weight * (tau[i][0] * g.x + tau[i][1] * g.y + tau[i][2] * g.z);
         gradient[node][static_cast<int>(i)] -=

@@ -13,8 +13,8 @@ constexpr double kRelativeStep = 1e-5;
 void add_tensor(const PointGradients& at, std::span<const int> nodes, const Tensor& p,
                 double weight, NodeGradient& into) {
   for (std::size_t b = 0; b < nodes.size(); ++b) {
-    Vector3& to = into[static_cast<std::size_t>(nodes[b])];
-    const Vector3& g = at.slope[b];
+    Vec3& to = into[static_cast<std::size_t>(nodes[b])];
+    const Vec3& g = at.slope[b];
     for (int k = 0; k < 3; ++k) {
       const auto& row = p[static_cast<std::size_t>(k)];
       to[k] += weight * (row[0] * g.x + row[1] * g.y + row[2] * g.z);
@@ -40,11 +40,11 @@ void add_scaled_volume(const Mesh& mesh, NodeGradient& into, Factor&& factor) {
 }
 
 /// A field of nodal vectors at a point of an element.
-Vector3 field_at(std::span<const double> u, std::span<const int> nodes, const ShapeValues& values) {
-  Vector3 sum;
+Vec3 field_at(std::span<const double> u, std::span<const int> nodes, const ShapeValues& values) {
+  Vec3 sum;
   for (std::size_t a = 0; a < nodes.size(); ++a) {
     const double* own = &u[3 * static_cast<std::size_t>(nodes[a])];
-    sum += values.value[a] * Vector3{own[0], own[1], own[2]};
+    sum += values.value[a] * Vec3{own[0], own[1], own[2]};
   }
   return sum;
 }
@@ -106,7 +106,7 @@ void add_volume_gradient(const Mesh& mesh, std::span<const double> factor, NodeG
 void add_gravity_gradient(const Mesh& mesh, std::span<const ElasticLaw> laws,
                           std::span<const Load> loads, std::span<const double> v, double factor,
                           NodeGradient& into) {
-  Vector3 acceleration;
+  Vec3 acceleration;
   bool any = false;
   for (const Load& load : loads)
     if (const auto* gravity = std::get_if<Gravity>(&load)) {
@@ -153,7 +153,7 @@ std::vector<double> FaceForceDerivative::along(const DesignVelocity& velocity,
   if (!moves)
     return {};
   const double step = kRelativeStep * size_ / fastest;
-  const std::vector<Vector3> nodes = mesh_.nodes;
+  const std::vector<Vec3> nodes = mesh_.nodes;
   std::vector<double> difference(mesh_.dofs(), 0.0);
   for (const double side : {1.0, -1.0}) {
     for (std::size_t i = 0; i < velocity.node.size(); ++i) {

@@ -6,7 +6,7 @@
 namespace tactus::fem {
 
 /// A derivative by every node's position, [node], and its contraction with design velocities.
-using NodeGradient = std::vector<Vector3>;
+using NodeGradient = std::vector<Vec3>;
 [[nodiscard]] std::vector<double> by_parameter(const NodeGradient&,
                                                std::span<const DesignVelocity>);
 

@@ -11,7 +11,7 @@ namespace {
 
 /// det over the edges' lengths of the straight element that has this Jacobian everywhere.
 double scaled(Shape shape, const Jacobian& j) {
-  const Vector3 &a = j.row[0], &b = j.row[1], &c = j.row[2];
+  const Vec3 &a = j.row[0], &b = j.row[1], &c = j.row[2];
   const double ab = length(b - a), ac = length(c - a), bc = length(c - b);
   const double la = length(a), lb = length(b), lc = length(c);
   double edges = la * lb * lc, ideal = 1;
@@ -28,7 +28,7 @@ double scaled(Shape shape, const Jacobian& j) {
 const Tabulated& at_corners(Shape shape) {
   static const auto all = for_shapes([](Shape s) {
     std::vector<QuadraturePoint> corners;
-    for (const Vector3& p : reference_nodes(s).first(static_cast<std::size_t>(corner_count(s))))
+    for (const Vec3& p : reference_nodes(s).first(static_cast<std::size_t>(corner_count(s))))
       corners.push_back({p, 1});
     return Tabulated(s, corners);
   });
@@ -45,7 +45,7 @@ double scaled_jacobian(const Mesh& mesh, const Element& e) {
   return smallest;
 }
 
-ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double min_quality) {
+ValidStep valid_step(const Mesh& mesh, std::span<const Vec3> target, double min_quality) {
   if (target.size() != mesh.nodes.size())
     throw InputError("a step has " + std::to_string(target.size()) + " nodes, the mesh has " +
                      std::to_string(mesh.nodes.size()));

@@ -23,7 +23,7 @@ struct ValidStep {
 /// which no element has a scaled Jacobian below `min_quality`, nor less than that share of its
 /// volume. The second condition is needed because an element that is flattened evenly keeps its
 /// scaled Jacobian. Elements that are below it at the start must not get worse.
-[[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
+[[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vec3> target,
                                    double min_quality = kMinScaledJacobian);
 
 } // namespace tactus::fem

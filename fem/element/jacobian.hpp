@@ -5,12 +5,12 @@ namespace tactus::fem {
 
 /// dx/d(r,s,t) at one reference point: row[i] holds the derivatives of x by the i-th coordinate.
 struct Jacobian {
-  std::array<Vector3, 3> row;
+  std::array<Vec3, 3> row;
   double determinant = 0;
 
   /// Derivative in space of a function with the reference derivative `d`.
-  [[nodiscard]] Vector3 to_space(const Vector3& d) const noexcept {
-    const Vector3 a = cross(row[1], row[2]), b = cross(row[2], row[0]), c = cross(row[0], row[1]);
+  [[nodiscard]] Vec3 to_space(const Vec3& d) const noexcept {
+    const Vec3 a = cross(row[1], row[2]), b = cross(row[2], row[0]), c = cross(row[0], row[1]);
     return (1 / determinant) * (d.x * a + d.y * b + d.z * c);
   }
 };
@@ -20,7 +20,7 @@ struct Jacobian {
   Jacobian j;
   const auto nodes = mesh.nodes_of(e);
   for (std::size_t a = 0; a < nodes.size(); ++a) {
-    const Vector3& x = mesh.nodes[static_cast<std::size_t>(nodes[a])];
+    const Vec3& x = mesh.nodes[static_cast<std::size_t>(nodes[a])];
     j.row[0] += values.derivative[a].x * x;
     j.row[1] += values.derivative[a].y * x;
     j.row[2] += values.derivative[a].z * x;

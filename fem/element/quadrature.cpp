@@ -20,13 +20,12 @@ Points tetrahedron_15() {
   for (const double sign : {-1.0, 1.0}) {
     const double a = (7 + sign * root) / 34, b = 1 - 3 * a;
     const double w = (2665 - sign * 14 * root) / 37800 / 6;
-    for (const Vector3& p :
-         {Vector3{a, a, a}, Vector3{b, a, a}, Vector3{a, b, a}, Vector3{a, a, b}})
+    for (const Vec3& p : {Vec3{a, a, a}, Vec3{b, a, a}, Vec3{a, b, a}, Vec3{a, a, b}})
       points.push_back({p, w});
   }
   const double c = (10 - 2 * root) / 40, d = .5 - c, w = 20.0 / 378 / 6;
-  for (const Vector3& p : {Vector3{c, c, d}, Vector3{c, d, c}, Vector3{d, c, c}, Vector3{c, d, d},
-                           Vector3{d, c, d}, Vector3{d, d, c}})
+  for (const Vec3& p :
+       {Vec3{c, c, d}, Vec3{c, d, c}, Vec3{d, c, c}, Vec3{c, d, d}, Vec3{d, c, d}, Vec3{d, d, c}})
     points.push_back({p, w});
   return points;
 }
@@ -61,7 +60,7 @@ Points wedge() {
     const double a = (8 - root10 + sign * root) / 18, b = 1 - 2 * a;
     const double w = (620 + sign * wroot) / 3720 / 2;
     for (const LinePoint& k : line(3))
-      for (const Vector3& p : {Vector3{a, a, k.at}, Vector3{b, a, k.at}, Vector3{a, b, k.at}})
+      for (const Vec3& p : {Vec3{a, a, k.at}, Vec3{b, a, k.at}, Vec3{a, b, k.at}})
         points.push_back({p, w * k.weight});
   }
   return points;

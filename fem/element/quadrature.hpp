@@ -7,7 +7,7 @@ namespace tactus::fem {
 
 /// A point of a quadrature rule in the reference element's coordinates, and its weight.
 struct QuadraturePoint {
-  Vector3 at;
+  Vec3 at;
   double weight;
 };
 

@@ -3,38 +3,37 @@
 namespace tactus::fem {
 namespace {
 
-constexpr std::array<Vector3, 10> kTet{{{0, 0, 0},
-                                        {1, 0, 0},
-                                        {0, 1, 0},
-                                        {0, 0, 1},
-                                        {.5, 0, 0},
-                                        {.5, .5, 0},
-                                        {0, .5, 0},
-                                        {0, 0, .5},
-                                        {.5, 0, .5},
-                                        {0, .5, .5}}};
-constexpr std::array<Vector3, 15> kWedge{{{0, 0, -1},
-                                          {1, 0, -1},
-                                          {0, 1, -1},
-                                          {0, 0, 1},
-                                          {1, 0, 1},
-                                          {0, 1, 1},
-                                          {.5, 0, -1},
-                                          {.5, .5, -1},
-                                          {0, .5, -1},
-                                          {.5, 0, 1},
-                                          {.5, .5, 1},
-                                          {0, .5, 1},
-                                          {0, 0, 0},
-                                          {1, 0, 0},
-                                          {0, 1, 0}}};
-constexpr std::array<Vector3, 20> kHex{
+constexpr std::array<Vec3, 10> kTet{{{0, 0, 0},
+                                     {1, 0, 0},
+                                     {0, 1, 0},
+                                     {0, 0, 1},
+                                     {.5, 0, 0},
+                                     {.5, .5, 0},
+                                     {0, .5, 0},
+                                     {0, 0, .5},
+                                     {.5, 0, .5},
+                                     {0, .5, .5}}};
+constexpr std::array<Vec3, 15> kWedge{{{0, 0, -1},
+                                       {1, 0, -1},
+                                       {0, 1, -1},
+                                       {0, 0, 1},
+                                       {1, 0, 1},
+                                       {0, 1, 1},
+                                       {.5, 0, -1},
+                                       {.5, .5, -1},
+                                       {0, .5, -1},
+                                       {.5, 0, 1},
+                                       {.5, .5, 1},
+                                       {0, .5, 1},
+                                       {0, 0, 0},
+                                       {1, 0, 0},
+                                       {0, 1, 0}}};
+constexpr std::array<Vec3, 20> kHex{
     {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
      {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
      {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}}};
 
-constexpr std::array<Vector3, 5> kPyramid{
-    {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}};
+constexpr std::array<Vec3, 5> kPyramid{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}};
 
 constexpr std::array<Face, 4> kTet4Faces{{{3, {0, 2, 1, -1, -1, -1, -1, -1}},
                                           {3, {0, 1, 3, -1, -1, -1, -1, -1}},
@@ -72,12 +71,11 @@ constexpr std::array<Face, 5> kPyramidFaces{{{4, {0, 3, 2, 1, -1, -1, -1, -1}},
                                              {3, {2, 3, 4, -1, -1, -1, -1, -1}},
                                              {3, {3, 0, 4, -1, -1, -1, -1, -1}}}};
 
-constexpr std::array<Vector3, 4> kBarycentricSlopes{
-    {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+constexpr std::array<Vec3, 4> kBarycentricSlopes{{{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 constexpr std::array<std::array<int, 2>, 6> kTetEdges{
     {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 
-void tetrahedron(const Vector3& p, bool quadratic, ShapeValues& out) noexcept {
+void tetrahedron(const Vec3& p, bool quadratic, ShapeValues& out) noexcept {
   const std::array<double, 4> l{1 - p.x - p.y - p.z, p.x, p.y, p.z};
   for (std::size_t i = 0; i < 4; ++i) {
     out.value[i] = quadratic ? l[i] * (2 * l[i] - 1) : l[i];
@@ -93,9 +91,9 @@ void tetrahedron(const Vector3& p, bool quadratic, ShapeValues& out) noexcept {
   }
 }
 
-constexpr std::array<Vector3, 3> kWedgeSlopes{{{-1, -1, 0}, {1, 0, 0}, {0, 1, 0}}};
+constexpr std::array<Vec3, 3> kWedgeSlopes{{{-1, -1, 0}, {1, 0, 0}, {0, 1, 0}}};
 
-void linear_wedge(const Vector3& p, ShapeValues& out) noexcept {
+void linear_wedge(const Vec3& p, ShapeValues& out) noexcept {
   const std::array<double, 3> l{1 - p.x - p.y, p.x, p.y};
   for (std::size_t i = 0; i < 6; ++i) {
     const double sign = i < 3 ? -1 : 1, h = .5 * (1 + sign * p.z);
@@ -107,27 +105,27 @@ void linear_wedge(const Vector3& p, ShapeValues& out) noexcept {
 
 /// Bilinear on the base and linear on the sides, so that hexahedra and tetrahedra fit to it; the
 /// quotients have their limits along the axis at the apex (Bedrosian 1992).
-void pyramid(const Vector3& p, ShapeValues& out) noexcept {
+void pyramid(const Vec3& p, ShapeValues& out) noexcept {
   const double h = 1 - p.z, u = h > 0 ? p.x / h : 0, v = h > 0 ? p.y / h : 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const double a = kPyramid[i].x, b = kPyramid[i].y;
     out.value[i] = .25 * h * (1 + a * u) * (1 + b * v);
-    out.derivative[i] = .25 * Vector3{a * (1 + b * v), b * (1 + a * u), a * b * u * v - 1};
+    out.derivative[i] = .25 * Vec3{a * (1 + b * v), b * (1 + a * u), a * b * u * v - 1};
   }
   out.value[4] = p.z;
   out.derivative[4] = {0, 0, 1};
 }
 
-void wedge(const Vector3& p, ShapeValues& out) noexcept {
+void wedge(const Vec3& p, ShapeValues& out) noexcept {
   const std::array<double, 3> l{1 - p.x - p.y, p.x, p.y};
-  const std::array<Vector3, 3>& slope = kWedgeSlopes;
+  const std::array<Vec3, 3>& slope = kWedgeSlopes;
   const double t = p.z, q = 1 - t * t;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t level = 0; level < 2; ++level) {
       const double sign = level == 0 ? -1 : 1, h = 1 + sign * t;
       const std::size_t corner = i + 3 * level, edge = 6 + i + 3 * level, j = (i + 1) % 3;
       out.value[corner] = .5 * l[i] * ((2 * l[i] - 1) * h - q);
-      Vector3 d = .5 * ((4 * l[i] - 1) * h - q) * slope[i];
+      Vec3 d = .5 * ((4 * l[i] - 1) * h - q) * slope[i];
       d.z = .5 * l[i] * ((2 * l[i] - 1) * sign + 2 * t);
       out.derivative[corner] = d;
       out.value[edge] = 2 * l[i] * l[j] * h;
@@ -136,22 +134,22 @@ void wedge(const Vector3& p, ShapeValues& out) noexcept {
       out.derivative[edge] = d;
     }
     out.value[12 + i] = l[i] * q;
-    Vector3 d = q * slope[i];
+    Vec3 d = q * slope[i];
     d.z = -2 * t * l[i];
     out.derivative[12 + i] = d;
   }
 }
 
-void hexahedron(const Vector3& x, bool quadratic, ShapeValues& out) noexcept {
+void hexahedron(const Vec3& x, bool quadratic, ShapeValues& out) noexcept {
   const std::size_t count = quadratic ? 20 : 8;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3& p = kHex[i];
-    const Vector3 a{1 + p.x * x.x, 1 + p.y * x.y, 1 + p.z * x.z};
+    const Vec3& p = kHex[i];
+    const Vec3 a{1 + p.x * x.x, 1 + p.y * x.y, 1 + p.z * x.z};
     int along = -1; // the direction an edge node's edge runs in
     for (int k = 0; k < 3; ++k)
       if (p[k] == 0)
         along = k;
-    Vector3 d;
+    Vec3 d;
     if (along >= 0) {
       const int j = (along + 1) % 3, k = (along + 2) % 3;
       const double q = 1 - x[along] * x[along];
@@ -194,7 +192,7 @@ int vtk_type(Shape shape) noexcept {
   return types[static_cast<std::size_t>(shape)];
 }
 
-void evaluate(Shape shape, const Vector3& at, ShapeValues& out) noexcept {
+void evaluate(Shape shape, const Vec3& at, ShapeValues& out) noexcept {
   switch (shape) {
   case Shape::tet4:
     return tetrahedron(at, false, out);
@@ -213,7 +211,7 @@ void evaluate(Shape shape, const Vector3& at, ShapeValues& out) noexcept {
   }
 }
 
-std::span<const Vector3> reference_nodes(Shape shape) noexcept {
+std::span<const Vec3> reference_nodes(Shape shape) noexcept {
   const auto count = static_cast<std::size_t>(node_count(shape));
   switch (shape) {
   case Shape::tet4:

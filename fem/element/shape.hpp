@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 #include <cstdint>
@@ -43,15 +43,15 @@ template <class Make> auto for_shapes(Make&& make) {
 /// Values N and reference derivatives dN of all shape functions at one reference point.
 struct ShapeValues {
   std::array<double, kMaxNodes> value;
-  std::array<Vector3, kMaxNodes> derivative;
+  std::array<Vec3, kMaxNodes> derivative;
 };
 
 /// Reference element: tetrahedron r,s,t >= 0, r+s+t <= 1; wedge r,s >= 0, r+s <= 1, |t| <= 1;
 /// hexahedron |r|,|s|,|t| <= 1; pyramid |r|,|s| <= 1 - t, t >= 0.
-void evaluate(Shape, const Vector3& at, ShapeValues& out) noexcept;
+void evaluate(Shape, const Vec3& at, ShapeValues& out) noexcept;
 
 /// Reference coordinates of each node.
-[[nodiscard]] std::span<const Vector3> reference_nodes(Shape) noexcept;
+[[nodiscard]] std::span<const Vec3> reference_nodes(Shape) noexcept;
 
 /// A face's nodes in the element's numbering: corners counter-clockwise seen from outside, then the
 /// edge nodes between them. Unused entries are -1.

@@ -28,8 +28,8 @@ struct Tabulated {
 
 /// Gradients in space of an element's shape functions at a point.
 struct PointGradients {
-  std::array<Vector3, kMaxNodes> slope; ///< grad N_a, 1/m
-  double determinant = 0;               ///< dV by reference volume, m^3
+  std::array<Vec3, kMaxNodes> slope; ///< grad N_a, 1/m
+  double determinant = 0;            ///< dV by reference volume, m^3
 };
 inline void gradients(const Mesh& mesh, const Element& e, const ShapeValues& values,
                       PointGradients& out) noexcept {

@@ -34,7 +34,7 @@ constexpr std::array<std::array<std::array<std::size_t, 2>, 3>, 3> kStrainRows{
 
 /// k += w B_a' C B_b with the stresses of b, C B_b, given: [component][Voigt].
 using Stresses = std::array<std::array<double, 6>, 3>;
-Stresses stresses(const Vector3& g, const ElasticLaw& law, double weight) noexcept {
+Stresses stresses(const Vec3& g, const ElasticLaw& law, double weight) noexcept {
   Stresses s{};
   for (std::size_t j = 0; j < 3; ++j)
     for (const auto& [row, slope] : kStrainRows[j])
@@ -42,7 +42,7 @@ Stresses stresses(const Vector3& g, const ElasticLaw& law, double weight) noexce
         s[j][v] += weight * law.matrix[v][row] * g[static_cast<int>(slope)];
   return s;
 }
-void couple(const Vector3& g, const Stresses& s, double* k) noexcept {
+void couple(const Vec3& g, const Stresses& s, double* k) noexcept {
   for (std::size_t j = 0; j < 3; ++j) {
     k[j] += g.x * s[j][0] + g.y * s[j][5] + g.z * s[j][4];
     k[3 + j] += g.y * s[j][1] + g.x * s[j][5] + g.z * s[j][3];
@@ -89,8 +89,8 @@ void EnrichedSystem::integrate(std::size_t index, const ElasticLaw& law) {
   const auto nodes = mesh_.nodes_of(e);
   static thread_local std::vector<double> sum;
   sum.assign(9 * (w * v + w * (w + 1) / 2), 0.0);
-  std::array<Vector3, kMaxNodes> nodal;
-  std::array<Vector3, kMaxEnriching> enriching;
+  std::array<Vec3, kMaxNodes> nodal;
+  std::array<Vec3, kMaxEnriching> enriching;
   for (std::size_t q = 0; q < table.weight.size(); ++q) {
     const Jacobian j = jacobian(mesh_, e, table.nodal[q]);
     for (std::size_t a = 0; a < v; ++a)
@@ -132,13 +132,13 @@ void EnrichedSystem::integrate(std::size_t index, const ElasticLaw& law) {
 void EnrichedSystem::invert_diagonal() {
   for (std::size_t f = 0; f < functions_.count; ++f) {
     double* d = &diagonal_[9 * f];
-    std::array<Vector3, 3> row;
+    std::array<Vec3, 3> row;
     for (std::size_t i = 0; i < 3; ++i) {
       if (functions_.constrained[3 * f + i])
         d[4 * i] = 1;
       row[i] = {d[3 * i], d[3 * i + 1], d[3 * i + 2]};
     }
-    const Vector3 a = cross(row[1], row[2]), b = cross(row[2], row[0]), c = cross(row[0], row[1]);
+    const Vec3 a = cross(row[1], row[2]), b = cross(row[2], row[0]), c = cross(row[0], row[1]);
     const double inverse = 1 / dot(row[0], a);
     for (int i = 0; i < 3; ++i) { // symmetric
       d[3 * i] = inverse * a[i];

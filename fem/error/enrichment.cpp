@@ -76,7 +76,7 @@ std::vector<EnrichingFunction> list(Shape shape) {
 /// A factor of a function with its gradient.
 struct Factor {
   double value = 1;
-  Vector3 slope;
+  Vec3 slope;
 };
 Factor operator*(const Factor& a, const Factor& b) noexcept {
   return {a.value * b.value, b.value * a.slope + a.value * b.slope};
@@ -88,12 +88,12 @@ Factor along_edge(const Factor& a, const Factor& b, bool linear) noexcept {
   return linear ? even : even * Factor{b.value - a.value, b.slope - a.slope};
 }
 
-std::array<Factor, 4> barycentric(const Vector3& p) noexcept {
+std::array<Factor, 4> barycentric(const Vec3& p) noexcept {
   return {
       {{1 - p.x - p.y - p.z, {-1, -1, -1}}, {p.x, {1, 0, 0}}, {p.y, {0, 1, 0}}, {p.z, {0, 0, 1}}}};
 }
 
-void tetrahedron(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
+void tetrahedron(const Vec3& p, bool linear, std::span<Factor> out) noexcept {
   const auto l = barycentric(p);
   std::size_t i = 0;
   for (const Edge& e : kTetEdges)
@@ -105,7 +105,7 @@ void tetrahedron(const Vector3& p, bool linear, std::span<Factor> out) noexcept 
                  l[static_cast<std::size_t>(f.node[1])] * l[static_cast<std::size_t>(f.node[2])];
 }
 
-void wedge(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
+void wedge(const Vec3& p, bool linear, std::span<Factor> out) noexcept {
   const std::array<Factor, 3> l{{{1 - p.x - p.y, {-1, -1, 0}}, {p.x, {1, 0, 0}}, {p.y, {0, 1, 0}}}};
   const std::array<Factor, 2> level{{{.5 * (1 - p.z), {0, 0, -.5}}, {.5 * (1 + p.z), {0, 0, .5}}}};
   const auto at = [&](int node) { return l[static_cast<std::size_t>(node % 3)]; };
@@ -132,7 +132,7 @@ void wedge(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
 
 /// On the base as a linear hexahedron's, on the sides as a linear tetrahedron's functions, with
 /// u = r / (1 - t) and v = s / (1 - t).
-void pyramid(const Vector3& p, std::span<Factor> out) noexcept {
+void pyramid(const Vec3& p, std::span<Factor> out) noexcept {
   const double h = std::max(1 - p.z, 1e-12), u = p.x / h, v = p.y / h;
   const Factor up{p.z, {0, 0, 1}}, down{h, {0, 0, -1}};
   const auto toward = [&](int axis, double side) { // (1 + side u) / 2
@@ -146,7 +146,7 @@ void pyramid(const Vector3& p, std::span<Factor> out) noexcept {
   const auto at = [&](int node) { return corners[static_cast<std::size_t>(node)]; };
   std::size_t i = 0;
   for (const Edge& e : kPyramidEdges) {
-    const Vector3 from = at(e.from);
+    const Vec3 from = at(e.from);
     const int along = from.x == at(e.to).x ? 1 : 0, across = 1 - along;
     out[i++] = e.to == 4 ? Factor{4, {}} * up * down * toward(0, from.x) * toward(1, from.y)
                          : down * down * even(along) * toward(across, from[across]);
@@ -154,7 +154,7 @@ void pyramid(const Vector3& p, std::span<Factor> out) noexcept {
   out[i] = down * down * even(0) * even(1);
 }
 
-void hexahedron(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
+void hexahedron(const Vec3& p, bool linear, std::span<Factor> out) noexcept {
   const auto corners = reference_nodes(Shape::hex8);
   const auto toward = [&](int axis, double side) { // (1 + side x) / 2
     Factor f{.5 * (1 + side * p[axis]), {}};
@@ -164,8 +164,8 @@ void hexahedron(const Vector3& p, bool linear, std::span<Factor> out) noexcept {
   const auto even = [&](int axis) { return along_edge(toward(axis, -1), toward(axis, 1), true); };
   std::size_t i = 0;
   for (const Edge& e : kHexEdges) {
-    const Vector3& from = corners[static_cast<std::size_t>(e.from)];
-    const Vector3& to = corners[static_cast<std::size_t>(e.to)];
+    const Vec3& from = corners[static_cast<std::size_t>(e.from)];
+    const Vec3& to = corners[static_cast<std::size_t>(e.to)];
     Factor f = along_edge(toward(e.axis, from[e.axis]), toward(e.axis, to[e.axis]), linear);
     for (int k = 0; k < 3; ++k)
       if (k != e.axis)
@@ -220,7 +220,7 @@ std::span<const EnrichingFunction> enriching_functions(Shape shape) noexcept {
   return lists[static_cast<std::size_t>(shape)];
 }
 
-void evaluate_enrichment(Shape shape, const Vector3& at, ShapeValues& out) noexcept {
+void evaluate_enrichment(Shape shape, const Vec3& at, ShapeValues& out) noexcept {
   std::array<Factor, kMaxEnriching> f;
   switch (shape) {
   case Shape::tet4:

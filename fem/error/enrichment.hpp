@@ -29,7 +29,7 @@ inline constexpr int kMaxEnriching = 19;
 
 /// Values and reference derivatives at a point, edges oriented as listed. Entries beyond the
 /// shape's functions are untouched.
-void evaluate_enrichment(Shape, const Vector3& at, ShapeValues& out) noexcept;
+void evaluate_enrichment(Shape, const Vec3& at, ShapeValues& out) noexcept;
 
 /// The enriching functions of a mesh, numbered: each element's functions stand at
 /// `number[first[e]..]`, with -1 in `sign` where the element's orientation of an odd edge function

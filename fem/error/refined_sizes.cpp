@@ -42,7 +42,7 @@ SizeField field_of(const Mesh& mesh, const std::vector<std::span<const int>>& ce
       target_at[static_cast<std::size_t>(n)] =
           std::min(target_at[static_cast<std::size_t>(n)], target_sizes[c]);
   std::vector<int> number(mesh.nodes.size(), -1);
-  std::vector<Vector3> points;
+  std::vector<Vec3> points;
   std::vector<double> size;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     if (std::isfinite(target_at[n])) {

@@ -33,7 +33,7 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
       fixed += constrained[3 * a] || constrained[3 * a + 1] || constrained[3 * a + 2];
     }
     if (fixed == 1 || fixed == 2) {
-      const Vector3 across = normal(corners);
+      const Vec3 across = normal(corners);
       for (const int corner : corners)
         for (int i = 0; i < 3; ++i)
           if (constrained[3 * node(corner) + static_cast<std::size_t>(i)] &&
@@ -49,11 +49,11 @@ std::vector<std::uint8_t> singular_nodes(const Mesh& mesh,
       continue;
     const auto& [a, b] = sides[i].edge;
     const auto& f = skin.triangles[sides[i].triangle];
-    const Vector3 n = normal(f), m = normal(skin.triangles[sides[i + 1].triangle]);
+    const Vec3 n = normal(f), m = normal(skin.triangles[sides[i + 1].triangle]);
     // From one normal to the next about the edge, as the first triangle runs along it: positive
     // where the body is convex. Far corners would not do: on thin facets at a round edge they are
     // farther off by the roundness than by the facet.
-    Vector3 along = mesh.nodes[b] - mesh.nodes[a];
+    Vec3 along = mesh.nodes[b] - mesh.nodes[a];
     for (std::size_t k = 0; k < 3; ++k)
       if (node(f[k]) == b && node(f[(k + 1) % 3]) == a)
         along = -1 * along;
@@ -99,7 +99,7 @@ std::vector<std::array<std::uint8_t, 3>> singular_axes(const Mesh& mesh,
       bool along = true;
       for (std::size_t a = 0; a < corners; ++a)
         for (std::size_t b = 0; b < a; ++b) {
-          Vector3 separation = reference[a] - reference[b];
+          Vec3 separation = reference[a] - reference[b];
           separation[static_cast<int>(axis)] = 0;
           if (dot(separation, separation) < 1e-9)
             along = along && on_line(a) == on_line(b);

@@ -68,14 +68,14 @@ struct InpScope {
 
 /// Moves by `shift`, then turns by `angle` about the line through `from` along `axis`, as Abaqus.
 struct Placement {
-  Vector3 shift{}, from{}, axis{0, 0, 1};
+  Vec3 shift{}, from{}, axis{0, 0, 1};
   double angle = 0;
   /// Rodrigues' formula.
-  [[nodiscard]] Vector3 turned(const Vector3& v) const {
+  [[nodiscard]] Vec3 turned(const Vec3& v) const {
     return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
            (1 - std::cos(angle)) * dot(axis, v) * axis;
   }
-  [[nodiscard]] Vector3 placed(const Vector3& p) const {
+  [[nodiscard]] Vec3 placed(const Vec3& p) const {
     return angle == 0 ? p + shift : from + turned(p + shift - from);
   }
 };
@@ -237,13 +237,13 @@ private:
     std::transform(cells.begin(), cells.end(), x.begin(),
                    [this](const std::string& cell) { return lines_.number(cell); });
     if (expected == 3) {
-      placement_.shift = unit_ * Vector3{x[0], x[1], x[2]};
+      placement_.shift = unit_ * Vec3{x[0], x[1], x[2]};
       return;
     }
-    const Vector3 axis = Vector3{x[3], x[4], x[5]} - Vector3{x[0], x[1], x[2]};
+    const Vec3 axis = Vec3{x[3], x[4], x[5]} - Vec3{x[0], x[1], x[2]};
     if (!(length(axis) > 0))
       lines_.refuse(printable(lines_.text(), 60) + ": expected two points of the axis");
-    placement_.from = unit_ * Vector3{x[0], x[1], x[2]};
+    placement_.from = unit_ * Vec3{x[0], x[1], x[2]};
     placement_.axis = (1 / length(axis)) * axis;
     placement_.angle = x[6] * std::numbers::pi / 180;
   }
@@ -254,8 +254,7 @@ private:
     if (placing_) {
       lines_.read_again({{"*END INSTANCE", keyword_.line}});
       lines_.read_again(part_->second);
-      materials_.turn_by(
-          [placement = placement_](const Vector3& v) { return placement.turned(v); });
+      materials_.turn_by([placement = placement_](const Vec3& v) { return placement.turned(v); });
     } else {
       materials_.turn_by({});
       scope_ = &file_;
@@ -292,7 +291,7 @@ private:
     const auto cells = lines_.cells();
     if (cells.size() != 4)
       lines_.refuse(printable(lines_.text(), 60) + ", expected number,x,y,z");
-    Vector3 p;
+    Vec3 p;
     for (int k = 0; k < 3; ++k)
       p[k] = unit_ * lines_.number(cells[static_cast<std::size_t>(k) + 1]);
     p = placement_.placed(p);

@@ -13,11 +13,11 @@ double force_n(double unit) {
 
 /// Moduli and ratios from the stiffness D of the normal strains: its inverse has 1 / E_i on its
 /// diagonal and -nu_ij / E_i beside it.
-void take_stiffness(Material& m, const std::array<Vector3, 3>& d) {
+void take_stiffness(Material& m, const std::array<Vec3, 3>& d) {
   const double determinant = dot(d[0], cross(d[1], d[2]));
-  const std::array<Vector3, 3> s{(1 / determinant) * cross(d[1], d[2]),
-                                 (1 / determinant) * cross(d[2], d[0]),
-                                 (1 / determinant) * cross(d[0], d[1])};
+  const std::array<Vec3, 3> s{(1 / determinant) * cross(d[1], d[2]),
+                              (1 / determinant) * cross(d[2], d[0]),
+                              (1 / determinant) * cross(d[0], d[1])};
   m.young_pa = {1 / s[0].x, 1 / s[1].y, 1 / s[2].z};
   m.poisson = {-s[1].z / s[1].y, -s[0].z / s[0].x, -s[0].y / s[0].x};
 }
@@ -30,7 +30,7 @@ std::string compact(const std::string& text) {
 
 } // namespace
 
-Vector3 InpMaterials::turned(const Vector3& direction) const {
+Vec3 InpMaterials::turned(const Vec3& direction) const {
   return turn_ ? turn_(direction) : direction;
 }
 
@@ -101,7 +101,7 @@ void InpMaterials::add_elastic() {
     m.shear_pa = {modulus(8), modulus(7), modulus(6)};
   } else {
     const auto beside = [&](std::size_t i) { return pressure * ratio(i); }; // of any sign
-    take_stiffness(m, {Vector3{modulus(0), beside(1), beside(3)},
+    take_stiffness(m, {Vec3{modulus(0), beside(1), beside(3)},
                        {beside(1), modulus(2), beside(4)},
                        {beside(3), beside(4), modulus(5)}});
     m.shear_pa = {modulus(8), modulus(7), modulus(6)};
@@ -151,7 +151,7 @@ void InpMaterials::add_orientation() {
   if (orientations_.contains(last_orientation_) || (cells.size() != 6 && cells.size() != 9))
     lines_.refuse("expected one line of a point on axis 1, one beside it towards axis 2 and, where "
                   "they have one, their origin: 6 or 9 numbers");
-  std::array<Vector3, 3> points{};
+  std::array<Vec3, 3> points{};
   for (std::size_t i = 0; i < cells.size(); ++i)
     points[i / 3][static_cast<int>(i % 3)] = lines_.number(cells[i]);
   orientations_[last_orientation_] = {turned(points[0] - points[2]), turned(points[1] - points[2])};

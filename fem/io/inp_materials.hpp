@@ -25,12 +25,12 @@ public:
   void add_thickness();
 
   /// Directions of a part are turned with its instance; of none by default.
-  using Turn = std::function<Vector3(const Vector3&)>;
+  using Turn = std::function<Vec3(const Vec3&)>;
   void turn_by(Turn turn) { turn_ = std::move(turn); }
 
   struct Section {
     std::string elements, material, orientation;
-    std::array<Vector3, 2> axes; ///< of a material without orientation
+    std::array<Vec3, 2> axes; ///< of a material without orientation
     int line = 0;
   };
   [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }
@@ -44,7 +44,7 @@ private:
     bool elastic = false;
     int line = 0;
   };
-  [[nodiscard]] Vector3 turned(const Vector3& direction) const;
+  [[nodiscard]] Vec3 turned(const Vec3& direction) const;
   [[nodiscard]] Definition& last_material();
   [[nodiscard]] double constant(const std::string& cell, double scale, double low, double high,
                                 const char* quantity) const;
@@ -52,7 +52,7 @@ private:
   const InpLines& lines_;
   double unit_;
   std::map<std::string, Definition> materials_; ///< by their names in lower case
-  std::map<std::string, std::array<Vector3, 2>> orientations_;
+  std::map<std::string, std::array<Vec3, 2>> orientations_;
   std::vector<Section> sections_;
   Turn turn_;
   std::string last_material_, last_orientation_;

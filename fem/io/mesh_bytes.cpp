@@ -9,7 +9,7 @@
 namespace tactus::fem {
 namespace {
 
-static_assert(sizeof(Vector3) == 24 && std::is_trivially_copyable_v<Vector3>);
+static_assert(sizeof(Vec3) == 24 && std::is_trivially_copyable_v<Vec3>);
 
 template <class T> void put(std::string& out, const T* values, std::size_t count) {
   out.append(reinterpret_cast<const char*>(values), count * sizeof(T));
@@ -135,10 +135,10 @@ std::string to_bytes(const Mesh& mesh) {
 Mesh mesh_from_bytes(std::string_view bytes) {
   Cursor cursor(bytes);
   Mesh mesh;
-  mesh.nodes.resize(cursor.count(sizeof(Vector3)));
+  mesh.nodes.resize(cursor.count(sizeof(Vec3)));
   cursor.take(mesh.nodes.data(), mesh.nodes.size());
   cursor.require(mesh.nodes.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()));
-  for (const Vector3& p : mesh.nodes)
+  for (const Vec3& p : mesh.nodes)
     cursor.require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   mesh.connectivity = cursor.indices(mesh.nodes.size());
   mesh.regions.resize(cursor.count(8));

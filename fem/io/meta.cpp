@@ -110,7 +110,7 @@ std::string mesh_hash(const Mesh& mesh) {
     const auto raw = std::as_bytes(std::span(values));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
   };
-  static_assert(sizeof(Vector3) == 3 * sizeof(double));
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
   add(mesh.nodes);
   add(mesh.connectivity);
   return sha256(bytes);

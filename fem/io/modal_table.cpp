@@ -48,7 +48,7 @@ namespace {
 
 void add_shape(NpzWriter& npz, const ShapeDerivatives& shape, std::size_t modes) {
   std::vector<double> points, rows;
-  for (const Vector3& p : shape.control_points)
+  for (const Vec3& p : shape.control_points)
     points.insert(points.end(), {p.x, p.y, p.z});
   for (const auto& [control, axis, low, high] : shape.parameters)
     rows.insert(rows.end(), {static_cast<double>(control), static_cast<double>(axis), low, high});

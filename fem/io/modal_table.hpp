@@ -19,7 +19,7 @@ struct TableMetadata {
 
 /// Derivatives of the frequencies by the control points of a lattice around the body.
 struct ShapeDerivatives {
-  std::vector<Vector3> control_points; ///< m
+  std::vector<Vec3> control_points; ///< m
   std::vector<ParameterRange> parameters;
   std::vector<double> by_parameter; ///< [parameter][mode] d(omega^2)/dp, rad^2/s^2 per m
   double trust = 0; ///< m, the largest displacement for which the derivatives may be used

@@ -115,7 +115,7 @@ Mesh read_msh(const std::string& path, double unit,
   Mesh mesh;
   mesh.regions.clear();
   mesh.nodes.reserve(file.nodes.size());
-  for (const Vector3& p : file.nodes)
+  for (const Vec3& p : file.nodes)
     mesh.nodes.push_back(unit * p);
 
   std::vector<std::size_t> solids; // by entity, as regions are numbered

@@ -126,7 +126,7 @@ private:
 
   void add_node(std::uint64_t tag) {
     out_.node_tags.push_back(tag);
-    Vector3 p;
+    Vec3 p;
     for (int k = 0; k < 3; ++k)
       p[k] = file_.real("a coordinate");
     out_.nodes.push_back(p);

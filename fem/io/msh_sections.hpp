@@ -1,6 +1,6 @@
 #pragma once
+#include "core/geometry/vec3.hpp"
 #include "fem/io/gmsh_elements.hpp"
-#include "fem/mesh/vector3.hpp"
 
 #include <cstdint>
 #include <map>
@@ -23,7 +23,7 @@ struct MshSections {
   std::map<Group, std::string> group_names;
   std::map<Group, std::vector<int>> groups_of_entity; ///< MSH 4: physical tags of each entity
   std::vector<std::uint64_t> node_tags;
-  std::vector<Vector3> nodes; ///< in the file's unit
+  std::vector<Vec3> nodes; ///< in the file's unit
   std::vector<Element> elements;
   std::vector<std::uint64_t> uses;
   std::string passed_over; ///< names of sections without mesh data, the first ones

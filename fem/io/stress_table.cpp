@@ -50,9 +50,9 @@ std::vector<float> singles(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-std::vector<double> coordinates(std::span<const Vector3> points) {
+std::vector<double> coordinates(std::span<const Vec3> points) {
   std::vector<double> out;
-  for (const Vector3& p : points)
+  for (const Vec3& p : points)
     out.insert(out.end(), {p.x, p.y, p.z});
   return out;
 }
@@ -63,7 +63,7 @@ Surface coarser(const Mesh& mesh, const Surface& skin, double edge) {
   Triangles triangles;
   std::map<std::array<double, 3>, int> node_at;
   for (const int node : skin.node) {
-    const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
+    const Vec3& p = mesh.nodes[static_cast<std::size_t>(node)];
     triangles.points.push_back(p);
     node_at.emplace(std::array{p.x, p.y, p.z}, node);
   }
@@ -71,9 +71,9 @@ Surface coarser(const Mesh& mesh, const Surface& skin, double edge) {
   triangles.shell.assign(skin.triangles.size(), 0);
   triangles.shells = 1;
   triangles = simplified(
-      triangles, [edge](const Vector3&) { return edge; }, kDeviation * edge);
+      triangles, [edge](const Vec3&) { return edge; }, kDeviation * edge);
   Surface out;
-  for (const Vector3& p : triangles.points)
+  for (const Vec3& p : triangles.points)
     out.node.push_back(node_at.at({p.x, p.y, p.z}));
   out.triangles = triangles.triangles;
   return out;
@@ -117,7 +117,7 @@ void write_stress_table(const std::string& path, const StressTable& t) {
   const Surface whole = surface_of(t.mesh);
   const Surface skin = t.skin_edge > 0 ? coarser(t.mesh, whole, t.skin_edge) : whole;
   const auto& control_points = t.control_weights.control_points;
-  std::vector<Vector3> vertices;
+  std::vector<Vec3> vertices;
   for (const int node : skin.node)
     vertices.push_back(t.mesh.nodes[static_cast<std::size_t>(node)]);
   std::vector<std::int32_t> triangles;

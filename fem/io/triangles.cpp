@@ -19,7 +19,7 @@ void add_polygon(std::span<const std::uint32_t> polygon, int group, Triangles& o
     out.group.push_back(group);
     return;
   }
-  std::vector<Vector3> corners;
+  std::vector<Vec3> corners;
   corners.reserve(polygon.size());
   for (const std::uint32_t p : polygon)
     corners.push_back(out.points[p]);
@@ -34,7 +34,7 @@ void add_polygon(std::span<const std::uint32_t> polygon, int group, Triangles& o
 
 } // namespace
 
-std::string near_position(const Vector3& p) {
+std::string near_position(const Vec3& p) {
   return format(" near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
 }
 
@@ -52,7 +52,7 @@ Triangles triangles_of(const std::string& path, std::string_view bytes, double u
     throw InputError(path + (mesh.error.starts_with("triangle") ? ": " : " ") + mesh.error);
   Triangles out;
   out.points.reserve(mesh.points.size());
-  for (const haptic::Vec3& p : mesh.points)
+  for (const Vec3& p : mesh.points)
     out.points.push_back({unit * p.x, unit * p.y, unit * p.z});
   out.triangles.reserve(mesh.polygons());
   out.group.reserve(mesh.polygons());
@@ -71,7 +71,7 @@ double share_of_slivers(const Triangles& t, double degrees) {
   std::size_t slivers = 0;
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3 p = t.corner(i, k), a = t.corner(i, k + 1) - p, b = t.corner(i, k + 2) - p;
+      const Vec3 p = t.corner(i, k), a = t.corner(i, k + 1) - p, b = t.corner(i, k + 2) - p;
       if (dot(a, b) > limit * length(a) * length(b)) {
         ++slivers;
         break;

@@ -14,19 +14,19 @@ namespace tactus::fem {
 /// A surface of triangles. Files give an unconnected soup; weld() and find_shells() (fem/mesh) make
 /// closed shells of it, oriented outward.
 struct Triangles {
-  std::vector<Vector3> points; ///< m
+  std::vector<Vec3> points; ///< m
   std::vector<std::array<int, 3>> triangles;
   std::vector<int> group; ///< for each triangle, the solid or object of the file it belongs to
   std::vector<std::string> groups; ///< their names
   std::vector<int> shell;          ///< the connected piece of each triangle
   int shells = 0;
 
-  [[nodiscard]] Vector3 corner(std::size_t triangle, std::size_t k) const {
+  [[nodiscard]] Vec3 corner(std::size_t triangle, std::size_t k) const {
     return points[static_cast<std::size_t>(triangles[triangle][k % 3])];
   }
   /// Normal of a triangle, as long as twice its area (m^2).
-  [[nodiscard]] Vector3 normal(std::size_t triangle) const {
-    const Vector3 a = corner(triangle, 0);
+  [[nodiscard]] Vec3 normal(std::size_t triangle) const {
+    const Vec3 a = corner(triangle, 0);
     return cross(corner(triangle, 1) - a, corner(triangle, 2) - a);
   }
 };
@@ -40,7 +40,7 @@ struct Triangles {
 [[nodiscard]] Triangles triangles_of(const std::string& path, std::string_view bytes, double unit);
 
 /// " near (1, 2, 3) mm", for sentences to the user.
-[[nodiscard]] std::string near_position(const Vector3&);
+[[nodiscard]] std::string near_position(const Vec3&);
 
 /// "triangle 17 near (1, 2, 3) mm", counted from one, for refusals.
 [[nodiscard]] std::string triangle_location(const Triangles&, std::size_t triangle);

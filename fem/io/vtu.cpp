@@ -57,7 +57,7 @@ void write_vtu(const std::string& path, const Mesh& mesh, std::span<const VtuFie
   file.write(format("<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n<Points>\n"
                     "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n",
                     mesh.nodes.size(), mesh.elements.size()));
-  for (const Vector3& p : mesh.nodes)
+  for (const Vec3& p : mesh.nodes)
     file.write(format("%.9g %.9g %.9g\n", p.x, p.y, p.z));
   file.write("</DataArray>\n</Points>\n<Cells>\n"
              "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n");

@@ -30,15 +30,15 @@ std::vector<double> compliance(const Material& m) {
 
 /// Bond's matrix: stress in the body's axes from stress in the material's, whose directions are the
 /// three given here.
-ElasticMatrix bond(const std::array<Vector3, 3>& axis) {
+ElasticMatrix bond(const std::array<Vec3, 3>& axis) {
   constexpr std::array<std::array<int, 2>, 6> pair{
       {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
   ElasticMatrix t;
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j < 6; ++j) {
       const auto [a, b] = pair[i];
-      const Vector3 &c = axis[static_cast<std::size_t>(pair[j][0])],
-                    &d = axis[static_cast<std::size_t>(pair[j][1])];
+      const Vec3 &c = axis[static_cast<std::size_t>(pair[j][0])],
+                 &d = axis[static_cast<std::size_t>(pair[j][1])];
       t[i][j] = c == d ? c[a] * c[b] : c[a] * d[b] + d[a] * c[b];
     }
   return t;
@@ -79,11 +79,11 @@ ElasticMatrix elastic_matrix(const Material& m) {
   if (!std::all_of(s.begin(), s.end(), [](double x) { return std::isfinite(x); }) ||
       !solve_positive_definite(s, c, 6))
     refuse("its elastic constants would release energy, expected a positive definite matrix");
-  const Vector3 one = (1 / length(m.axis_1)) * m.axis_1;
-  const Vector3 normal = cross(one, m.axis_2);
+  const Vec3 one = (1 / length(m.axis_1)) * m.axis_1;
+  const Vec3 normal = cross(one, m.axis_2);
   if (!(length(normal) > 1e-6 * length(m.axis_2)))
     refuse("its two directions are parallel or zero, expected two different ones");
-  const Vector3 three = (1 / length(normal)) * normal, two = cross(three, one);
+  const Vec3 three = (1 / length(normal)) * normal, two = cross(three, one);
   return turned(c, bond({one, two, three}));
 }
 

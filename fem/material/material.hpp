@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 #include <string>
@@ -20,8 +20,8 @@ struct Material {
   std::array<double, 3> young_pa{70.3e9, 0, 0};
   std::array<double, 3> poisson{0.33, 0, 0};
   std::array<double, 3> shear_pa{0, 0, 0};
-  Vector3 axis_1{1, 0, 0}; ///< direction of 1 in the body
-  Vector3 axis_2{0, 1, 0}; ///< 2 lies in the plane of axis_1 and axis_2
+  Vec3 axis_1{1, 0, 0}; ///< direction of 1 in the body
+  Vec3 axis_2{0, 1, 0}; ///< 2 lies in the plane of axis_1 and axis_2
   double loss_factor = 1e-4;
   double rayleigh_a = 0, rayleigh_b = 0;
   std::string source;

@@ -24,7 +24,7 @@ void BoxTree::build(std::size_t first, std::size_t last) {
   nodes_.push_back({whole, first, last, 0});
   if (last - first <= kLeaf)
     return;
-  const Vector3 size = whole.size();
+  const Vec3 size = whole.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::size_t middle = first + (last - first) / 2;
   const auto begin = order_.begin();

@@ -94,7 +94,7 @@ void report_faces(double unit, const std::function<void(const std::string&)>& no
     if (const double bend = std::max(std::abs(largest[0]), std::abs(smallest[0]));
         kind == "Cylinder" && bend > 0)
       text += format(" of radius %.6g mm", 1e3 * unit / bend);
-    Vector3 middle;
+    Vec3 middle;
     gmsh::model::occ::getCenterOfMass(dimension, face, middle.x, middle.y, middle.z);
     for (int k = 0; k < 3; ++k)
       middle[k] = std::abs(middle[k]) < 1e-9 ? 0 : middle[k];

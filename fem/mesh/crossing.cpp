@@ -9,11 +9,10 @@ namespace {
 
 /// Whether an interior point of segment p q lies in the interior of triangle a b c. False when
 /// segment and triangle are coplanar up to rounding.
-bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b,
-          const Vector3& c) {
+bool cuts(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double size = std::max({length(q - p), length(b - a), length(c - a)});
   const double nothing = 1e-9 * size * size * size;
-  const auto side = [&](const Vector3& x, const Vector3& y, const Vector3& z, const Vector3& w) {
+  const auto side = [&](const Vec3& x, const Vec3& y, const Vec3& z, const Vec3& w) {
     const double volume = dot(cross(y - x, z - x), w - x); // six times the tetrahedron's
     return volume > nothing ? 1 : volume < -nothing ? -1 : 0;
   };
@@ -27,7 +26,7 @@ bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b
 /// element between them.
 bool folded(const Triangles& t, std::size_t i, std::size_t j) {
   constexpr double kFlat = 1.5e-8; // 1 - cos(0.01 degrees)
-  const Vector3 n = t.normal(i), m = t.normal(j);
+  const Vec3 n = t.normal(i), m = t.normal(j);
   return dot(n, m) < -(1 - kFlat) * length(n) * length(m);
 }
 

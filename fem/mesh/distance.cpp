@@ -4,15 +4,14 @@
 
 namespace tactus::fem {
 
-double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b,
-                            const Vector3& c) {
-  const Vector3 n = cross(b - a, c - a);
+double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = cross(b - a, c - a);
   const double size = length(n);
   if (size > 0 && dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
       dot(cross(a - c, p - c), n) >= 0)
     return std::abs(dot(n, p - a)) / size;
-  const auto to_edge = [&](const Vector3& from, const Vector3& to) {
-    const Vector3 along = to - from;
+  const auto to_edge = [&](const Vec3& from, const Vec3& to) {
+    const Vec3 along = to - from;
     const double share =
         std::clamp(dot(p - from, along) / std::max(dot(along, along), 1e-300), 0., 1.);
     return length(p - from - share * along);
@@ -20,12 +19,12 @@ double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b
   return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
 }
 
-double distance_of_edges(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b) {
-  const Vector3 u = q - p, v = b - a, n = cross(u, v);
+double distance_of_edges(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
+  const Vec3 u = q - p, v = b - a, n = cross(u, v);
   const double size = dot(n, n);
   if (!(size > 1e-20 * dot(u, u) * dot(v, v)))
     return 1e300; // parallel: their corners tell
-  const Vector3 w = a - p;
+  const Vec3 w = a - p;
   const double s = dot(cross(w, v), n) / size, t = dot(cross(w, u), n) / size;
   if (s < 0 || s > 1 || t < 0 || t > 1)
     return 1e300;

@@ -1,15 +1,14 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 namespace tactus::fem {
 
 /// Distance of a point to a triangle, m.
-[[nodiscard]] double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b,
-                                          const Vector3& c);
+[[nodiscard]] double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b,
+                                          const Vec3& c);
 
 /// Distance of the lines p q and a b where it is reached within both; 1e300 elsewhere and for
 /// parallel edges, where an end is nearest.
-[[nodiscard]] double distance_of_edges(const Vector3& p, const Vector3& q, const Vector3& a,
-                                       const Vector3& b);
+[[nodiscard]] double distance_of_edges(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
 } // namespace tactus::fem

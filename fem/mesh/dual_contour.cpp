@@ -68,7 +68,7 @@ std::array<int, 12> sheets_of(int corners) {
 }
 
 struct Cut {
-  Vector3 position, normal; ///< a zero normal: no plane is known here
+  Vec3 position, normal; ///< a zero normal: no plane is known here
 };
 
 /// Where the surface cuts a grid edge: seen from the inside end, where the winding number falls to
@@ -88,7 +88,7 @@ Cut cut_of(const RayGrid& grid, const std::vector<std::uint8_t>& inside,
   }
   if (!chosen && !hits.empty())
     chosen = starts_inside ? &hits.back() : &hits.front();
-  Vector3 p = grid.point(from);
+  Vec3 p = grid.point(from);
   if (!chosen) {
     p[axis] += .5 * grid.spacing();
     return {p, {}};
@@ -98,12 +98,12 @@ Cut cut_of(const RayGrid& grid, const std::vector<std::uint8_t>& inside,
 }
 
 /// The point nearest to all planes of the cuts; where they leave it free, nearest to their mean.
-Vector3 meeting_point(const std::vector<Cut>& cuts, const Vector3& low, double spacing) {
-  Vector3 mean;
+Vec3 meeting_point(const std::vector<Cut>& cuts, const Vec3& low, double spacing) {
+  Vec3 mean;
   for (const Cut& c : cuts)
     mean += (1. / static_cast<double>(cuts.size())) * c.position;
-  std::array<Vector3, 3> squares; // sum of n n'
-  Vector3 right;
+  std::array<Vec3, 3> squares; // sum of n n'
+  Vec3 right;
   for (const Cut& c : cuts) {
     for (int i = 0; i < 3; ++i)
       squares[at(i)] += c.normal[i] * c.normal;
@@ -111,7 +111,7 @@ Vector3 meeting_point(const std::vector<Cut>& cuts, const Vector3& low, double s
   }
   const auto [values, vectors] = symmetric_eigenpairs(squares);
   const double limit = .08 * values[2];
-  Vector3 p = mean;
+  Vec3 p = mean;
   for (std::size_t k = 0; k < 3; ++k)
     if (values[k] > std::max(limit, 1e-12))
       p += dot(vectors[k], right) / values[k] * vectors[k];
@@ -150,8 +150,8 @@ std::array<int, 12> add_points(Triangles& out, const RayGrid& grid,
 void add_quadrangle(Triangles& out, const std::array<int, 4>& quad) {
   const auto p = [&](std::size_t n) { return out.points[at(quad[n])]; };
   const auto bend = [&](std::size_t a) { // between the halves at the diagonal from a
-    const Vector3 n = cross(p((a + 1) % 4) - p(a), p((a + 2) % 4) - p(a)),
-                  m = cross(p((a + 2) % 4) - p(a), p((a + 3) % 4) - p(a));
+    const Vec3 n = cross(p((a + 1) % 4) - p(a), p((a + 2) % 4) - p(a)),
+               m = cross(p((a + 2) % 4) - p(a), p((a + 3) % 4) - p(a));
     return dot(n, m) / std::max(length(n) * length(m), 1e-300);
   };
   const std::size_t a = bend(0) >= bend(1) ? 0 : 1;

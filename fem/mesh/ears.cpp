@@ -13,26 +13,26 @@ double turn(const Point2& a, const Point2& b, const Point2& c) {
 }
 
 /// Corners in the plane of the polygon's mean normal (Newell), turning to the left.
-std::vector<Point2> flattened(std::span<const Vector3> corners) {
-  Vector3 normal;
+std::vector<Point2> flattened(std::span<const Vec3> corners) {
+  Vec3 normal;
   for (std::size_t i = 0; i < corners.size(); ++i)
     normal += cross(corners[i] - corners[0], corners[(i + 1) % corners.size()] - corners[0]);
   const double size = length(normal);
-  normal = size > 0 ? (1 / size) * normal : Vector3{0, 0, 1};
-  const Vector3 other = std::abs(normal.x) < .6 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
-  Vector3 x = cross(other, normal);
+  normal = size > 0 ? (1 / size) * normal : Vec3{0, 0, 1};
+  const Vec3 other = std::abs(normal.x) < .6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  Vec3 x = cross(other, normal);
   x = (1 / length(x)) * x;
-  const Vector3 y = cross(normal, x);
+  const Vec3 y = cross(normal, x);
   std::vector<Point2> flat;
   flat.reserve(corners.size());
-  for (const Vector3& p : corners)
+  for (const Vec3& p : corners)
     flat.push_back({dot(x, p - corners[0]), dot(y, p - corners[0])});
   return flat;
 }
 
 } // namespace
 
-std::vector<std::array<int, 3>> clip_ears(std::span<const Vector3> corners) {
+std::vector<std::array<int, 3>> clip_ears(std::span<const Vec3> corners) {
   const std::vector<Point2> flat = flattened(corners);
   std::vector<int> left(corners.size());
   std::iota(left.begin(), left.end(), 0);

@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 #include <cstddef>
@@ -14,6 +14,6 @@ inline constexpr std::size_t kMaxEarCorners =
 /// Triangulates a polygon, plane or nearly so and possibly concave, by ear clipping in the plane of
 /// its mean normal (Meisters 1975). Returns the corner numbers of the triangles, oriented as the
 /// polygon.
-[[nodiscard]] std::vector<std::array<int, 3>> clip_ears(std::span<const Vector3> corners);
+[[nodiscard]] std::vector<std::array<int, 3>> clip_ears(std::span<const Vec3> corners);
 
 } // namespace tactus::fem

@@ -118,7 +118,7 @@ private:
   /// The surface in triangles of `size` times the wanted edge, filled. Nothing if they cross or are
   /// too many, or cannot be filled.
   [[nodiscard]] std::optional<Mesh> try_remeshed(double size, double deviation_factor) {
-    const std::function<double(const Vector3&)> edge = [&, scale = .85 * size](const Vector3& p) {
+    const std::function<double(const Vec3&)> edge = [&, scale = .85 * size](const Vec3& p) {
       return scale * (choice_.sizes ? std::min(target_edge_, choice_.sizes->at(p)) : target_edge_);
     };
     const double deviation = deviation_factor * size * target_edge_;

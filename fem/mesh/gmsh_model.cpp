@@ -92,7 +92,7 @@ struct Facet {
   std::array<std::size_t, 3> node;
 };
 
-using Positions = std::unordered_map<std::size_t, Vector3>; ///< by the node's tag
+using Positions = std::unordered_map<std::size_t, Vec3>; ///< by the node's tag
 
 Positions node_positions() {
   Positions position;
@@ -156,13 +156,12 @@ std::vector<double> concave_curves() {
       if (owners == at_edge.end() || owners->second.size() != 2)
         continue;
       const auto& [f, g] = std::tie(owners->second[0], owners->second[1]);
-      const Vector3 normal =
-          cross(position[f[1]] - position[f[0]], position[f[2]] - position[f[0]]);
+      const Vec3 normal = cross(position[f[1]] - position[f[0]], position[f[2]] - position[f[0]]);
       std::size_t far = g[0];
       for (const std::size_t n : g)
         if (n != a && n != b)
           far = n;
-      const Vector3 outward = position[far] - .5 * (position[a] + position[b]);
+      const Vec3 outward = position[far] - .5 * (position[a] + position[b]);
       ++edge_count;
       inward += dot(normal, outward) > limit * length(normal) * length(outward);
     }
@@ -194,8 +193,8 @@ void set_sizes(const SizeField& sizes, double unit, double finer) {
   gmsh::model::mesh::setSizeCallback(size_at); // from gmsh 4.9 on it is told gmsh's own size, too
 }
 
-MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double skin,
-                             const Vector3& box, double h, double faces) {
+MeshSize predicted_mesh_size(const LoadChoice& choice, double volume, double skin, const Vec3& box,
+                             double h, double faces) {
   if (!choice.sizes)
     return predict_tetrahedra(volume, skin, box, h, faces);
   // For one body among several the field predicts the elements of all: no more than its smallest

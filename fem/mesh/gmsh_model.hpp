@@ -80,7 +80,7 @@ void generate(int dimension);
 /// The predicted mesh: with one size h, with a surface that is meshed already in `faces` triangles,
 /// or with the sizes of a refinement.
 [[nodiscard]] MeshSize predicted_mesh_size(const LoadChoice&, double volume, double skin,
-                                           const Vector3& box, double h, double faces);
+                                           const Vec3& box, double h, double faces);
 
 /// Element sizes: h everywhere, finer towards these curves.
 void set_sizes(double h, const std::vector<double>& concave);

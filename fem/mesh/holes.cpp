@@ -18,15 +18,15 @@ constexpr double kFlat = .02;          ///< distance of corners from the plane, 
 constexpr std::size_t kMinTriangles = 100;
 
 /// Largest distance of a ring's corners from its mean plane (Newell's normal), m.
-double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
-  Vector3 normal;
+double off_plane(const std::vector<Vec3>& ring, const Vec3& centre) {
+  Vec3 normal;
   for (std::size_t i = 0; i < ring.size(); ++i)
     normal += cross(ring[i] - centre, ring[(i + 1) % ring.size()] - centre);
   const double size = length(normal);
   if (!(size > 0))
     return std::numeric_limits<double>::infinity();
   double off = 0;
-  for (const Vector3& p : ring)
+  for (const Vec3& p : ring)
     off = std::max(off, std::abs(dot(normal, p - centre)) / size);
   return off;
 }
@@ -84,7 +84,7 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
     const int start = next.begin()->first;
     const std::size_t beside = next.begin()->second.second;
     const std::vector<int> ring = take_ring(next, start);
-    std::vector<Vector3> corners;
+    std::vector<Vec3> corners;
     Hole hole;
     for (const int v : ring) {
       corners.push_back(t.points[static_cast<std::size_t>(v)]);

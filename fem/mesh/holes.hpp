@@ -5,7 +5,7 @@ namespace tactus::fem {
 
 /// A hole of a surface: a ring of edges with a triangle on one side only.
 struct Hole {
-  Vector3 centre;    ///< m, mean of its corners
+  Vec3 centre;       ///< m, mean of its corners
   double extent = 0; ///< m, largest side of its box
   double area = 0;   ///< m^2, of the patch that closes it
   std::size_t edges = 0;

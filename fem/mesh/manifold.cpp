@@ -74,13 +74,13 @@ std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
                        triangle_location(t, first->triangle) + ": an edge has " +
                        std::to_string(count) +
                        " triangles, expected two; --shrink-wrap takes the outer skin");
-    const Vector3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
-    const Vector3 axis = (1 / length(along)) * along;
-    Vector3 x, y;
+    const Vec3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
+    const Vec3 axis = (1 / length(along)) * along;
+    Vec3 x, y;
     std::vector<AngledUse> order;
     for (auto u = first; u != last; ++u) {
-      const Vector3 tip = t.corner(u->triangle, u->side + 2) - a;
-      const Vector3 out = tip - dot(tip, axis) * axis;
+      const Vec3 tip = t.corner(u->triangle, u->side + 2) - a;
+      const Vec3 out = tip - dot(tip, axis) * axis;
       if (u == first) {
         x = (1 / std::max(length(out), 1e-300)) * out;
         y = cross(axis, x);
@@ -115,7 +115,7 @@ void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
         for (const int point : {t.triangles[i][k], t.triangles[i][(k + 1) % 3]})
           fan[root(corner_of(i, point))] = root(corner_of(at(across[i][k]), point));
   std::vector<int> name(fan.size(), -1);
-  std::vector<Vector3> points;
+  std::vector<Vec3> points;
   auto triangles = t.triangles;
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {

@@ -31,15 +31,15 @@ std::string Mesh::element_names() const {
 }
 
 double Box::largest() const noexcept {
-  const Vector3 s = size();
+  const Vec3 s = size();
   return std::max({s.x, s.y, s.z});
 }
 
-Box bounding_box(std::span<const Vector3> points) {
+Box bounding_box(std::span<const Vec3> points) {
   if (points.empty())
     return {};
   Box box{points[0], points[0]};
-  for (const Vector3& p : points)
+  for (const Vec3& p : points)
     for (int k = 0; k < 3; ++k) {
       box.low[k] = std::min(box.low[k], p[k]);
       box.high[k] = std::max(box.high[k], p[k]);
@@ -90,7 +90,7 @@ namespace {
 
 /// Gives every node its new number (-1: gone); new numbers are ascending in the old ones.
 void renumber(Mesh& mesh, std::span<const int> to, std::size_t remaining) {
-  std::vector<Vector3> kept(remaining);
+  std::vector<Vec3> kept(remaining);
   for (std::size_t i = mesh.nodes.size(); i-- > 0;)
     if (to[i] >= 0)
       kept[static_cast<std::size_t>(to[i])] = mesh.nodes[i];
@@ -121,7 +121,7 @@ void drop_unused_nodes(Mesh& mesh) {
     renumber(mesh, to, static_cast<std::size_t>(count));
 }
 
-std::vector<int> coincident_points(std::span<const Vector3> points, double tolerance) {
+std::vector<int> coincident_points(std::span<const Vec3> points, double tolerance) {
   // Cells four tolerances wide; a point's partner lies in its own or a neighbouring cell.
   const Box box = bounding_box(points);
   const double cell = 4 * tolerance;
@@ -134,7 +134,7 @@ std::vector<int> coincident_points(std::span<const Vector3> points, double toler
   cells.reserve(points.size());
   std::vector<int> to(points.size());
   for (std::size_t n = 0; n < points.size(); ++n) {
-    const Vector3& p = points[n];
+    const Vec3& p = points[n];
     std::array<std::int64_t, 3> at{}, low{}, high{};
     for (int k = 0; k < 3; ++k) {
       const double coordinate = (p[k] - box.low[k]) / cell;
@@ -175,7 +175,7 @@ std::size_t merge_nodes(Mesh& mesh, double tolerance) {
 double min_jacobian(const Mesh& mesh, const Element& e) {
   ShapeValues values;
   double min_determinant = std::numeric_limits<double>::infinity();
-  const auto sample = [&](const Vector3& at) {
+  const auto sample = [&](const Vec3& at) {
     evaluate(e.shape, at, values);
     min_determinant = std::min(min_determinant, jacobian(mesh, e, values).determinant);
   };
@@ -199,7 +199,7 @@ template <class Visit> void visit_sides(const Mesh& mesh, const Element& e, Visi
 }
 
 /// How far the middle node lies from the middle of a side.
-Vector3 bend(const Mesh& mesh, std::size_t a, std::size_t b, std::size_t middle) {
+Vec3 bend(const Mesh& mesh, std::size_t a, std::size_t b, std::size_t middle) {
   return mesh.nodes[middle] - .5 * (mesh.nodes[a] + mesh.nodes[b]);
 }
 
@@ -243,7 +243,7 @@ std::size_t straighten_inverted(Mesh& mesh) {
           min_jacobian(mesh, e) > kMinJacobianShare * straight_jacobian(e))
         continue;
       visit_sides(mesh, e, [&](std::size_t a, std::size_t b, std::size_t middle) {
-        const Vector3 off = bend(mesh, a, b, middle);
+        const Vec3 off = bend(mesh, a, b, middle);
         if (halvings[middle] == kHalvings || !(length(off) > 0))
           return;
         if (halvings[middle]++ == 0)
@@ -265,7 +265,7 @@ void check(const Mesh& mesh) {
   if (mesh.elements.empty())
     throw InputError("the mesh has no volume element: expected tet10, wedge15 or hex20");
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-    const Vector3& p = mesh.nodes[i];
+    const Vec3& p = mesh.nodes[i];
     if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
       throw InputError("node " + std::to_string(i + 1) + " has a coordinate that is no number");
   }
@@ -284,7 +284,7 @@ void check(const Mesh& mesh) {
       throw InputError(label + " uses node " +
                        std::to_string(*std::adjacent_find(sorted.begin(), end) + 1) + " twice");
     if (const double min_determinant = min_jacobian(mesh, e); !(min_determinant > 0)) {
-      const Vector3& p = mesh.nodes[static_cast<std::size_t>(nodes[0])];
+      const Vec3& p = mesh.nodes[static_cast<std::size_t>(nodes[0])];
       char at[96];
       std::snprintf(at, sizeof at, " near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
       throw InputError(label + at + " is turned inside out: its Jacobian is " +
@@ -293,9 +293,9 @@ void check(const Mesh& mesh) {
   }
 }
 
-void check_range(const std::string& path, std::span<const Vector3> points) {
+void check_range(const std::string& path, std::span<const Vec3> points) {
   constexpr double kLargest = 1e6; // m
-  for (const Vector3& p : points)
+  for (const Vec3& p : points)
     if (!(length(p) < kLargest))
       throw InputError(path + format(" has a point at (%g, %g, %g) m, expected one within %g m",
                                      p.x, p.y, p.z, kLargest));

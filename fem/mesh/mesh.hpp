@@ -36,7 +36,7 @@ struct Element {
 
 /// A volume mesh in metres. Regions carry materials; node sets carry names for supports.
 struct Mesh {
-  std::vector<Vector3> nodes;
+  std::vector<Vec3> nodes;
   std::vector<int> connectivity;
   std::vector<Element> elements;
   std::vector<std::string> regions{"body"};
@@ -53,11 +53,11 @@ struct Mesh {
 };
 
 struct Box {
-  Vector3 low, high;
-  [[nodiscard]] Vector3 size() const noexcept { return high - low; }
+  Vec3 low, high;
+  [[nodiscard]] Vec3 size() const noexcept { return high - low; }
   [[nodiscard]] double largest() const noexcept;
 };
-[[nodiscard]] Box bounding_box(std::span<const Vector3> points);
+[[nodiscard]] Box bounding_box(std::span<const Vec3> points);
 
 /// Volume in m^3, by the mass quadrature.
 [[nodiscard]] double volume(const Mesh&);
@@ -74,7 +74,7 @@ void drop_unused_nodes(Mesh&);
 
 /// For each point the index of the point it merges with: the first kept one within `tolerance_m`,
 /// or itself.
-[[nodiscard]] std::vector<int> coincident_points(std::span<const Vector3>, double tolerance_m);
+[[nodiscard]] std::vector<int> coincident_points(std::span<const Vec3>, double tolerance_m);
 
 /// Merges nodes closer than `tolerance_m`. Returns how many disappeared.
 std::size_t merge_nodes(Mesh&, double tolerance_m);
@@ -97,6 +97,6 @@ void check(const Mesh&);
 
 /// Refuses a file's points beyond 1000 km: no real body has them, and products of such lengths
 /// would overflow.
-void check_range(const std::string& path, std::span<const Vector3> points);
+void check_range(const std::string& path, std::span<const Vec3> points);
 
 } // namespace tactus::fem

@@ -80,7 +80,7 @@ MeshSize size_of(const Mesh& mesh) {
   return size;
 }
 
-MeshSize predict_tetrahedra(double volume, double skin_area, const Vector3& box, double h,
+MeshSize predict_tetrahedra(double volume, double skin_area, const Vec3& box, double h,
                             double faces) {
   MeshSize size;
   size.volume = volume;
@@ -100,7 +100,7 @@ MeshSize predict_tetrahedra(double volume, double skin_area, const Vector3& box,
   return size;
 }
 
-MeshSize predict_swept_size(double volume, double skin_area, const Vector3& box, double height,
+MeshSize predict_swept_size(double volume, double skin_area, const Vec3& box, double height,
                             double h, double layers) {
   MeshSize size;
   size.volume = volume;

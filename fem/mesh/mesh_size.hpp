@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 
@@ -22,7 +22,7 @@ struct MeshSize {
   double skin_area = 0;       ///< m^2, of gmsh's meshes
   double h = 0;               ///< m, the element size that gmsh's meshes were asked for; 0: unknown
   double height = 0;          ///< m, that a base is swept through; 0: none
-  Vector3 box{};              ///< m, the bounding box's sides
+  Vec3 box{};                 ///< m, the bounding box's sides
   [[nodiscard]] double dofs() const noexcept { return 3 * nodes; }
 };
 
@@ -34,11 +34,11 @@ struct MeshSize {
 /// all in metres; `faces`, when the surface is meshed already, is the number of its triangles.
 /// Ungraded meshes have within a fifth of the elements predicted, graded ones with their `faces` up
 /// to twice as many.
-[[nodiscard]] MeshSize predict_tetrahedra(double volume, double skin_area, const Vector3& box,
+[[nodiscard]] MeshSize predict_tetrahedra(double volume, double skin_area, const Vec3& box,
                                           double h, double faces = 0);
 
 /// The size of a swept mesh (sweep.hpp) of wedge15: triangles of edge h in the base's area, layers.
-[[nodiscard]] MeshSize predict_swept_size(double volume, double skin_area, const Vector3& box,
+[[nodiscard]] MeshSize predict_swept_size(double volume, double skin_area, const Vec3& box,
                                           double height, double h, double layers);
 
 /// The size of a mesh of the same body and kind with another number of elements.

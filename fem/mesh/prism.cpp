@@ -14,12 +14,12 @@ constexpr double kEqual = 1e-6;    ///< relative difference of lengths, areas, v
 
 struct FlatFace {
   int tag;
-  Vector3 normal, point;
+  Vec3 normal, point;
   double area;
 };
 
 /// Normals of a face at 3 x 3 of its parameters.
-std::vector<Vector3> normals_of(int face, Vector3* point) {
+std::vector<Vec3> normals_of(int face, Vec3* point) {
   std::vector<double> low, high, at, xyz, normals;
   gmsh::model::getParametrizationBounds(2, face, low, high);
   for (const double u : {.1, .5, .9})
@@ -30,15 +30,15 @@ std::vector<Vector3> normals_of(int face, Vector3* point) {
   gmsh::model::getNormal(face, at, normals);
   gmsh::model::getValue(2, face, {at[0], at[1]}, xyz);
   *point = {xyz[0], xyz[1], xyz[2]};
-  std::vector<Vector3> out;
+  std::vector<Vec3> out;
   for (std::size_t i = 0; i + 2 < normals.size(); i += 3)
     out.push_back({normals[i], normals[i + 1], normals[i + 2]});
   return out;
 }
 
 /// The prism along a direction, if the faces are those of one.
-std::optional<Prism> along(const Vector3& direction, const std::vector<FlatFace>& flat,
-                           const std::vector<std::vector<Vector3>>& curved, double volume) {
+std::optional<Prism> along(const Vec3& direction, const std::vector<FlatFace>& flat,
+                           const std::vector<std::vector<Vec3>>& curved, double volume) {
   std::vector<const FlatFace*> ends;
   for (const FlatFace& f : flat) {
     if (length(cross(f.normal, direction)) < kParallel)
@@ -47,7 +47,7 @@ std::optional<Prism> along(const Vector3& direction, const std::vector<FlatFace>
       return {};
   }
   for (const auto& normals : curved)
-    for (const Vector3& n : normals)
+    for (const Vec3& n : normals)
       if (!(std::abs(dot(n, direction)) < 1e3 * kParallel))
         return {};
   if (ends.size() < 2)
@@ -88,11 +88,11 @@ std::optional<Prism> find_prism() {
     return {};
   gmsh::model::getBoundary(volumes, faces, true, false);
   std::vector<FlatFace> flat;
-  std::vector<std::vector<Vector3>> curved;
+  std::vector<std::vector<Vec3>> curved;
   for (const auto& [dimension, tag] : faces) {
     std::string type;
     gmsh::model::getType(2, tag, type);
-    Vector3 point;
+    Vec3 point;
     auto normals = normals_of(tag, &point);
     if (type == "Plane")
       flat.push_back({tag, normals[4], point, mass_of(2, tag)});
@@ -100,10 +100,10 @@ std::optional<Prism> find_prism() {
       curved.push_back(std::move(normals));
   }
   std::optional<Prism> best;
-  std::vector<Vector3> tried;
+  std::vector<Vec3> tried;
   for (const FlatFace& f : flat) {
     if (std::any_of(tried.begin(), tried.end(),
-                    [&](const Vector3& d) { return length(cross(d, f.normal)) < kParallel; }))
+                    [&](const Vec3& d) { return length(cross(d, f.normal)) < kParallel; }))
       continue;
     tried.push_back(f.normal);
     auto prism = along(f.normal, flat, curved, mass_of(3, volumes[0].second));

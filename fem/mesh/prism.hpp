@@ -10,9 +10,9 @@ namespace tactus::fem {
 struct Prism {
   int volume = 0;
   std::vector<int> base;                  ///< gmsh's tags of the faces at its lower end
-  Vector3 direction;                      ///< from the base to the other end, of unit length
+  Vec3 direction;                         ///< from the base to the other end, of unit length
   double height = 0, solid = 0, skin = 0; ///< its length, volume and area
-  Vector3 box;                            ///< sides of the bounding box
+  Vec3 box;                               ///< sides of the bounding box
 };
 
 /// gmsh's only volume as a prism, if it is one: all its faces are planes across one direction, at

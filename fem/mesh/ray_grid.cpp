@@ -7,9 +7,9 @@ namespace {
 
 /// Twice the signed area of p, a, b in the plane of axes u and v. Exchanging a and b gives exactly
 /// the opposite number, so that a line through the common edge of two triangles meets one of them.
-double area(double pu, double pv, const Vector3& a, const Vector3& b, int u, int v) {
+double area(double pu, double pv, const Vec3& a, const Vec3& b, int u, int v) {
   const bool swapped = a[u] != b[u] ? a[u] > b[u] : a[v] > b[v];
-  const Vector3 &from = swapped ? b : a, &to = swapped ? a : b;
+  const Vec3 &from = swapped ? b : a, &to = swapped ? a : b;
   const double value = (from[u] - pu) * (to[v] - pv) - (from[v] - pv) * (to[u] - pu);
   return swapped ? -value : value;
 }
@@ -47,8 +47,8 @@ std::array<int, 3> RayGrid::cell(std::size_t index) const noexcept {
           static_cast<int>(rest / at(size_[1]))};
 }
 
-Vector3 RayGrid::point(const std::array<int, 3>& c) const noexcept {
-  return origin_ + spacing_ * Vector3{double(c[0]), double(c[1]), double(c[2])};
+Vec3 RayGrid::point(const std::array<int, 3>& c) const noexcept {
+  return origin_ + spacing_ * Vec3{double(c[0]), double(c[1]), double(c[2])};
 }
 
 std::size_t RayGrid::step(int axis) const noexcept {
@@ -65,8 +65,8 @@ RayGrid::Lines RayGrid::cross_lines(const Triangles& t, int axis, double jitter)
   const std::size_t lines = at(size_[at(u)]) * at(size_[at(v)]);
   std::vector<std::pair<std::size_t, Crossing>> found;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    const Vector3 a = t.corner(i, 0), b = t.corner(i, 1), c = t.corner(i, 2);
-    Vector3 normal = t.normal(i);
+    const Vec3 a = t.corner(i, 0), b = t.corner(i, 1), c = t.corner(i, 2);
+    Vec3 normal = t.normal(i);
     const double double_area = length(normal);
     if (!(double_area > 0) || normal[axis] == 0)
       continue;

@@ -10,7 +10,7 @@ namespace tactus::fem {
 struct Crossing {
   double position;
   int sign;
-  Vector3 normal; ///< of unit length
+  Vec3 normal; ///< of unit length
 };
 
 /// A regular grid of points around a surface, and every crossing of its lines with the triangles.
@@ -26,7 +26,7 @@ public:
   [[nodiscard]] std::size_t count() const noexcept;
   [[nodiscard]] std::size_t index(int i, int j, int k) const noexcept;
   [[nodiscard]] std::array<int, 3> cell(std::size_t index) const noexcept;
-  [[nodiscard]] Vector3 point(const std::array<int, 3>&) const noexcept;
+  [[nodiscard]] Vec3 point(const std::array<int, 3>&) const noexcept;
   /// From a point to the next one along an axis, in index().
   [[nodiscard]] std::size_t step(int axis) const noexcept;
 
@@ -52,7 +52,7 @@ private:
   [[nodiscard]] std::size_t line_of(const std::array<int, 3>&, int axis) const noexcept;
 
   double spacing_;
-  Vector3 origin_;
+  Vec3 origin_;
   std::array<int, 3> size_{};
   std::array<Lines, 3> lines_;
 };

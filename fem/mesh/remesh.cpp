@@ -18,7 +18,7 @@ constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of su
 
 class Remesher {
 public:
-  Remesher(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+  Remesher(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
            double deviation)
       : point_(surface.points), triangle_(surface.triangles), shell_(surface.shell),
         around_(surface.points.size()), plane_(surface.points.size()),
@@ -65,12 +65,12 @@ public:
   }
 
 private:
-  using Plane = std::pair<Vector3, double>;
+  using Plane = std::pair<Vec3, double>;
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static Edge sorted(int a, int b) { return std::minmax(a, b); }
-  const Vector3& point(int v) const { return point_[at(v)]; }
-  Vector3 normal(const Corners& t) const { // its length is twice the area
+  const Vec3& point(int v) const { return point_[at(v)]; }
+  Vec3 normal(const Corners& t) const { // its length is twice the area
     return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
   }
   double span(int a, int b) const { return length(point(b) - point(a)); }
@@ -111,13 +111,13 @@ private:
   }
 
   void add_plane(int v, const Corners& t) {
-    const Vector3 n = normal(t);
+    const Vec3 n = normal(t);
     const double size = length(n);
     if (size > 0)
       plane_[at(v)].push_back({(1 / size) * n, dot((1 / size) * n, point(t[0]))});
   }
   /// The largest distance of a position from the planes of v and of the vertices merged into it, m.
-  double deviation(int v, const Vector3& position) const {
+  double deviation(int v, const Vec3& position) const {
     double max_distance = 0;
     for (const auto& [n, level] : plane_[at(v)])
       max_distance = std::max(max_distance, std::abs(dot(n, position) - level));
@@ -125,7 +125,7 @@ private:
   }
 
   /// Whether a normal lies near that of some plane that v stands for.
-  bool faces_as_before(int v, const Vector3& n) const {
+  bool faces_as_before(int v, const Vec3& n) const {
     return std::any_of(plane_[at(v)].begin(), plane_[at(v)].end(),
                        [&](const Plane& p) { return dot(p.first, n) > .8 * length(n); });
   }
@@ -133,7 +133,7 @@ private:
   void find_features() {
     for (const auto& [a, b] : edges()) {
       const int left = beside(a, b), right = beside(b, a);
-      const Vector3 n = normal(triangle_[at(left)]), m = normal(triangle_[at(right)]);
+      const Vec3 n = normal(triangle_[at(left)]), m = normal(triangle_[at(right)]);
       if (dot(n, m) < std::cos(kFeature) * length(n) * length(m))
         feature_.insert({a, b});
     }
@@ -144,7 +144,7 @@ private:
     }
     for (std::size_t v = 0; v < along.size(); ++v) {
       if (along[v].size() == 2) {
-        const Vector3 in = point_[v] - point(along[v][0]), out = point(along[v][1]) - point_[v];
+        const Vec3 in = point_[v] - point(along[v][0]), out = point(along[v][1]) - point_[v];
         corner_[v] = dot(in, out) < std::cos(kCorner) * length(in) * length(out);
       } else {
         corner_[v] = !along[v].empty();
@@ -249,10 +249,10 @@ private:
       Corners corners = triangle_[at(t)];
       if (std::find(corners.begin(), corners.end(), onto) != corners.end())
         continue;
-      const Vector3 before = normal(corners);
+      const Vec3 before = normal(corners);
       const double shape = quality(corners);
       std::replace(corners.begin(), corners.end(), from, onto);
-      const Vector3 after = normal(corners);
+      const Vec3 after = normal(corners);
       for (const int v : corners)
         if (v != onto && span(v, onto) > 4. / 3 * edge_at(v, onto) && span(v, onto) > span(v, from))
           return false;
@@ -324,14 +324,14 @@ private:
     const double now = std::min(quality(triangle_[at(left)]), quality(triangle_[at(right)]));
     if (std::min(quality(first), quality(second)) < now + 1e-3)
       return false;
-    const Vector3 whole = normal(triangle_[at(left)]) + normal(triangle_[at(right)]);
+    const Vec3 whole = normal(triangle_[at(left)]) + normal(triangle_[at(right)]);
     const double size = length(whole);
     if (!(size > 0))
       return false;
     const double bend = std::abs(dot(whole, point(d) - point(c))) +
                         std::abs(dot(whole, point(b) - point(a))) +
                         std::abs(dot(whole, point(c) - point(a)));
-    const Vector3 n = normal(first), m = normal(second);
+    const Vec3 n = normal(first), m = normal(second);
     if (bend > max_deviation_ * size || dot(n, whole) <= .9 * length(n) * size ||
         dot(m, whole) <= .9 * length(m) * size)
       return false;
@@ -346,7 +346,7 @@ private:
       for (int v = 0; v < static_cast<int>(point_.size()); ++v) {
         if (around_[at(v)].empty() || on_feature(v))
           continue;
-        Vector3 whole, middle;
+        Vec3 whole, middle;
         for (const int t : around_[at(v)])
           whole += normal(triangle_[at(t)]);
         const double size = length(whole);
@@ -360,7 +360,7 @@ private:
           bend = std::max(bend, std::abs(dot(whole, point(w) - point(v))));
         if (!(size > 0) || bend > 1e-3 * max_deviation_ * size)
           continue;
-        const Vector3 before = point(v);
+        const Vec3 before = point(v);
         point_[at(v)] = middle - (dot(whole, middle - before) / (size * size)) * whole;
         for (const int t : around_[at(v)])
           if (quality(triangle_[at(t)]) < worst || dot(normal(triangle_[at(t)]), whole) <= 0) {
@@ -370,20 +370,20 @@ private:
       }
   }
 
-  std::vector<Vector3> point_;
+  std::vector<Vec3> point_;
   std::vector<Corners> triangle_; ///< -1: gone
   std::vector<int> shell_;
   std::vector<std::vector<int>> around_;
   std::vector<std::vector<Plane>> plane_; ///< unit normal and level of what a point stands for
   std::vector<bool> corner_;
   std::set<Edge> feature_;
-  const std::function<double(const Vector3&)>& edge_;
+  const std::function<double(const Vec3&)>& edge_;
   double max_deviation_;
 };
 
 } // namespace
 
-Triangles remeshed(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+Triangles remeshed(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
                    double deviation) {
   return Remesher(surface, edge, deviation).run();
 }

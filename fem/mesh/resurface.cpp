@@ -26,7 +26,7 @@ double skin_area(const Triangles& t) {
 
 /// The target spacing, or the finest one within the limits where that is coarser, m.
 double affordable(const Triangles& t, double target_spacing) {
-  const Vector3 size = bounding_box(t.points).size();
+  const Vec3 size = bounding_box(t.points).size();
   const double grid_volume = (size.x + 20 * target_spacing) * (size.y + 20 * target_spacing) *
                              (size.z + 20 * target_spacing);
   return std::max({target_spacing, std::cbrt(grid_volume / kMaxGridPoints),
@@ -103,11 +103,11 @@ double enclosed(const Triangles& t) {
 /// a share of its distance to the mean of its neighbours, in turn towards it and away from it
 /// (Taubin 1995).
 void smooth(Triangles& t) {
-  std::vector<Vector3> sum(t.points.size());
+  std::vector<Vec3> sum(t.points.size());
   std::vector<double> count(t.points.size());
   for (int pass = 0; pass < 100; ++pass) {
     const double share = pass % 2 == 0 ? .5 : -.53;
-    std::fill(sum.begin(), sum.end(), Vector3{});
+    std::fill(sum.begin(), sum.end(), Vec3{});
     std::fill(count.begin(), count.end(), 0.);
     for (const auto& c : t.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -128,7 +128,7 @@ void part_touching(Triangles& t, double distance) {
   for (const auto& c : t.triangles)
     for (std::size_t k = 0; k < 3; ++k)
       ring[static_cast<std::size_t>(c[k])].push_back(c[(k + 1) % 3]);
-  const auto at = [&](int v) -> const Vector3& { return t.points[static_cast<std::size_t>(v)]; };
+  const auto at = [&](int v) -> const Vec3& { return t.points[static_cast<std::size_t>(v)]; };
   std::vector<bool> touches(t.points.size(), false);
   const std::vector<int> first = coincident_points(t.points, distance);
   for (std::size_t v = 0; v < first.size(); ++v) {
@@ -140,7 +140,7 @@ void part_touching(Triangles& t, double distance) {
           if (length(.5 * (at(ring[v][a]) + at(ring[v][b])) - t.points[v]) < 1e-6 * distance)
             touches[v] = true;
   }
-  std::vector<Vector3> moved = t.points;
+  std::vector<Vec3> moved = t.points;
   for (std::size_t v = 0; v < touches.size(); ++v)
     if (touches[v])
       for (const int w : ring[v])
@@ -156,7 +156,7 @@ void relax_crossings(Triangles& t) {
     const auto pairs = crossings(t, 10000);
     if (pairs.empty())
       return;
-    std::vector<Vector3> sum(t.points.size());
+    std::vector<Vec3> sum(t.points.size());
     std::vector<int> count(t.points.size(), 0);
     std::vector<bool> moves(t.points.size(), false);
     for (const auto& pair : pairs)

@@ -15,7 +15,7 @@ namespace tactus::fem {
 namespace {
 
 std::vector<Box> shell_boxes(const Triangles& t) {
-  std::vector<std::vector<Vector3>> corners(at(t.shells));
+  std::vector<std::vector<Vec3>> corners(at(t.shells));
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k)
       corners[at(t.shell[i])].push_back(t.corner(i, k));
@@ -27,14 +27,14 @@ std::vector<Box> shell_boxes(const Triangles& t) {
 }
 
 /// Solid angle of a triangle seen from the origin (van Oosterom & Strackee 1983).
-double solid_angle(const Vector3& a, const Vector3& b, const Vector3& c) {
+double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double la = length(a), lb = length(b), lc = length(c);
   return 2 * std::atan2(dot(a, cross(b, c)),
                         la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
 /// Whether a point lies inside a shell: its triangles fill the whole sphere around the point.
-bool inside(const Vector3& p, const Triangles& t, const std::vector<std::size_t>& shell) {
+bool inside(const Vec3& p, const Triangles& t, const std::vector<std::size_t>& shell) {
   double whole = 0;
   for (const std::size_t i : shell)
     whole += solid_angle(t.corner(i, 0) - p, t.corner(i, 1) - p, t.corner(i, 2) - p);
@@ -117,7 +117,7 @@ void find_shells(Triangles& t) {
 
 std::vector<double> shell_volumes(const Triangles& t) {
   std::vector<double> volumes(at(t.shells), 0);
-  std::vector<Vector3> origin(volumes.size());
+  std::vector<Vec3> origin(volumes.size());
   std::vector<bool> known(volumes.size(), false);
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     const std::size_t s = at(t.shell[i]);
@@ -125,8 +125,8 @@ std::vector<double> shell_volumes(const Triangles& t) {
       origin[s] = t.corner(i, 0);
       known[s] = true;
     }
-    const Vector3 &a = t.corner(i, 0) - origin[s], &b = t.corner(i, 1) - origin[s],
-                  &c = t.corner(i, 2) - origin[s];
+    const Vec3 &a = t.corner(i, 0) - origin[s], &b = t.corner(i, 1) - origin[s],
+               &c = t.corner(i, 2) - origin[s];
     volumes[s] += dot(a, cross(b, c)) / 6;
   }
   return volumes;
@@ -219,7 +219,7 @@ std::vector<int> outer_shells(const std::vector<std::vector<int>>& around) {
 std::vector<Triangles> separate_bodies(const Triangles& t) {
   const auto boxes = shell_boxes(t);
   const auto volumes = shell_volumes(t);
-  std::vector<Vector3> sample(at(t.shells));
+  std::vector<Vec3> sample(at(t.shells));
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     sample[at(t.shell[i])] = t.corner(i, 0);
   const auto fits = [&](int s, int q) {

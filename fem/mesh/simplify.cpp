@@ -18,10 +18,10 @@ using Corners = std::array<int, 3>;
 /// Area-weighted sum of squared distances to planes, as a symmetric form in a point, and the area.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  Vector3 linear;
+  Vec3 linear;
   double constant = 0, area = 0;
 
-  void add(const Vector3& n, double level, double weight) {
+  void add(const Vec3& n, double level, double weight) {
     xx += weight * n.x * n.x, xy += weight * n.x * n.y, xz += weight * n.x * n.z;
     yy += weight * n.y * n.y, yz += weight * n.y * n.z, zz += weight * n.z * n.z;
     linear += (weight * level) * n;
@@ -34,7 +34,7 @@ struct Quadric {
     constant += q.constant;
     area += q.area;
   }
-  [[nodiscard]] double at(const Vector3& p) const {
+  [[nodiscard]] double at(const Vec3& p) const {
     const double square = xx * p.x * p.x + yy * p.y * p.y + zz * p.z * p.z +
                           2 * (xy * p.x * p.y + xz * p.x * p.z + yz * p.y * p.z);
     return std::max(square - 2 * dot(linear, p) + constant, 0.);
@@ -44,13 +44,13 @@ struct Quadric {
 class Simplifier {
 public:
   /// Points marked in `kept` stay, with all their triangles.
-  Simplifier(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+  Simplifier(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
              double deviation, const std::vector<bool>& kept)
       : surface_(surface), triangle_(surface.triangles), around_(surface.points.size()),
         quadric_(surface.points.size()), version_(surface.points.size(), 0), kept_(kept),
         edge_(edge), deviation_(deviation) {
     for (std::size_t t = 0; t < triangle_.size(); ++t) {
-      const Vector3 n = normal(triangle_[t]);
+      const Vec3 n = normal(triangle_[t]);
       const double size = length(n);
       for (const int v : triangle_[t]) {
         around_[at(v)].push_back(static_cast<int>(t));
@@ -87,9 +87,9 @@ private:
     }
   };
 
-  const Vector3& point(int v) const { return surface_.points[at(v)]; }
-  Vector3 relative(int v) const { return point(v) - surface_.points[0]; }
-  Vector3 normal(const Corners& t) const {
+  const Vec3& point(int v) const { return surface_.points[at(v)]; }
+  Vec3 relative(int v) const { return point(v) - surface_.points[0]; }
+  Vec3 normal(const Corners& t) const {
     return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
   }
   double span(int a, int b) const { return length(point(b) - point(a)); }
@@ -142,10 +142,10 @@ private:
       Corners corners = triangle_[at(t)];
       if (std::find(corners.begin(), corners.end(), onto) != corners.end())
         continue;
-      const Vector3 before = normal(corners);
+      const Vec3 before = normal(corners);
       const double shape = quality(corners);
       std::replace(corners.begin(), corners.end(), from, onto);
-      const Vector3 after = normal(corners);
+      const Vec3 after = normal(corners);
       if (dot(before, after) <= .7 * length(before) * length(after) ||
           quality(corners) < std::min(.2, .8 * shape))
         return false;
@@ -205,7 +205,7 @@ private:
   std::vector<int> version_;
   const std::vector<bool>& kept_;
   std::priority_queue<Candidate> queue_;
-  const std::function<double(const Vector3&)>& edge_;
+  const std::function<double(const Vec3&)>& edge_;
   double deviation_;
 };
 
@@ -213,14 +213,14 @@ private:
 /// the distance one counts for all.
 class Marker {
 public:
-  explicit Marker(const std::vector<Vector3>& points) : marked(points.size(), false) {
+  explicit Marker(const std::vector<Vec3>& points) : marked(points.size(), false) {
     std::vector<Box> boxes;
     boxes.reserve(points.size());
-    for (const Vector3& p : points)
+    for (const Vec3& p : points)
       boxes.push_back({p, p});
     tree_.emplace(std::move(boxes));
   }
-  void mark(const Vector3& p, double distance) {
+  void mark(const Vec3& p, double distance) {
     const auto cell = [&](double x) { return std::floor(4 * x / distance); };
     if (done_.insert({distance, cell(p.x), cell(p.y), cell(p.z)}).second)
       tree_->for_each_near({p, p}, distance, [&](std::size_t i) {
@@ -238,7 +238,7 @@ private:
 
 } // namespace
 
-Triangles simplified(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+Triangles simplified(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
                      double deviation) {
   Marker kept(surface.points);
   for (double reach = 1; reach < 20; reach *= 2) {
@@ -247,13 +247,13 @@ Triangles simplified(const Triangles& surface, const std::function<double(const 
     for (const auto& pair : crossings(made, 1000))
       for (const std::size_t i : pair)
         for (std::size_t k = 0; k < 3; ++k) {
-          const Vector3 p = made.corner(i, k);
+          const Vec3 p = made.corner(i, k);
           sound = false;
           kept.mark(p, reach * edge(p));
         }
     const BoxTree faces(triangle_boxes(made));
     for (std::size_t v = 0; v < surface.points.size(); ++v) {
-      const Vector3& p = surface.points[v];
+      const Vec3& p = surface.points[v];
       if (kept.marked[v])
         continue; // its neighbourhood is marked already
       bool near = false;

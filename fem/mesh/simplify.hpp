@@ -11,7 +11,7 @@ namespace tactus::fem {
 /// old corner stays within `deviation` (m) of the new surface and no triangles cut each other that
 /// did not before: where either fails the old triangles are kept. Shells keep their numbers.
 /// O(n log n).
-[[nodiscard]] Triangles
-simplified(const Triangles&, const std::function<double(const Vector3&)>& edge, double deviation);
+[[nodiscard]] Triangles simplified(const Triangles&, const std::function<double(const Vec3&)>& edge,
+                                   double deviation);
 
 } // namespace tactus::fem

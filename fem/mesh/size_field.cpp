@@ -6,10 +6,10 @@
 
 namespace tactus::fem {
 
-SizeField::SizeField(std::vector<Vector3> points, std::vector<double> size)
+SizeField::SizeField(std::vector<Vec3> points, std::vector<double> size)
     : point_(std::move(points)), size_(std::move(size)), box_(bounding_box(point_)) {
   // About two points a cell.
-  const Vector3 extent = box_.size();
+  const Vec3 extent = box_.size();
   const double flat = 1e-3 * box_.largest();
   const double space = (extent.x + flat) * (extent.y + flat) * (extent.z + flat);
   edge_ = std::max(std::cbrt(2 * space / static_cast<double>(point_.size())), box_.largest() / 500);
@@ -18,7 +18,7 @@ SizeField::SizeField(std::vector<Vector3> points, std::vector<double> size)
   const auto count = static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) *
                      static_cast<std::size_t>(cells_[2]);
   first_.assign(count + 1, 0);
-  for (const Vector3& p : point_)
+  for (const Vec3& p : point_)
     ++first_[cell(p, 0, 0, 0) + 1];
   for (std::size_t c = 0; c < count; ++c)
     first_[c + 1] += first_[c];
@@ -28,7 +28,7 @@ SizeField::SizeField(std::vector<Vector3> points, std::vector<double> size)
     inside_[next[cell(point_[i], 0, 0, 0)]++] = i;
 }
 
-std::size_t SizeField::cell(const Vector3& p, int dx, int dy, int dz) const noexcept {
+std::size_t SizeField::cell(const Vec3& p, int dx, int dy, int dz) const noexcept {
   const std::array<int, 3> step{dx, dy, dz};
   std::size_t index = 0;
   for (int k = 0; k < 3; ++k) {
@@ -42,7 +42,7 @@ std::size_t SizeField::cell(const Vector3& p, int dx, int dy, int dz) const noex
   return index;
 }
 
-double SizeField::at(const Vector3& p) const noexcept {
+double SizeField::at(const Vec3& p) const noexcept {
   double nearest = std::numeric_limits<double>::infinity(), size = size_[0];
   const int widest = std::max({cells_[0], cells_[1], cells_[2]});
   for (int ring = 0; ring <= widest; ++ring) {

@@ -8,8 +8,8 @@ namespace tactus::fem {
 class SizeField {
 public:
   /// `size` of each point, m.
-  SizeField(std::vector<Vector3> points, std::vector<double> size);
-  [[nodiscard]] double at(const Vector3&) const noexcept;
+  SizeField(std::vector<Vec3> points, std::vector<double> size);
+  [[nodiscard]] double at(const Vec3&) const noexcept;
   [[nodiscard]] double smallest() const noexcept;
   [[nodiscard]] double largest() const noexcept;
   double elements = 0;   ///< about how many there will be
@@ -18,9 +18,9 @@ public:
   std::vector<double> levels;
 
 private:
-  [[nodiscard]] std::size_t cell(const Vector3&, int dx, int dy, int dz) const noexcept;
+  [[nodiscard]] std::size_t cell(const Vec3&, int dx, int dy, int dz) const noexcept;
 
-  std::vector<Vector3> point_;
+  std::vector<Vec3> point_;
   std::vector<double> size_;
   Box box_;
   double edge_ = 1; ///< of the search cells

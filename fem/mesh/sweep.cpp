@@ -22,9 +22,9 @@ struct Cell {
 
 /// gmsh's mesh of the base, points in the model's unit.
 struct BaseMesh {
-  std::vector<Vector3> points;
+  std::vector<Vec3> points;
   std::vector<Cell> cells;
-  [[nodiscard]] const Vector3& at(int n) const { return points[static_cast<std::size_t>(n)]; }
+  [[nodiscard]] const Vec3& at(int n) const { return points[static_cast<std::size_t>(n)]; }
 };
 
 BaseMesh mesh_base(const Prism& prism, const SweepChoice& choice) {
@@ -74,12 +74,12 @@ BaseMesh mesh_base(const Prism& prism, const SweepChoice& choice) {
 
 /// Tangents along both reference axes at a point of a cell, the derivative of its 6 or 8 shape
 /// functions (those of the element's lower face).
-std::array<Vector3, 2> tangents(const BaseMesh& mesh, const Cell& cell, const Vector3& at) {
+std::array<Vec3, 2> tangents(const BaseMesh& mesh, const Cell& cell, const Vec3& at) {
   const Shape shape = cell.corners == 3 ? Shape::wedge15 : Shape::hex20;
   const std::size_t corners = cell.corners;
   ShapeValues values;
   evaluate(shape, {at.x, at.y, -1}, values);
-  std::array<Vector3, 2> out;
+  std::array<Vec3, 2> out;
   for (std::size_t c = 0; c < corners; ++c)
     for (const auto& [node, function] :
          {std::pair{cell.node[c], c}, {cell.side(c), 2 * corners + c}}) {
@@ -91,7 +91,7 @@ std::array<Vector3, 2> tangents(const BaseMesh& mesh, const Cell& cell, const Ve
 
 /// Turns cells counter-clockwise about the direction; straightens the sides of those that curve so
 /// much that they fold.
-void repair_columns(BaseMesh& mesh, const Vector3& direction) {
+void repair_columns(BaseMesh& mesh, const Vec3& direction) {
   const auto folds = [&](const Cell& cell, double limit) {
     const auto reference = reference_nodes(cell.corners == 3 ? Shape::wedge15 : Shape::hex20);
     double largest = 0, smallest = 1e300;
@@ -195,7 +195,7 @@ std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadr
     return {};
   const double solid = unit * unit * unit * prism->solid, skin = unit * unit * prism->skin,
                height = unit * prism->height;
-  const Vector3 box = unit * prism->box;
+  const Vec3 box = unit * prism->box;
   std::vector<double> levels;
   const auto predict_size = [&](const MeshSize& size) {
     if (choice.on_prediction)

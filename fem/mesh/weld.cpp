@@ -60,7 +60,7 @@ bool join_open_edges(Triangles& t, double tolerance) {
   if (open.empty())
     return false;
   const std::vector<int> corners = corners_of(open);
-  std::vector<Vector3> points;
+  std::vector<Vec3> points;
   points.reserve(corners.size());
   for (const int c : corners)
     points.push_back(t.points[at(c)]);
@@ -92,13 +92,13 @@ std::size_t split_at_junctions(Triangles& t, double tolerance) {
             [&](int a, int b) { return t.points[at(a)].x < t.points[at(b)].x; });
   std::map<std::array<int, 2>, std::vector<std::pair<double, int>>> cuts;
   for (const auto& [a, b] : open) {
-    const Vector3 p = t.points[at(a)], along = t.points[at(b)] - p;
+    const Vec3 p = t.points[at(a)], along = t.points[at(b)] - p;
     const double low = std::min(p.x, p.x + along.x) - tolerance, square = dot(along, along);
     auto c = std::lower_bound(corners.begin(), corners.end(), low,
                               [&](int v, double x) { return t.points[at(v)].x < x; });
     for (; c != corners.end() && t.points[at(*c)].x <= std::max(p.x, p.x + along.x) + tolerance;
          ++c) {
-      const Vector3 offset = t.points[at(*c)] - p;
+      const Vec3 offset = t.points[at(*c)] - p;
       const double share = dot(offset, along) / square;
       if (*c != a && *c != b && share > 0 && share < 1 &&
           length(offset - share * along) <= tolerance &&
@@ -224,13 +224,13 @@ std::size_t drop_fins(Triangles& t) {
 Welded weld(Triangles& t) {
   Welded done;
   double far = 0;
-  for (const Vector3& p : t.points)
+  for (const Vec3& p : t.points)
     far = std::max({far, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const double size = bounding_box(t.points).largest();
   if (!(size > 0))
     throw InputError("the surface has no extent");
   const std::size_t count = t.triangles.size();
-  const Vector3 first = t.points[0];
+  const Vec3 first = t.points[0];
   done.tolerance = std::min(4 * far * double{std::numeric_limits<float>::epsilon()}, 1e-3 * size);
   const std::vector<int> to = coincident_points(t.points, done.tolerance);
   for (auto& c : t.triangles)

@@ -10,15 +10,15 @@ namespace tactus::fem {
 MassProperties mass_properties(const Mesh& mesh, std::span<const Material> materials) {
   MassProperties body;
   ShapeValues values;
-  Vector3 first;
+  Vec3 first;
   std::array<std::array<double, 3>, 3> second{};
-  const Vector3 middle = bounding_box(mesh.nodes).low;
+  const Vec3 middle = bounding_box(mesh.nodes).low;
   for (const Element& e : mesh.elements)
     for (const QuadraturePoint& q : mass_points(e.shape)) {
       evaluate(e.shape, q.at, values);
       const double m = materials[static_cast<std::size_t>(e.region)].density * q.weight *
                        jacobian(mesh, e, values).determinant;
-      Vector3 x;
+      Vec3 x;
       const auto nodes = mesh.nodes_of(e);
       for (std::size_t a = 0; a < nodes.size(); ++a)
         x += values.value[a] * (mesh.nodes[static_cast<std::size_t>(nodes[a])] - middle);
@@ -28,7 +28,7 @@ MassProperties mass_properties(const Mesh& mesh, std::span<const Material> mater
         for (std::size_t j = 0; j < 3; ++j)
           second[i][j] += m * x[static_cast<int>(i)] * x[static_cast<int>(j)];
     }
-  const Vector3 c = (1 / body.mass) * first;
+  const Vec3 c = (1 / body.mass) * first;
   body.centre = middle + c;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)

@@ -6,7 +6,7 @@ namespace tactus::fem {
 /// Mass, centre of mass and inertia of a body.
 struct MassProperties {
   double mass = 0;                 ///< kg
-  Vector3 centre;                  ///< m
+  Vec3 centre;                     ///< m
   std::array<double, 9> inertia{}; ///< about the centre, kg m^2, row by row
 };
 /// From the mass matrix applied to the nodes' coordinates.

@@ -16,7 +16,7 @@ double estimated_frequency(const Mesh& mesh, std::span<const Material> materials
   return estimated_frequency(bounding_box(mesh.nodes).size(), volume(mesh), speed);
 }
 
-double estimated_frequency(const Vector3& box, double volume, double speed) {
+double estimated_frequency(const Vec3& box, double volume, double speed) {
   const double size = std::max({box.x, box.y, box.z});
   const double surface = 2 * (box.x * box.y + box.y * box.z + box.z * box.x);
   const double thickness = 2 * volume / surface;
@@ -162,7 +162,7 @@ void sort_by_quotient(const Matrices& m, Modes& modes) {
 namespace {
 
 /// The node farthest from the middle in a direction; of equal ones the first.
-std::size_t farthest_node(const Mesh& mesh, const Vector3& direction) {
+std::size_t farthest_node(const Mesh& mesh, const Vec3& direction) {
   const double size = bounding_box(mesh.nodes).largest();
   std::size_t best = 0;
   for (std::size_t i = 1; i < mesh.nodes.size(); ++i)

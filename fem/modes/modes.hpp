@@ -32,7 +32,7 @@ struct ModeSettings {
 [[nodiscard]] double estimated_frequency(const Mesh&, std::span<const Material>);
 /// The same without a mesh, from the sides of the bounding box (m), the volume (m^3) and the speed
 /// of sound in a bar (m/s).
-[[nodiscard]] double estimated_frequency(const Vector3& box, double volume, double bar_speed);
+[[nodiscard]] double estimated_frequency(const Vec3& box, double volume, double bar_speed);
 
 /// s of K + s M, rad^2/s^2: near (0.3 omega_1)^2, from the estimate.
 [[nodiscard]] double default_shift(const Mesh&, std::span<const Material>);

@@ -12,8 +12,8 @@ namespace {
 constexpr std::size_t kColumns = 8;
 
 /// Normal times area at each vertex, a third of the triangles around it.
-std::vector<Vector3> vertex_areas(const Mesh& mesh, const Surface& skin) {
-  std::vector<Vector3> area(skin.node.size());
+std::vector<Vec3> vertex_areas(const Mesh& mesh, const Surface& skin) {
+  std::vector<Vec3> area(skin.node.size());
   const auto at = [&](int v) {
     return mesh.nodes[static_cast<std::size_t>(skin.node[static_cast<std::size_t>(v)])];
   };
@@ -35,7 +35,7 @@ double mean_edge(const Mesh& mesh, const Surface& skin) {
 }
 
 /// Vertices each as far as can be from those before.
-std::vector<std::size_t> spread_out(const std::vector<Vector3>& points, std::size_t count) {
+std::vector<std::size_t> spread_out(const std::vector<Vec3>& points, std::size_t count) {
   std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> chosen;
   for (std::size_t next = 0; chosen.size() < std::min(count, points.size());) {
@@ -63,11 +63,11 @@ void remove_rigid_part(std::span<const double> rigid, std::span<const double> he
 }
 
 /// Means of the four nearest of the chosen vertices, weighted by the inverse square of distance.
-std::vector<float> interpolated(const std::vector<Vector3>& points,
+std::vector<float> interpolated(const std::vector<Vec3>& points,
                                 const std::vector<std::size_t>& chosen,
                                 const std::vector<double>& deflections, double radius) {
   std::vector<float> everywhere;
-  for (const Vector3& p : points) {
+  for (const Vec3& p : points) {
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t c = 0; c < chosen.size(); ++c)
       near.emplace_back(length(p - points[chosen[c]]), c);
@@ -100,7 +100,7 @@ PushPatch push_patch(const Mesh& mesh, const Surface& skin, std::size_t vertex, 
     patch.force.push_back(-1. * area[v]);
     patch.area += size;
   }
-  for (Vector3& f : patch.force)
+  for (Vec3& f : patch.force)
     f = (1 / patch.area) * f;
   return patch;
 }
@@ -109,7 +109,7 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
                                        const Matrices& matrices, const Modes& modes,
                                        std::size_t probe_count, const Progress& progress) {
   const Surface skin = surface_of(mesh);
-  std::vector<Vector3> points;
+  std::vector<Vec3> points;
   for (const int node : skin.node)
     points.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
   const auto chosen = spread_out(points, probe_count);

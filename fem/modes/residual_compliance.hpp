@@ -11,8 +11,8 @@ inline constexpr std::size_t kCompliancePoints = 128;
 /// along its own normal.
 struct PushPatch {
   std::vector<std::size_t> node;
-  std::vector<Vector3> force; ///< 1
-  double area = 0;            ///< m^2
+  std::vector<Vec3> force; ///< 1
+  double area = 0;         ///< m^2
 };
 [[nodiscard]] PushPatch push_patch(const Mesh&, const Surface&, std::size_t vertex, double radius);
 

@@ -14,7 +14,7 @@ constexpr double kNoEnergy = 3e-15;
 std::vector<double> trial_motions(const Mesh& mesh, const Parts& parts) {
   const std::size_t n = mesh.dofs();
   std::vector<double> trial(n * 6 * static_cast<std::size_t>(parts.count), 0.0);
-  std::vector<Vector3> centre(static_cast<std::size_t>(parts.count));
+  std::vector<Vec3> centre(static_cast<std::size_t>(parts.count));
   std::vector<double> nodes(centre.size(), 0.0), radius(centre.size(), 0.0);
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
     const auto part = static_cast<std::size_t>(parts.of_node[i]);
@@ -29,11 +29,11 @@ std::vector<double> trial_motions(const Mesh& mesh, const Parts& parts) {
   }
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
     const auto p = static_cast<std::size_t>(parts.of_node[i]);
-    const Vector3 arm = (1 / radius[p]) * (mesh.nodes[i] - centre[p]);
+    const Vec3 arm = (1 / radius[p]) * (mesh.nodes[i] - centre[p]);
     for (int k = 0; k < 3; ++k) {
-      Vector3 axis;
+      Vec3 axis;
       axis[k] = 1;
-      const Vector3 rotation = cross(axis, arm);
+      const Vec3 rotation = cross(axis, arm);
       for (int d = 0; d < 3; ++d) {
         const std::size_t row = 3 * i + static_cast<std::size_t>(d);
         trial[(6 * p + static_cast<std::size_t>(k)) * n + row] = axis[d];

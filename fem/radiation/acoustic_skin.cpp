@@ -9,8 +9,8 @@
 namespace tactus::fem {
 namespace {
 
-Vector3 double_area(const AcousticSkin& s, const std::array<int, 3>& t) {
-  const Vector3& a = s.vertex[static_cast<std::size_t>(t[0])];
+Vec3 double_area(const AcousticSkin& s, const std::array<int, 3>& t) {
+  const Vec3& a = s.vertex[static_cast<std::size_t>(t[0])];
   return cross(s.vertex[static_cast<std::size_t>(t[1])] - a,
                s.vertex[static_cast<std::size_t>(t[2])] - a);
 }
@@ -84,13 +84,13 @@ namespace {
 /// Symmetric 4 x 4 sums of squared distances to planes.
 struct Quadric {
   std::array<double, 10> q{};
-  void add(const Vector3& n, double d) {
+  void add(const Vec3& n, double d) {
     const std::array<double, 4> p{n.x, n.y, n.z, d};
     for (std::size_t i = 0, at = 0; i < 4; ++i)
       for (std::size_t j = i; j < 4; ++j)
         q[at++] += p[i] * p[j];
   }
-  [[nodiscard]] double operator()(const Vector3& v) const {
+  [[nodiscard]] double operator()(const Vec3& v) const {
     const std::array<double, 4> p{v.x, v.y, v.z, 1};
     double sum = 0;
     for (std::size_t i = 0, at = 0; i < 4; ++i)
@@ -113,8 +113,8 @@ std::vector<std::array<int, 2>> sharp_edges(const AcousticSkin& s) {
     const auto back = owner.find({edge.second, edge.first});
     if (edge.first > edge.second || back == owner.end())
       continue;
-    const Vector3 n = double_area(s, s.triangle[t]), m = double_area(s, s.triangle[back->second]);
-    Vector3 middle;
+    const Vec3 n = double_area(s, s.triangle[t]), m = double_area(s, s.triangle[back->second]);
+    Vec3 middle;
     for (const int v : s.triangle[back->second])
       middle += (1. / 3) * s.vertex[static_cast<std::size_t>(v)];
     const bool outwards = dot(middle - s.vertex[static_cast<std::size_t>(edge.first)], n) < 0;
@@ -133,9 +133,8 @@ std::vector<double> edge_depth(const AcousticSkin& s, double reach) {
   for (std::size_t v = 0; v < depth.size(); ++v) {
     double nearest = reach;
     for (const auto& edge : edges) {
-      const Vector3& a = s.vertex[static_cast<std::size_t>(edge[0])];
-      const Vector3 along = s.vertex[static_cast<std::size_t>(edge[1])] - a,
-                    offset = s.vertex[v] - a;
+      const Vec3& a = s.vertex[static_cast<std::size_t>(edge[0])];
+      const Vec3 along = s.vertex[static_cast<std::size_t>(edge[1])] - a, offset = s.vertex[v] - a;
       const double at = std::clamp(dot(offset, along) / dot(along, along), 0.0, 1.0);
       nearest = std::min(nearest, length(offset - at * along));
     }
@@ -155,7 +154,7 @@ public:
     around_.resize(skin_.vertex.size());
     quadric_.resize(skin_.vertex.size());
     for (std::size_t t = 0; t < skin_.triangle.size(); ++t) {
-      const Vector3 n = double_area(skin_, skin_.triangle[t]);
+      const Vec3 n = double_area(skin_, skin_.triangle[t]);
       const double size = length(n);
       for (const int v : skin_.triangle[t]) {
         around_[at(v)].push_back(static_cast<int>(t));
@@ -200,14 +199,14 @@ public:
 
 private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  const Vector3& vertex(int v) const { return skin_.vertex[at(v)]; }
+  const Vec3& vertex(int v) const { return skin_.vertex[at(v)]; }
   /// Side of the equilateral triangles of which `target_triangles_` cover an area.
   double even_edge(double area) const {
     return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(target_triangles_));
   }
   /// Squared distance in four dimensions.
   double separation(int a, int b) const {
-    const Vector3 offset = vertex(b) - vertex(a);
+    const Vec3 offset = vertex(b) - vertex(a);
     const double down = depth_[at(b)] - depth_[at(a)];
     return dot(offset, offset) + down * down;
   }
@@ -243,10 +242,10 @@ private:
       auto corners = skin_.triangle[at(t)];
       if (std::find(corners.begin(), corners.end(), onto) != corners.end())
         continue;
-      const Vector3 before = double_area(skin_, corners);
+      const Vec3 before = double_area(skin_, corners);
       const double shape = shape_of(corners).second;
       std::replace(corners.begin(), corners.end(), from, onto);
-      const Vector3 after = double_area(skin_, corners);
+      const Vec3 after = double_area(skin_, corners);
       for (const int v : corners)
         if (v != onto && separation(v, onto) > longest_ * longest_)
           return false;
@@ -296,8 +295,8 @@ AcousticSkin with_triangles(const AcousticSkin& skin, std::size_t triangles) {
   return out.triangle.size() > triangles ? Collapse(std::move(out), triangles).coarse() : out;
 }
 
-std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& c, const Vector3& p) {
-  const Vector3 ab = c[1] - c[0], ac = c[2] - c[0], ap = p - c[0], n = cross(ab, ac);
+std::array<double, 3> nearest_on_triangle(const std::array<Vec3, 3>& c, const Vec3& p) {
+  const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], ap = p - c[0], n = cross(ab, ac);
   const double area = dot(n, n);
   const double v = dot(cross(ap, ac), n) / area, w = dot(cross(ab, ap), n) / area;
   if (v >= 0 && w >= 0 && v + w <= 1)
@@ -306,9 +305,9 @@ std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& c, const
   double min_distance_squared = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = (k + 1) % 3;
-    const Vector3 edge = c[next] - c[k];
+    const Vec3 edge = c[next] - c[k];
     const double s = std::clamp(dot(p - c[k], edge) / dot(edge, edge), 0.0, 1.0);
-    const Vector3 off = p - c[k] - s * edge;
+    const Vec3 off = p - c[k] - s * edge;
     if (dot(off, off) < min_distance_squared) {
       min_distance_squared = dot(off, off);
       best = {};
@@ -321,14 +320,14 @@ std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& c, const
 
 FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
     : fine_(fine.triangle), count_(coarse.vertex.size()) {
-  std::vector<Vector3> middle, normal;
+  std::vector<Vec3> middle, normal;
   std::vector<double> radius;
   for (const auto& t : coarse.triangle) {
-    Vector3 sum;
+    Vec3 sum;
     for (const int v : t)
       sum += coarse.vertex[static_cast<std::size_t>(v)];
     middle.push_back((1. / 3) * sum);
-    const Vector3 n = double_area(coarse, t);
+    const Vec3 n = double_area(coarse, t);
     normal.push_back((1 / length(n)) * n);
     double r = 0;
     for (const int v : t)
@@ -336,9 +335,9 @@ FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
     radius.push_back(r);
   }
   for (const auto& t : fine.triangle) {
-    const Vector3 twice = double_area(fine, t);
+    const Vec3 twice = double_area(fine, t);
     for (std::size_t k = 0; k < 3; ++k) {
-      Vector3 p;
+      Vec3 p;
       for (std::size_t j = 0; j < 3; ++j)
         p += (j == k ? 2. / 3 : 1. / 6) * fine.vertex[static_cast<std::size_t>(t[j])];
       Share share{};
@@ -349,11 +348,11 @@ FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
         const double away = length(p - middle[u]) - radius[u];
         if (away > 0 && away * away >= min_distance_squared)
           continue;
-        std::array<Vector3, 3> corner;
+        std::array<Vec3, 3> corner;
         for (std::size_t j = 0; j < 3; ++j)
           corner[j] = coarse.vertex[static_cast<std::size_t>(coarse.triangle[u][j])];
         const auto weight = nearest_on_triangle(corner, p);
-        const Vector3 off =
+        const Vec3 off =
             p - (weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2]);
         if (dot(off, off) < min_distance_squared) {
           min_distance_squared = dot(off, off);
@@ -365,11 +364,11 @@ FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
   }
 }
 
-std::vector<double> FlowTransfer::operator()(std::span<const Vector3> velocity) const {
+std::vector<double> FlowTransfer::operator()(std::span<const Vec3> velocity) const {
   std::vector<double> flow(count_, 0.0);
   for (std::size_t s = 0; s < shares_.size(); ++s) {
     const auto& t = fine_[s / 3];
-    Vector3 v;
+    Vec3 v;
     for (std::size_t j = 0; j < 3; ++j)
       v += (j == s % 3 ? 2. / 3 : 1. / 6) * velocity[static_cast<std::size_t>(t[j])];
     const double through = dot(v, shares_[s].area);

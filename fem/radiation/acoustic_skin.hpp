@@ -7,7 +7,7 @@ namespace tactus::fem {
 
 /// A closed surface of flat triangles, outward.
 struct AcousticSkin {
-  std::vector<Vector3> vertex;
+  std::vector<Vec3> vertex;
   std::vector<std::array<int, 3>> triangle;
 };
 
@@ -31,13 +31,13 @@ public:
   FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse);
   /// `velocity` at each vertex of the fine skin, m/s; the result has one flow a coarse vertex,
   /// m^3/s.
-  [[nodiscard]] std::vector<double> operator()(std::span<const Vector3> velocity) const;
+  [[nodiscard]] std::vector<double> operator()(std::span<const Vec3> velocity) const;
 
 private:
   struct Share {
     std::array<int, 3> to;
     std::array<double, 3> weight;
-    Vector3 area; ///< normal times area
+    Vec3 area; ///< normal times area
   };
   std::vector<std::array<int, 3>> fine_;
   std::vector<Share> shares_;
@@ -45,7 +45,7 @@ private:
 };
 
 /// The vertices' weights of the point of a triangle that is nearest to `p`.
-[[nodiscard]] std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& corner,
-                                                        const Vector3& p);
+[[nodiscard]] std::array<double, 3> nearest_on_triangle(const std::array<Vec3, 3>& corner,
+                                                        const Vec3& p);
 
 } // namespace tactus::fem

@@ -48,7 +48,7 @@ std::vector<OuterPoint> outer_rule(bool touching) {
   return fine;
 }
 
-Vector3 point_of(const Panel& p, const std::array<double, 3>& hat) {
+Vec3 point_of(const Panel& p, const std::array<double, 3>& hat) {
   return hat[0] * p.corner[0] + hat[1] * p.corner[1] + hat[2] * p.corner[2];
 }
 
@@ -56,9 +56,9 @@ Vector3 point_of(const Panel& p, const std::array<double, 3>& hat) {
 
 ExteriorField::ExteriorField(AcousticSkin skin) : skin_(std::move(skin)) {
   for (const auto& t : skin_.triangle)
-    panels_.emplace_back(std::array<Vector3, 3>{skin_.vertex[static_cast<std::size_t>(t[0])],
-                                                skin_.vertex[static_cast<std::size_t>(t[1])],
-                                                skin_.vertex[static_cast<std::size_t>(t[2])]});
+    panels_.emplace_back(std::array<Vec3, 3>{skin_.vertex[static_cast<std::size_t>(t[0])],
+                                             skin_.vertex[static_cast<std::size_t>(t[1])],
+                                             skin_.vertex[static_cast<std::size_t>(t[2])]});
   arrays_ = PanelArrays(panels_);
   prepare_neighbours();
 }
@@ -178,7 +178,7 @@ std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow
   return mu;
 }
 
-Complex ExteriorField::pressure(double k, std::span<const Complex> mu, const Vector3& x) const {
+Complex ExteriorField::pressure(double k, std::span<const Complex> mu, const Vec3& x) const {
   Complex sum = 0;
   for (std::size_t t = 0; t < panels_.size(); ++t) {
     const Panel& p = panels_[t];
@@ -186,7 +186,7 @@ Complex ExteriorField::pressure(double k, std::span<const Complex> mu, const Vec
       Complex density = 0;
       for (std::size_t j = 0; j < 3; ++j)
         density += kHatAtPoint[i][j] * mu[static_cast<std::size_t>(skin_.triangle[t][j])];
-      const Vector3 offset = x - p.point[i];
+      const Vec3 offset = x - p.point[i];
       const double r = length(offset);
       const Complex wave = std::polar(kOver4Pi * p.area / 3 / r, -k * r);
       sum += density * wave * (dot(offset, p.normal) / r * Complex(1 / r, k) + Complex(0, k));

@@ -38,7 +38,7 @@ public:
                                            double sound_speed) const;
 
   /// Pressure at a point outside, farther off than a triangle's size.
-  [[nodiscard]] Complex pressure(double k, std::span<const Complex> mu, const Vector3& x) const;
+  [[nodiscard]] Complex pressure(double k, std::span<const Complex> mu, const Vec3& x) const;
 
 private:
   struct Neighbours { ///< a pair of panels (first <= second) whose 1/R needs care

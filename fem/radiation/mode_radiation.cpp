@@ -16,9 +16,9 @@ constexpr double kTailPowerShare =
     1e-6; // share of the power's sum at the reference sphere in the tail
 
 /// Vertices of the outer skin as mesh nodes: outer_skin keeps the order of surface_of.
-std::vector<Vector3> motion(const Modes& modes, std::size_t k, const Mesh& mesh,
-                            std::span<const int> node) {
-  std::vector<Vector3> v;
+std::vector<Vec3> motion(const Modes& modes, std::size_t k, const Mesh& mesh,
+                         std::span<const int> node) {
+  std::vector<Vec3> v;
   v.reserve(node.size());
   for (const int i : node) {
     const double* u = &modes.shapes[k * mesh.dofs() + 3 * static_cast<std::size_t>(i)];
@@ -27,12 +27,12 @@ std::vector<Vector3> motion(const Modes& modes, std::size_t k, const Mesh& mesh,
   return v;
 }
 
-double squared_normal_velocity(const AcousticSkin& skin, std::span<const Vector3> v) {
+double squared_normal_velocity(const AcousticSkin& skin, std::span<const Vec3> v) {
   double sum = 0;
   for (const auto& t : skin.triangle) {
     const auto corner = [&](std::size_t j) { return static_cast<std::size_t>(t[j]); };
-    const Vector3 n = cross(skin.vertex[corner(1)] - skin.vertex[corner(0)],
-                            skin.vertex[corner(2)] - skin.vertex[corner(0)]);
+    const Vec3 n = cross(skin.vertex[corner(1)] - skin.vertex[corner(0)],
+                         skin.vertex[corner(2)] - skin.vertex[corner(0)]);
     const double twice = length(n);
     if (twice == 0)
       continue;
@@ -68,7 +68,7 @@ struct AcousticModel {
   const RadiationSettings& settings;
   std::vector<int> node; ///< mesh node of each vertex of `fine`
   AcousticSkin fine;
-  Vector3 centre;
+  Vec3 centre;
   double reference_radius = 0;
   double matrix_bytes = 0;
   std::optional<FlowTransfer> transfer{};
@@ -143,13 +143,13 @@ double mean_edge(const AcousticSkin& skin) {
 
 /// Centre and radius of the smallest sphere about the centre of the outer skin's box.
 void set_reference_sphere(AcousticModel& model) {
-  std::vector<Vector3> used; // the outer skin's own vertices
+  std::vector<Vec3> used; // the outer skin's own vertices
   for (const auto& t : model.fine.triangle)
     for (const int v : t)
       used.push_back(model.fine.vertex[static_cast<std::size_t>(v)]);
   const Box box = bounding_box(used);
   model.centre = .5 * (box.low + box.high);
-  for (const Vector3& x : used)
+  for (const Vec3& x : used)
     model.reference_radius = std::max(model.reference_radius, length(x - model.centre));
 }
 

@@ -12,7 +12,7 @@ struct ModeRadiation {
   std::vector<std::int64_t> offset;              ///< [K+1], into one ratio's coefficients
   std::vector<double> ratios;                    ///< of frequency, ascending; {1} alone is usual
   std::vector<std::complex<float>> coefficients; ///< [ratios][offset[K]], Pa s/(m sqrt(kg))
-  Vector3 centre;
+  Vec3 centre;
   double reference_radius = 0;    ///< m, of the smallest sphere about the centre
   std::vector<double> decay_rate; ///< [K] 1/s: radiated power over twice the energy
   std::vector<double> efficiency; ///< [K] power over rho c ∫ v_n^2/2 dS

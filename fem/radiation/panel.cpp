@@ -4,8 +4,8 @@
 
 namespace tactus::fem {
 
-Panel::Panel(const std::array<Vector3, 3>& corners) : corner(corners) {
-  const Vector3 n = cross(corner[1] - corner[0], corner[2] - corner[0]);
+Panel::Panel(const std::array<Vec3, 3>& corners) : corner(corners) {
+  const Vec3 n = cross(corner[1] - corner[0], corner[2] - corner[0]);
   area = length(n) / 2;
   normal = (.5 / area) * n;
   middle = (1. / 3) * (corner[0] + corner[1] + corner[2]);
@@ -17,15 +17,15 @@ Panel::Panel(const std::array<Vector3, 3>& corners) : corner(corners) {
   }
 }
 
-StaticIntegrals static_integrals(const Panel& panel, const Vector3& x) {
+StaticIntegrals static_integrals(const Panel& panel, const Vec3& x) {
   const double height = dot(x - panel.corner[0], panel.normal), far = std::abs(height);
-  const Vector3 foot = x - height * panel.normal;
+  const Vec3 foot = x - height * panel.normal;
   double whole = 0, angle = 0;
-  Vector3 moment, slope_moment; // ∫ (y - foot)/R dS and ∫ (y - foot) h/R^3 dS
+  Vec3 moment, slope_moment; // ∫ (y - foot)/R dS and ∫ (y - foot) h/R^3 dS
   const double tiny = 1e-12 * panel.radius;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vector3 &a = panel.corner[k], &b = panel.corner[(k + 1) % 3];
-    const Vector3 along = (1 / length(b - a)) * (b - a), out = cross(along, panel.normal);
+    const Vec3 &a = panel.corner[k], &b = panel.corner[(k + 1) % 3];
+    const Vec3 along = (1 / length(b - a)) * (b - a), out = cross(along, panel.normal);
     const double t = dot(a - foot, out), s0 = dot(a - foot, along), s1 = dot(b - foot, along);
     const double r0 = length(a - x), r1 = length(b - x), q = t * t + height * height;
     double log = 0, turn = 0;
@@ -48,7 +48,7 @@ StaticIntegrals static_integrals(const Panel& panel, const Vector3& x) {
   StaticIntegrals result;
   for (std::size_t a = 0; a < 3; ++a) {
     // phi_a(y) = phi_a(foot) + gradient . (y - foot); gradient = normal x curl
-    const Vector3 gradient = cross(panel.normal, panel.curl[a]);
+    const Vec3 gradient = cross(panel.normal, panel.curl[a]);
     const double at_foot = 1. / 3 + dot(gradient, foot - panel.middle);
     result.potential[a] = at_foot * whole + dot(gradient, moment);
     result.slope[a] = at_foot * angle + dot(gradient, slope_moment);

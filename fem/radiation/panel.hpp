@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/mesh/vector3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 
@@ -7,13 +7,13 @@ namespace tactus::fem {
 
 /// A flat triangle with three hat functions, and what integrals over it need.
 struct Panel {
-  std::array<Vector3, 3> corner;
-  Vector3 normal, middle;
-  double area = 0, radius = 0;  ///< radius: middle to the farthest corner
-  std::array<Vector3, 3> curl;  ///< (signed) surface curl of each hat function, 1/m
-  std::array<Vector3, 3> point; ///< of the three-point rule, each of weight area/3
+  std::array<Vec3, 3> corner;
+  Vec3 normal, middle;
+  double area = 0, radius = 0; ///< radius: middle to the farthest corner
+  std::array<Vec3, 3> curl;    ///< (signed) surface curl of each hat function, 1/m
+  std::array<Vec3, 3> point;   ///< of the three-point rule, each of weight area/3
 
-  explicit Panel(const std::array<Vector3, 3>& corners);
+  explicit Panel(const std::array<Vec3, 3>& corners);
 };
 
 /// Values of the three hat functions (second index) at the three points of the rule.
@@ -25,6 +25,6 @@ inline constexpr std::array<std::array<double, 3>, 3> kHatAtPoint{
 struct StaticIntegrals {
   std::array<double, 3> potential{}, slope{};
 };
-[[nodiscard]] StaticIntegrals static_integrals(const Panel&, const Vector3& x);
+[[nodiscard]] StaticIntegrals static_integrals(const Panel&, const Vec3& x);
 
 } // namespace tactus::fem

@@ -37,8 +37,8 @@ struct Others {
 };
 
 /// The integrands at one point of a panel and one of each other, times the weights.
-TACTUS_VECTOR_CLONES void evaluate_pairs(const Others& q, std::size_t count, const Vector3& from,
-                                         const Vector3& n, double weight, double k, std::size_t at,
+TACTUS_VECTOR_CLONES void evaluate_pairs(const Others& q, std::size_t count, const Vec3& from,
+                                         const Vec3& n, double weight, double k, std::size_t at,
                                          PanelPairs& out) {
   // Local arrays, which compilers see not to overlap: the loop below is vectorised.
   Lane value_re, value_im, slope_re, slope_im, back_re, back_im;
@@ -101,8 +101,8 @@ TACTUS_VECTOR_CLONES void add_up(const std::array<Lane, 9>& lanes, std::size_t c
 }
 
 /// scale times the dot products of a vector with each of some.
-TACTUS_VECTOR_CLONES void dots(const Vector3& with, const double* x, const double* y,
-                               const double* z, double scale, std::size_t count, Lane& out) {
+TACTUS_VECTOR_CLONES void dots(const Vec3& with, const double* x, const double* y, const double* z,
+                               double scale, std::size_t count, Lane& out) {
   for (std::size_t u = 0; u < count; ++u)
     out[u] = scale * (with.x * x[u] + with.y * y[u] + with.z * z[u]);
 }
@@ -137,7 +137,7 @@ void PanelPairs::integrate(const Panel& p, const PanelArrays& others, std::size_
     copy_lane(others.point[j][1], first, count, q.py);
     copy_lane(others.point[j][2], first, count, q.pz);
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3 from = p.point[i];
+      const Vec3 from = p.point[i];
       const std::size_t ij = 3 * i + j;
       evaluate_pairs(q, count, from, p.normal, weight, k, ij, *this);
       for (std::size_t u = 0; u < count; ++u)
@@ -156,7 +156,7 @@ void PanelPairs::integrate(const Panel& p, const PanelArrays& others, std::size_
 
 void PanelPairs::to_galerkin(const Panel& p, const PanelArrays& others, std::size_t first,
                              std::size_t count, double k, Integrals& there, Integrals& back) const {
-  const auto dot_lane = [&](const Vector3& with, const PanelArrays::Vectors& of, double scale,
+  const auto dot_lane = [&](const Vec3& with, const PanelArrays::Vectors& of, double scale,
                             Lane& out) {
     dots(with, &of[0][first], &of[1][first], &of[2][first], scale, count, out);
   };

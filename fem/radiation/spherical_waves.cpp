@@ -37,7 +37,7 @@ struct SlopeRows {
   const double *across, *back, *across_high, *back_high; ///< B_lm, B_l,-m, B_l+1,m, B_l+1,-m
 };
 
-TACTUS_VECTOR_CLONES void fill_slopes(std::size_t count, const SlopeRows& rows, const Vector3& kn,
+TACTUS_VECTOR_CLONES void fill_slopes(std::size_t count, const SlopeRows& rows, const Vec3& kn,
                                       double* __restrict psi, double* __restrict psi_j,
                                       double* __restrict slope, double* __restrict slope_j) {
   const SlopeRows f = rows;
@@ -80,11 +80,11 @@ void group_panels(const ExteriorField& field, std::span<std::size_t> panels, std
     groups.emplace_back(panels);
     return;
   }
-  std::vector<Vector3> middles;
+  std::vector<Vec3> middles;
   for (const std::size_t t : panels)
     middles.push_back(field.panels()[t].middle);
   const Box box = bounding_box(middles);
-  const Vector3 size = box.high - box.low;
+  const Vec3 size = box.high - box.low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::size_t half = panels.size() / 2;
   std::nth_element(panels.begin(), panels.begin() + static_cast<std::ptrdiff_t>(half), panels.end(),
@@ -165,7 +165,7 @@ RegularWaves::RegularWaves(std::size_t highest)
     row.legendre = row.re = row.im = turn_;
 }
 
-void RegularWaves::evaluate(double k, const Vector3& x, const Vector3& n, const Planes& planes) {
+void RegularWaves::evaluate(double k, const Vec3& x, const Vec3& n, const Planes& planes) {
   const double r = length(x), across = std::hypot(x.x, x.y);
   const double cosine = r > 0 ? x.z / r : 1, sine = r > 0 ? across / r : 0;
   const Complex turn = across > 0 ? Complex(x.x, x.y) / across : 1;
@@ -203,7 +203,7 @@ void RegularWaves::next_row(std::size_t l, double cosine, double bessel, double 
   row.im[kBefore - 1] = row.im[kBefore + 1];
 }
 
-void RegularWaves::write(std::size_t l, double k, const Vector3& n, const Planes& planes) const {
+void RegularWaves::write(std::size_t l, double k, const Vec3& n, const Planes& planes) const {
   const Row &row = rows_[l % 4], &low = rows_[(l + 3) % 4], &high = rows_[(l + 1) % 4];
   const SlopeRows rows{&row.re[kBefore],     &row.im[kBefore],    &low.re[kBefore],
                        &low.im[kBefore],     &high.re[kBefore],   &high.im[kBefore],
@@ -219,7 +219,7 @@ namespace {
 /// imaginary column of four planes, psi, psi_j, slope and slope_j.
 class SurfaceSums {
 public:
-  SurfaceSums(const ExteriorField& field, double k, std::size_t highest, const Vector3& centre,
+  SurfaceSums(const ExteriorField& field, double k, std::size_t highest, const Vec3& centre,
               std::size_t columns)
       : waves(highest), sums(4 * waves.size() * 2 * columns), field_(field), k_(k), centre_(centre),
         local_(field.unknowns(), kNone) {
@@ -280,7 +280,7 @@ private:
 
   const ExteriorField& field_;
   double k_;
-  Vector3 centre_;
+  Vec3 centre_;
   std::vector<std::size_t> local_, vertices_; ///< a vertex's number in the group, and back
   std::array<std::vector<double>, 3> at_point_;
   std::vector<double> source_, layers_;
@@ -289,8 +289,7 @@ private:
 } // namespace
 
 std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<const Complex> mu,
-                                std::size_t highest, const Vector3& centre,
-                                double reference_radius) {
+                                std::size_t highest, const Vec3& centre, double reference_radius) {
   constexpr std::size_t kPanelsAtOnce = 64; // their waves stay in the processor's cache
   const std::size_t terms = (highest + 1) * (highest + 1), columns = mu.size() / field.unknowns();
   std::vector<std::size_t> panels(field.panels().size());

@@ -28,7 +28,7 @@ public:
     std::span<double> psi, psi_j, slope, slope_j;
   };
   /// Fills the planes at `x` in m from the centre; k in 1/m, n of length 1.
-  void evaluate(double k, const Vector3& x, const Vector3& n, const Planes&);
+  void evaluate(double k, const Vec3& x, const Vec3& n, const Planes&);
 
 private:
   /// psi of one degree, by m from -1 on.
@@ -36,7 +36,7 @@ private:
     std::vector<double> legendre, re, im;
   };
   void next_row(std::size_t l, double cosine, double bessel, double diagonal);
-  void write(std::size_t l, double k, const Vector3& n, const Planes&) const;
+  void write(std::size_t l, double k, const Vec3& n, const Planes&) const;
   [[nodiscard]] std::size_t at(std::size_t l) const noexcept { return l * width_ + kBefore; }
 
   static constexpr std::size_t kBefore = 8; ///< numbers of a row before m = 0; a whole vector
@@ -53,7 +53,7 @@ private:
 ///   G = -j k sum h_l(k r) j_l(k r') Y_lm Y'*_lm.
 [[nodiscard]] std::vector<Complex> multipoles(const ExteriorField&, double k,
                                               std::span<const Complex> mu, std::size_t highest,
-                                              const Vector3& centre, double reference_radius);
+                                              const Vec3& centre, double reference_radius);
 
 /// Mean power of outgoing waves, W: sum |c_lm / h_l(k r_ref)|^2 / (2 rho c k^2).
 [[nodiscard]] double radiated_power(std::span<const Complex> coefficients, double k,

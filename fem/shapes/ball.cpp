@@ -25,16 +25,14 @@ std::array<double, 2> ball_cells(double radius, double h, int at_least, const Sw
 
 /// The cube [-1, 1]^3 onto the unit ball, cubes about the middle onto smooth closed surfaces: x' =
 /// x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3), cyclically. Its faces lie on the sphere.
-Vector3 onto_ball(const Vector3& p) noexcept {
-  const Vector3 q{p.x * p.x, p.y * p.y, p.z * p.z};
+Vec3 onto_ball(const Vec3& p) noexcept {
+  const Vec3 q{p.x * p.x, p.y * p.y, p.z * p.z};
   return {p.x * std::sqrt(1 - q.y / 2 - q.z / 2 + q.y * q.z / 3),
           p.y * std::sqrt(1 - q.z / 2 - q.x / 2 + q.z * q.x / 3),
           p.z * std::sqrt(1 - q.x / 2 - q.y / 2 + q.x * q.y / 3)};
 }
 
-Vector3 in_core(const Vector3& p) noexcept {
-  return kCore * ((1 - kBulge) * p + kBulge * onto_ball(p));
-}
+Vec3 in_core(const Vec3& p) noexcept { return kCore * ((1 - kBulge) * p + kBulge * onto_ball(p)); }
 
 } // namespace
 
@@ -105,7 +103,7 @@ SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* give
   for (std::size_t k = 0; k < cells; ++k)
     for (std::size_t j = 0; j < cells; ++j)
       for (std::size_t i = 0; i < cells; ++i)
-        add({mirrored(i), mirrored(j), mirrored(k)}, [&](const Vector3& r) {
+        add({mirrored(i), mirrored(j), mirrored(k)}, [&](const Vec3& r) {
           return in_core(
               {between(across, i, r.x), between(across, j, r.y), between(across, k, r.z)});
         });
@@ -115,8 +113,8 @@ SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* give
         for (std::size_t j = 0; j < cells; ++j)
           for (std::size_t i = 0; i < cells; ++i)
             // Right-handed: first and second direction turn about the outward one.
-            add({mirrored(i), mirrored(j), half + static_cast<int>(k)}, [&](const Vector3& r) {
-              Vector3 face;
+            add({mirrored(i), mirrored(j), half + static_cast<int>(k)}, [&](const Vec3& r) {
+              Vec3 face;
               face[axis] = side;
               face[(axis + 1) % 3] = side * between(across, i, r.x);
               face[(axis + 2) % 3] = between(across, j, r.y);
@@ -128,7 +126,7 @@ SweptBody make_ball(double radius, double h, int at_least, const SweepGrid* give
   // elements make in a low mode's frequency; the estimate of errors cannot see it.
   const double exact = 4 * std::numbers::pi / 3 * radius * radius * radius;
   const double scale = std::cbrt(exact / volume(mesh));
-  for (Vector3& p : mesh.nodes)
+  for (Vec3& p : mesh.nodes)
     p = scale * p;
   return body;
 }

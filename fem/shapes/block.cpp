@@ -23,7 +23,7 @@ Mesh block(std::span<const double> xs, std::span<const double> ys, std::span<con
       for (std::size_t i = 0; i + 1 < xs.size(); ++i) {
         std::array<int, 20> nodes;
         for (std::size_t a = 0; a < 20; ++a) {
-          const Vector3& p = reference[a];
+          const Vec3& p = reference[a];
           const auto x = 2 * i + static_cast<std::size_t>(p.x + 1);
           const auto y = 2 * j + static_cast<std::size_t>(p.y + 1);
           const auto z = 2 * k + static_cast<std::size_t>(p.z + 1);

@@ -23,29 +23,29 @@ constexpr double kMillimetre = 1e-3;
 constexpr double kCornerArea = 1 - pi / 4, kCornerMoment = 5. / 6 - pi / 4;
 
 struct Circle {
-  Vector3 centre;
+  Vec3 centre;
   double radius = 0;
 };
 
-Vector3 on(const Circle& c, double angle) {
-  return c.centre + c.radius * Vector3{std::cos(angle), std::sin(angle), 0};
+Vec3 on(const Circle& c, double angle) {
+  return c.centre + c.radius * Vec3{std::cos(angle), std::sin(angle), 0};
 }
 
-double angle_of(const Vector3& v) { return std::atan2(v.y, v.x); }
+double angle_of(const Vec3& v) { return std::atan2(v.y, v.x); }
 
 /// From angle `from` by `sweep` radians, counter-clockwise where positive.
 struct Arc {
   Circle circle;
   double from = 0, sweep = 0;
-  [[nodiscard]] Vector3 begin() const { return on(circle, from); }
-  [[nodiscard]] Vector3 end() const { return on(circle, from + sweep); }
+  [[nodiscard]] Vec3 begin() const { return on(circle, from); }
+  [[nodiscard]] Vec3 end() const { return on(circle, from + sweep); }
 };
 using Outline = std::vector<Arc>; ///< closed, counter-clockwise
 
 double area(const Outline& outline) {
   double sum = 0;
   for (const Arc& a : outline) {
-    const Vector3 p = a.begin(), q = a.end();
+    const Vec3 p = a.begin(), q = a.end();
     sum += .5 * (p.x * q.y - p.y * q.x) +
            .5 * a.circle.radius * a.circle.radius * (a.sweep - std::sin(a.sweep));
   }
@@ -62,16 +62,16 @@ double perimeter(const Outline& outline) {
 /// The circle through `point` that touches `a` and `b`: from within the plate's upper side (`side`
 /// 1: they lie inside it) or lower side (-1: outside). |P - A| = R - side a, |P - B| = R - side b,
 /// |P - M| = R: two differences are linear in P and R, the third equation then is quadratic in R.
-Circle touching(const Circle& a, const Circle& b, const Vector3& point, double side) {
-  const Vector3 u = a.centre - point, v = b.centre - point;
+Circle touching(const Circle& a, const Circle& b, const Vec3& point, double side) {
+  const Vec3 u = a.centre - point, v = b.centre - point;
   // With P relative to M: u.P = (u.u - a^2) / 2 + side a R
   const double det = u.x * v.y - u.y * v.x;
   const auto solved = [&](double s, double t) {
-    return Vector3{(s * v.y - t * u.y) / det, (u.x * t - v.x * s) / det, 0};
+    return Vec3{(s * v.y - t * u.y) / det, (u.x * t - v.x * s) / det, 0};
   };
-  const Vector3 p = solved(.5 * (dot(u, u) - a.radius * a.radius),
-                           .5 * (dot(v, v) - b.radius * b.radius)),
-                q = solved(side * a.radius, side * b.radius);
+  const Vec3 p = solved(.5 * (dot(u, u) - a.radius * a.radius),
+                        .5 * (dot(v, v) - b.radius * b.radius)),
+             q = solved(side * a.radius, side * b.radius);
   const double qa = dot(q, q) - 1, qb = 2 * dot(p, q), qc = dot(p, p);
   const double root = std::sqrt(qb * qb - 4 * qa * qc);
   for (const double r : {(-qb - root) / (2 * qa), (-qb + root) / (2 * qa)}) {
@@ -103,7 +103,7 @@ void require(bool good, const std::string& what, double value, const std::string
 /// The part of the centreline's band between two angles (first > second), rounded at its ends.
 Outline slot_between(const Circle& centreline, double width, double first, double second) {
   const double half = width / 2, sweep = first - second;
-  const Vector3 o = centreline.centre;
+  const Vec3 o = centreline.centre;
   return {{{o, centreline.radius + half}, second, sweep},
           {{on(centreline, first), half}, first, pi},
           {{o, centreline.radius - half}, first, -sweep},
@@ -129,8 +129,8 @@ void add_slots(Plan& plan, const LiftArm& arm) {
     const double wall = arm.web / 2;
     for (int i = 0; i <= 32; ++i) {
       const double angle = first + (second - first) * i / 32;
-      const Vector3 high = on(plan.slots.back()[0].circle, angle),
-                    low = on(plan.slots.back()[2].circle, angle);
+      const Vec3 high = on(plan.slots.back()[0].circle, angle),
+                 low = on(plan.slots.back()[2].circle, angle);
       require(plan.upper.radius - length(high - plan.upper.centre) >= wall + arm.edge_radius &&
                   length(low - plan.lower.centre) - plan.lower.radius >= wall + arm.edge_radius,
               "slot_width", arm.slot_width,
@@ -161,7 +161,7 @@ void check_dimensions(const LiftArm& arm) {
 }
 
 /// The plate's outline, counter-clockwise from where the upper arc touches the hub's end.
-Outline outline_of(const Plan& plan, const Vector3& hub, const Vector3& rod) {
+Outline outline_of(const Plan& plan, const Vec3& hub, const Vec3& rod) {
   const auto turn = [](double from, double to) {
     const double t = std::fmod(to - from, 2 * pi);
     return t < 0 ? t + 2 * pi : t;
@@ -183,13 +183,13 @@ Plan plan_of(const LiftArm& arm) {
   const double half = arm.length / 2;
   const double radius = (half * half + arm.rise * arm.rise) / (2 * arm.rise);
   plan.centreline = {{half, arm.rise - radius, 0}, radius};
-  const Vector3 hub{0, 0, 0}, rod{arm.length, 0, 0};
+  const Vec3 hub{0, 0, 0}, rod{arm.length, 0, 0};
   plan.hub_angle = angle_of(hub - plan.centreline.centre);
   plan.rod_angle = angle_of(rod - plan.centreline.centre);
-  const Vector3 lift =
+  const Vec3 lift =
       on(plan.centreline, plan.hub_angle + arm.lift_position * (plan.rod_angle - plan.hub_angle));
   const std::array<LiftArm::Boss, 3> bosses{arm.hub, arm.lift_eye, arm.rod_eye};
-  const std::array<Vector3, 3> centres{hub, lift, rod};
+  const std::array<Vec3, 3> centres{hub, lift, rod};
   constexpr std::array<const char*, 3> kNames{"hub", "lift_eye", "rod_eye"};
   for (std::size_t k = 0; k < 3; ++k) {
     const std::string name = kNames[k];
@@ -214,7 +214,7 @@ Plan plan_of(const LiftArm& arm) {
             "length", arm.length, "bosses and their fillets apart");
   plan.hub_end = {hub, plan.boss_radius[0] + arm.shoulder};
   plan.rod_end = {rod, plan.boss_radius[2] + arm.shoulder};
-  const Vector3 middle{half, arm.rise, 0}, deep{0, arm.depth / 2, 0};
+  const Vec3 middle{half, arm.rise, 0}, deep{0, arm.depth / 2, 0};
   plan.upper = touching(plan.hub_end, plan.rod_end, middle + deep, 1);
   plan.lower = touching(plan.hub_end, plan.rod_end, middle - deep, -1);
   require(plan.upper.radius > 0 && plan.lower.radius > 0 && plan.lower.centre.y < 0 &&
@@ -236,9 +236,7 @@ Plan plan_of(const LiftArm& arm) {
 int add_face(const Outline& outline, double z) {
   using namespace gmsh::model::occ;
   constexpr double kUnit = 1 / kMillimetre;
-  const auto point = [&](const Vector3& p) {
-    return addPoint(kUnit * p.x, kUnit * p.y, kUnit * z);
-  };
+  const auto point = [&](const Vec3& p) { return addPoint(kUnit * p.x, kUnit * p.y, kUnit * z); };
   std::vector<int> curves;
   const int first = point(outline.front().begin());
   int from = first;
@@ -278,7 +276,7 @@ PlateCurves curves_of_plate(const Plan& plan, double thickness) {
     double x = 0, y = 0, z = 0, around = 0;
     gmsh::model::occ::getCenterOfMass(1, tag, x, y, z);
     gmsh::model::occ::getMass(1, tag, around);
-    const Vector3 centre = kMillimetre * Vector3{x, y, 0};
+    const Vec3 centre = kMillimetre * Vec3{x, y, 0};
     if (std::abs(std::abs(z) * kMillimetre - thickness / 2) > 1e-6 * thickness)
       continue;
     bool boss = false;
@@ -425,7 +423,7 @@ Mesh mesh_lift_arm(const LiftArm& arm, const LoadChoice& choice) {
   for (const Pin& pin : pins(arm)) {
     auto& nodes = mesh.node_sets[pin.name];
     for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-      const Vector3 d = mesh.nodes[i] - pin.centre;
+      const Vec3 d = mesh.nodes[i] - pin.centre;
       if (std::abs(std::hypot(d.x, d.y) - pin.radius) < 1e-4 * pin.radius)
         nodes.push_back(static_cast<int>(i));
     }

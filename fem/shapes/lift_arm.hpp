@@ -41,7 +41,7 @@ struct LiftArm {
 /// A hole for a pin through the whole boss, along z and about its centre.
 struct Pin {
   const char* name; ///< hub, lift_eye, rod_eye
-  Vector3 centre;
+  Vec3 centre;
   double radius = 0, width = 0;
 };
 [[nodiscard]] std::array<Pin, 3> pins(const LiftArm&);

@@ -239,7 +239,7 @@ ShapePlan bar(const Dimensions& d, const MeshChoice& choice) {
     plan.size.box = {l, 2 * r, 2 * r};
     plan.make = [upright = std::move(plan.make)] {
       SweptBody body = upright();
-      for (Vector3& p : body.mesh.nodes) // along x
+      for (Vec3& p : body.mesh.nodes) // along x
         p = {p.z, p.x, p.y};
       return body;
     };

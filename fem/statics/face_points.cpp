@@ -35,8 +35,8 @@ FaceTable tabulate(Shape shape, const Face& face) {
   table.nodes = static_cast<std::size_t>(face.corners) * (is_linear(shape) ? 1 : 2);
   const bool triangle = face.corners == 3;
   // Both kinds are parallelograms in reference coordinates: origin + u along + v across.
-  const Vector3 along = corner(1) - corner(0);
-  const Vector3 across = corner(triangle ? 2 : 3) - corner(0);
+  const Vec3 along = corner(1) - corner(0);
+  const Vec3 across = corner(triangle ? 2 : 3) - corner(0);
   const auto add = [&](double u, double v, double weight) {
     ShapeValues values;
     evaluate(shape, corner(0) + u * along + v * across, values);
@@ -93,7 +93,7 @@ std::span<const FacePoint> face_points(const Mesh& mesh, const MeshFace& f) {
                                     static_cast<std::size_t>(f.face));
   points.clear();
   for (const FaceTable::At& at : table.points) {
-    Vector3 u, v;
+    Vec3 u, v;
     for (std::size_t a = 0; a < nodes.count; ++a) {
       u += at.slope_u[a] * mesh.nodes[nodes.node[a]];
       v += at.slope_v[a] * mesh.nodes[nodes.node[a]];

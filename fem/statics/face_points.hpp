@@ -6,7 +6,7 @@ namespace tactus::fem {
 /// One quadrature point of a face.
 struct FacePoint {
   std::array<double, 8> value{}; ///< N of the face's nodes, in the order of Face::node
-  Vector3 area;                  ///< outward normal times weight times dA, m^2
+  Vec3 area;                     ///< outward normal times weight times dA, m^2
 };
 
 /// The quadrature points of a face (tri3, tri6, quad4, quad8), outward. 4x4 conical Gauss points on

@@ -11,12 +11,12 @@
 namespace tactus::fem {
 namespace {
 
-void check_finite(const Vector3& v, const std::string& label) {
+void check_finite(const Vec3& v, const std::string& label) {
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
     throw InputError(label + " has a component that is no number, expected three finite ones");
 }
 
-void add(std::vector<double>& f, std::size_t node, const Vector3& force) {
+void add(std::vector<double>& f, std::size_t node, const Vec3& force) {
   for (std::size_t i = 0; i < 3; ++i)
     f[3 * node + i] += force[static_cast<int>(i)];
 }
@@ -28,7 +28,7 @@ void add_over(const Mesh& mesh, std::span<const MeshFace> faces, std::vector<dou
   for (const MeshFace& face : faces) {
     const FaceNodes nodes = face_nodes(mesh, face);
     for (const FacePoint& p : face_points(mesh, face)) {
-      const Vector3 force = force_at(p.area);
+      const Vec3 force = force_at(p.area);
       for (std::size_t a = 0; a < nodes.count; ++a)
         add(f, nodes.node[a], p.value[a] * force);
     }
@@ -38,20 +38,19 @@ void add_over(const Mesh& mesh, std::span<const MeshFace> faces, std::vector<dou
 /// e of a bolt's pressure p = max(0, -n . e): Newton on the integral of p (-n) dA = force. The
 /// integral is M(e) e with M = integral of n n' over the loaded half, and M is its derivative, so a
 /// step is e = M(e)^-1 force.
-Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& label) {
+Vec3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string& label) {
   const double size = length(bolt.axis), total = length(bolt.force_n);
   if (!(size > 0) || !std::isfinite(size))
     throw InputError(label + " has no axis, expected the direction of the hole");
-  const Vector3 axis = (1 / size) * bolt.axis;
+  const Vec3 axis = (1 / size) * bolt.axis;
   if (total == 0)
     return {};
   if (std::abs(dot(axis, bolt.force_n)) > 1e-6 * total)
     throw InputError(label + " has a force along the hole's axis, which a wall without friction "
                              "cannot take: put that part on a face as a total force");
-  const Vector3 u = (1 / total) * (bolt.force_n - dot(axis, bolt.force_n) * axis),
-                v = cross(axis, u);
+  const Vec3 u = (1 / total) * (bolt.force_n - dot(axis, bolt.force_n) * axis), v = cross(axis, u);
   const double whole = area(mesh, bolt.faces);
-  Vector3 e = u;
+  Vec3 e = u;
   for (int step = 0; step < 50; ++step) {
     double uu = 0, uv = 0, vv = 0;
     for (const MeshFace& face : bolt.faces)
@@ -66,7 +65,7 @@ Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string&
     const double determinant = uu * vv - uv * uv;
     if (!(determinant > 1e-9 * whole * whole)) // the faces look along the axis, or all one way
       break;
-    const Vector3 next = (total / determinant) * (vv * u - uv * v);
+    const Vec3 next = (total / determinant) * (vv * u - uv * v);
     const double change = length(next - e);
     e = next;
     if (change <= 1e-13 * length(e))
@@ -81,7 +80,7 @@ void add_load(const Mesh& mesh, std::span<const Material>, const Traction& t,
   const std::string label = "traction " + t.name;
   check_faces(mesh, t.faces, label);
   check_finite(t.traction_pa, label);
-  add_over(mesh, t.faces, f, [&](const Vector3& da) { return length(da) * t.traction_pa; });
+  add_over(mesh, t.faces, f, [&](const Vec3& da) { return length(da) * t.traction_pa; });
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const TotalForce& t,
@@ -90,7 +89,7 @@ void add_load(const Mesh& mesh, std::span<const Material>, const TotalForce& t,
   check_faces(mesh, t.faces, label);
   check_finite(t.force_n, label);
   const double whole = area(mesh, t.faces);
-  add_over(mesh, t.faces, f, [&](const Vector3& da) { return length(da) / whole * t.force_n; });
+  add_over(mesh, t.faces, f, [&](const Vec3& da) { return length(da) / whole * t.force_n; });
 }
 
 void add_load(const Mesh& mesh, std::span<const Material>, const Pressure& p,
@@ -98,7 +97,7 @@ void add_load(const Mesh& mesh, std::span<const Material>, const Pressure& p,
   const std::string label = "pressure " + p.name;
   check_faces(mesh, p.faces, label);
   check_finite({p.pressure_pa, 0, 0}, label);
-  add_over(mesh, p.faces, f, [&](const Vector3& da) { return -p.pressure_pa * da; });
+  add_over(mesh, p.faces, f, [&](const Vec3& da) { return -p.pressure_pa * da; });
 }
 
 void add_load(const Mesh& mesh, std::span<const Material> materials, const Gravity& g,
@@ -133,9 +132,9 @@ void add_load(const Mesh& mesh, std::span<const Material>, const BoltLoad& b,
   const std::string label = "bolt " + b.name;
   check_faces(mesh, b.faces, label);
   check_finite(b.force_n, label);
-  const Vector3 e = bolt_pressure(mesh, b, label);
+  const Vec3 e = bolt_pressure(mesh, b, label);
   add_over(mesh, b.faces, f,
-           [&](const Vector3& da) { return -1 / length(da) * std::max(0.0, -dot(da, e)) * da; });
+           [&](const Vec3& da) { return -1 / length(da) * std::max(0.0, -dot(da, e)) * da; });
 }
 
 } // namespace

@@ -10,13 +10,13 @@ namespace tactus::fem {
 struct Traction {
   std::string name;
   std::vector<MeshFace> faces;
-  Vector3 traction_pa;
+  Vec3 traction_pa;
 };
 /// A total force spread over faces with an even traction, N: its sum is exact on any mesh.
 struct TotalForce {
   std::string name;
   std::vector<MeshFace> faces;
-  Vector3 force_n;
+  Vec3 force_n;
 };
 /// Pressure on faces, Pa: pushes against the outward normal when positive.
 struct Pressure {
@@ -26,12 +26,12 @@ struct Pressure {
 };
 /// Gravity, or any constant acceleration of the frame: rho g on the whole volume, m/s^2.
 struct Gravity {
-  Vector3 acceleration{0, -9.80665, 0};
+  Vec3 acceleration{0, -9.80665, 0};
 };
 /// A force on one node, N. The stress under it grows without bound as the mesh is refined.
 struct PointForce {
   int node = 0;
-  Vector3 force_n;
+  Vec3 force_n;
 };
 /// The force of a bolt or pin, without friction, on the wall of a round hole, N. The wall feels the
 /// normal pressure p = max(0, -n . e): a cosine over the half that faces the force. e is found by
@@ -40,8 +40,8 @@ struct PointForce {
 struct BoltLoad {
   std::string name;
   std::vector<MeshFace> faces;
-  Vector3 axis; ///< of the hole, any length
-  Vector3 force_n;
+  Vec3 axis; ///< of the hole, any length
+  Vec3 force_n;
 };
 
 using Load = std::variant<Traction, TotalForce, Pressure, Gravity, PointForce, BoltLoad>;

@@ -20,10 +20,10 @@ Stress difference(const Stress& a, const Stress& b) {
 }
 
 /// M^-1 of a sum of d d', without the directions that hardly any d has.
-std::array<Vector3, 3> inverse_of_squares(const std::array<Vector3, 3>& m) {
+std::array<Vec3, 3> inverse_of_squares(const std::array<Vec3, 3>& m) {
   constexpr double kCarried = 1e-2; // of the largest square
   const Eigenpairs3 pairs = symmetric_eigenpairs(m);
-  std::array<Vector3, 3> inverse{};
+  std::array<Vec3, 3> inverse{};
   for (std::size_t k = 0; k < 3; ++k)
     if (pairs.values[k] > kCarried * pairs.values[2])
       for (int i = 0; i < 3; ++i)
@@ -35,7 +35,7 @@ std::array<Vector3, 3> inverse_of_squares(const std::array<Vector3, 3>& m) {
 /// The slopes of values over places by least squares: of `values[v]` = `slope`[axis][v] d.
 class Slopes {
 public:
-  void add(const Vector3& d, double weight, const Stress& value) {
+  void add(const Vec3& d, double weight, const Stress& value) {
     for (int i = 0; i < 3; ++i) {
       squares_[static_cast<std::size_t>(i)] += (weight * d[i]) * d;
       for (std::size_t v = 0; v < 6; ++v)
@@ -53,13 +53,13 @@ public:
   }
 
 private:
-  std::array<Vector3, 3> squares_{};
+  std::array<Vec3, 3> squares_{};
   Gradient right_{};
 };
 
 /// An element's middle and the stress there, and its gradient, of its best points.
 struct LinearStress {
-  Vector3 middle;
+  Vec3 middle;
   Stress mean{};
   Gradient gradient{};
 };
@@ -105,7 +105,7 @@ Rows elements_of_nodes(const Mesh& mesh) {
 }
 
 /// x' H x / 2 of an element's curvature H, a gradient of each component of its gradient.
-Stress curved(const std::array<Gradient, 3>& h, const Vector3& x) {
+Stress curved(const std::array<Gradient, 3>& h, const Vec3& x) {
   Stress out{};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
@@ -140,7 +140,7 @@ RecoveredStress recovered_stress(const Mesh& mesh, std::span<const Material> mat
         if (seen[j] == static_cast<int>(e) || mesh.elements[j].region != element.region)
           continue;
         seen[j] = static_cast<int>(e);
-        const Vector3 d = linear[j].middle - linear[e].middle;
+        const Vec3 d = linear[j].middle - linear[e].middle;
         for (std::size_t i = 0; i < 3; ++i)
           curvature[i].add(d, 1 / dot(d, d),
                            difference(linear[j].gradient[i], linear[e].gradient[i]));

@@ -30,7 +30,7 @@ std::string named_sets(const Mesh& mesh) {
 Inside test_of(const Mesh& mesh, const Selection& selection) {
   const double tolerance =
       selection.tolerance_m > 0 ? selection.tolerance_m : 1e-6 * bounding_box(mesh.nodes).largest();
-  const auto at = [&mesh](std::size_t n) -> const Vector3& { return mesh.nodes[n]; };
+  const auto at = [&mesh](std::size_t n) -> const Vec3& { return mesh.nodes[n]; };
   return std::visit(
       Overloaded{
           [&](const InBox& in) -> Inside {
@@ -51,7 +51,7 @@ Inside test_of(const Mesh& mesh, const Selection& selection) {
             if (!(size > 0) || !std::isfinite(size))
               throw InputError(
                   "a selection's plane has no normal, expected a vector that is not zero");
-            const Vector3 normal = (1 / size) * on.normal;
+            const Vec3 normal = (1 / size) * on.normal;
             return
                 [=](std::size_t n) { return std::abs(dot(at(n) - on.point, normal)) <= tolerance; };
           },
@@ -67,9 +67,9 @@ Inside test_of(const Mesh& mesh, const Selection& selection) {
             const double size = length(on.end - on.start);
             if (!(size > 0) || !std::isfinite(size))
               throw InputError("a selection's cylinder has no length, expected two different ends");
-            const Vector3 axis = (1 / size) * (on.end - on.start);
+            const Vec3 axis = (1 / size) * (on.end - on.start);
             return [=](std::size_t n) {
-              const Vector3 arm = at(n) - on.start;
+              const Vec3 arm = at(n) - on.start;
               const double along = dot(arm, axis);
               const double outside_by = length(arm - along * axis) - on.radius;
               return along >= -tolerance && along <= size + tolerance && outside_by <= tolerance &&

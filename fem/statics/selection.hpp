@@ -12,18 +12,18 @@ struct InBox {
 };
 /// Points within `tolerance_m` of the plane through `point` with the normal `normal` (any length).
 struct OnPlane {
-  Vector3 point, normal;
+  Vec3 point, normal;
 };
 /// Points within `tolerance_m` of the sphere's surface; inside it if `solid`.
 struct OnSphere {
-  Vector3 centre;
+  Vec3 centre;
   double radius = 0;
   bool solid = false;
 };
 /// Points within `tolerance_m` of the lateral surface of the cylinder from `start` to `end`; inside
 /// it if `solid`.
 struct OnCylinder {
-  Vector3 start, end;
+  Vec3 start, end;
   double radius = 0;
   bool solid = false;
 };

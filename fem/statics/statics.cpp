@@ -53,14 +53,14 @@ StaticSolution completed(const StaticSystem& system, std::vector<double> free_di
   return solution;
 }
 
-Vector3 sum_of_forces(std::span<const double> nodal) {
-  Vector3 sum;
+Vec3 sum_of_forces(std::span<const double> nodal) {
+  Vec3 sum;
   for (std::size_t i = 0; i + 2 < nodal.size(); i += 3)
-    sum += Vector3{nodal[i], nodal[i + 1], nodal[i + 2]};
+    sum += Vec3{nodal[i], nodal[i + 1], nodal[i + 2]};
   return sum;
 }
 
-Vector3 support_force(const Mesh& mesh, const StaticModel& model, const StaticSolution& solution) {
+Vec3 support_force(const Mesh& mesh, const StaticModel& model, const StaticSolution& solution) {
   return sum_of_forces(solution.reaction) -
          sum_of_forces(spring_forces(mesh, model.springs, solution.displacement));
 }

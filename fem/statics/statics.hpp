@@ -44,9 +44,9 @@ struct StaticSolution {
 
 /// The sum of the reactions and the forces of the springs on the body, N. With the loads it is
 /// zero.
-[[nodiscard]] Vector3 support_force(const Mesh&, const StaticModel&, const StaticSolution&);
+[[nodiscard]] Vec3 support_force(const Mesh&, const StaticModel&, const StaticSolution&);
 /// The sum of nodal forces, N.
-[[nodiscard]] Vector3 sum_of_forces(std::span<const double> nodal);
+[[nodiscard]] Vec3 sum_of_forces(std::span<const double> nodal);
 
 /// A solved problem with its factor, for further right-hand sides.
 struct StaticAnalysis {

@@ -22,7 +22,7 @@ struct Smoothing {
 
   Smoothing(Shape shape, std::vector<QuadraturePoint> at) : points(shape, at) {
     // The terms' values at the points, times what goes to a node, are the terms' values there.
-    const auto terms = [](const Vector3& p) {
+    const auto terms = [](const Vec3& p) {
       return std::array{1., p.x, p.y, p.z, p.z * p.x, p.z * p.y, p.x * p.y, p.x * p.y * p.z};
     };
     const std::size_t count = at.size();
@@ -31,7 +31,7 @@ struct Smoothing {
       const auto values = terms(point.at);
       here.insert(here.end(), values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
     }
-    for (const Vector3& node : reference_nodes(shape)) {
+    for (const Vec3& node : reference_nodes(shape)) {
       const auto values = terms(node);
       to_nodes.insert(to_nodes.end(), values.begin(),
                       values.begin() + static_cast<std::ptrdiff_t>(count));
@@ -115,13 +115,13 @@ Stress von_mises_slope(const Stress& s) noexcept {
 
 Stress max_shear_slope(const Stress& s) {
   const Eigenpairs3 pairs = principal_pairs(s);
-  const Vector3 n = pairs.vectors[2], m = pairs.vectors[0];
+  const Vec3 n = pairs.vectors[2], m = pairs.vectors[0];
   const auto pair = [&](int i, int j) { return n[i] * n[j] - m[i] * m[j]; };
   return {.5 * pair(0, 0), .5 * pair(1, 1), .5 * pair(2, 2), pair(1, 2), pair(0, 2), pair(0, 1)};
 }
 
-Vector3 centroid_of(Shape shape) noexcept {
-  Vector3 sum;
+Vec3 centroid_of(Shape shape) noexcept {
+  Vec3 sum;
   const int corners = corner_count(shape);
   for (int c = 0; c < corners; ++c)
     sum += reference_nodes(shape)[static_cast<std::size_t>(c)];
@@ -138,7 +138,7 @@ const ShapeValues& at_centroid(Shape shape) {
 }
 
 Stress stress_at(const Mesh& mesh, const Element& e, const ElasticLaw& law,
-                 std::span<const double> displacement, const Vector3& reference) {
+                 std::span<const double> displacement, const Vec3& reference) {
   ShapeValues values;
   evaluate(e.shape, reference, values);
   return stress_with(mesh, e, law, gather(displacement, mesh.nodes_of(e)), values);
@@ -166,7 +166,7 @@ std::vector<std::vector<StressSample>> best_stress(const Mesh& mesh,
     const ElementField own = gather(displacement, nodes);
     auto& points = samples.emplace_back();
     for (const ShapeValues& values : smoothing(e.shape).points.values) {
-      Vector3 at;
+      Vec3 at;
       for (std::size_t a = 0; a < nodes.size(); ++a)
         at += values.value[a] * mesh.nodes[static_cast<std::size_t>(nodes[a])];
       points.push_back(

@@ -20,10 +20,10 @@ using Stress = std::array<double, 6>;
 
 /// The stress C B u in an element at a reference point.
 [[nodiscard]] Stress stress_at(const Mesh&, const Element&, const ElasticLaw&,
-                               std::span<const double> displacement, const Vector3& reference);
+                               std::span<const double> displacement, const Vec3& reference);
 
 /// Reference coordinates of an element's middle: of its corners' mean.
-[[nodiscard]] Vector3 centroid_of(Shape) noexcept;
+[[nodiscard]] Vec3 centroid_of(Shape) noexcept;
 /// The shape functions at centroid_of().
 [[nodiscard]] const ShapeValues& at_centroid(Shape);
 
@@ -32,7 +32,7 @@ using Stress = std::array<double, 6>;
                                                  std::span<const double> displacement);
 
 struct StressSample {
-  Vector3 at; ///< m
+  Vec3 at; ///< m
   Stress stress;
 };
 /// At each element's superconvergent points (4 in tet10, 2x2x2 in hex20, 3x2 in wedge15; Barlow

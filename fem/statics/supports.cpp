@@ -25,17 +25,17 @@ void check_springs(const Mesh& mesh, const SpringPatch& spring) {
 /// The constraints on one piece's six rigid motions: translation by t and rotation by w / radius
 /// about `centre`.
 struct Piece {
-  Vector3 centre, constrained_centre;
+  Vec3 centre, constrained_centre;
   double nodes = 0, radius = 0, constrained = 0;
   std::array<double, 36> constraint{};
   int region = 0;
 
   /// Adds the square of the motion of a point in direction i.
-  void add(const Vector3& point, int i, double weight) {
-    Vector3 direction;
+  void add(const Vec3& point, int i, double weight) {
+    Vec3 direction;
     direction[i] = 1;
     // direction . (t + w x arm) = direction . t + (arm x direction) . w
-    const Vector3 turn = cross((1 / radius) * (point - centre), direction);
+    const Vec3 turn = cross((1 / radius) * (point - centre), direction);
     const std::array<double, 6> row{direction.x, direction.y, direction.z, turn.x, turn.y, turn.z};
     for (std::size_t a = 0; a < 6; ++a)
       for (std::size_t b = 0; b < 6; ++b)
@@ -46,7 +46,7 @@ struct Piece {
 };
 
 /// Rounding taken away: components below 1e-9 of `scale` are zero.
-Vector3 without_rounding(Vector3 v, double scale) {
+Vec3 without_rounding(Vec3 v, double scale) {
   for (int i = 0; i < 3; ++i)
     if (std::abs(v[i]) < 1e-9 * scale)
       v[i] = 0;
@@ -54,11 +54,11 @@ Vector3 without_rounding(Vector3 v, double scale) {
 }
 
 /// "y", or "(0.8, 0.6, 0)"; the first component that is not zero is positive.
-std::string direction(const Vector3& v) {
-  Vector3 d = without_rounding((1 / length(v)) * v, 1);
+std::string direction(const Vec3& v) {
+  Vec3 d = without_rounding((1 / length(v)) * v, 1);
   for (int i = 0; i < 3; ++i)
     if (d[i] != 0) {
-      d = d[i] < 0 ? Vector3{} - d : d; // no -0
+      d = d[i] < 0 ? Vec3{} - d : d; // no -0
       break;
     }
   for (int i = 0; i < 3; ++i)
@@ -70,15 +70,15 @@ std::string direction(const Vector3& v) {
 /// "a rotation about y through (1, 0, 2) mm": the motion itself where one is free; of several the
 /// plainest, a translation or a rotation about an axis parallel to x, y or z.
 std::string describe(const Piece& piece, std::span<const double> null_space, std::size_t count) {
-  const Vector3 centre =
+  const Vec3 centre =
       piece.constrained > 0 ? (1 / piece.constrained) * piece.constrained_centre : piece.centre;
   std::array<double, 6> motion{};
   std::copy_n(null_space.begin(), 6, motion.begin());
   for (int k = 0; k < 6 && count > 1; ++k) {
-    Vector3 axis;
+    Vec3 axis;
     axis[k % 3] = 1;
     // e x (x - c) = e x (x - centre of the piece) + e x (centre of the piece - c)
-    const Vector3 shift = k < 3 ? axis : cross(axis, (1 / piece.radius) * (piece.centre - centre));
+    const Vec3 shift = k < 3 ? axis : cross(axis, (1 / piece.radius) * (piece.centre - centre));
     std::array<double, 6> trial{shift.x, shift.y, shift.z, 0, 0, 0};
     if (k >= 3)
       trial[static_cast<std::size_t>(k)] = 1;
@@ -96,13 +96,13 @@ std::string describe(const Piece& piece, std::span<const double> null_space, std
       break;
     }
   }
-  const Vector3 t{motion[0], motion[1], motion[2]};
-  const Vector3 w = (1 / piece.radius) * Vector3{motion[3], motion[4], motion[5]};
+  const Vec3 t{motion[0], motion[1], motion[2]};
+  const Vec3 w = (1 / piece.radius) * Vec3{motion[3], motion[4], motion[5]};
   const double turn = length(w);
   if (turn * piece.radius < 1e-9)
     return "a translation along " + direction(t);
-  const Vector3 through = without_rounding(1e3 * (piece.centre + (1 / (turn * turn)) * cross(w, t)),
-                                           1e3 * piece.radius);
+  const Vec3 through = without_rounding(1e3 * (piece.centre + (1 / (turn * turn)) * cross(w, t)),
+                                        1e3 * piece.radius);
   return "a rotation about " + direction(w) +
          format(" through (%.4g, %.4g, %.4g) mm", through.x, through.y, through.z);
 }

@@ -9,7 +9,7 @@ struct FixedPatch {
   std::string name;
   std::vector<int> nodes;
   std::array<bool, 3> directions{true, true, true};
-  Vector3 displacement_m{};
+  Vec3 displacement_m{};
 };
 
 /// An elastic bedding of faces (Winkler): traction t_i = -(k_i / A) u_i, k_i the stiffness of the
@@ -18,7 +18,7 @@ struct FixedPatch {
 struct SpringPatch {
   std::string name;
   std::vector<MeshFace> faces;
-  Vector3 stiffness_n_per_m;
+  Vec3 stiffness_n_per_m;
 };
 
 /// 1 a degree of freedom that some patch holds.

@@ -372,7 +372,7 @@ void check_readable(const std::string& path) {
 }
 
 void describe(const Mesh& mesh, ProgressLine& progress, const std::string& what) {
-  const Vector3 size = bounding_box(mesh.nodes).size();
+  const Vec3 size = bounding_box(mesh.nodes).size();
   progress.notify(
       format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",
              mesh.elements.size(), mesh.element_names().c_str(), mesh.nodes.size(), mesh.dofs(),

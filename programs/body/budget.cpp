@@ -146,7 +146,7 @@ void Budget::check_budget(const std::string& body, const Workload& work,
                                                  return fits(other, exact);
                                                })
                                : 0;
-  const Vector3& box = work.mesh.box;
+  const Vec3& box = work.mesh.box;
   const double largest = std::max({box.x, box.y, box.z});
   if (triangles >= 20) {
     suggest(format("--acoustic-triangles %.0f", triangles));

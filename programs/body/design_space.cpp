@@ -45,14 +45,14 @@ Box read_box(const std::string& words, double unit) {
 std::array<std::array<bool, 2>, 3> faces_passed(const Mesh& mesh, const Box& box) {
   const double near = 1e-6 * bounding_box(mesh.nodes).largest();
   std::array<std::array<bool, 2>, 3> passed{};
-  const auto outside = [&](const Vector3& p, int k) {
+  const auto outside = [&](const Vec3& p, int k) {
     return p[k] < box.low[k] - near ? -1 : p[k] > box.high[k] + near ? 1 : 0;
   };
   for (const Element& e : mesh.elements) {
     // An element with a node inside joins what lies beyond a face to what moves.
     bool inside = false;
     for (const int n : mesh.nodes_of(e)) {
-      const Vector3& p = mesh.nodes[static_cast<std::size_t>(n)];
+      const Vec3& p = mesh.nodes[static_cast<std::size_t>(n)];
       inside |= outside(p, 0) == 0 && outside(p, 1) == 0 && outside(p, 2) == 0;
     }
     if (!inside)
@@ -104,7 +104,7 @@ std::vector<int> free_controls(const DesignOptions& options, const Mesh& mesh,
 
 /// The largest displacement up to `wanted` (either sign) that one parameter may take alone.
 double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double requested) {
-  std::vector<Vector3> target =
+  std::vector<Vec3> target =
       moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&requested, 1));
   return requested * valid_step(mesh, target).fraction;
 }
@@ -166,14 +166,14 @@ DesignSpace design_space_of(const DesignOptions& options, const Mesh& mesh) {
     throw InputError(
         "--box: no control point may move, as the body passes through the faces of the "
         "box on which they lie: expected more points (--lattice) or another box");
-  const Vector3 side = space.lattice.box.size();
+  const Vec3 side = space.lattice.box.size();
   space.trust =
       options.trust > 0 ? options.trust : kTrustShare * std::min({side.x, side.y, side.z});
   std::vector<ShapeParameter> parameters;
   for (const int control : space.controls)
     for (int axis = 0; axis < 3; ++axis)
       if (options.directions[static_cast<std::size_t>(axis)]) {
-        Vector3 direction;
+        Vec3 direction;
         direction[axis] = 1;
         parameters.push_back(
             {format("%d %c", control, 'x' + axis), std::vector<int>{control}, direction});

@@ -8,8 +8,6 @@
 
 namespace tactus::haptic_check {
 
-using haptic::Vec3;
-
 Motion motion_of(std::span<const Record> records) noexcept {
   Motion motion;
   if (records.empty())

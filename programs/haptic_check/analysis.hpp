@@ -15,15 +15,15 @@ namespace tactus::haptic_check {
 struct Record {
   std::uint64_t index = 0; ///< of the tick on the servo's grid
   double time_s = 0;       ///< when it really ran
-  haptic::Vec3 position{}; ///< m
-  haptic::Vec3 velocity{}; ///< m/s
-  haptic::Vec3 force_n{};  ///< sent
+  Vec3 position{};         ///< m
+  Vec3 velocity{};         ///< m/s
+  Vec3 force_n{};          ///< sent
   std::uint32_t buttons = 0, flags = 0;
 };
 
 /// Where the handle has been, and how the readings come.
 struct Motion {
-  haptic::Vec3 lowest{}, highest{};
+  Vec3 lowest{}, highest{};
   double max_speed_m_per_s = 0;
   double changed_fraction = 0; ///< of the ticks whose reading differs from the one before
   double min_step_m = 0;       ///< between two readings that differ
@@ -43,7 +43,7 @@ struct Intervals {
 
 /// A wall that pushes along a unit normal from a point on its face.
 struct Wall {
-  haptic::Vec3 point{}, normal{};
+  Vec3 point{}, normal{};
 };
 struct WallResult {
   double max_depth_m = 0, max_force_n = 0;

@@ -115,7 +115,7 @@ std::string report(const Options& options, const DeviceDescription& device, doub
   text += "device: " + options.device.driver + ", " + identity.vendor +
           (identity.vendor.empty() ? "" : " ") + identity.model +
           (identity.serial.empty() ? "" : ", has a serial number") + "\n";
-  const haptic::Vec3 low = caps.workspace_min * 1e3, high = caps.workspace_max * 1e3;
+  const Vec3 low = caps.workspace_min * 1e3, high = caps.workspace_max * 1e3;
   add(text, "axes %d in, %d out; limits:", caps.axes_in, caps.axes_out);
   add_limit(text, " peak", "N", 2, caps.peak_force_n);
   add_limit(text, ", continuous", "N", 2, caps.continuous_force_n);

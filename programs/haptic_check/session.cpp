@@ -22,7 +22,7 @@ constexpr int kTroubleDebounce = 10;
 
 } // namespace
 
-haptic::Vec3 Sines::force(const haptic::Tick& tick, const haptic::State&) noexcept {
+Vec3 Sines::force(const haptic::Tick& tick, const haptic::State&) noexcept {
   const double time_s = static_cast<double>(tick.index) * tick.period_s;
   for (const Part& part : parts_) {
     if (time_s < part.from_s || time_s >= part.to_s)

@@ -24,8 +24,7 @@ public:
   };
   /// While no servo runs.
   void play(std::vector<Part> parts) { parts_ = std::move(parts); }
-  [[nodiscard]] haptic::Vec3 force(const haptic::Tick& tick,
-                                   const haptic::State& state) noexcept override;
+  [[nodiscard]] Vec3 force(const haptic::Tick& tick, const haptic::State& state) noexcept override;
 
 private:
   std::vector<Part> parts_;

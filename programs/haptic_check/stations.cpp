@@ -12,7 +12,6 @@ namespace tactus::haptic_check {
 namespace {
 
 using haptic::State;
-using haptic::Vec3;
 
 constexpr double kRise_s = 1.2; // the motors' rise and a little more
 constexpr double kHome_s = 60;

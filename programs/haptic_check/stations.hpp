@@ -38,8 +38,8 @@ private:
   [[nodiscard]] Session::Plan with_motors() const;
   /// Of the stiffness that this device bears.
   [[nodiscard]] haptic::Body body(const haptic::Shape& shape, const haptic::Pose& pose);
-  [[nodiscard]] haptic::Vec3 current_position(std::string& error);
-  void move_simulated_hand(const haptic::Vec3& from, const haptic::Vec3& to, double period_s);
+  [[nodiscard]] Vec3 current_position(std::string& error);
+  void move_simulated_hand(const Vec3& from, const Vec3& to, double period_s);
   void skip(const std::string& name, const std::string& reason);
 
   Session& session_;

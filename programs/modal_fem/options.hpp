@@ -11,7 +11,7 @@ namespace tactus::fem {
 struct FixedRegion {
   std::string words; ///< as given
   std::string set;   ///< a named node set of the mesh file, or empty
-  Vector3 centre;    ///< of a ball of `radius` around a point of the skin
+  Vec3 centre;       ///< of a ball of `radius` around a point of the skin
   double radius = 0;
   int plane = -1; ///< or a plane x, y, z = level
   double level = 0;

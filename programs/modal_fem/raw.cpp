@@ -14,7 +14,6 @@ namespace {
 using modal::BodyModel;
 using modal::LoadedTable;
 using modal::SurfacePoint;
-using modal::Vec3;
 
 struct Grid {
   std::vector<SurfacePoint> point;
@@ -60,7 +59,7 @@ Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, 
   for (const auto& t : skin.triangle) {
     std::array<Vec3, 3> corner;
     for (std::size_t j = 0; j < 3; ++j) {
-      const Vector3& v = skin.vertex[static_cast<std::size_t>(t[j])];
+      const Vec3& v = skin.vertex[static_cast<std::size_t>(t[j])];
       corner[j] = {v.x, v.y, v.z};
     }
     const Vec3 area = area_of(corner);

@@ -8,11 +8,11 @@ namespace tactus::fem {
 
 /// Which velocities a raw table holds.
 struct RawSettings {
-  std::vector<modal::Vec3> hit_m; ///< points struck, along the surface's normal
-  modal::Vec3 side{0, 0, 1};      ///< the faces that look there radiate
-  bool ring = false;              ///< one radius, each point standing for a whole ring
-  double ring_angle_rad = 0;      ///< of that radius, for side z from +x to +y
-  std::size_t points = 200;       ///< about; 0: every triangle of the table
+  std::vector<Vec3> hit_m;   ///< points struck, along the surface's normal
+  Vec3 side{0, 0, 1};        ///< the faces that look there radiate
+  bool ring = false;         ///< one radius, each point standing for a whole ring
+  double ring_angle_rad = 0; ///< of that radius, for side z from +x to +y
+  std::size_t points = 200;  ///< about; 0: every triangle of the table
   double seconds = 0.5, sample_rate = 44100;
   double impulse_n_s = 0; ///< above 0: this impulse at time 0; else a striker at 1 m/s
   modal::Striker striker;

@@ -36,12 +36,12 @@ double within(const std::string& option, const std::string& word, double low, do
   return value;
 }
 
-modal::Vec3 direction(const std::string& word) {
+Vec3 direction(const std::string& word) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0}) {
       const std::string name{static_cast<char>('x' + axis)};
       if (word == (sign > 0 ? "+" : "-") + name || (sign > 0 && word == name)) {
-        modal::Vec3 v{};
+        Vec3 v{};
         v[axis] = sign;
         return v;
       }
@@ -141,9 +141,9 @@ int run_raw(const std::vector<std::string>& words) {
   const modal::RawTable raw = make_raw(table, settings);
 
   NpzWriter npz = copy_without_raw(input, bytes);
-  const auto flat = [](const std::vector<modal::Vec3>& hit_positions) {
+  const auto flat = [](const std::vector<Vec3>& hit_positions) {
     std::vector<float> out;
-    for (const modal::Vec3& p : hit_positions)
+    for (const Vec3& p : hit_positions)
       for (int i = 0; i < 3; ++i)
         out.push_back(static_cast<float>(p[i]));
     return out;

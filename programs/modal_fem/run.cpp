@@ -223,7 +223,7 @@ std::vector<Support> supports_of(const ModalOptions& options, const Mesh& mesh) 
       support.nodes = at->second;
     } else {
       for (const int node : skin.node) {
-        const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
+        const Vec3& p = mesh.nodes[static_cast<std::size_t>(node)];
         if (fixed_region.plane >= 0 ? std::abs(p[fixed_region.plane] - fixed_region.level) <= near
                                     : length(p - fixed_region.centre) <= fixed_region.radius + near)
           support.nodes.push_back(node);

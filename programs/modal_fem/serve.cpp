@@ -124,7 +124,7 @@ private:
                                 k + 1, table_.frequency_hz[k], found[k]));
       double both = 0, own = 0, here = 0;
       for (std::size_t v = 0; v < skin.node.size(); ++v) {
-        const modal::Vec3 written = table_.shape_at(k, v);
+        const Vec3 written = table_.shape_at(k, v);
         for (int axis = 0; axis < 3; ++axis) {
           const double a = written[axis];
           const double b = body.modes.shapes[k * n + 3 * static_cast<std::size_t>(skin.node[v]) +

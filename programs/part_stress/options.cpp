@@ -63,7 +63,7 @@ SupportOptions read_support(const std::string& option, const std::string& words,
   expect_end(option, parts, 1, "a stiffness N/m or three of them KX,KY,KZ");
   const bool one = parts[0].find(',') == std::string::npos;
   const auto k = read_numbers(option, parts[0], one ? 1 : 3, 1);
-  support.stiffness_n_per_m = one ? Vector3{k[0], k[0], k[0]} : Vector3{k[0], k[1], k[2]};
+  support.stiffness_n_per_m = one ? Vec3{k[0], k[0], k[0]} : Vec3{k[0], k[1], k[2]};
   for (const double stiffness : k)
     if (!(stiffness >= 0))
       throw InputError(option + " " + words + ": expected stiffnesses of 0 or more N/m");
@@ -117,7 +117,7 @@ void check_complete(const PartOptions& options) {
     check_readable(options.body);
   if (options.supports.empty())
     throw InputError(options.body + ": nothing holds it: expected --fix or --spring");
-  if (options.loads.empty() && options.gravity == Vector3{})
+  if (options.loads.empty() && options.gravity == Vec3{})
     throw InputError(options.body +
                      " carries no load: expected --force, --bolt, --pressure, --traction, "
                      "--point or --gravity");
@@ -231,7 +231,7 @@ PartOptions read_options(const std::vector<std::string>& words) {
     throw InputError("--list-faces lists those of a CAD file, " + options.body + " is none");
   if (options.is_lift_arm()) {
     (void)options.lift_arm(); // refused before any work
-    if (options.supports.empty() && options.loads.empty() && options.gravity == Vector3{})
+    if (options.supports.empty() && options.loads.empty() && options.gravity == Vec3{})
       add_default_loads(options);
   }
   check_complete(options);

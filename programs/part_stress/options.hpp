@@ -11,7 +11,7 @@ struct SupportOptions {
   std::string words;
   Region at_region;
   std::array<bool, 3> directions{true, true, true};
-  Vector3 stiffness_n_per_m{}; ///< zero: held
+  Vec3 stiffness_n_per_m{}; ///< zero: held
 };
 
 struct LoadOptions {
@@ -19,21 +19,21 @@ struct LoadOptions {
   Kind kind;
   std::string words;
   Region at_region; ///< none for a point
-  Vector3 point;    ///< m
-  Vector3 value;    ///< N or Pa; a pressure's is in x
+  Vec3 point;       ///< m
+  Vec3 value;       ///< N or Pa; a pressure's is in x
 };
 
 /// A control point moved by so much, m.
 struct Move {
   int control = 0;
-  Vector3 displacement;
+  Vec3 displacement;
 };
 
 /// What the command line asks for.
 struct PartOptions : BodyOptions {
   std::vector<SupportOptions> supports;
   std::vector<LoadOptions> loads;
-  Vector3 gravity; ///< m/s^2
+  Vec3 gravity; ///< m/s^2
 
   DesignOptions design; ///< control points
   double skin_edge = 0; ///< m; 0: the skin in the table is the mesh's

@@ -107,10 +107,10 @@ void straighten_flat(Mesh& mesh) {
         continue;
       const auto nodes = mesh.nodes_of(e);
       for (std::size_t side = 0; side < kSides.size(); ++side) {
-        const auto at = [&](std::size_t k) -> Vector3& {
+        const auto at = [&](std::size_t k) -> Vec3& {
           return mesh.nodes[static_cast<std::size_t>(nodes[k])];
         };
-        const Vector3 straight = .5 * (at(kSides[side][0]) + at(kSides[side][1]));
+        const Vec3 straight = .5 * (at(kSides[side][0]) + at(kSides[side][1]));
         changed |= !(at(4 + side) == straight);
         at(4 + side) = straight;
       }
@@ -131,8 +131,8 @@ template <class Select> auto selected(const std::string& words, Select&& select)
 
 /// The direction that is most nearly in the plane of all faces: a round hole's axis. The smallest
 /// eigenvector of the mean of n n' is the largest of 1 - n n', found by powers.
-Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::string& words) {
-  std::array<Vector3, 3> m{};
+Vec3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::string& words) {
+  std::array<Vec3, 3> m{};
   double whole = 0;
   for (const MeshFace& at_region : wall) {
     const Element& e = mesh.elements[static_cast<std::size_t>(at_region.element)];
@@ -142,7 +142,7 @@ Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std
       return mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[local])];
     };
     // The tangents at the middle; those of a curved triangle by its shape functions' derivatives.
-    Vector3 along_r = at_node(1) - at_node(0), along_s = at_node(2) - at_node(0);
+    Vec3 along_r = at_node(1) - at_node(0), along_s = at_node(2) - at_node(0);
     if (face.corners == 4) {
       along_r = at_node(2) - at_node(0);
       along_s = at_node(3) - at_node(1);
@@ -150,15 +150,15 @@ Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std
       along_r = (1. / 3) * along_r + (4. / 3) * (at_node(4) - at_node(5));
       along_s = (1. / 3) * along_s + (4. / 3) * (at_node(4) - at_node(3));
     }
-    const Vector3 n = cross(along_r, along_s);
+    const Vec3 n = cross(along_r, along_s);
     const double area = length(n);
     whole += area;
     for (int i = 0; i < 3; ++i)
       m[static_cast<std::size_t>(i)] += (n[i] / std::max(area, 1e-300)) * n;
   }
-  Vector3 axis{1, 1.1, 1.21};
+  Vec3 axis{1, 1.1, 1.21};
   for (int k = 0; k < 200; ++k) {
-    Vector3 next = whole * axis - Vector3{dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)};
+    Vec3 next = whole * axis - Vec3{dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)};
     axis = (1 / length(next)) * next;
   }
   const double along = dot(axis, {dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)}) / whole;
@@ -171,7 +171,7 @@ Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std
   return axis;
 }
 
-int nearest_skin_node(const Mesh& mesh, const Vector3& point) {
+int nearest_skin_node(const Mesh& mesh, const Vec3& point) {
   const Surface skin = surface_of(mesh);
   return *std::min_element(skin.node.begin(), skin.node.end(), [&](int a, int b) {
     return length(mesh.nodes[static_cast<std::size_t>(a)] - point) <
@@ -191,7 +191,7 @@ Load load_of(const LoadOptions& options, const Mesh& mesh) {
   case Kind::pressure:
     return Pressure{options.at_region.words, faces, options.value.x};
   case Kind::bolt: {
-    Vector3 axis = axis_of_wall(mesh, faces, options.words);
+    Vec3 axis = axis_of_wall(mesh, faces, options.words);
     // Facets find the axis within a percent; a force that is no further from perpendicular is meant
     // to be perpendicular.
     const double size = length(options.value);
@@ -252,7 +252,7 @@ StaticModel model_of(const PartOptions& options, const Mesh& mesh) {
   StaticModel model;
   model.materials = materials_of(options, mesh);
   for (const SupportOptions& s : options.supports) {
-    if (s.stiffness_n_per_m == Vector3{})
+    if (s.stiffness_n_per_m == Vec3{})
       model.fixed.push_back(
           {s.words, selected(s.words, [&] { return select_nodes(mesh, s.at_region.selection); }),
            s.directions});
@@ -264,7 +264,7 @@ StaticModel model_of(const PartOptions& options, const Mesh& mesh) {
   for (const LoadOptions& load : options.loads)
     model.loads.push_back(load_of(load, mesh));
   check_loads_act(options, mesh, model);
-  if (!(options.gravity == Vector3{}))
+  if (!(options.gravity == Vec3{}))
     model.loads.emplace_back(Gravity{options.gravity});
   return model;
 }

@@ -29,6 +29,7 @@
 namespace {
 
 using namespace tactus::fem;
+using tactus::Vec3;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point then) {
@@ -136,7 +137,7 @@ StressMetadata metadata_of(const PartOptions& options, const std::vector<std::st
     metadata.supports.push_back(s.words);
   for (const LoadOptions& l : options.loads)
     metadata.loads.push_back(l.words);
-  if (!(options.gravity == Vector3{}))
+  if (!(options.gravity == Vec3{}))
     metadata.loads.push_back(
         format("gravity %g,%g,%g", options.gravity.x, options.gravity.y, options.gravity.z));
   return metadata;
@@ -164,7 +165,7 @@ struct Outcome {
 
 void print_part(const Problem& problem, const StaticSolution& solution) {
   const DesignSpace& space = problem.space;
-  const Vector3 reaction = support_force(problem.mesh, problem.model, solution);
+  const Vec3 reaction = support_force(problem.mesh, problem.model, solution);
   std::printf("mass %.6g kg of %s; %zu control points of %zu may move, %zu parameters; supports "
               "take (%.5g, %.5g, %.5g) N\n",
               mass_properties(problem.mesh, problem.model.materials).mass,

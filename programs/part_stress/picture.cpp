@@ -16,39 +16,39 @@
 namespace tactus::fem {
 namespace {
 
-std::vector<double> coordinates(std::span<const Vector3> points) {
+std::vector<double> coordinates(std::span<const Vec3> points) {
   std::vector<double> out;
-  for (const Vector3& p : points)
+  for (const Vec3& p : points)
     out.insert(out.end(), {p.x, p.y, p.z});
   return out;
 }
 
-std::vector<Vector3> positions(const Mesh& mesh, std::span<const int> nodes) {
-  std::vector<Vector3> out;
+std::vector<Vec3> positions(const Mesh& mesh, std::span<const int> nodes) {
+  std::vector<Vec3> out;
   out.reserve(nodes.size());
   for (const int n : nodes)
     out.push_back(mesh.nodes[static_cast<std::size_t>(n)]);
   return out;
 }
 
-Vector3 middle(std::span<const Vector3> points) {
-  Vector3 sum;
-  for (const Vector3& p : points)
+Vec3 middle(std::span<const Vec3> points) {
+  Vec3 sum;
+  for (const Vec3& p : points)
     sum += p;
   return (1 / static_cast<double>(std::max<std::size_t>(points.size(), 1))) * sum;
 }
 
 /// Where a load acts, its whole force and a word for it.
 struct Arrow {
-  Vector3 at, force;
+  Vec3 at, force;
   std::string words;
 };
 
 std::vector<Arrow> arrows_of(const Mesh& mesh, const StaticModel& model) {
   std::vector<Arrow> arrows;
   for (const Load& load : model.loads) {
-    const Vector3 force = sum_of_forces(load_vector(mesh, model.materials, std::span(&load, 1)));
-    Vector3 at = middle(mesh.nodes);
+    const Vec3 force = sum_of_forces(load_vector(mesh, model.materials, std::span(&load, 1)));
+    Vec3 at = middle(mesh.nodes);
     const auto on_faces = [&](const auto& l) {
       at = middle(positions(mesh, nodes_of_faces(mesh, l.faces)));
     };
@@ -78,11 +78,11 @@ std::vector<double> constrained_points(const Mesh& start, const StaticModel& mod
   for (const FixedPatch& patch : model.fixed)
     for (const int n : patch.nodes)
       if (std::binary_search(skin.node.begin(), skin.node.end(), n)) {
-        const Vector3& p = start.nodes[static_cast<std::size_t>(n)];
+        const Vec3& p = start.nodes[static_cast<std::size_t>(n)];
         constrained.insert(constrained.end(), {p.x, p.y, p.z});
       }
   for (const SpringPatch& patch : model.springs)
-    for (const Vector3& p : positions(start, nodes_of_faces(start, patch.faces)))
+    for (const Vec3& p : positions(start, nodes_of_faces(start, patch.faces)))
       constrained.insert(constrained.end(), {p.x, p.y, p.z});
   return constrained;
 }
@@ -90,7 +90,7 @@ std::vector<double> constrained_points(const Mesh& start, const StaticModel& mod
 /// Largest stress, its place and its error, mean stress of the elements and its error, largest
 /// displacement, volume, whether the largest stress is at a singular corner.
 std::array<double, 10> numbers_of(const PictureState& s) {
-  const Vector3& at = s.nodes[s.peak];
+  const Vec3& at = s.nodes[s.peak];
   return {s.von_mises[s.peak],
           at.x,
           at.y,
@@ -114,7 +114,7 @@ std::vector<std::uint8_t> singular_corners(const Mesh& mesh, const StaticModel& 
   for (const Load& load : model.loads)
     if (const auto* point = std::get_if<PointForce>(&load))
       corner[static_cast<std::size_t>(point->node)] = 1;
-  std::vector<Vector3> corners;
+  std::vector<Vec3> corners;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     if (corner[n])
       corners.push_back(mesh.nodes[n]);
@@ -197,14 +197,14 @@ void draw_part(const std::string& picture, const StaticModel& model, const Desig
     triangles.insert(triangles.end(), t.begin(), t.end());
   for (const int control : space.controls)
     is_free[static_cast<std::size_t>(control)] = 1;
-  std::vector<Vector3> moved = space.weights.control_points;
+  std::vector<Vec3> moved = space.weights.control_points;
   for (std::size_t p = 0; p < parameters.size(); ++p)
     moved[static_cast<std::size_t>(space.parameters[p].control)][space.parameters[p].axis] +=
         parameters[p];
   std::vector<double> vertices, stresses, numbers;
   for (const PictureState& s : states) {
     for (const int n : skin.node) {
-      const Vector3& p = s.nodes[static_cast<std::size_t>(n)];
+      const Vec3& p = s.nodes[static_cast<std::size_t>(n)];
       vertices.insert(vertices.end(), {p.x, p.y, p.z});
       stresses.push_back(s.von_mises[static_cast<std::size_t>(n)]);
     }

@@ -7,7 +7,7 @@ namespace tactus::fem {
 
 /// One state of the part for the sheet: its shape, and the stress there.
 struct PictureState {
-  std::vector<Vector3> nodes;              ///< of the mesh, m
+  std::vector<Vec3> nodes;                 ///< of the mesh, m
   std::vector<double> von_mises;           ///< recovered at the nodes, Pa
   std::vector<double> error;               ///< estimated, of `von_mises`
   std::vector<double> at_elements;         ///< at the centroids, Pa

@@ -28,7 +28,7 @@ std::vector<double> read_numbers(const std::string& option, const std::string& c
   return out;
 }
 
-Vector3 read_vector(const std::string& option, const std::string& cells, double scale) {
+Vec3 read_vector(const std::string& option, const std::string& cells, double scale) {
   const auto v = read_numbers(option, cells, 3, scale);
   return {v[0], v[1], v[2]};
 }

@@ -30,8 +30,8 @@ struct Region {
 /// Numbers between commas, each times `scale`; refuses another count.
 [[nodiscard]] std::vector<double> read_numbers(const std::string& option, const std::string& cells,
                                                std::size_t count, double scale);
-[[nodiscard]] Vector3 read_vector(const std::string& option, const std::string& cells,
-                                  double scale = 1);
+[[nodiscard]] Vec3 read_vector(const std::string& option, const std::string& cells,
+                               double scale = 1);
 
 /// What the help says of it.
 [[nodiscard]] std::string usage_of_regions();

@@ -7,8 +7,6 @@
 namespace tactus::study {
 namespace {
 
-using haptic::Vec3;
-
 /// A straight move of minimum jerk (Flash & Hogan 1985): 10 t^3 - 15 t^4 + 6 t^5 of the way.
 haptic::RowPath move(const Vec3& from, const Vec3& to, double duration_s) {
   constexpr double kRow_s = 5e-3;

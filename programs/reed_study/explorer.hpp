@@ -36,7 +36,7 @@ public:
   /// `hand` as the simulated person who holds the handle; it wanders only with kWanders.
   [[nodiscard]] haptic::HandSettings hand_settings(haptic::HandSettings hand) const;
   /// Puts handle and intention at the start; before the device's first tick.
-  void begin(haptic::SimulatedDevice& device, const haptic::Vec3& start, double period_s) const;
+  void begin(haptic::SimulatedDevice& device, const Vec3& start, double period_s) const;
   /// At every tick, before the device is read.
   void advance(haptic::SimulatedDevice& device, double time_s);
 

@@ -33,7 +33,7 @@ public:
     guidance_.set(guidance);
   }
 
-  haptic::Vec3 force(const reed::ReedGradient& reeds, double y, double z) noexcept {
+  Vec3 force(const reed::ReedGradient& reeds, double y, double z) noexcept {
     reed::PlaneForce force;
     switch (settings_.feel) {
     case Feel::kOff:
@@ -166,7 +166,7 @@ TrialResult run(const World& world, const TrialSettings& settings, std::vector<S
   ForceLaw law(world, settings);
 
   TrialStatistics statistics;
-  haptic::Vec3 hand_position{0, start.y, start.z}, force;
+  Vec3 hand_position{0, start.y, start.z}, force;
   std::array<double, kStep> sound{};
   const auto samples = static_cast<std::size_t>(settings.duration_s * kRate);
   for (std::size_t n = 0; n < samples; n += kStep) {

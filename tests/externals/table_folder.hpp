@@ -40,12 +40,12 @@ struct TableFolder : TemporaryFolder {
     for (const auto& p : table.parameters)
       rows.insert(rows.end(), {static_cast<double>(p.control_point), static_cast<double>(p.axis),
                                p.low_m, p.high_m});
-    for (const haptic::Vec3& c : table.control_point_m)
+    for (const Vec3& c : table.control_point_m)
       points.insert(points.end(), {c.x, c.y, c.z});
     const auto& field = table.base.von_mises;
     const std::size_t p = table.parameters.size();
     std::vector<double> nodes;
-    for (const haptic::Vec3& node : table.surface_node_m)
+    for (const Vec3& node : table.surface_node_m)
       nodes.insert(nodes.end(), {node.x, node.y, node.z});
     std::vector<std::int32_t> corners;
     for (const auto& triangle : table.surface_triangle)

@@ -13,17 +13,18 @@
 #include <unistd.h>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
 struct Printed {
-  std::vector<Vector3> displacement;
+  std::vector<Vec3> displacement;
   std::vector<Stress> stress; ///< mean of each element's integration points
 };
 
 /// CalculiX' .dat: displacements by node, stresses by element and point (xx yy zz xy xz yz).
 Printed read_dat(const std::filesystem::path& path, const Mesh& mesh) {
-  Printed printed{std::vector<Vector3>(mesh.nodes.size()),
+  Printed printed{std::vector<Vec3>(mesh.nodes.size()),
                   std::vector<Stress>(mesh.elements.size(), Stress{})};
   std::ifstream file(path);
   bool stresses = false;
@@ -36,7 +37,7 @@ Printed read_dat(const std::filesystem::path& path, const Mesh& mesh) {
     std::size_t id = 0;
     int point = 0;
     Stress s;
-    Vector3 u;
+    Vec3 u;
     if (!(words >> id) || id == 0)
       continue;
     if (stresses && words >> point >> s[0] >> s[1] >> s[2] >> s[5] >> s[4] >> s[3]) {
@@ -66,7 +67,7 @@ void compare(const Mesh& mesh, const StaticModel& model) {
   const auto& u = ours.solution.displacement;
   double worst = 0, largest = 0;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const Vector3 own = of_node(u, n);
+    const Vec3 own = of_node(u, n);
     worst = std::max(worst, length(own - theirs.displacement[n]));
     largest = std::max(largest, length(own));
   }
@@ -109,7 +110,7 @@ TEST_CASE("the lift arm bends in CalculiX as here" * doctest::test_suite("slow")
   choice.h = .012;
   const Mesh mesh = mesh_lift_arm(LiftArm{}, choice);
   const auto wall = [&](const Pin& pin) {
-    const Vector3 along{0, 0, pin.width};
+    const Vec3 along{0, 0, pin.width};
     return select_faces(
         mesh, {OnCylinder{pin.centre - along, pin.centre + along, pin.radius, false}, 2e-6});
   };

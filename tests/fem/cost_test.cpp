@@ -60,7 +60,7 @@ TEST_CASE("a shape's elements and nodes are counted exactly before it is made") 
     const double pairs = static_cast<double>(NodeGraph(mesh).row.size());
     CHECK(planned.size.node_pairs == doctest::Approx(pairs).epsilon(.06));
     CHECK(planned.size.volume == doctest::Approx(volume(mesh)).epsilon(.03)); // flat facets
-    const Vector3 box = bounding_box(mesh.nodes).size();
+    const Vec3 box = bounding_box(mesh.nodes).size();
     for (int k = 0; k < 3; ++k) // an open bowl's lower half is all that differs
       CHECK(planned.size.box[k] == doctest::Approx(box[k]).epsilon(.06));
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -16,7 +17,7 @@ struct FullModel {
 
   explicit FullModel(bool tets) {
     set_solver_threads(1);
-    const Vector3 size{.12, .05, .04};
+    const Vec3 size{.12, .05, .04};
     mesh = tets ? tetrahedral_box({6, 3, 2}, size, true)
                 : block(even(0, size.x, 5), even(0, size.y, 2), even(0, size.z, 2));
     mesh.regions = {"steel", "wood"};
@@ -71,7 +72,7 @@ TEST_CASE("a Bernstein lattice has the binomial weights and moves its surface by
     }
   double fastest = 0;
   const auto velocities = top_row(mesh);
-  for (const Vector3& v : velocities[0].velocity)
+  for (const Vec3& v : velocities[0].velocity)
     fastest = std::max(fastest, v.z);
   CHECK(fastest == doctest::Approx(.375).epsilon(1e-12));
 }
@@ -79,15 +80,15 @@ TEST_CASE("a Bernstein lattice has the binomial weights and moves its surface by
 TEST_CASE("a lattice moved affinely moves its nodes affinely, whatever its degree") {
   // Greville abscissae: B-splines reproduce every point, and stretch, shear and turn too.
   const Mesh mesh = block({{0, .07, .3, 1}}, {{0, .4, 1}}, {{0, .1, 1}});
-  const auto affine = [](const Vector3& p) {
-    return Vector3{.3 * p.x - .2 * p.y + .1, .4 * p.z, .5 * p.x + .6 * p.y - .7 * p.z};
+  const auto affine = [](const Vec3& p) {
+    return Vec3{.3 * p.x - .2 * p.y + .1, .4 * p.z, .5 * p.x + .6 * p.y - .7 * p.z};
   };
   for (const std::array<int, 3>& degree : {std::array{1, 1, 1}, {2, 2, 1}, {3, 2, 2}, {4, 3, 2}}) {
     const ControlWeights weights = embed(mesh, {{{0, 0, 0}, {1, 1, 1}}, {5, 4, 3}, degree});
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-      Vector3 moved, still;
+      Vec3 moved, still;
       for (std::size_t k = weights.start[n]; k < weights.start[n + 1]; ++k) {
-        const Vector3& c = weights.control_points[std::size_t(weights.control[k])];
+        const Vec3& c = weights.control_points[std::size_t(weights.control[k])];
         moved += weights.weight[k] * affine(c);
         still += weights.weight[k] * c;
       }
@@ -113,9 +114,9 @@ TEST_CASE("control points act near them alone, and nodes outside the box stay") 
 TEST_CASE("weights of another kind of volume are taken, and checked") {
   const Mesh mesh = block(even(0, 1, 1), even(0, 1, 1), even(0, 1, 1));
   std::vector<double> weights;
-  for (const Vector3& p : mesh.nodes)
+  for (const Vec3& p : mesh.nodes)
     weights.insert(weights.end(), {1 - p.x, p.x});
-  const std::vector<Vector3> ends{{0, 0, 0}, {1, 0, 0}};
+  const std::vector<Vec3> ends{{0, 0, 0}, {1, 0, 0}};
   const std::vector<ShapeParameter> stretch{{"end", {1}, {1, 0, 0}}};
   const auto velocities = design_velocities(import_weights(mesh, ends, weights), stretch);
   const Mesh longer = moved_mesh(mesh, velocities[0], .5);
@@ -152,7 +153,7 @@ TEST_CASE("bad lattices and parameters are one sentence") {
 TEST_CASE("the scaled Jacobian is one in ideal elements and known in sheared ones") {
   Mesh cube = block(even(0, 2, 1), even(0, 2, 1), even(0, 2, 1));
   CHECK(scaled_jacobian(cube, cube.elements[0]) == doctest::Approx(1));
-  for (Vector3& p : cube.nodes)
+  for (Vec3& p : cube.nodes)
     p.x += .75 * p.z;
   CHECK(scaled_jacobian(cube, cube.elements[0]) == doctest::Approx(1 / std::sqrt(1 + .75 * .75)));
   Mesh regular;
@@ -175,40 +176,40 @@ TEST_CASE("the scaled Jacobian is one in ideal elements and known in sheared one
 TEST_CASE("a step stops where the mesh would turn inside out") {
   const Mesh cube = block(even(0, 1, 1), even(0, 1, 1), even(0, 1, 2));
   const auto step = [](const Mesh& mesh, const auto& motion) {
-    std::vector<Vector3> target = mesh.nodes;
-    for (Vector3& p : target)
+    std::vector<Vec3> target = mesh.nodes;
+    for (Vec3& p : target)
       p += motion(p);
     return valid_step(mesh, target);
   };
   // 1 / sqrt(1 + s^2) is 0.05 at a shear of s = 19.97.
-  const ValidStep sheared = step(cube, [](const Vector3& p) { return Vector3{40 * p.z, 0, 0}; });
+  const ValidStep sheared = step(cube, [](const Vec3& p) { return Vec3{40 * p.z, 0, 0}; });
   CHECK(sheared.fraction == doctest::Approx(19.975 / 40).epsilon(2e-3));
   CHECK(sheared.scaled_jacobian >= .05);
   // The middle nodes pass the top.
-  const ValidStep passed = step(cube, [](const Vector3& p) {
-    return Vector3{0, 0, p.z == .5 ? 1. : 0.};
+  const ValidStep passed = step(cube, [](const Vec3& p) {
+    return Vec3{0, 0, p.z == .5 ? 1. : 0.};
   });
   CHECK(passed.fraction > 0);
   CHECK(passed.fraction < .5);
   // Flattened evenly, to a twentieth of the volume.
-  CHECK(step(cube, [](const Vector3& p) {
-          return Vector3{0, 0, -2 * p.z};
+  CHECK(step(cube, [](const Vec3& p) {
+          return Vec3{0, 0, -2 * p.z};
         }).fraction == doctest::Approx(.475).epsilon(2e-3));
-  const ValidStep shifted = step(cube, [](const Vector3&) { return Vector3{.1, 0, 0}; });
+  const ValidStep shifted = step(cube, [](const Vec3&) { return Vec3{.1, 0, 0}; });
   CHECK(shifted.fraction == 1);
   CHECK(shifted.scaled_jacobian == doctest::Approx(1));
   // One corner pushed inwards by t along the diagonal: there alone, det = 1 - 3 t over edges of
   // sqrt((1 - t)^2 + 2 t^2), which is 0.05 at t = 0.3242.
   const Mesh one = block(even(0, 1, 1), even(0, 1, 1), even(0, 1, 1));
-  CHECK(step(one, [](const Vector3& p) {
-          return -.5 * p.x * p.y * p.z * Vector3{1, 1, 1};
+  CHECK(step(one, [](const Vec3& p) {
+          return -.5 * p.x * p.y * p.z * Vec3{1, 1, 1};
         }).fraction == doctest::Approx(.3242 / .5).epsilon(3e-3));
   // Elements that are bad to begin with may move, but not get worse.
   Mesh bad = cube;
-  for (Vector3& p : bad.nodes)
+  for (Vec3& p : bad.nodes)
     p.x += 30 * p.z;
-  CHECK(step(bad, [](const Vector3& p) { return Vector3{-p.z, 0, 0}; }).fraction == 1);
-  CHECK(step(bad, [](const Vector3& p) { return Vector3{p.z, 0, 0}; }).fraction < 2e-3);
+  CHECK(step(bad, [](const Vec3& p) { return Vec3{-p.z, 0, 0}; }).fraction == 1);
+  CHECK(step(bad, [](const Vec3& p) { return Vec3{p.z, 0, 0}; }).fraction < 2e-3);
   check_refused([&] { return valid_step(cube, std::span(cube.nodes).first(3)); }, "has 3 nodes");
 }
 
@@ -275,7 +276,7 @@ TEST_CASE("a bolt's pressure follows its hole as it grows") {
   model.loads = {BoltLoad{"pin", wall(.01), {0, 0, 1}, {3000, 1000, 0}}};
   DesignVelocity wider{"radius", {}, {}};
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const Vector3 flat{mesh.nodes[n].x, mesh.nodes[n].y, 0};
+    const Vec3 flat{mesh.nodes[n].x, mesh.nodes[n].y, 0};
     wider.node.push_back(static_cast<int>(n));
     wider.velocity.push_back((.03 - length(flat)) / .02 / length(flat) * flat);
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 const Material kAluminium = find_material("aluminium");
@@ -76,7 +77,7 @@ TEST_CASE("held at the centre of its back the disk has an umbrella mode near 3.7
                          {}, {.h = .0085});
   Support patch{"patch", {}, {true, true, true}, 0};
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
-    if (length(mesh.nodes[i] - Vector3{0, 0, -.006}) < .002 + 1e-9)
+    if (length(mesh.nodes[i] - Vec3{0, 0, -.006}) < .002 + 1e-9)
       patch.nodes.push_back(static_cast<int>(i));
   const auto a = solve_modes(std::move(mesh), kAluminium, 16, std::span(&patch, 1));
   CHECK(a.modes.rigid == 0);
@@ -116,7 +117,7 @@ TEST_CASE("a coarse disk has the frequencies of the axisymmetric solution within
 TEST_CASE("an uneven disk's pair keeps both frequencies, however its shapes are turned") {
   Mesh mesh = make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {.h = .02});
   // An ellipse with its axes at 45 degrees parts the modes of one diameter.
-  for (Vector3& p : mesh.nodes)
+  for (Vec3& p : mesh.nodes)
     p = {p.x + 5e-5 * p.y, p.y + 5e-5 * p.x, p.z};
   constexpr std::size_t kFirst = 5, kCount = 7;
   const auto a = solve_modes(std::move(mesh), kAluminium, kCount);

@@ -8,13 +8,14 @@
 #include <algorithm>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 constexpr std::array kAllShapes{Shape::tet4,    Shape::tet10,  Shape::hex8,    Shape::hex20,
                                 Shape::wedge15, Shape::wedge6, Shape::pyramid5};
 
 /// A point inside every reference element.
-constexpr Vector3 kInside{.21, .17, .23};
+constexpr Vec3 kInside{.21, .17, .23};
 
 /// Of x^i y^j z^k over the reference element.
 double integral(std::span<const QuadraturePoint> points, int i, int j, int k) {
@@ -45,7 +46,7 @@ TEST_CASE(
       sum += at.value[a];
     CHECK(sum == doctest::Approx(1).epsilon(1e-14));
     for (int k = 0; k < 3; ++k) {
-      Vector3 step;
+      Vec3 step;
       step[k] = kStep;
       evaluate(shape, kInside + step, above);
       evaluate(shape, kInside - step, below);
@@ -85,8 +86,8 @@ TEST_CASE("mass points integrate every monomial up to their degree, weights sum 
 TEST_CASE("every face's normal points out of the element") {
   for (const Shape shape : kAllShapes) {
     const auto nodes = reference_nodes(shape);
-    Vector3 middle;
-    for (const Vector3& p : nodes)
+    Vec3 middle;
+    for (const Vec3& p : nodes)
       middle += (1.0 / static_cast<double>(nodes.size())) * p;
     for (const Face& face : faces(shape)) {
       const auto at = [&](std::size_t i) { return nodes[static_cast<std::size_t>(face.node[i])]; };
@@ -96,7 +97,7 @@ TEST_CASE("every face's normal points out of the element") {
       for (std::size_t c = 0; c < static_cast<std::size_t>(face.corners);
            ++c) { // edge nodes halve the edges
         const auto corners = static_cast<std::size_t>(face.corners);
-        const Vector3 gap = at(corners + c) - .5 * (at(c) + at((c + 1) % corners));
+        const Vec3 gap = at(corners + c) - .5 * (at(c) + at((c + 1) % corners));
         CHECK(length(gap) < 1e-14);
       }
     }
@@ -141,7 +142,7 @@ TEST_CASE("low faces on a curved wall do not tilt its skin") {
   int walls = 0;
   for (const auto& [a, b, c] : skin.triangles) {
     const auto on_wall = [&](int v) { return std::hypot(at(v).x, at(v).y) > .0499; };
-    const Vector3 normal = cross(at(b) - at(a), at(c) - at(a));
+    const Vec3 normal = cross(at(b) - at(a), at(c) - at(a));
     if (!on_wall(a) || !on_wall(b) || !on_wall(c) || std::abs(normal.z) > .999 * length(normal))
       continue; // the rim's own corners on the flat faces
     ++walls;
@@ -153,7 +154,7 @@ TEST_CASE("low faces on a curved wall do not tilt its skin") {
 TEST_CASE("a side whose curve turns an element inside out is flattened, and no other") {
   Mesh mesh = tetrahedral_block(2, true);
   CHECK(has_straight_sides(mesh));
-  const auto node_at = [&](const Vector3& p) {
+  const auto node_at = [&](const Vec3& p) {
     std::size_t i = 0;
     while (length(mesh.nodes[i] - p) > 1e-9)
       ++i;

@@ -8,6 +8,7 @@
 #include "static_bodies.hpp"
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -53,7 +54,7 @@ void check_effectivity(const Estimated& a, const std::vector<double>& exact) {
   CHECK(seen >= 3);
 }
 
-Mesh hexahedra(const Vector3& size, std::array<int, 3> cells) {
+Mesh hexahedra(const Vec3& size, std::array<int, 3> cells) {
   return block(even(0, size.x, cells[0]), even(0, size.y, cells[1]), even(0, size.z, cells[2]));
 }
 
@@ -75,19 +76,19 @@ TEST_CASE("enriching functions of neighbours agree on what they share") {
       for (std::size_t i = functions.first[e]; i < functions.first[e + 1]; ++i)
         owners[static_cast<std::size_t>(functions.number[i])].push_back({e, i});
     ShapeValues nodal, own;
-    const auto value = [&](std::size_t e, std::size_t i, const Vector3& x) {
+    const auto value = [&](std::size_t e, std::size_t i, const Vec3& x) {
       const Element& element = mesh.elements[e];
-      Vector3 at{.3, .2, .2};
+      Vec3 at{.3, .2, .2};
       for (int newton = 0; newton < 30; ++newton) {
         evaluate(element.shape, at, nodal);
-        Vector3 gap = x;
+        Vec3 gap = x;
         for (std::size_t a = 0; a < mesh.nodes_of(element).size(); ++a)
           gap = gap -
                 nodal.value[a] * mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(element)[a])];
         const auto [row, determinant] = jacobian(mesh, element, nodal);
-        at += (1 / determinant) * Vector3{dot(gap, cross(row[1], row[2])),
-                                          dot(gap, cross(row[2], row[0])),
-                                          dot(gap, cross(row[0], row[1]))};
+        at += (1 / determinant) * Vec3{dot(gap, cross(row[1], row[2])),
+                                       dot(gap, cross(row[2], row[0])),
+                                       dot(gap, cross(row[0], row[1]))};
       }
       evaluate_enrichment(element.shape, at, own);
       return functions.sign[i] * own.value[i - functions.first[e]];
@@ -100,7 +101,7 @@ TEST_CASE("enriching functions of neighbours agree on what they share") {
             enriching_functions(first.shape)[of[0].second - functions.first[of[0].first]];
         if (f.kind == EntityKind::interior)
           continue;
-        Vector3 x; // off the middle of the shared edge or face
+        Vec3 x; // off the middle of the shared edge or face
         double sum = 0;
         for (std::size_t c = 0; c < 4; ++c)
           if (f.corner[c] >= 0) {
@@ -117,7 +118,7 @@ TEST_CASE("enriching functions of neighbours agree on what they share") {
 }
 
 TEST_CASE("the estimate of a bar is its error, where bending shears, twists and stretches it") {
-  const Vector3 size{.4, .03, .01};
+  const Vec3 size{.4, .03, .01};
   const Material m = find_material("aluminium");
   const auto fine = solve_modes(hexahedra(size, {60, 6, 3}), m, 10);
   check_effectivity(estimated(hexahedra(size, {16, 4, 2}), m, 6), fine.modes.frequency_hz);
@@ -125,7 +126,7 @@ TEST_CASE("the estimate of a bar is its error, where bending shears, twists and 
 
 TEST_CASE("the estimate of a bar is its error for elements of any proportions" *
           doctest::test_suite("slow")) {
-  const Vector3 size{.4, .03, .01};
+  const Vec3 size{.4, .03, .01};
   const Material m = find_material("aluminium");
   const auto fine = solve_modes(hexahedra(size, {90, 10, 4}), m, 16);
   for (const std::array<int, 3> cells : {std::array{16, 4, 3}, {40, 2, 1}, {24, 1, 1}})
@@ -152,7 +153,7 @@ TEST_CASE("an estimate that stops early has the rest extrapolated") {
 }
 
 TEST_CASE("the estimate of a spruce board is its error" * doctest::test_suite("slow")) {
-  const Vector3 size{.5, .2, .006};
+  const Vec3 size{.5, .2, .006};
   const Material m = find_material("spruce");
   const auto fine = solve_modes(hexahedra(size, {34, 32, 2}), m, 12);
   check_effectivity(estimated(hexahedra(size, {14, 10, 1}), m, 8), fine.modes.frequency_hz);
@@ -160,7 +161,7 @@ TEST_CASE("the estimate of a spruce board is its error" * doctest::test_suite("s
 
 TEST_CASE("the estimate sees the border of a clamped end" * doctest::test_suite("slow")) {
   // Graded to the clamped end's edges, with elements of .05 mm: true to 2e-4.
-  const Vector3 size{.1, .02, .01};
+  const Vec3 size{.1, .02, .01};
   const Material m = find_material("steel");
   const auto clamp = [&](const Mesh& mesh) {
     return std::vector<Support>{{"end", nodes_on(mesh, 0, 0), {true, true, true}, 0}};
@@ -244,7 +245,7 @@ TEST_CASE(
 TEST_CASE("the estimate of tetrahedra is their error" * doctest::test_suite("slow")) {
   Material m = find_material("glass");
   Mesh mesh = tetrahedral_block(4, true);
-  for (Vector3& p : mesh.nodes)
+  for (Vec3& p : mesh.nodes)
     p = {.1 * p.x, .03 * p.y, .02 * p.z};
   const auto fine = solve_modes(hexahedra({.1, .03, .02}, {24, 8, 6}), m, 12);
   check_effectivity(estimated(mesh, m, 8), fine.modes.frequency_hz);

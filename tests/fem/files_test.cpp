@@ -11,11 +11,12 @@
 #include <random>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 TEST_CASE("corners that differ by rounding are one, thin features stay") {
   TriangleSoup cube = box({}, {.01, .01, .01});
   for (std::size_t i = 0; i < cube.size(); ++i)
-    for (Vector3& p : cube[i])
+    for (Vec3& p : cube[i])
       for (int k = 0; k < 3; ++k)
         if (p[k] == 0)
           p[k] = i % 2 ? -5.7e-20 : 1e-12;
@@ -45,7 +46,7 @@ TEST_CASE("a corner on another triangle's edge cuts it, a fin is left out, a cop
 TEST_CASE("a wall between stacked boxes goes") {
   TriangleSoup upper = box({}, {1, 1, 1}); // mirrored: the same diagonals in the wall
   for (Corners& c : upper)
-    for (Vector3& p : c)
+    for (Vec3& p : c)
       p.z = 2 - p.z;
   CHECK(enclosed(closed(box({}, {1, 1, 1}) + turned(upper))) == doctest::Approx(2));
 }
@@ -53,7 +54,7 @@ TEST_CASE("a wall between stacked boxes goes") {
 TEST_CASE("a wall whose triangles differ on its two sides goes too") {
   TriangleSoup between = box({1, 0, 0}, {1, 1, 1}); // mirrored: the diagonals in the walls cross
   for (Corners& c : between)
-    for (Vector3& p : c)
+    for (Vec3& p : c)
       p.y = 1 - p.y;
   Triangles t = closed(box({}, {1, 1, 1}) + turned(between) + box({2, 0, 0}, {1, 1, 1}));
   CHECK(drop_flat_shells(t, 1e-5) == 2);
@@ -70,8 +71,7 @@ TEST_CASE("a box within a box that shares its sides adds nothing") {
 
 TEST_CASE("bars along the grid that cross or lap at a corner are their union") {
   for (const auto& [other, size, whole] :
-       {std::tuple{Vector3{.35, -.35, 0}, Vector3{.1, .8, .1}, .015},
-        {Vector3{}, Vector3{.1, .6, .1}, .013}}) {
+       {std::tuple{Vec3{.35, -.35, 0}, Vec3{.1, .8, .1}, .015}, {Vec3{}, Vec3{.1, .6, .1}, .013}}) {
     const Triangles bars = closed(box({}, {.8, .1, .1}) + box(other, size));
     const Resurfaced made = united(bars);
     CHECK(made.volume == doctest::Approx(whole).epsilon(.004));
@@ -90,7 +90,7 @@ TEST_CASE("two cubes that meet at an edge are two shells") {
 
 TEST_CASE("small holes are closed and told with place and width, large ones are left") {
   TriangleSoup ball = sphere({.1, .2, .3}, 1, 20);
-  const Vector3 at = ball[400][0];
+  const Vec3 at = ball[400][0];
   std::erase_if(ball, [&](const Corners& c) {
     return length(c[0] - at) < .2 && length(c[1] - at) < .2 && length(c[2] - at) < .2;
   });
@@ -114,7 +114,7 @@ TEST_CASE("small holes are closed and told with place and width, large ones are 
 TEST_CASE("nested shells are cavity and body by turns, whatever way they look") {
   TriangleSoup all;
   for (const double size : {4., 3., 2., 1.}) {
-    const TriangleSoup next = box(-size / 2 * Vector3{1, 1, 1}, size * Vector3{1, 1, 1});
+    const TriangleSoup next = box(-size / 2 * Vec3{1, 1, 1}, size * Vec3{1, 1, 1});
     all = all + (size == 3. ? turned(next) : next);
   }
   const auto bodies = separate_bodies(closed(all));
@@ -156,7 +156,7 @@ TEST_CASE("overlapping and touching boxes become their union, sharp edges and al
 TEST_CASE("a rotated plate thinner than the grid's default step keeps its volume") {
   TriangleSoup plates = box({0, 0, 0}, {1, 1, .02}) + box({.4, -.3, .01}, {.3, .9, .05});
   for (Corners& c : plates)
-    for (Vector3& p : c)
+    for (Vec3& p : c)
       p = {.8 * p.x - .6 * p.z, p.y, .6 * p.x + .8 * p.z};
   const double both = .02 + .3 * .9 * .05 - .3 * .6 * .01;
   const Resurfaced made = united(closed(plates));
@@ -166,7 +166,7 @@ TEST_CASE("a rotated plate thinner than the grid's default step keeps its volume
 
 TEST_CASE("a wrap closes holes; a gap as large as the body is refused") {
   TriangleSoup ball = sphere({}, 1, 20);
-  for (const Vector3& at : {Vector3{1, 0, 0}, Vector3{-.6, -.6, .5}})
+  for (const Vec3& at : {Vec3{1, 0, 0}, Vec3{-.6, -.6, .5}})
     std::erase_if(ball, [&](const Corners& c) { return length(c[0] - at) < .1; });
   const double round = 4 * std::numbers::pi / 3;
   const Resurfaced wrapped = shrink_wrapped(surface(ball), .8);
@@ -183,15 +183,15 @@ TEST_CASE("a wrap closes holes; a gap as large as the body is refused") {
 TEST_CASE("a wrap unites boxes, holds a soup of triangles, and needs a gap wider than the holes" *
           doctest::test_suite("slow")) {
   TriangleSoup ball = sphere({}, 1, 40);
-  std::erase_if(ball, [&](const Corners& c) { return length(c[0] - Vector3{1, 0, 0}) < .05; });
+  std::erase_if(ball, [&](const Corners& c) { return length(c[0] - Vec3{1, 0, 0}) < .05; });
   // Too small a gap leaves the inside open: only the sheet itself could be wrapped.
   CHECK_THROWS_AS((void)shrink_wrapped(surface(ball), .002), InputError);
   std::mt19937 random(7); // each triangle shifted and turned: nothing fits to anything
   std::uniform_real_distribution<double> noise(-.004, .004);
   TriangleSoup soup = sphere({}, 1, 30);
   for (Corners& c : soup) {
-    const Vector3 shift{noise(random), noise(random), noise(random)};
-    for (Vector3& p : c)
+    const Vec3 shift{noise(random), noise(random), noise(random)};
+    for (Vec3& p : c)
       p += shift;
     if (random() % 2)
       std::swap(c[0], c[1]);
@@ -209,7 +209,7 @@ TEST_CASE("polygons of a file are cut by their ears, in metres, by group") {
   REQUIRE(t.triangles.size() == 7);
   CHECK(t.groups == std::vector<std::string>{"u", "flap"});
   CHECK(t.group == std::vector<int>{0, 0, 0, 0, 0, 0, 1});
-  CHECK(t.points[2] == Vector3{6, 4, 0});
+  CHECK(t.points[2] == Vec3{6, 4, 0});
   double area = 0;
   for (std::size_t i = 0; i < 6; ++i) {
     CHECK(t.normal(i).z > 0);

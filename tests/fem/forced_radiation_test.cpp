@@ -12,6 +12,7 @@
 #include <vector>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 namespace modal = tactus::modal;
 
 namespace {
@@ -80,13 +81,13 @@ void check_driven(const Body& b, std::initializer_list<double> frequencies) {
   double worst = 0;
   std::vector<double> all;
   struct Listener {
-    Vector3 at; // m
+    Vec3 at; // m
     std::shared_ptr<const modal::Arrivals> arrivals;
     double late; // samples
   };
   std::vector<Listener> listeners;
-  for (const Vector3& offset : {Vector3{.04, .03, .09}, {0, .02, .5}, {.2, -.25, -.1}}) {
-    const Vector3 at = offset + radiation.centre;
+  for (const Vec3& offset : {Vec3{.04, .03, .09}, {0, .02, .5}, {.2, -.25, -.1}}) {
+    const Vec3 at = offset + radiation.centre;
     // A listener within the band limit's latency hears everything so much later.
     const double travel =
         (length(offset) - radiation.reference_radius) / settings.sound_speed * kRate;
@@ -149,7 +150,7 @@ double worst_at_own_frequencies(const char* shape, const std::map<std::string, d
   std::vector<double> omega;
   for (const double hz : a.modes.frequency_hz)
     omega.push_back(2 * kPi * hz);
-  const modal::Vec3 at{radiation.centre.x + .2, radiation.centre.y - .25, radiation.centre.z + .2};
+  const Vec3 at{radiation.centre.x + .2, radiation.centre.y - .25, radiation.centre.z + .2};
   const auto arrivals =
       modal::multipole_arrivals(table, omega, at, modal::RadiatingSurface::Scene{}, {}, 0);
   double worst = 0;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -149,7 +150,7 @@ TEST_CASE("each instance of a part has its place, its names and its grain") {
   const Mesh mesh = deck.read("*PART,NAME=Q\n*END PART\n" + part + instances + kSteel);
   CHECK(mesh.elements.size() == 4);
   CHECK(mesh.nodes.size() == 10);
-  const auto at = [&](std::size_t node, Vector3 expected) {
+  const auto at = [&](std::size_t node, Vec3 expected) {
     CHECK(length(mesh.nodes.at(node) - expected) < 1e-12);
   };
   at(1, {1, 50, 0}); // moved
@@ -162,8 +163,8 @@ TEST_CASE("each instance of a part has its place, its names and its grain") {
   CHECK(mesh.node_sets.at("P-1.TIP") == std::vector<int>{4});
   CHECK(mesh.node_sets.at("BOTH") == std::vector<int>{4, 1, 5});
   CHECK(mesh.node_sets.at("ALL") == std::vector<int>{4, 1, 5, 9});
-  CHECK(length(mesh.materials.at(0)->axis_1 - Vector3{0, 1, 0}) < 1e-12);
-  CHECK(length(mesh.materials.at(1)->axis_1 - Vector3{-1, 0, 0}) < 1e-12);
+  CHECK(length(mesh.materials.at(0)->axis_1 - Vec3{0, 1, 0}) < 1e-12);
+  CHECK(length(mesh.materials.at(1)->axis_1 - Vec3{-1, 0, 0}) < 1e-12);
   CHECK(deck.said.find("part q has no *INSTANCE and is left out") != std::string::npos);
   const std::pair<std::string, std::string> refused[]{
       {part + part, "line 17: part p is defined twice"},

@@ -9,6 +9,7 @@
 #include <set>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -79,7 +80,7 @@ TEST_CASE("the walls of the three holes are named, round, and where the pins are
     REQUIRE(nodes.size() > 20);
     double low = 1, high = -1;
     for (const int n : nodes) {
-      const Vector3& p = mesh.nodes[static_cast<std::size_t>(n)];
+      const Vec3& p = mesh.nodes[static_cast<std::size_t>(n)];
       CHECK(std::hypot(p.x - pin.centre.x, p.y - pin.centre.y) ==
             doctest::Approx(pin.radius).epsilon(1e-5));
       low = std::min(low, p.z);
@@ -88,11 +89,11 @@ TEST_CASE("the walls of the three holes are named, round, and where the pins are
     CHECK(high - low == doctest::Approx(pin.width).epsilon(1e-9));
   }
   const auto all = pins(arm);
-  CHECK(all[0].centre == Vector3{});
-  CHECK(length(all[2].centre - Vector3{arm.length, 0, 0}) < 1e-12);
+  CHECK(all[0].centre == Vec3{});
+  CHECK(length(all[2].centre - Vec3{arm.length, 0, 0}) < 1e-12);
   // The lift eye lies on the arc through both ends with the given rise.
   const double r = (arm.length * arm.length / 4 + arm.rise * arm.rise) / (2 * arm.rise);
-  CHECK(length(all[1].centre - Vector3{arm.length / 2, arm.rise - r, 0}) == doctest::Approx(r));
+  CHECK(length(all[1].centre - Vec3{arm.length / 2, arm.rise - r, 0}) == doctest::Approx(r));
 }
 
 TEST_CASE("the STEP file is one solid that is read back whole") {

@@ -6,12 +6,13 @@
 #include <algorithm>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
 /// The modes of the mesh with its coordinates stretched, free.
-SolvedModes stretched(Mesh mesh, const Vector3& by, std::size_t count) {
-  for (Vector3& x : mesh.nodes)
+SolvedModes stretched(Mesh mesh, const Vec3& by, std::size_t count) {
+  for (Vec3& x : mesh.nodes)
     x = {by.x * x.x, by.y * x.y, by.z * x.z};
   return solve_modes(std::move(mesh), steel(), count);
 }
@@ -25,11 +26,11 @@ int parity(const SolvedModes& body, std::size_t mode, int axis) {
   const std::size_t n = body.mesh.dofs();
   double sum = 0;
   for (std::size_t i = 0; i < body.mesh.nodes.size(); ++i) {
-    Vector3 mirrored = body.mesh.nodes[i];
+    Vec3 mirrored = body.mesh.nodes[i];
     mirrored[axis] = -mirrored[axis];
     const auto other = static_cast<std::size_t>(
         std::min_element(body.mesh.nodes.begin(), body.mesh.nodes.end(),
-                         [&](const Vector3& a, const Vector3& b) {
+                         [&](const Vec3& a, const Vec3& b) {
                            return length(a - mirrored) < length(b - mirrored);
                          }) -
         body.mesh.nodes.begin());
@@ -56,8 +57,8 @@ double isometry_error(const std::vector<ModeMatch>& matches, std::size_t before,
 }
 
 /// A box about the origin in hex20.
-Mesh box(const Vector3& size, int nx, int ny, int nz) {
-  const Vector3 half = .5 * size;
+Mesh box(const Vec3& size, int nx, int ny, int nz) {
+  const Vec3 half = .5 * size;
   return block(even(-half.x, half.x, nx), even(-half.y, half.y, ny), even(-half.z, half.z, nz));
 }
 

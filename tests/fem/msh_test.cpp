@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -41,8 +42,8 @@ std::string write(const Folder& folder, const std::string& bytes) {
 /// A body that gmsh meshes, and what must be read of it.
 struct Body {
   std::function<void()> build;
-  std::map<std::string, double> volume;                           ///< of each region, mm^3
-  std::map<std::string, std::function<bool(const Vector3&)>> set; ///< which nodes are in it
+  std::map<std::string, double> volume;                        ///< of each region, mm^3
+  std::map<std::string, std::function<bool(const Vec3&)>> set; ///< which nodes are in it
 };
 
 void add_box(double x, double length) { gmsh::model::occ::addBox(x, 0, 0, length, 20, 10); }
@@ -59,7 +60,7 @@ void add_group(int dimension, const std::vector<int>& tags, int number, const ch
 }
 
 /// Entities of a dimension between two corners.
-std::vector<int> within(int dimension, const Vector3& low, const Vector3& high) {
+std::vector<int> within(int dimension, const Vec3& low, const Vec3& high) {
   gmsh::vectorpair found;
   gmsh::model::getEntitiesInBoundingBox(low.x - .1, low.y - .1, low.z - .1, high.x + .1,
                                         high.y + .1, high.z + .1, found, dimension);
@@ -88,11 +89,11 @@ Body two_boxes(int order) {
           },
           {{"the left one", 4000}, {"region40", 3000}},
           {{"foot",
-            [](const Vector3& p) {
-              return p.x == 0 || p == Vector3{35, 20, 10};
+            [](const Vec3& p) {
+              return p.x == 0 || p == Vec3{35, 20, 10};
             }},
-           {"set6", [](const Vector3& p) { return p.x == 20; }},
-           {"edge", [](const Vector3& p) { return p.x <= 20 && p.y == 0 && p.z == 0; }}}};
+           {"set6", [](const Vec3& p) { return p.x == 20; }},
+           {"edge", [](const Vec3& p) { return p.x <= 20 && p.y == 0 && p.z == 0; }}}};
 }
 
 /// A rectangle swept upwards: wedges, or bricks, with nodes in their faces or without.
@@ -115,7 +116,7 @@ Body lifted(bool bricks, int order, bool incomplete) {
             generate(order);
           },
           {{"region2", 6000}},
-          {{"set11", [](const Vector3& p) { return p.z == 0; }}}};
+          {{"set11", [](const Vec3& p) { return p.z == 0; }}}};
 }
 
 /// Boxes apart, in no group.
@@ -143,8 +144,8 @@ const Body kInTwoGroups{[] {
                           generate(1);
                         },
                         {{"last", 4000}},
-                        {{"set1", [](const Vector3& p) { return p.x == 0 || p.x == 20; }},
-                         {"set2", [](const Vector3& p) { return p.x == 20 || p.y == 0; }}}};
+                        {{"set1", [](const Vec3& p) { return p.x == 0 || p.x == 20; }},
+                         {"set2", [](const Vec3& p) { return p.x == 20 || p.y == 0; }}}};
 
 /// One tetrahedron with tags far apart, a set and a region.
 const Body kSparse{
@@ -159,7 +160,7 @@ const Body kSparse{
       add_group(3, {70}, 2000000);
     },
     {{"region2000000", 1. / 6}},
-    {{"set123456", [](const Vector3& p) { return p.y == 0; }}}};
+    {{"set123456", [](const Vec3& p) { return p.y == 0; }}}};
 
 void check_read(const Body& body, std::initializer_list<int> choices) {
   const Folder folder;

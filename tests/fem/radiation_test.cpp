@@ -6,6 +6,7 @@
 #include <numbers>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -31,7 +32,7 @@ AcousticSkin ball(int times) {
                   {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
                   {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
   const auto round = [&] {
-    for (Vector3& v : s.vertex)
+    for (Vec3& v : s.vertex)
       v = (kRadius / length(v)) * v;
   };
   round();
@@ -48,14 +49,14 @@ double legendre(int l, double x) {
 }
 
 std::vector<double> flow_of(const AcousticSkin& fine, const AcousticSkin& coarse, int l) {
-  std::vector<Vector3> v;
-  for (const Vector3& x : fine.vertex)
+  std::vector<Vec3> v;
+  for (const Vec3& x : fine.vertex)
     v.push_back(legendre(l, x.z / length(x)) / length(x) * x);
   return FlowTransfer(fine, coarse)(v);
 }
 
 /// p(r) = -j rho c h_l(kr)/h_l'(ka) P_l for v_n = P_l.
-Complex exact(int l, double k, const Vector3& x) {
+Complex exact(int l, double k, const Vec3& x) {
   const auto degree = static_cast<std::size_t>(l);
   const auto at = spherical_hankel(degree + 1, k * kRadius);
   const Complex slope = static_cast<double>(l) / (k * kRadius) * at[degree] - at[degree + 1];
@@ -67,7 +68,7 @@ Complex exact(int l, double k, const Vector3& x) {
 struct AllWaves {
   std::vector<Complex> psi, slope;
 };
-AllWaves waves_at(std::size_t highest, double k, const Vector3& x, const Vector3& n = {0, 0, 1}) {
+AllWaves waves_at(std::size_t highest, double k, const Vec3& x, const Vec3& n = {0, 0, 1}) {
   RegularWaves waves(highest);
   std::array<std::vector<double>, 4> plane;
   plane.fill(std::vector<double>(waves.size()));
@@ -89,7 +90,7 @@ AllWaves waves_at(std::size_t highest, double k, const Vector3& x, const Vector3
 
 /// The pressure of outgoing waves from their coefficients at the reference radius.
 Complex outgoing(std::span<const Complex> c, std::size_t highest, double k, double reference,
-                 const Vector3& x) {
+                 const Vec3& x) {
   const std::vector<Complex> psi = waves_at(highest, k, x).psi;
   const auto j = spherical_bessel(highest, k * length(x));
   const auto at = spherical_hankel(highest, k * length(x)),
@@ -119,12 +120,12 @@ void check_spheres(int times, std::initializer_list<std::pair<double, int>> of, 
     const double k = 2 * std::numbers::pi * f / kSpeed;
     const auto mu = field.solve(k, flow_of(skin, skin, l), 1, kAir, kSpeed);
     double worst = 0;
-    for (const Vector3& x : {Vector3{0, 0, .5}, {.2, .1, .4}, {.01, .02, .08}})
+    for (const Vec3& x : {Vec3{0, 0, .5}, {.2, .1, .4}, {.01, .02, .08}})
       worst = std::max(worst, std::abs(decibels(field.pressure(k, mu, x), exact(l, k, x))));
     CHECK(worst < tolerance_db);
     // The same field as outgoing waves, and the power that leaves: of l = 0 in closed form.
     const auto c = multipoles(field, k, mu, 20, {}, kRadius);
-    const Vector3 x{.03, -.04, .07};
+    const Vec3 x{.03, -.04, .07};
     CHECK(std::abs(outgoing(c, 20, k, kRadius, x) / field.pressure(k, mu, x) - 1.0) < 1e-3);
     const double ka = k * kRadius;
     if (l == 0) {
@@ -165,24 +166,24 @@ void check_inner_sources(std::size_t triangles, std::initializer_list<double> fr
   const ExteriorField field(coarse);
   const FlowTransfer transfer(fine, coarse);
   const std::size_t n = field.unknowns();
-  const Vector3 source{.015, .01, .001};
+  const Vec3 source{.015, .01, .001};
   for (const double f : frequencies) {
     const double k = 2 * std::numbers::pi * f / kSpeed;
-    const auto pressure = [&](const Vector3& x) {
-      const Vector3 d = x - source;
+    const auto pressure = [&](const Vec3& x) {
+      const Vec3 d = x - source;
       const double r = length(d);
       return std::polar(1 / r, -k * r) * (1.0 + .01 * d.z / r * Complex(1 / r, k));
     };
-    const auto velocity = [&](const Vector3& x, int axis) { // -grad p/(j omega rho)
-      Vector3 step;
+    const auto velocity = [&](const Vec3& x, int axis) { // -grad p/(j omega rho)
+      Vec3 step;
       step[axis] = 1e-6;
       return (pressure(x + step) - pressure(x - step)) / 2e-6 / Complex(0, -k * kSpeed * kAir);
     };
     std::vector<double> flow;
     for (const bool imaginary : {false, true}) {
-      std::vector<Vector3> v;
-      for (const Vector3& x : fine.vertex) {
-        Vector3 one;
+      std::vector<Vec3> v;
+      for (const Vec3& x : fine.vertex) {
+        Vec3 one;
         for (int axis = 0; axis < 3; ++axis) {
           const Complex u = velocity(x, axis);
           one[axis] = imaginary ? u.imag() : u.real();
@@ -196,8 +197,8 @@ void check_inner_sources(std::size_t triangles, std::initializer_list<double> fr
     std::vector<Complex> mu(n);
     for (std::size_t i = 0; i < n; ++i)
       mu[i] = both[i] + Complex(0, 1) * both[n + i];
-    for (const Vector3& x :
-         {Vector3{.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}, {.5, 0, .02}, {0, -.08, -.05}})
+    for (const Vec3& x :
+         {Vec3{.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}, {.5, 0, .02}, {0, -.08, -.05}})
       CHECK(std::abs(decibels(field.pressure(k, mu, x), pressure(x))) < tolerance_db);
   }
 }
@@ -226,7 +227,7 @@ void check_free_disk(std::size_t triangles, double tolerance_db) {
   const FlowTransfer transfer(fine, field.skin());
   struct Case {
     std::vector<std::size_t> modes; // a mode, or a pair that turns freely
-    std::vector<std::pair<Vector3, double>> pressure;
+    std::vector<std::pair<Vec3, double>> pressure;
   };
   for (const Case& c :
        {Case{{0, 1}, {{{.03, 0, .026}, 325.5}, {{.354, 0, .354}, 29.95}, {{.5, 0, .02}, 1.291}}},
@@ -235,7 +236,7 @@ void check_free_disk(std::size_t triangles, double tolerance_db) {
     const double f = a.modes.frequency_hz[c.modes[0]], k = 2 * std::numbers::pi * f / kSpeed;
     std::vector<double> flow, top(fine.vertex.size(), 0.0);
     for (const std::size_t mode : c.modes) {
-      const std::vector<Vector3> v = skin_motion(a, mode);
+      const std::vector<Vec3> v = skin_motion(a, mode);
       for (std::size_t i = 0; i < v.size(); ++i)
         if (fine.vertex[i].z > .0059)
           top[i] += v[i].z * v[i].z;
@@ -245,7 +246,7 @@ void check_free_disk(std::size_t triangles, double tolerance_db) {
     const double antinode = std::sqrt(*std::max_element(top.begin(), top.end()));
     const auto mu = field.solve(k, flow, c.modes.size(), kAir, kSpeed);
     for (const auto& [point, expected] : c.pressure) {
-      const Vector3 x = point;
+      const Vec3 x = point;
       double sum = 0;
       for (std::size_t i = 0; i < c.modes.size(); ++i)
         sum += std::norm(
@@ -301,7 +302,7 @@ TEST_CASE("regular waves are Bessel functions times spherical harmonics") {
   // Low degrees written out, and the sum over m, which does not depend on the direction.
   constexpr std::size_t kHighest = 40;
   const double pi = std::numbers::pi, k = 120;
-  for (const Vector3& x : {Vector3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}}) {
+  for (const Vec3& x : {Vec3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}}) {
     const double r = length(x);
     const std::vector<Complex> psi = waves_at(kHighest, k, x).psi;
     const auto j = spherical_bessel(kHighest, k * r);
@@ -324,10 +325,9 @@ TEST_CASE("regular waves are Bessel functions times spherical harmonics") {
 }
 
 TEST_CASE("waves' slopes are the derivatives of the waves, at the poles and the centre too") {
-  const Vector3 n{.36, .48, .8};
+  const Vec3 n{.36, .48, .8};
   const double k = 120, step = 1e-6;
-  for (const Vector3& x :
-       {Vector3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}, {}}) {
+  for (const Vec3& x : {Vec3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}, {}}) {
     const auto ahead = waves_at(12, k, x + step * n).psi,
                behind = waves_at(12, k, x - step * n).psi;
     const auto slope = waves_at(12, k, x, n).slope;
@@ -350,8 +350,8 @@ TEST_CASE("the vectorised cosine and sine are the C library's") {
 TEST_CASE("integrals over pairs of panels are the sums over their points") {
   // Two panels askew, and a panel with itself, against the sums written out.
   const std::vector<Panel> panels{
-      Panel({Vector3{0, 0, 0}, {.01, 0, .001}, {.002, .008, 0}}),
-      Panel({Vector3{.03, .01, .02}, {.03, .019, .017}, {.022, .013, .026}})};
+      Panel({Vec3{0, 0, 0}, {.01, 0, .001}, {.002, .008, 0}}),
+      Panel({Vec3{.03, .01, .02}, {.03, .019, .017}, {.022, .013, .026}})};
   const PanelArrays arrays(panels);
   const double k = 180;
   for (const bool near : {false, true}) {
@@ -367,7 +367,7 @@ TEST_CASE("integrals over pairs of panels are the sums over their points") {
               const Panel &p = panels[0], &q = panels[u];
               const double weight =
                   kHatAtPoint[i][a] * kHatAtPoint[j][b] * p.area * q.area / (36 * std::numbers::pi);
-              const Vector3 d = p.point[i] - q.point[j];
+              const Vec3 d = p.point[i] - q.point[j];
               const double r = length(d);
               if (r == 0) { // of (exp(-jkr) - 1)/r; of exp(-jkr)/r the part that is finite
                 value += weight * Complex(0, -k);
@@ -399,9 +399,9 @@ TEST_CASE("multipoles carry the field of any layers to where its direct sum does
     mu[i] = std::polar(1.0, 2.4 * static_cast<double>(i * i % 97));
   constexpr std::size_t kHighest = 60, kTerms = (kHighest + 1) * (kHighest + 1);
   const double k = 90;
-  const Vector3 centre{.004, -.003, .002};
+  const Vec3 centre{.004, -.003, .002};
   const auto c = multipoles(field, k, mu, kHighest, centre, .06);
-  for (const Vector3& x : {Vector3{.07, -.05, .09}, {-.2, .1, .03}}) {
+  for (const Vec3& x : {Vec3{.07, -.05, .09}, {-.2, .1, .03}}) {
     for (std::size_t column = 0; column < 2; ++column) {
       const Complex sum =
           outgoing(std::span(c).subspan(column * kTerms, kTerms), kHighest, k, .06, x - centre);

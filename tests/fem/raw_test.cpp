@@ -74,7 +74,7 @@ TEST_CASE("the player hears from the table what the boundary elements compute") 
   const double omega = 2 * std::numbers::pi * b.table.frequency_hz[mode], k = omega / kSpeed;
   const auto mu =
       field.solve(k, FlowTransfer(fine, coarse)(skin_motion(b.solved, mode)), 1, kAir, kSpeed);
-  for (const Vector3& x : {Vector3{.06, .03, .05}, {0, 0, .5}, {.3, -.2, -.1}}) {
+  for (const Vec3& x : {Vec3{.06, .03, .05}, {0, 0, .5}, {.3, -.2, -.1}}) {
     const std::complex<double> rate(0, omega);
     const auto heard = modal::multipole_transfer(b.table, {&rate, 1}, {&mode, 1}, {x.x, x.y, x.z},
                                                  {1, 1, kAir, kSpeed});
@@ -106,7 +106,7 @@ void check_baffled(double h, double tolerance_db) {
   const modal::LoadedTable loaded(table);
   struct Case {
     std::vector<std::size_t> modes; // a mode, or a pair that turns freely
-    modal::Vec3 listener;
+    Vec3 listener;
     double pressure;
   };
   for (const Case& c : {Case{{0, 1}, {.03, 0, .026}, 288.7}, Case{{0, 1}, {.354, 0, .354}, 25.9},
@@ -158,8 +158,7 @@ TEST_CASE("modal radiation is the direct sum over retarded velocities") {
   std::vector<double> gain(model.mode.size());
   model.gains(at, at.normal, gain);
   constexpr double kStep = 1 / 44100.0; // of the raw way's difference
-  for (const modal::Vec3& x :
-       {modal::Vec3{0, 0, .026}, {.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}}) {
+  for (const Vec3& x : {Vec3{0, 0, .026}, {.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}}) {
     const auto heard = loaded->radiating.modal(model.rate, model.mode, x, {1, 1, kAir, kSpeed});
     modal::RawListener listener;
     listener.set(raw, x, kAir, kSpeed);

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
@@ -22,7 +23,7 @@ double longest_edge(const Triangles& t) {
 } // namespace
 
 TEST_CASE("a bar of long triangles keeps its volume to the last digits in even ones") {
-  const Vector3 size{.1, .011, .004};
+  const Vec3 size{.1, .011, .004};
   const Triangles even = remeshed(closed(box({}, size)), .003, .0003);
   CHECK(enclosed(even) == doctest::Approx(size.x * size.y * size.z).epsilon(1e-12));
   CHECK(even.triangles.size() > 500);
@@ -42,7 +43,7 @@ TEST_CASE("a fine ball becomes coarse within the distance allowed") {
   CHECK(even.triangles.size() < 3000);
   CHECK(share_of_slivers(even, 15) < .01);
   // Corners stay on the ball, so nothing lies farther inside than the middle of a long edge.
-  for (const Vector3& p : even.points)
+  for (const Vec3& p : even.points)
     CHECK(std::abs(length(p) - radius) < away);
   CHECK(std::abs(enclosed(even) / enclosed(fine) - 1) < 3 * away / radius);
   Triangles again = even;
@@ -60,7 +61,7 @@ TEST_CASE("a cavity is renewed with its body") {
 
 TEST_CASE("surfaces that cut each other are found, those that touch are not") {
   const TriangleSoup cube = box({}, {1, 1, 1});
-  const auto crosses = [&](const Vector3& low) {
+  const auto crosses = [&](const Vec3& low) {
     return bool(crossing(surface(cube + box(low, {1, 1, 1}))));
   };
   CHECK(crosses({.4, .3, .7}));

@@ -16,11 +16,12 @@
 #include <set>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
 /// A box whose faces have n by n squares of two triangles, bent by `bend`.
-template <class Bend> Triangles box_of_squares(const Vector3& size, int n, Bend&& bend) {
+template <class Bend> Triangles box_of_squares(const Vec3& size, int n, Bend&& bend) {
   Triangles t;
   std::map<std::array<int, 3>, int> known;
   const auto corner = [&](const std::array<int, 3>& c) {
@@ -51,13 +52,13 @@ template <class Bend> Triangles box_of_squares(const Vector3& size, int n, Bend&
   return t;
 }
 
-Triangles box_of_squares(const Vector3& size, int n) {
-  return box_of_squares(size, n, [](const Vector3& p) { return p; });
+Triangles box_of_squares(const Vec3& size, int n) {
+  return box_of_squares(size, n, [](const Vec3& p) { return p; });
 }
 
 Triangles with_edges(const Triangles& t, double edge, double deviation) {
   return simplified(
-      t, [edge](const Vector3&) { return edge; }, deviation);
+      t, [edge](const Vec3&) { return edge; }, deviation);
 }
 
 Part part(const std::string& name, double volume, double at) {
@@ -71,8 +72,8 @@ TEST_CASE("boxes near a box are found as by looking at each") {
   std::uniform_real_distribution<double> in(0, 1);
   std::vector<Box> boxes;
   for (int i = 0; i < 500; ++i) {
-    const Vector3 low{in(random), in(random), .1 * in(random)};
-    boxes.push_back({low, low + Vector3{.1 * in(random), .02, .05 * in(random)}});
+    const Vec3 low{in(random), in(random), .1 * in(random)};
+    boxes.push_back({low, low + Vec3{.1 * in(random), .02, .05 * in(random)}});
   }
   const BoxTree tree(boxes);
   for (int n = 0; n < 50; ++n) {
@@ -97,7 +98,7 @@ TEST_CASE("boxes near a box are found as by looking at each") {
 }
 
 TEST_CASE("a flat box of 10 800 triangles keeps its shape to the last digits in few") {
-  const Vector3 size{.1, .06, .002};
+  const Vec3 size{.1, .06, .002};
   const Triangles fine = box_of_squares(size, 30), coarse = with_edges(fine, .01, .0005);
   CHECK(fine.triangles.size() == 10800);
   CHECK(coarse.triangles.size() < 2000);
@@ -109,14 +110,14 @@ TEST_CASE("a flat box of 10 800 triangles keeps its shape to the last digits in 
 
 TEST_CASE("a fine ball stays within the deviation") {
   const double radius = .05, deviation = .0003;
-  const Triangles fine = box_of_squares({2, 2, 2}, 40, [&](const Vector3& p) {
-    const Vector3 q = p - Vector3{1, 1, 1};
+  const Triangles fine = box_of_squares({2, 2, 2}, 40, [&](const Vec3& p) {
+    const Vec3 q = p - Vec3{1, 1, 1};
     return (radius / length(q)) * q;
   });
   const Triangles coarse = with_edges(fine, .006, deviation);
   CHECK(coarse.triangles.size() < 6000);
   for (std::size_t i = 0; i < coarse.triangles.size(); ++i) { // the farthest inside
-    const Vector3 middle =
+    const Vec3 middle =
         (1. / 3) * (coarse.corner(i, 0) + coarse.corner(i, 1) + coarse.corner(i, 2));
     CHECK(radius - length(middle) < 1.1 * deviation);
   }
@@ -127,8 +128,8 @@ TEST_CASE("a fine ball stays within the deviation") {
 namespace {
 
 void check_wavy_sheet(double wall, int squares) {
-  const Triangles fine = box_of_squares({.1, .1, wall}, squares, [&](const Vector3& p) {
-    return p + Vector3{0, 0, .006 * std::sin(90 * p.x) * std::cos(90 * p.y)};
+  const Triangles fine = box_of_squares({.1, .1, wall}, squares, [&](const Vec3& p) {
+    return p + Vec3{0, 0, .006 * std::sin(90 * p.x) * std::cos(90 * p.y)};
   });
   REQUIRE(!crossing(fine));
   const Triangles coarse = with_edges(fine, .008, .003);
@@ -148,9 +149,9 @@ TEST_CASE("walls of any thickness do not meet" * doctest::test_suite("slow")) {
 TEST_CASE("a spike that hardly has area stays within the deviation too") {
   const double deviation = .0004;
   for (const double height : {.0005, .0007, .001}) {
-    const Triangles fine = box_of_squares({.03, .03, .03}, 24, [&](const Vector3& p) {
-      const bool spike = p.z > .0299 && length(p - Vector3{.015, .015, .03}) < 1e-6;
-      return p + Vector3{0, 0, spike ? height : 0};
+    const Triangles fine = box_of_squares({.03, .03, .03}, 24, [&](const Vec3& p) {
+      const bool spike = p.z > .0299 && length(p - Vec3{.015, .015, .03}) < 1e-6;
+      return p + Vec3{0, 0, spike ? height : 0};
     });
     const Triangles coarse = with_edges(fine, .008, deviation);
     double nearest = 1;
@@ -207,8 +208,8 @@ TEST_CASE("one part is taken by its name or its number") {
 
 TEST_CASE("one flat opening is closed, two are not, a bent one is not") {
   const auto without = [](std::set<int> faces, double bend) {
-    Triangles t = box_of_squares({1, 1, 1}, 4, [&](const Vector3& p) {
-      return p + Vector3{0, 0, p.z > .99 ? bend * p.x * (1 - p.x) : 0};
+    Triangles t = box_of_squares({1, 1, 1}, 4, [&](const Vec3& p) {
+      return p + Vec3{0, 0, p.z > .99 ? bend * p.x * (1 - p.x) : 0};
     });
     std::size_t kept = 0;
     for (std::size_t i = 0; i < t.triangles.size(); ++i)

@@ -4,13 +4,14 @@
 #include <doctest/doctest.h>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
-void check_eigenpairs(const std::array<Vector3, 3>& a, double tolerance) {
+void check_eigenpairs(const std::array<Vec3, 3>& a, double tolerance) {
   const Eigenpairs3 pairs = symmetric_eigenpairs(a);
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vector3& v = pairs.vectors[k];
+    const Vec3& v = pairs.vectors[k];
     for (std::size_t i = 0; i < 3; ++i) {
       CHECK(std::abs(dot(a[i], v) - pairs.values[k] * v[static_cast<int>(i)]) < tolerance);
       CHECK(std::abs(dot(v, pairs.vectors[i]) - (i == k ? 1 : 0)) < 1e-14);

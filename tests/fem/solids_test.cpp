@@ -6,6 +6,7 @@
 #include <numbers>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 constexpr double kPi = std::numbers::pi;
 
 namespace {
@@ -41,7 +42,7 @@ TEST_CASE("the thick plate of NAFEMS FV52 has its known frequencies") {
   Mesh mesh = block(across, across, through);
   Support edges{"edges", {}, {false, false, true}, 0};
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-    const Vector3& p = mesh.nodes[i];
+    const Vec3& p = mesh.nodes[i];
     if (p.z == 0 && (p.x == 0 || p.x == 10 || p.y == 0 || p.y == 10))
       edges.nodes.push_back(static_cast<int>(i));
   }
@@ -92,10 +93,8 @@ TEST_CASE("frequencies of a wooden board turn with its grain and body") {
       make_shape("board", {{"length", .3}, {"width", .2}, {"thickness", .006}}, {}, {.h = .04});
   Mesh turned = straight;
   const double c = std::cos(.7), s = std::sin(.7);
-  const auto turn = [&](const Vector3& p) {
-    return Vector3{c * p.x - s * p.z, p.y, s * p.x + c * p.z};
-  };
-  for (Vector3& p : turned.nodes)
+  const auto turn = [&](const Vec3& p) { return Vec3{c * p.x - s * p.z, p.y, s * p.x + c * p.z}; };
+  for (Vec3& p : turned.nodes)
     p = turn(p);
   const auto a = solve_modes(straight, m, 6);
   m.axis_1 = turn(m.axis_1);
@@ -125,7 +124,7 @@ TEST_CASE("rescaling a body rescales its modes exactly") {
   Material m = find_material("brass");
   const Mesh small = make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {.h = .02});
   Mesh large = small;
-  for (Vector3& p : large.nodes)
+  for (Vec3& p : large.nodes)
     p = 2.5 * p;
   const auto a = solve_modes(small, m, 6);
   m.young_pa[0] *= 1.7;
@@ -162,7 +161,7 @@ TEST_CASE("a body's last pair of modes is whole, so that it sounds alike turned 
       find_material("steel"), 4);
   CHECK(a.modes.frequency_hz.size() == 5);
   CHECK(a.modes.multiplicity.back() == 2);
-  const auto compliance = [&](const Vector3& at) { // of a strike along z, m/N
+  const auto compliance = [&](const Vec3& at) { // of a strike along z, m/N
     std::size_t node = 0;
     for (std::size_t i = 0; i < a.mesh.nodes.size(); ++i)
       if (length(a.mesh.nodes[i] - at) < length(a.mesh.nodes[node] - at))
@@ -175,7 +174,7 @@ TEST_CASE("a body's last pair of modes is whole, so that it sounds alike turned 
                       2);
     return sum;
   };
-  for (const Vector3& p : a.mesh.nodes)
+  for (const Vec3& p : a.mesh.nodes)
     if (std::abs(p.z - .0025) < 1e-9)
       check_close(compliance({-p.y, p.x, p.z}), compliance(p), 1e-3);
 }

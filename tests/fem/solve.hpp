@@ -26,8 +26,8 @@ inline SolvedModes solve_modes(Mesh mesh, const Material& material, std::size_t 
 }
 
 /// A mode's displacement of the skin's vertices.
-inline std::vector<Vector3> skin_motion(const SolvedModes& a, std::size_t mode) {
-  std::vector<Vector3> motion;
+inline std::vector<Vec3> skin_motion(const SolvedModes& a, std::size_t mode) {
+  std::vector<Vec3> motion;
   for (const int node : surface_of(a.mesh).node) {
     const double* u = &a.modes.shapes[mode * a.mesh.dofs() + 3 * static_cast<std::size_t>(node)];
     motion.push_back({u[0], u[1], u[2]});

@@ -39,7 +39,7 @@ inline std::vector<double> even(double from, double to, int intervals) {
 }
 
 inline Selection plane(int axis, double level) {
-  Vector3 point, normal;
+  Vec3 point, normal;
   point[axis] = level;
   normal[axis] = 1;
   return {OnPlane{point, normal}, 1e-9};
@@ -85,7 +85,7 @@ inline Mesh quarter_plate(double a, double b, double thickness, bool square, int
   for (double& s : line)
     s /= line.back() == 0 ? 1 : (std::pow(growth, radial) - 1) / (growth - 1);
   Mesh mesh = block(line, even(0, std::numbers::pi / 2, around), even(0, thickness, 1));
-  for (Vector3& p : mesh.nodes) {
+  for (Vec3& p : mesh.nodes) {
     const double s = p.x, c = std::cos(p.y), d = std::sin(p.y);
     const double outer = square ? b / std::max(c, d) : b, r = a + s * (outer - a);
     p = {r * c, r * d, p.z};
@@ -109,14 +109,14 @@ inline std::vector<FixedPatch> symmetry(const Mesh& mesh,
 }
 
 /// A node's three numbers of an array over degrees of freedom.
-inline Vector3 of_node(std::span<const double> u, std::size_t n) {
+inline Vec3 of_node(std::span<const double> u, std::size_t n) {
   return {u[3 * n], u[3 * n + 1], u[3 * n + 2]};
 }
 
 /// The mesh and, apart from it, the same once more, moved by `shift`.
-inline Mesh two_of(const Mesh& mesh, const Vector3& shift) {
+inline Mesh two_of(const Mesh& mesh, const Vec3& shift) {
   Mesh two = mesh;
-  for (const Vector3& p : mesh.nodes)
+  for (const Vec3& p : mesh.nodes)
     two.nodes.push_back(p + shift);
   for (const Element& e : mesh.elements) {
     std::vector<int> nodes(mesh.nodes_of(e).begin(), mesh.nodes_of(e).end());

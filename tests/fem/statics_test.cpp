@@ -8,26 +8,27 @@
 #include <numeric>
 
 using namespace tactus::fem;
+using tactus::Vec3;
 
 namespace {
 
 /// u = H x everywhere on the skin: the linear field that every element must hold inside.
-constexpr std::array<Vector3, 3> kGradient{
+constexpr std::array<Vec3, 3> kGradient{
     {{1e-3, 2e-4, -3e-4}, {4e-4, -5e-4, 6e-4}, {-2e-4, 1e-4, 8e-4}}};
-Vector3 linear_field(const Vector3& p) {
+Vec3 linear_field(const Vec3& p) {
   return {dot(kGradient[0], p), dot(kGradient[1], p), dot(kGradient[2], p)};
 }
 
 /// Moves inner nodes; straight sides stay straight.
 void distort(Mesh& mesh, double by) {
-  const std::vector<Vector3> old = mesh.nodes;
+  const std::vector<Vec3> old = mesh.nodes;
   const std::vector<int> skin = outer_nodes(mesh);
   const auto moved = [&](int n) {
-    const Vector3& p = old[static_cast<std::size_t>(n)];
+    const Vec3& p = old[static_cast<std::size_t>(n)];
     const double phase = 7 * n;
     return std::find(skin.begin(), skin.end(), n) != skin.end()
                ? p
-               : p + by * Vector3{std::sin(phase), std::sin(2 * phase), std::sin(3 * phase)};
+               : p + by * Vec3{std::sin(phase), std::sin(2 * phase), std::sin(3 * phase)};
   };
   for (const Element& e : mesh.elements) {
     const auto reference = reference_nodes(e.shape);
@@ -47,7 +48,7 @@ void distort(Mesh& mesh, double by) {
 Mesh mixed_linear_block() {
   Mesh mesh;
   for (int n = 0; n < 64; ++n)
-    mesh.nodes.push_back((1. / 3) * Vector3{double(n % 4), double(n / 4 % 4), double(n / 16)});
+    mesh.nodes.push_back((1. / 3) * Vec3{double(n % 4), double(n / 4 % 4), double(n / 16)});
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) {
@@ -61,7 +62,7 @@ Mesh mixed_linear_block() {
           mesh.add(Shape::hex8, cell);
         } else {
           const int apex = static_cast<int>(mesh.nodes.size());
-          mesh.nodes.push_back(mesh.nodes[static_cast<std::size_t>(a)] + Vector3{.15, .17, .18});
+          mesh.nodes.push_back(mesh.nodes[static_cast<std::size_t>(a)] + Vec3{.15, .17, .18});
           for (const Face& f : faces(Shape::hex8)) {
             const auto at = [&](std::size_t c) {
               return cell[static_cast<std::size_t>(f.node[c])];
@@ -84,7 +85,7 @@ void check_constant_strain(const Mesh& mesh, const Material& material) {
   const auto& u = analysis.solution.displacement;
   double worst = 0, size = 0;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const Vector3 exact = linear_field(mesh.nodes[n]);
+    const Vec3 exact = linear_field(mesh.nodes[n]);
     worst = std::max(worst, length(of_node(u, n) - exact));
     size = std::max(size, length(exact));
   }
@@ -150,7 +151,7 @@ TEST_CASE("a clamped steel cantilever is a little stiffer than Timoshenko's beam
   const auto stress = element_stress(beam.mesh, beam.model.materials, u);
   int compared = 0;
   for (std::size_t k = 0; k < stress.size(); ++k) {
-    Vector3 middle;
+    Vec3 middle;
     for (const int n : beam.mesh.nodes_of(beam.mesh.elements[k]).first(4))
       middle += .25 * beam.mesh.nodes[std::size_t(n)];
     const double z = middle.z - .01;
@@ -177,11 +178,11 @@ TEST_CASE("a round hole in a wide plate raises the stress three times") {
       recovered_stress(mesh, model.materials, analysis.solution.displacement).at_nodes;
   int found = 0;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const Vector3 x{mesh.nodes[n].x, mesh.nodes[n].y, 0};
-    if (length(x - Vector3{0, a, 0}) < 1e-9) {
+    const Vec3 x{mesh.nodes[n].x, mesh.nodes[n].y, 0};
+    if (length(x - Vec3{0, a, 0}) < 1e-9) {
       CHECK(stress[n][0] / 1e6 == doctest::Approx(3.00).epsilon(.01));
       ++found;
-    } else if (length(x - Vector3{a, 0, 0}) < 1e-9) {
+    } else if (length(x - Vec3{a, 0, 0}) < 1e-9) {
       CHECK(stress[n][1] / 1e6 == doctest::Approx(-1.00).epsilon(.02));
       ++found;
     } else if (x.x == 0 && x.y < 3 * a) {
@@ -208,9 +209,9 @@ TEST_CASE("a thick tube under pressure yields as Lame's") {
     const double k = p * a * a / (b * b - a * a);
     double worst_u = 0, worst_s = 0;
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-      const Vector3& x = mesh.nodes[n];
+      const Vec3& x = mesh.nodes[n];
       const double r = std::hypot(x.x, x.y);
-      const Vector3 u = of_node(analysis.solution.displacement, n);
+      const Vec3 u = of_node(analysis.solution.displacement, n);
       const double radial = (u.x * x.x + u.y * x.y) / r;
       const double exact = (1 + nu) / e * k * ((1 - 2 * nu) * r + b * b / r);
       worst_u = std::max(worst_u, std::abs(radial / exact - 1));
@@ -282,10 +283,10 @@ TEST_CASE("supports carry the loads, springs too") {
   const auto analysis = solve_static(mesh, model);
   // rho V g - p A z + t A + F + P
   const double mass = 7850 * .1 * .06 * .05, top = .1 * .06, side = .1 * .05;
-  const Vector3 expected = mass * Vector3{1, -2, -9.81} + Vector3{0, 0, -2e5 * top} +
-                           side * Vector3{1e4, 2e4, 3e4} + Vector3{10, 20, 30} + Vector3{1, 2, 3};
-  const Vector3 load = sum_of_forces(analysis.system.load);
-  const Vector3 support = support_force(mesh, model, analysis.solution);
+  const Vec3 expected = mass * Vec3{1, -2, -9.81} + Vec3{0, 0, -2e5 * top} +
+                        side * Vec3{1e4, 2e4, 3e4} + Vec3{10, 20, 30} + Vec3{1, 2, 3};
+  const Vec3 load = sum_of_forces(analysis.system.load);
+  const Vec3 support = support_force(mesh, model, analysis.solution);
   CHECK(length(load - expected) < 1e-9 * length(expected));
   CHECK(length(load + support) < 1e-9 * length(load));
   CHECK(length(sum_of_forces(analysis.solution.reaction)) > 0);
@@ -298,10 +299,10 @@ TEST_CASE("pressure on a closed surface pushes nowhere and turns nothing; a sphe
     const std::vector<Material> materials{steel()};
     const std::vector<Load> loads{Pressure{"sea", outer_faces(mesh), 1e5}};
     const auto f = load_vector(mesh, materials, loads);
-    Vector3 sum, moment;
+    Vec3 sum, moment;
     double size = 0;
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-      const Vector3 own = of_node(f, n);
+      const Vec3 own = of_node(f, n);
       sum += own;
       moment += cross(mesh.nodes[n], own);
       size += length(own);
@@ -364,7 +365,7 @@ TEST_CASE("an orthotropic bar stretches by the modulus along it") {
     StaticModel model;
     model.materials = {wood};
     model.fixed = symmetry(mesh, {{0, 0}, {1, 0}, {2, 0}});
-    Vector3 pull;
+    Vec3 pull;
     pull[axis] = 1e5;
     model.loads = {Traction{"pull", select_faces(mesh, plane(axis, .1)), pull}};
     const auto analysis = solve_static(mesh, model);
@@ -382,15 +383,15 @@ TEST_CASE("a bolt presses its hole with a cosine and exactly its force") {
   const Selection bore{OnCylinder{{0, 0, -1}, {0, 0, 1}, r, false}, 1e-6};
   const auto wall = select_faces(ring, bore);
   const std::vector<Material> materials{steel()};
-  for (const Vector3 force : {Vector3{1000, 0, 0}, {-300, 400, 0}, {1, 17, 0}}) {
+  for (const Vec3 force : {Vec3{1000, 0, 0}, {-300, 400, 0}, {1, 17, 0}}) {
     const std::vector<Load> loads{BoltLoad{"pin", wall, {0, 0, 2}, force}};
     const auto f = load_vector(ring, materials, loads);
     CHECK(length(sum_of_forces(f) - force) < 1e-10 * length(force));
     // Nodes behind the pin are free; the even pressure of a strip along the force is the peak.
     double behind = 0;
-    Vector3 moment;
+    Vec3 moment;
     for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
-      const Vector3 own = of_node(f, n);
+      const Vec3 own = of_node(f, n);
       if (dot(ring.nodes[n], force) < -.3 * r * length(force))
         behind = std::max(behind, length(own));
       moment += cross({ring.nodes[n].x, ring.nodes[n].y, 0}, own);
@@ -398,7 +399,7 @@ TEST_CASE("a bolt presses its hole with a cosine and exactly its force") {
     CHECK(behind == 0);
     CHECK(std::abs(moment.z) < 1e-6 * r * length(force)); // normal pressure turns nothing
   }
-  const auto refused = [&](const Selection& faces, const Vector3& force, const char* words) {
+  const auto refused = [&](const Selection& faces, const Vec3& force, const char* words) {
     const std::vector<Load> loads{BoltLoad{"pin", select_faces(ring, faces), {0, 0, 1}, force}};
     check_refused([&] { return load_vector(ring, materials, loads); }, words);
   };
@@ -440,7 +441,7 @@ TEST_CASE("bodies that can move are refused with the motion that is free") {
   const Mesh mesh = block(even(0, .1, 2), even(0, .02, 1), even(0, .02, 1));
   std::vector<int> hinge, slanted; // two edges of the body
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const Vector3& p = mesh.nodes[n];
+    const Vec3& p = mesh.nodes[n];
     if (p.x == 0 && p.z == 0)
       hinge.push_back(static_cast<int>(n));
     if (p.y == 0 && p.z == 0)
@@ -448,9 +449,9 @@ TEST_CASE("bodies that can move are refused with the motion that is free") {
   }
   const std::vector<int> wall = nodes_on(mesh, 0, 0);
   Mesh turned = mesh;
-  for (Vector3& p : turned.nodes)
+  for (Vec3& p : turned.nodes)
     p = {.8 * p.x - .6 * p.y, .6 * p.x + .8 * p.y, p.z};
-  const auto rest = [&](const Vector3& stiffness) {
+  const auto rest = [&](const Vec3& stiffness) {
     return SpringPatch{"rest", select_faces(mesh, plane(0, .1)), stiffness};
   };
   const auto refused = [](const Mesh& body, std::vector<FixedPatch> fixed,

@@ -8,7 +8,7 @@
 
 namespace tactus::fem {
 
-using Corners = std::array<Vector3, 3>;
+using Corners = std::array<Vec3, 3>;
 /// Triangles each with corners of its own, as an STL has them.
 using TriangleSoup = std::vector<Corners>;
 
@@ -24,11 +24,11 @@ inline TriangleSoup turned(TriangleSoup soup) {
   return soup;
 }
 
-inline TriangleSoup box(const Vector3& low, const Vector3& size) {
+inline TriangleSoup box(const Vec3& low, const Vec3& size) {
   static constexpr std::array kCorners{0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
                                        2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
   const auto at = [&](int i) {
-    return low + Vector3{i % 2 * size.x, i / 2 % 2 * size.y, double(i / 4) * size.z};
+    return low + Vec3{i % 2 * size.x, i / 2 % 2 * size.y, double(i / 4) * size.z};
   };
   TriangleSoup out;
   for (std::size_t i = 0; i < kCorners.size(); i += 3)
@@ -37,11 +37,11 @@ inline TriangleSoup box(const Vector3& low, const Vector3& size) {
 }
 
 /// A ball of rings and twice as many meridians: slivers at its poles.
-inline TriangleSoup sphere(const Vector3& centre, double radius, int rings) {
+inline TriangleSoup sphere(const Vec3& centre, double radius, int rings) {
   const auto at = [&](int i, int j) {
     const double a = std::numbers::pi * i / rings, b = std::numbers::pi * j / rings;
     return centre +
-           radius * Vector3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)};
+           radius * Vec3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)};
   };
   TriangleSoup out;
   for (int i = 0; i < rings; ++i)

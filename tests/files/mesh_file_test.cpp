@@ -11,7 +11,7 @@
 #include <vector>
 
 using namespace tactus::files;
-using tactus::haptic::Vec3;
+using tactus::Vec3;
 
 namespace {
 

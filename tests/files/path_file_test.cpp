@@ -7,6 +7,7 @@
 #include <string>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using tactus::files::parse_path;
 
 TEST_CASE("rows are times in ms and positions in mm, with buttons or without") {

@@ -76,9 +76,9 @@ TEST_CASE("every array of a stress table is read with its units") {
   CHECK(table.parameters[0].high_m == 0.02);
   CHECK(table.parameters[1].control_point == 0);
   CHECK(table.parameters[1].axis == 2);
-  CHECK(table.control_point_m[1] == haptic::Vec3{0.3, 0.4, 0.5});
+  CHECK(table.control_point_m[1] == Vec3{0.3, 0.4, 0.5});
   CHECK(table.trust_m == 0.005);
-  CHECK(table.surface_node_m[1] == haptic::Vec3{1, 0, 0});
+  CHECK(table.surface_node_m[1] == Vec3{1, 0, 0});
   CHECK(table.surface_triangle[0] == std::array<std::int32_t, 3>{0, 1, 2});
   CHECK(table.surface_node_element == std::vector<std::int32_t>{3, 2, 0});
   CHECK(table.surface_weight == std::vector<float>{1, 0, 0.5F, 0.5F, 0, 1});

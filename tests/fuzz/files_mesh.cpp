@@ -5,6 +5,7 @@
 #include <algorithm>
 
 using namespace tactus::files;
+using tactus::Vec3;
 using tactus::fuzz::check;
 
 void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
@@ -13,7 +14,7 @@ void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
   for (const MeshFormat format : {MeshFormat::kByContent, MeshFormat::kStl, MeshFormat::kObj}) {
     const PolygonMesh mesh = read_mesh(bytes, format, {.max_triangles = kTriangles});
     check(std::all_of(mesh.points.begin(), mesh.points.end(),
-                      [](const haptic::Vec3& p) { return is_finite(p); }),
+                      [](const Vec3& p) { return is_finite(p); }),
           "a point is not finite");
     check(mesh.error.find('\n') == std::string::npos, "an error has more than one line");
     if (!mesh.error.empty())

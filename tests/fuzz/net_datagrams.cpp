@@ -52,7 +52,7 @@ unsigned uses = 0;
 
 void to_client(std::span<const std::uint8_t> input, bool has_key) {
   Client& client = pair->client;
-  const haptic::Vec3 before = client.position();
+  const Vec3 before = client.position();
   const std::uint64_t read = client.datagrams().received() + client.datagrams().ignored();
   const std::uint64_t taken = client.datagrams().received();
   client.receive_datagram(input, pair->now_s);
@@ -77,7 +77,7 @@ void to_server(std::span<const std::uint8_t> input, std::string_view peer) {
   check(!taken || (probe && probe->key == server.datagrams(pair->id)->key()),
         "a datagram was taken that is no probe with the key");
   check(server.out(pair->id).size() == 0, "a datagram was answered over TCP");
-  check(!server.servo_command().running && server.servo_command().force_n == haptic::Vec3{},
+  check(!server.servo_command().running && server.servo_command().force_n == Vec3{},
         "a datagram has moved a motor");
 }
 

@@ -56,7 +56,7 @@ void tactus::fuzz::decode(std::span<const std::uint8_t> input) {
   check(server->out(id).size() <= OutQueue::kCapacity, "the queue is longer than it may be");
   server->disconnect(id);
   check(!server->servo_command().running, "the motors outlive their client");
-  check(server->servo_command().force_n == haptic::Vec3{}, "a force outlives its client");
+  check(server->servo_command().force_n == Vec3{}, "a force outlives its client");
   server->advance(report, now_s += 0.3);
 
   static std::unique_ptr<Client> client = std::make_unique<Client>();

@@ -4,7 +4,6 @@
 /// The client against the server, in a time of their own, over a line that can be cut.
 using namespace tactus;
 using namespace tactus::net;
-using haptic::Vec3;
 
 TEST_CASE("a client learns what the device is and where its handle is") {
   Line line;

@@ -4,7 +4,6 @@
 /// Positions as datagrams: codec, keys, order, and what happens when they are lost.
 using namespace tactus;
 using namespace tactus::net;
-using haptic::Vec3;
 
 namespace {
 

@@ -20,9 +20,7 @@ struct Rig {
   }
 
   /// The hand holds the handle there. m
-  void hold(const haptic::Vec3& position) {
-    device.set_path(haptic::LinePath{position, position, 1});
-  }
+  void hold(const Vec3& position) { device.set_path(haptic::LinePath{position, position, 1}); }
 
   /// One millisecond of everything.
   void tick() {
@@ -45,7 +43,7 @@ struct Rig {
   ServoLink link{servo, model, {}};
   std::uint64_t ticks = 0;
   double now_s = 100;
-  haptic::Vec3 force_n{};
+  Vec3 force_n{};
   double max_force_n = 0;
   bool servo_runs = true;
 };

@@ -3,7 +3,6 @@
 /// A force never outlives its sender and never exceeds the server's limit.
 using namespace tactus;
 using namespace tactus::net;
-using haptic::Vec3;
 
 namespace {
 

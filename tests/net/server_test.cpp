@@ -4,7 +4,6 @@
 
 using namespace tactus;
 using namespace tactus::net;
-using haptic::Vec3;
 
 TEST_CASE("hello is answered with the device and its limits, and a force obeyed, in each framing") {
   for (const Framing framing : {Framing::kSlip, Framing::kLength, Framing::kFudi}) {
@@ -84,7 +83,7 @@ TEST_CASE("a type that is not taken is an error, no bad packet and no sign of li
   }
   CHECK(client.has_received("error 'bad' 'a type tag that is not taken"));
   CHECK(!client.closing());
-  CHECK(rig.force_n == haptic::Vec3{});
+  CHECK(rig.force_n == Vec3{});
   client.send_bytes(with_length(bundle({force_packet()})));
   CHECK(rig.server.servo_command().force_n.y == -2);
 }

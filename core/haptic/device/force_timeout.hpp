@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/servo/mailbox.hpp"
+#include "core/dsp/mailbox.hpp"
 
 #include <algorithm>
 #include <chrono>

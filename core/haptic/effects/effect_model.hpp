@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/dsp/mailbox.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo/mailbox.hpp"
 #include "core/haptic/servo/servo.hpp"
 
 #include <algorithm>

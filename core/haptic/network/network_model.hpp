@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/dsp/ring.hpp"
 #include "core/haptic/network/network.hpp"
-#include "core/haptic/servo/ring.hpp"
 #include "core/haptic/servo/servo.hpp"
 
 #include <array>

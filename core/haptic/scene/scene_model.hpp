@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/dsp/ring.hpp"
 #include "core/haptic/scene/proxy.hpp"
 #include "core/haptic/scene/scene.hpp"
-#include "core/haptic/servo/ring.hpp"
 #include "core/haptic/servo/servo.hpp"
 
 #include <array>

@@ -1,14 +1,14 @@
 #pragma once
 
+#include "core/dsp/mailbox.hpp"
+#include "core/dsp/ring.hpp"
 #include "core/haptic/chain/chain.hpp"
 #include "core/haptic/chain/velocity.hpp"
 #include "core/haptic/chain/wrist_chain.hpp"
 #include "core/haptic/device/device.hpp"
 #include "core/haptic/device/motor_control.hpp"
 #include "core/haptic/device/workspace.hpp"
-#include "core/haptic/servo/mailbox.hpp"
 #include "core/haptic/servo/pacer.hpp"
-#include "core/haptic/servo/ring.hpp"
 #include "core/haptic/servo/statistics.hpp"
 
 #include <atomic>

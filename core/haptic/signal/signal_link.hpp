@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/dsp/mailbox.hpp"
+#include "core/dsp/ring.hpp"
 #include "core/haptic/network/network_model.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo/mailbox.hpp"
-#include "core/haptic/servo/ring.hpp"
 #include "core/haptic/servo/servo.hpp"
 
 #include <atomic>

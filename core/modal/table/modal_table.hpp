@@ -16,8 +16,6 @@
 
 namespace tactus::modal {
 
-using haptic::Vec3;
-
 /// The elastic constants of wood and the like by the directions 1 2 3 (longitudinal, radial,
 /// tangential); nu_ij: strain in j for stress along i.
 struct Orthotropy {

@@ -14,7 +14,6 @@
 namespace tactus::test {
 
 using modal::ModalTable;
-using modal::Vec3;
 
 /// Modes without a shape, held: each has the gain of 1 kg.
 inline ModalTable mode_table(const std::vector<double>& hz, double decay_per_s = 5) {

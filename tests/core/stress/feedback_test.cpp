@@ -10,7 +10,6 @@
 
 using namespace tactus;
 using namespace tactus::stress;
-using haptic::Vec3;
 using test::approx;
 using test::Cantilever;
 

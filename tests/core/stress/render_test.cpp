@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 using namespace tactus;
-using haptic::Vec3;
 
 TEST_CASE("gamma sets stiffness and viscosity on each axis, within 0 and 1; both oppose") {
   const stress::RenderGains gains{100, 300, 1, 3};

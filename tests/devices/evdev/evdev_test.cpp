@@ -14,7 +14,6 @@
 
 using namespace tactus;
 using haptic::State;
-using haptic::Vec3;
 
 namespace {
 

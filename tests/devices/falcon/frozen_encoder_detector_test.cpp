@@ -17,7 +17,6 @@
 
 using namespace tactus;
 using devices::falcon::FrozenEncoderDetector;
-using haptic::Vec3;
 
 namespace {
 

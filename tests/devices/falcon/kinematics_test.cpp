@@ -8,8 +8,9 @@
 #include <cmath>
 
 using namespace tactus::devices::falcon;
-using tactus::haptic::dot;
-using tactus::haptic::norm;
+using tactus::dot;
+using tactus::norm;
+using tactus::Vec3;
 
 namespace {
 

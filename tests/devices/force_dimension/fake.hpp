@@ -10,7 +10,6 @@
 namespace tactus {
 
 using haptic::State;
-using haptic::Vec3;
 
 struct Fake : VendorLibrary {
   static constexpr const char *kDriver = "dhd", *kPathVariable = "TACTUS_LIBDHD";

@@ -32,8 +32,8 @@ TEST_CASE("each model has the limits that CHAI3D 3.2 gives its type") {
       CHECK(caps.peak_force_n == family.force);
       CHECK(caps.stiffness_limit_n_per_m == family.stiffness);
       CHECK(caps.damping_limit_n_s_per_m == family.damping);
-      CHECK(caps.workspace_max == haptic::Vec3{1, 1, 1} * family.radius);
-      CHECK(caps.workspace_min == haptic::Vec3{-1, -1, -1} * family.radius);
+      CHECK(caps.workspace_max == Vec3{1, 1, 1} * family.radius);
+      CHECK(caps.workspace_min == Vec3{-1, -1, -1} * family.radius);
       CHECK(caps.peak_torque_n_m == family.torque);
       CHECK(caps.peak_grip_n == family.grip);
     }

@@ -8,7 +8,6 @@
 
 using namespace tactus;
 using haptic::State;
-using haptic::Vec3;
 
 TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   Mock mock;

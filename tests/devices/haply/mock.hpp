@@ -114,8 +114,7 @@ inline std::string set(tactus::haptic::Backend& device, const std::vector<std::s
 /// Ticks like a servo's, each asking for this force, until the condition holds; half a minute at
 /// most. False when it never did.
 template <class Condition>
-bool drive_until(tactus::haptic::Backend& device, const tactus::haptic::Vec3& force,
-                 Condition holds) {
+bool drive_until(tactus::haptic::Backend& device, const tactus::Vec3& force, Condition holds) {
   for (int i = 0; i < 30000; ++i) {
     tactus::haptic::State state;
     const bool answered = device.read({}, state);
@@ -132,7 +131,7 @@ inline bool alive(bool answered, const tactus::haptic::State&) { return answered
 inline bool silent(bool answered, const tactus::haptic::State&) { return !answered; }
 
 /// The handle has come to this point.
-inline auto at(const tactus::haptic::Vec3& point) {
+inline auto at(const tactus::Vec3& point) {
   return [point](bool answered, const tactus::haptic::State& state) {
     return answered && norm(state.position - point) < 1e-9;
   };

@@ -7,7 +7,6 @@
 #include <utility>
 
 using namespace tactus;
-using haptic::Vec3;
 
 TEST_CASE("the service's axes, right forward up, become right up back, and return") {
   CHECK(devices::haply::to_project({1, 2, 3}) == Vec3{1, 3, -2});

@@ -10,7 +10,6 @@
 
 using namespace tactus;
 using haptic::State;
-using haptic::Vec3;
 
 TEST_CASE("the service is looked for where the environment says, whole, or else at port 10001") {
   const auto looked_for = [](const char* text) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 using namespace tactus::haptic_check;
-using tactus::haptic::Vec3;
+using tactus::Vec3;
 
 namespace {
 

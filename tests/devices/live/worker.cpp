@@ -68,7 +68,7 @@ public:
     plan.reading.pass();
     return true;
   }
-  bool write(const haptic::Vec3& force) noexcept override {
+  bool write(const Vec3& force) noexcept override {
     plan.newest_force_n = force.x;
     return true;
   }

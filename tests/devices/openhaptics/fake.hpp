@@ -31,7 +31,7 @@ struct Fake : VendorLibrary {
     more_counts_of(all);
     return {all[0], all[1], all[2], all[3], all[4]};
   }
-  haptic::Vec3 force() const {
+  Vec3 force() const {
     double f[3] = {};
     force_of(f);
     return {f[0], f[1], f[2]};
@@ -67,7 +67,7 @@ struct Session {
         this));
   }
   ~Session() { device.halt(); }
-  void ask(const haptic::Vec3& force) {
+  void ask(const Vec3& force) {
     haptic::Command command;
     command.force_n = force;
     command.number = ++number;

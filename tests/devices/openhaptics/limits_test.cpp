@@ -9,7 +9,6 @@
 
 using namespace tactus;
 using namespace tactus::devices::openhaptics;
-using haptic::Vec3;
 
 namespace {
 

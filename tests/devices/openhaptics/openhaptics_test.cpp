@@ -22,14 +22,14 @@ TEST_CASE(
   CHECK(fake.counts()[4] == 1);
   CHECK(fake.more().ramping == 1);
   CHECK(fake.more().rate_hz == 1000);
-  CHECK(device->caps().workspace_min == haptic::Vec3{-0.08, -0.06, -0.035});
+  CHECK(device->caps().workspace_min == Vec3{-0.08, -0.06, -0.035});
   Session session(*device);
   haptic::Report report = session.after(300);
-  CHECK(norm(report.state.position - haptic::Vec3{0.01, 0.02, -0.03}) < 1e-12); // mm there
-  CHECK(report.state.rotation == haptic::Vec3{-0.2, -0.1, -0.3});
+  CHECK(norm(report.state.position - Vec3{0.01, 0.02, -0.03}) < 1e-12); // mm there
+  CHECK(report.state.rotation == Vec3{-0.2, -0.1, -0.3});
   session.ask({0.5, 0, 0});
   report = session.after(100);
-  CHECK(fake.force() == haptic::Vec3{0.5, 0, 0});
+  CHECK(fake.force() == Vec3{0.5, 0, 0});
   CHECK(report.state.position.x > 0.011);
   CHECK(report.state.velocity.x > 0);
   CHECK(fake.counts()[1] == 0);
@@ -53,7 +53,7 @@ TEST_CASE("halting and closing leave zero force, and the device opens again") {
       session.ask({1, 0, 0});
       session.after(300);
     }
-    CHECK(fake.force() == haptic::Vec3{});
+    CHECK(fake.force() == Vec3{});
     const auto frames = fake.counts()[0];
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     CHECK(fake.counts()[0] == frames); // nobody calls any more
@@ -112,7 +112,7 @@ TEST_CASE("a PHANTOM with six motors is sent torque inside frames, once it was a
     session.servo.exchange().wrist.write({true, {{0.01, -0.02, 0.3}, 5}});
     session.after(300);
     CHECK(fake.torque_of(torque) > 0);
-    const haptic::Vec3 sent = haptic::Vec3{torque[0], torque[1], torque[2]} * 1e-3;
+    const Vec3 sent = Vec3{torque[0], torque[1], torque[2]} * 1e-3;
     CHECK(norm(sent) == doctest::Approx(0.188)); // the device's peak
     CHECK(sent.x > 0);
     CHECK(sent.y < 0);

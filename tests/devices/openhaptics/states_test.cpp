@@ -19,7 +19,6 @@
 using namespace tactus;
 using namespace tactus::devices::openhaptics;
 using haptic::State;
-using haptic::Vec3;
 
 namespace {
 

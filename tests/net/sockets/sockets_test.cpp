@@ -17,7 +17,6 @@
 using namespace tactus;
 using namespace tactus::net;
 using haptic::State;
-using haptic::Vec3;
 
 namespace {
 

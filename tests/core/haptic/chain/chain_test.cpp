@@ -12,6 +12,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::approx;
 
 namespace {

@@ -12,6 +12,7 @@
 // evaluated here from the motion. passivity_test.cpp tests it in a loop with walls and hands.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using Parts = PassivityController::Parts;
 
 namespace {

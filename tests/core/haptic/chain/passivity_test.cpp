@@ -11,6 +11,7 @@
 
 using namespace tactus::haptic;
 using namespace tactus::haptic::test;
+using tactus::Vec3;
 using Scene = WallCase::Scene;
 using Velocity = WallCase::Velocity;
 

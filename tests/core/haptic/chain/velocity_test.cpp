@@ -7,6 +7,7 @@
 #include <limits>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 
 TEST_CASE("a straight motion is estimated exactly, on uneven times too") {
   VelocityEstimator estimator;

@@ -6,6 +6,7 @@
 #include <limits>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::approx;
 
 namespace {

@@ -7,6 +7,7 @@
 #include <limits>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 
 namespace {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 
 TEST_CASE("rows are joined by straight lines and held outside; two of one time are a jump") {
   const RowPath path({{0, {}, 0},

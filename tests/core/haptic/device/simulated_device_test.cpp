@@ -10,6 +10,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::approx;
 using Hold = HandSettings::Hold;
 

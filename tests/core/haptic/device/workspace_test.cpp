@@ -5,6 +5,7 @@
 #include <limits>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 
 TEST_CASE("positions are normalised over the workspace, clamped, and 0.5 on a flat axis") {
   const Workspace touch{{-0.08, -0.06, -0.035}, {0.08, 0.06, 0.035}};

@@ -14,6 +14,7 @@
 using namespace tactus::haptic;
 using std::numbers::pi;
 using tactus::Random;
+using tactus::Vec3;
 using tactus::test::approx;
 
 namespace {

@@ -10,6 +10,7 @@
 
 using namespace tactus::haptic;
 using tactus::Random;
+using tactus::Vec3;
 using tactus::test::approx;
 using test::NetworkRig;
 using Kind = NetworkModel::Action::Kind;

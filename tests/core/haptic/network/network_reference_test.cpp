@@ -7,6 +7,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using tactus::test::approx;
 
 namespace {

@@ -12,6 +12,7 @@
 
 using namespace tactus::haptic;
 using tactus::Random;
+using tactus::Vec3;
 using tactus::test::approx;
 using test::NetworkRig;
 

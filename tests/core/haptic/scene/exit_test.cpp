@@ -13,6 +13,7 @@
 // in it the way out is the least h(n) + R - n . p over all directions n, along that n.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 
 TEST_CASE("a motion through an edge meets exactly one triangle, from any direction") {
   // Ridges and valleys along y, at integer coordinates: whatever meets a valley's line meets the

@@ -8,6 +8,7 @@
 // What counts as a hit, in which order, and how a hand that starts inside is led out.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::SceneRig;
 using Kind = ContactEvent::Kind;
 

@@ -10,6 +10,7 @@
 // once: Coulomb's law at every tick, not in the mean.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::SceneRig;
 
 namespace {

@@ -10,6 +10,7 @@
 // through meanwhile.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::random_point;
 using test::random_pose;
 using test::SceneRig;
@@ -269,7 +270,7 @@ TEST_CASE("the work limit does not touch a fast hand in a scene of 16 bodies and
   for (int n = 0; n < 1500; ++n) {
     if (n % 50 == 0)
       aim = random_point(random, 50);
-    at += limited.ticks > 0 ? tactus::haptic::limited(aim - at, 2) : Vec3{}; // 2 m/s
+    at += limited.ticks > 0 ? tactus::limited(aim - at, 2) : Vec3{}; // 2 m/s
     REQUIRE(limited.touch(at) == unlimited.touch(at));
     REQUIRE(limited.model.complete());
   }

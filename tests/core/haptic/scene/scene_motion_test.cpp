@@ -6,6 +6,7 @@
 // Bodies that move, appear and go; the parts that the scene is made of.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::SceneRig;
 using Kind = ContactEvent::Kind;
 

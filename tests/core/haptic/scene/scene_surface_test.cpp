@@ -9,6 +9,7 @@
 // Sliding, sticking, edges and meshes.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::random_point;
 using test::SceneRig;
 

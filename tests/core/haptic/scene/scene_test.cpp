@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::SceneRig;
 using Kind = ContactEvent::Kind;
 

@@ -9,6 +9,7 @@
 // A tool of finite radius: a sphere about the handle.
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using tactus::test::approx;
 using test::random_point;
 using test::SceneRig;

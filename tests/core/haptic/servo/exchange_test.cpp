@@ -1,5 +1,5 @@
-#include "core/haptic/servo/mailbox.hpp"
-#include "core/haptic/servo/ring.hpp"
+#include "core/dsp/mailbox.hpp"
+#include "core/dsp/ring.hpp"
 #include "core/haptic/servo/statistics.hpp"
 
 #include "tests/approx.hpp"
@@ -11,6 +11,8 @@
 #include <thread>
 
 using namespace tactus::haptic;
+using tactus::Mailbox;
+using tactus::Ring;
 
 TEST_CASE("the mailbox gives the newest value once") {
   Mailbox<int> box;

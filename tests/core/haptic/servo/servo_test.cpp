@@ -11,6 +11,7 @@
 #include <string_view>
 
 using namespace tactus::haptic;
+using tactus::Vec3;
 using test::approx;
 using test::Recorder;
 using test::without_passivity;

@@ -9,8 +9,9 @@
 
 using namespace tactus::modal;
 using namespace tactus::test;
-using tactus::haptic::cross;
-using tactus::haptic::dot;
+using tactus::cross;
+using tactus::dot;
+using tactus::Vec3;
 
 namespace {
 

@@ -7,6 +7,7 @@
 
 using namespace tactus::modal;
 using namespace tactus::test;
+using tactus::Vec3;
 
 TEST_CASE(
     "the coupled strike has the same impulse at every sample rate, and it is in the force output") {

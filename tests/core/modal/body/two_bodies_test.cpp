@@ -5,6 +5,7 @@
 
 using namespace tactus::modal;
 using namespace tactus::test;
+using tactus::Vec3;
 
 namespace {
 

@@ -200,7 +200,7 @@ TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, wit
     haptic::SimulatedDevice::Settings handle;
     handle.hand = {.stiffness_n_per_m = stiffness, .damping_n_s_per_m = 1};
     device.set(handle);
-    const haptic::Vec3 goal{0, 0.045, 0};
+    const Vec3 goal{0, 0.045, 0};
     device.set_path(haptic::RowPath({{0, {}, 0}, {2, goal, 0}}));
     device.set_state({}, {});
     const auto [lowest, highest] = run_hand(device, field, 4);

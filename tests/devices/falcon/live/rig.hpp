@@ -47,7 +47,7 @@ struct Rig {
   }
 
   /// One servo tick: read, then write.
-  bool step(const tactus::haptic::Vec3& force = {}) {
+  bool step(const tactus::Vec3& force = {}) {
     using Clock = std::chrono::steady_clock;
     next =
         std::max(next + std::chrono::milliseconds(1), Clock::now() - std::chrono::milliseconds(3));
@@ -65,14 +65,14 @@ struct Rig {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
   }
-  void run(int ticks, const tactus::haptic::Vec3& force = {}) {
+  void run(int ticks, const tactus::Vec3& force = {}) {
     for (int i = 0; i < ticks; ++i)
       step(force);
   }
   /// Steps until the condition holds; false when it does not within so many ticks, of which a busy
   /// machine may give the double few.
   template <class Condition>
-  bool until(Condition condition, int ticks = 30000, const tactus::haptic::Vec3& force = {}) {
+  bool until(Condition condition, int ticks = 30000, const tactus::Vec3& force = {}) {
     for (int i = 0; i < ticks; ++i) {
       step(force);
       if (condition())
@@ -81,7 +81,7 @@ struct Rig {
     return false;
   }
   /// Steps until the hand has moved less than 0.1 mm in 200 ticks.
-  bool settle(const tactus::haptic::Vec3& force = {}) {
+  bool settle(const tactus::Vec3& force = {}) {
     return until(
         [this, last = state.position, held = 0]() mutable {
           if (norm(state.position - last) > 1e-4) {

@@ -8,7 +8,7 @@ using tactus::haptic::State;
 TEST_CASE("noise on the line, lost bytes and split packets cost frames and nothing else") {
   Rig rig;
   rig.ready();
-  tactus::haptic::Vec3 last = rig.state.position;
+  tactus::Vec3 last = rig.state.position;
   double leap = 0;
   for (const char* fault : {"garbage 37", "bad 3", "lose 4", "split 5", "garbage 200"}) {
     CHECK(rig.control.ask(fault) == "ok");
@@ -117,7 +117,7 @@ TEST_CASE("one wild answer is not believed, and changes neither position nor for
   Rig rig;
   rig.ready(true);
   REQUIRE(rig.settle());
-  const tactus::haptic::Vec3 rest = rig.state.position;
+  const tactus::Vec3 rest = rig.state.position;
   double farthest = 0;
   bool homed = true, flagged = false;
   for (int i = 0; i < 20; ++i) {
@@ -139,7 +139,7 @@ TEST_CASE("angles that the arms cannot have take the force away at that tick") {
   rig.ready(true);
   rig.run(700, {0, 0, 2});
   REQUIRE(rig.settle({0, 0, 2}));
-  const tactus::haptic::Vec3 last = rig.state.position;
+  const tactus::Vec3 last = rig.state.position;
   rig.control.ask("pose -2500 2500 -2500");
   REQUIRE(rig.until([&] { return rig.unreachable(); }, 30000, {0, 0, 2}));
   CHECK(norm(rig.state.position - last) < 1e-3);

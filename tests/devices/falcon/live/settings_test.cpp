@@ -7,8 +7,8 @@
 #include <vector>
 
 using namespace tactus::devices::falcon;
+using tactus::Vec3;
 using tactus::haptic::State;
-using tactus::haptic::Vec3;
 
 TEST_CASE("a Falcon has the limits that CHAI3D gives it, and the step of its encoders") {
   Rig rig;

@@ -31,7 +31,7 @@ struct Rig {
   static bool is(const char* kind) { return world("KIND") == kind; }
   std::string set(std::vector<std::string> words) { return device.configure(words); }
 
-  bool step(const tactus::haptic::Vec3& force = {}) {
+  bool step(const tactus::Vec3& force = {}) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ++tick.index;
     tick.time_s = static_cast<double>(tick.index) * 1e-3;
@@ -47,7 +47,7 @@ struct Rig {
     }
     return false;
   }
-  bool reaches(const tactus::haptic::Vec3& position_mm, int ticks = 30000) {
+  bool reaches(const tactus::Vec3& position_mm, int ticks = 30000) {
     return until([&] { return norm(state.position * 1e3 - position_mm) < 1e-6; }, ticks);
   }
   /// Sends reports until the condition holds: on a busy machine the double may lose one.
@@ -61,7 +61,7 @@ struct Rig {
     }
     return false;
   }
-  bool moves_to(const tactus::haptic::Vec3& position_mm, const std::string& report) {
+  bool moves_to(const tactus::Vec3& position_mm, const std::string& report) {
     return sent({report}, [&] { return norm(state.position * 1e3 - position_mm) < 1e-6; });
   }
 };

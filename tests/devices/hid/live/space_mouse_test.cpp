@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-using tactus::haptic::Vec3;
+using tactus::Vec3;
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactus::haptic {
+namespace tactus {
 
 /// A ring buffer from one writing thread to one reading thread. Both sides are wait-free. A value
 /// that does not fit is dropped and counted. Capacity is a power of two.
@@ -49,4 +49,4 @@ private:
   std::atomic<std::uint64_t> dropped_{0};
 };
 
-} // namespace tactus::haptic
+} // namespace tactus

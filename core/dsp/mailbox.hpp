@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-namespace tactus::haptic {
+namespace tactus {
 
 /// Passes the newest value from one writing thread to one reading thread: a triple buffer. Both
 /// sides are wait-free, a value is never torn, and older values are dropped on purpose.
@@ -32,4 +32,4 @@ private:
   std::atomic<std::uint32_t> middle_{1};
 };
 
-} // namespace tactus::haptic
+} // namespace tactus
