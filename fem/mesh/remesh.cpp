@@ -1,5 +1,7 @@
 #include "fem/mesh/remesh.hpp"
 
+#include "fem/mesh/triangle_rings.hpp"
+
 #include <algorithm>
 #include <iterator>
 #include <numbers>
@@ -11,21 +13,17 @@ namespace tactus::fem {
 namespace {
 
 using Edge = std::pair<int, int>;
-using Corners = std::array<int, 3>;
 
 constexpr double kFeature = 30 * std::numbers::pi / 180; ///< a sharper edge stays
 constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of such edges turns more
 
-class Remesher {
+class Remesher : TriangleRings {
 public:
   Remesher(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
            double deviation)
-      : point_(surface.points), triangle_(surface.triangles), shell_(surface.shell),
-        around_(surface.points.size()), plane_(surface.points.size()),
-        corner_(surface.points.size(), false), edge_(edge), max_deviation_(deviation) {
-    for (std::size_t t = 0; t < triangle_.size(); ++t)
-      for (const int v : triangle_[t])
-        around_[at(v)].push_back(static_cast<int>(t));
+      : TriangleRings(surface.triangles, surface.points.size()), point_(surface.points),
+        shell_(surface.shell), plane_(surface.points.size()), corner_(surface.points.size(), false),
+        edge_(edge), max_deviation_(deviation) {
     for (std::size_t v = 0; v < point_.size(); ++v)
       for (const int t : around_[v])
         add_plane(static_cast<int>(v), triangle_[at(t)]);
@@ -42,24 +40,14 @@ public:
       smooth_flat();
     }
     Triangles out;
-    std::vector<int> name(point_.size(), -1);
     int shells = 0;
-    for (std::size_t t = 0; t < triangle_.size(); ++t) {
-      if (triangle_[t][0] < 0)
-        continue;
-      Corners corners = triangle_[t];
-      for (int& v : corners) {
-        int& known = name[at(v)];
-        if (known < 0) {
-          known = static_cast<int>(out.points.size());
-          out.points.push_back(point_[at(v)]);
-        }
-        v = known;
+    for (std::size_t t = 0; t < triangle_.size(); ++t)
+      if (alive(t)) {
+        out.triangles.push_back(triangle_[t]);
+        out.shell.push_back(shell_[t]);
+        shells = std::max(shells, shell_[t] + 1);
       }
-      out.triangles.push_back(corners);
-      out.shell.push_back(shell_[t]);
-      shells = std::max(shells, shell_[t] + 1);
-    }
+    out.points = used_points(out.triangles, point_);
     out.shells = shells;
     return out;
   }
@@ -67,7 +55,6 @@ public:
 private:
   using Plane = std::pair<Vec3, double>;
 
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static Edge sorted(int a, int b) { return std::minmax(a, b); }
   const Vec3& point(int v) const { return point_[at(v)]; }
   Vec3 normal(const Corners& t) const { // its length is twice the area
@@ -77,11 +64,8 @@ private:
   /// The length wanted of an edge.
   double edge_at(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
 
-  /// 1 for an equilateral triangle, 0 for a line.
   double quality(const Corners& t) const {
-    const double a = span(t[0], t[1]), b = span(t[1], t[2]), c = span(t[2], t[0]);
-    const double sides = a * a + b * b + c * c;
-    return sides > 0 ? 2 * std::sqrt(3.0) * length(normal(t)) / sides : 0;
+    return fem::quality(point(t[0]), point(t[1]), point(t[2]));
   }
 
   /// The triangle that runs along a to b, or -1.
@@ -99,17 +83,6 @@ private:
         return v;
     return -1;
   }
-  std::vector<int> neighbours(int v) const {
-    std::vector<int> out;
-    for (const int t : around_[at(v)])
-      for (const int w : triangle_[at(t)])
-        if (w != v)
-          out.push_back(w);
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
-  }
-
   void add_plane(int v, const Corners& t) {
     const Vec3 n = normal(t);
     const double size = length(n);
@@ -237,17 +210,11 @@ private:
     const bool along = feature_.contains(sorted(from, onto));
     if (corner_[at(from)] || (!along && on_feature(from)))
       return false;
-    const auto a = neighbours(from), b = neighbours(onto);
-    if (!std::binary_search(a.begin(), a.end(), onto) ||
-        deviation(from, point(onto)) > max_deviation_)
+    if (deviation(from, point(onto)) > max_deviation_ || !can_merge(from, onto))
       return false;
-    std::vector<int> common;
-    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
-    if (common.size() != 2)
-      return false; // more would pinch the surface
     for (const int t : around_[at(from)]) {
       Corners corners = triangle_[at(t)];
-      if (std::find(corners.begin(), corners.end(), onto) != corners.end())
+      if (has(corners, onto))
         continue;
       const Vec3 before = normal(corners);
       const double shape = quality(corners);
@@ -262,16 +229,17 @@ private:
       if (quality(corners) < std::min(.2, .8 * shape))
         return false;
     }
+    const auto ring = neighbours(from);
     for (const int t : std::vector<int>(around_[at(from)])) {
       Corners corners = triangle_[at(t)];
-      if (std::find(corners.begin(), corners.end(), onto) != corners.end()) {
+      if (has(corners, onto)) {
         replace(t, {-1, -1, -1});
         continue;
       }
       std::replace(corners.begin(), corners.end(), from, onto);
       replace(t, corners);
     }
-    for (const int w : a)
+    for (const int w : ring)
       if (feature_.erase(sorted(from, w)) > 0 && w != onto)
         feature_.insert(sorted(onto, w));
     plane_[at(onto)].insert(plane_[at(onto)].end(), plane_[at(from)].begin(),
@@ -371,9 +339,7 @@ private:
   }
 
   std::vector<Vec3> point_;
-  std::vector<Corners> triangle_; ///< -1: gone
   std::vector<int> shell_;
-  std::vector<std::vector<int>> around_;
   std::vector<std::vector<Plane>> plane_; ///< unit normal and level of what a point stands for
   std::vector<bool> corner_;
   std::set<Edge> feature_;

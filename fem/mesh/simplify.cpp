@@ -3,6 +3,7 @@
 #include "fem/mesh/box_tree.hpp"
 #include "fem/mesh/crossing.hpp"
 #include "fem/mesh/distance.hpp"
+#include "fem/mesh/triangle_rings.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -12,8 +13,6 @@
 
 namespace tactus::fem {
 namespace {
-
-using Corners = std::array<int, 3>;
 
 /// Area-weighted sum of squared distances to planes, as a symmetric form in a point, and the area.
 struct Quadric {
@@ -41,23 +40,21 @@ struct Quadric {
   }
 };
 
-class Simplifier {
+class Simplifier : TriangleRings {
 public:
   /// Points marked in `kept` stay, with all their triangles.
   Simplifier(const Triangles& surface, const std::function<double(const Vec3&)>& edge,
              double deviation, const std::vector<bool>& kept)
-      : surface_(surface), triangle_(surface.triangles), around_(surface.points.size()),
+      : TriangleRings(surface.triangles, surface.points.size()), surface_(surface),
         quadric_(surface.points.size()), version_(surface.points.size(), 0), kept_(kept),
         edge_(edge), deviation_(deviation) {
     for (std::size_t t = 0; t < triangle_.size(); ++t) {
       const Vec3 n = normal(triangle_[t]);
       const double size = length(n);
-      for (const int v : triangle_[t]) {
-        around_[at(v)].push_back(static_cast<int>(t));
+      for (const int v : triangle_[t])
         if (size > 0) // about the point itself: large coordinates would cancel
           quadric_[at(v)].add((1 / size) * n, dot((1 / size) * n, relative(triangle_[t][0])),
                               size / 2);
-      }
     }
   }
 
@@ -95,20 +92,7 @@ private:
   double span(int a, int b) const { return length(point(b) - point(a)); }
   double target_edge(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
   double quality(const Corners& t) const {
-    const double a = span(t[0], t[1]), b = span(t[1], t[2]), c = span(t[2], t[0]);
-    const double sides = a * a + b * b + c * c;
-    return sides > 0 ? 2 * std::sqrt(3.) * length(normal(t)) / sides : 0;
-  }
-  std::vector<int> neighbours(int v) const {
-    std::vector<int> out;
-    out.reserve(2 * around_[at(v)].size());
-    for (const int t : around_[at(v)])
-      for (const int w : triangle_[at(t)])
-        if (w != v)
-          out.push_back(w);
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
+    return fem::quality(point(t[0]), point(t[1]), point(t[2]));
   }
 
   /// Puts the cheaper of the two collapses of an edge into the queue, then the other.
@@ -131,16 +115,11 @@ private:
   }
 
   bool collapse(int from, int onto) {
-    const auto a = neighbours(from), b = neighbours(onto);
-    if (!std::binary_search(a.begin(), a.end(), onto))
+    if (!can_merge(from, onto, 28))
       return false;
-    std::vector<int> common;
-    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
-    if (common.size() != 2 || a.size() + b.size() > 28)
-      return false; // more would pinch the surface
     for (const int t : around_[at(from)]) {
       Corners corners = triangle_[at(t)];
-      if (std::find(corners.begin(), corners.end(), onto) != corners.end())
+      if (has(corners, onto))
         continue;
       const Vec3 before = normal(corners);
       const double shape = quality(corners);
@@ -154,19 +133,7 @@ private:
             span(v, onto) > span(v, from))
           return false;
     }
-    for (const int t : around_[at(from)]) {
-      Corners& corners = triangle_[at(t)];
-      if (std::find(corners.begin(), corners.end(), onto) != corners.end()) {
-        for (const int v : corners)
-          if (v != from)
-            std::erase(around_[at(v)], t);
-        corners = {-1, -1, -1};
-      } else {
-        std::replace(corners.begin(), corners.end(), from, onto);
-        around_[at(onto)].push_back(t);
-      }
-    }
-    around_[at(from)].clear();
+    merge(from, onto);
     quadric_[at(onto)].add(quadric_[at(from)]);
     ++version_[at(from)];
     ++version_[at(onto)];
@@ -177,30 +144,19 @@ private:
     Triangles out;
     out.groups = surface_.groups;
     out.shells = surface_.shells;
-    std::vector<int> name(surface_.points.size(), -1);
     for (std::size_t t = 0; t < triangle_.size(); ++t) {
-      Corners corners = triangle_[t];
-      if (corners[0] < 0)
+      if (!alive(t))
         continue;
-      for (int& v : corners) {
-        int& known = name[at(v)];
-        if (known < 0) {
-          known = static_cast<int>(out.points.size());
-          out.points.push_back(point(v));
-        }
-        v = known;
-      }
-      out.triangles.push_back(corners);
+      out.triangles.push_back(triangle_[t]);
       out.shell.push_back(surface_.shell[t]);
       if (!surface_.group.empty())
         out.group.push_back(surface_.group[t]);
     }
+    out.points = used_points(out.triangles, surface_.points);
     return out;
   }
 
   const Triangles& surface_;
-  std::vector<Corners> triangle_; ///< -1: gone
-  std::vector<std::vector<int>> around_;
   std::vector<Quadric> quadric_;
   std::vector<int> version_;
   const std::vector<bool>& kept_;

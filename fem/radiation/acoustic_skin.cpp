@@ -1,5 +1,7 @@
 #include "fem/radiation/acoustic_skin.hpp"
 
+#include "fem/mesh/triangle_rings.hpp"
+
 #include <algorithm>
 #include <iterator>
 #include <limits>
@@ -16,21 +18,9 @@ Vec3 double_area(const AcousticSkin& s, const std::array<int, 3>& t) {
 }
 
 /// Vertices that no triangle uses go.
-AcousticSkin compact(const AcousticSkin& s) {
-  std::vector<int> renamed(s.vertex.size(), -1);
-  AcousticSkin out;
-  for (auto t : s.triangle) {
-    for (int& v : t) {
-      int& name = renamed[static_cast<std::size_t>(v)];
-      if (name < 0) {
-        name = static_cast<int>(out.vertex.size());
-        out.vertex.push_back(s.vertex[static_cast<std::size_t>(v)]);
-      }
-      v = name;
-    }
-    out.triangle.push_back(t);
-  }
-  return out;
+AcousticSkin compact(AcousticSkin s) {
+  s.vertex = used_points(s.triangle, s.vertex);
+  return s;
 }
 
 AcousticSkin refined(const AcousticSkin& s) {
@@ -143,33 +133,28 @@ std::vector<double> edge_depth(const AcousticSkin& s, double reach) {
   return depth;
 }
 
-class Collapse {
+class Collapse : TriangleRings {
 public:
   Collapse(AcousticSkin skin, std::size_t triangles)
-      : skin_(std::move(skin)), target_triangles_(triangles) {
+      : TriangleRings(skin.triangle, skin.vertex.size()), skin_(std::move(skin)),
+        target_triangles_(triangles), quadric_(skin_.vertex.size()), count_(triangle_.size()) {
     double area = 0;
-    for (const auto& t : skin_.triangle)
+    for (const auto& t : triangle_)
       area += length(double_area(skin_, t)) / 2;
     depth_ = edge_depth(skin_, kGradedEdges * even_edge(area));
-    around_.resize(skin_.vertex.size());
-    quadric_.resize(skin_.vertex.size());
-    for (std::size_t t = 0; t < skin_.triangle.size(); ++t) {
-      const Vec3 n = double_area(skin_, skin_.triangle[t]);
+    for (const Corners& t : triangle_) {
+      const Vec3 n = double_area(skin_, t);
       const double size = length(n);
-      for (const int v : skin_.triangle[t]) {
-        around_[at(v)].push_back(static_cast<int>(t));
+      for (const int v : t)
         if (size > 0)
-          quadric_[at(v)].add((1 / size) * n, -dot((1 / size) * n, vertex(skin_.triangle[t][0])));
-      }
+          quadric_[at(v)].add((1 / size) * n, -dot((1 / size) * n, vertex(t[0])));
     }
-    alive_.assign(skin_.triangle.size(), true);
-    count_ = skin_.triangle.size();
   }
 
   AcousticSkin coarse() {
     // Rounds with a growing limit of cost: cheap, deterministic, and it keeps the sizes even.
     double area = 0; // in four dimensions
-    for (const auto& t : skin_.triangle)
+    for (const auto& t : triangle_)
       area += shape_of(t).first;
     // Edges of equilateral triangles, and a margin that grows where nothing else can give way.
     longest_ = 1.4 * even_edge(area);
@@ -177,10 +162,10 @@ public:
     for (int round = 0; round < 80 && count_ > target_triangles_;
          ++round, limit *= 1.35, longest_ *= 1.01) {
       std::vector<std::tuple<double, int, int>> edges;
-      for (std::size_t t = 0; t < alive_.size(); ++t)
-        if (alive_[t])
+      for (std::size_t t = 0; t < triangle_.size(); ++t)
+        if (alive(t))
           for (std::size_t k = 0; k < 3; ++k) {
-            const int a = skin_.triangle[t][k], b = skin_.triangle[t][(k + 1) % 3];
+            const int a = triangle_[t][k], b = triangle_[t][(k + 1) % 3];
             for (const auto& [from, onto] : {std::pair(a, b), std::pair(b, a)})
               if (const double c = cost(from, onto); c < limit)
                 edges.emplace_back(c, from, onto);
@@ -191,14 +176,13 @@ public:
           collapse(from, onto);
     }
     AcousticSkin out{skin_.vertex, {}};
-    for (std::size_t t = 0; t < alive_.size(); ++t)
-      if (alive_[t])
-        out.triangle.push_back(skin_.triangle[t]);
-    return compact(out);
+    for (std::size_t t = 0; t < triangle_.size(); ++t)
+      if (alive(t))
+        out.triangle.push_back(triangle_[t]);
+    return compact(std::move(out));
   }
 
 private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Vec3& vertex(int v) const { return skin_.vertex[at(v)]; }
   /// Side of the equilateral triangles of which `target_triangles_` cover an area.
   double even_edge(double area) const {
@@ -220,27 +204,12 @@ private:
   double cost(int from, int onto) const {
     return quadric_[at(from)](vertex(onto)) + .05 * separation(from, onto);
   }
-  std::vector<int> neighbours(int v) const {
-    std::vector<int> out;
-    for (const int t : around_[at(v)])
-      for (const int w : skin_.triangle[at(t)])
-        if (w != v)
-          out.push_back(w);
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
-  }
   bool collapse(int from, int onto) {
-    const auto a = neighbours(from), b = neighbours(onto);
-    if (!std::binary_search(a.begin(), a.end(), onto))
+    if (!can_merge(from, onto, 24))
       return false;
-    std::vector<int> common;
-    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
-    if (common.size() != 2 || a.size() + b.size() > 24)
-      return false; // more would pinch the surface
     for (const int t : around_[at(from)]) {
-      auto corners = skin_.triangle[at(t)];
-      if (std::find(corners.begin(), corners.end(), onto) != corners.end())
+      Corners corners = triangle_[at(t)];
+      if (has(corners, onto))
         continue;
       const Vec3 before = double_area(skin_, corners);
       const double shape = shape_of(corners).second;
@@ -253,19 +222,7 @@ private:
           shape_of(corners).second < std::min(.35, .8 * shape))
         return false;
     }
-    for (const int t : std::vector<int>(around_[at(from)])) {
-      auto& corners = skin_.triangle[at(t)];
-      if (std::find(corners.begin(), corners.end(), onto) != corners.end()) {
-        alive_[at(t)] = false;
-        --count_;
-        for (const int v : corners)
-          std::erase(around_[at(v)], t);
-      } else {
-        std::replace(corners.begin(), corners.end(), from, onto);
-        around_[at(onto)].push_back(t);
-      }
-    }
-    around_[at(from)].clear();
+    count_ -= merge(from, onto);
     for (std::size_t i = 0; i < 10; ++i)
       quadric_[at(onto)].q[i] += quadric_[at(from)].q[i];
     return true;
@@ -276,10 +233,8 @@ private:
   AcousticSkin skin_;
   std::size_t target_triangles_;
   std::vector<double> depth_; ///< m, the fourth coordinate
-  std::vector<std::vector<int>> around_;
   std::vector<Quadric> quadric_;
-  std::vector<bool> alive_;
-  std::size_t count_ = 0;
+  std::size_t count_;  ///< triangles left
   double longest_ = 0; ///< m, edge that a collapse may make
 };
 
