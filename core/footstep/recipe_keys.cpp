@@ -1,221 +1,168 @@
 #include "core/footstep/recipe.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace tactus::footstep {
 namespace {
 
-CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
-
-// Members of a recipe and string literals: parentheses around them would be no C++.
-// NOLINTBEGIN(bugprone-macro-parentheses)
-#define MEMBER(member) [](Recipe& r) -> double& { return r.member; }
-#define CLOUD_MEMBER(member) [](Recipe& r) -> double& { return last(r).member; }
-#define SCATTER(section, part)                                                                     \
-  RecipeKey{section,                                                                               \
-            "vary_frequency",                                                                      \
-            "",                                                                                    \
-            0,                                                                                     \
-            2,                                                                                     \
-            "of each step: its frequencies",                                                       \
-            MEMBER(part.scatter.frequency)},                                                       \
-      RecipeKey{section,                                                                           \
-                "vary_decay",                                                                      \
-                "",                                                                                \
-                0,                                                                                 \
-                2,                                                                                 \
-                "of each step: its decay times",                                                   \
-                MEMBER(part.scatter.decay)},                                                       \
-      RecipeKey {                                                                                  \
-    section, "vary_level", "", 0, 2, "of each step: its strength", MEMBER(part.scatter.level)      \
-  }
-#define MODES(section, part)                                                                       \
-  RecipeKey{section, "modes", "", 1, kMaxModes, "number of modes", MEMBER(part.modes.count)},      \
-      RecipeKey{section,                                                                           \
-                "frequency",                                                                       \
-                "Hz",                                                                              \
-                20,                                                                                \
-                12000,                                                                             \
-                "of the lowest mode",                                                              \
-                MEMBER(part.modes.frequency_hz)},                                                  \
-      RecipeKey{section, "ratio", "", 1.01, 4, "from mode to mode", MEMBER(part.modes.ratio)},     \
-      RecipeKey{section, "detune", "", 0, 1, "how irregular they are", MEMBER(part.modes.detune)}, \
-      RecipeKey{section,                                                                           \
-                "t60",                                                                             \
-                "s",                                                                               \
-                0.001,                                                                             \
-                20,                                                                                \
-                "decay time of the lowest mode",                                                   \
-                MEMBER(part.modes.t60_s)},                                                         \
-      RecipeKey{section, "t60_tilt", "", -2, 3, "T60 ~ f^-this", MEMBER(part.modes.t60_tilt)},     \
-      RecipeKey{section, "tilt", "", -3, 4, "loudness ~ f^-this", MEMBER(part.modes.tilt)},        \
-      RecipeKey{section, "mass", "kg", 0.001, 1000, "of each mode", MEMBER(part.modes.mass_kg)},   \
-      RecipeKey {                                                                                  \
-    section, "place", "", 0, 2, "how the place of the step changes the modes' shares",             \
-        MEMBER(part.modes.mode_share_scatter)                                                      \
-  }
-#define EVENTS(section)                                                                            \
-  RecipeKey{section,                                                                               \
-            "count",                                                                               \
-            "",                                                                                    \
-            0,                                                                                     \
-            50000,                                                                                 \
-            "events for each unit of energy",                                                      \
-            CLOUD_MEMBER(settings.count)},                                                         \
-      RecipeKey{section,                                                                           \
-                "exponent",                                                                        \
-                "",                                                                                \
-                0.05,                                                                              \
-                20,                                                                                \
-                "of the event energies' power law",                                                \
-                CLOUD_MEMBER(settings.exponent)},                                                  \
-      RecipeKey{section,                                                                           \
-                "largest",                                                                         \
-                "",                                                                                \
-                1.001,                                                                             \
-                1e6,                                                                               \
-                "event over the smallest, in energy",                                              \
-                CLOUD_MEMBER(settings.largest)},                                                   \
-      RecipeKey {                                                                                  \
-    section, "lower_by_size", "", 0, 2, "frequency ~ event energy^-this",                          \
-        CLOUD_MEMBER(settings.lower_by_size)                                                       \
-  }
-#define CLOUD(section)                                                                             \
-  RecipeKey{section,                                                                               \
-            "attack",                                                                              \
-            "s",                                                                                   \
-            1e-4,                                                                                  \
-            5,                                                                                     \
-            "in which a landing's energy arrives",                                                 \
-            CLOUD_MEMBER(settings.attack_s)},                                                      \
-      RecipeKey{section,                                                                           \
-                "decay",                                                                           \
-                "s",                                                                               \
-                1e-4,                                                                              \
-                10,                                                                                \
-                "in which it dies down",                                                           \
-                CLOUD_MEMBER(settings.decay_s)},                                                   \
-      RecipeKey{                                                                                   \
-          section, "frequency", "Hz", 20, 20000, "median", CLOUD_MEMBER(settings.frequency_hz)},   \
-      RecipeKey{section,                                                                           \
-                "spread",                                                                          \
-                "",                                                                                \
-                0,                                                                                 \
-                3,                                                                                 \
-                "standard deviation of its logarithm",                                             \
-                CLOUD_MEMBER(settings.spread)},                                                    \
-      RecipeKey{                                                                                   \
-          section, "level", "", 0, 1e4, "strength of the sound", CLOUD_MEMBER(settings.level)},    \
-      RecipeKey{section,           "heel", "", 0, 100, "energy of the heel's landing at 0.5 m/s",  \
-                CLOUD_MEMBER(heel)},                                                               \
-      RecipeKey{section,           "ball", "", 0, 100, "energy of the ball's landing at 0.5 m/s",  \
-                CLOUD_MEMBER(ball)},                                                               \
-      RecipeKey{                                                                                   \
-          section, "load", "", 0, 100, "energy for each 700 N that come", CLOUD_MEMBER(load)},     \
-      RecipeKey{                                                                                   \
-          section, "release", "", 0, 100, "energy for each 700 N that go", CLOUD_MEMBER(release)}, \
-      RecipeKey{section,                                                                           \
-                "slide",                                                                           \
-                "",                                                                                \
-                0,                                                                                 \
-                1000,                                                                              \
-                "energy for each metre slid under 700 N",                                          \
-                CLOUD_MEMBER(slide)},                                                              \
-      RecipeKey{section,                                                                           \
-                "vary_frequency",                                                                  \
-                "",                                                                                \
-                0,                                                                                 \
-                2,                                                                                 \
-                "of each step: its frequencies",                                                   \
-                CLOUD_MEMBER(scatter.frequency)},                                                  \
-      RecipeKey{section,                                                                           \
-                "vary_decay",                                                                      \
-                "",                                                                                \
-                0,                                                                                 \
-                2,                                                                                 \
-                "of each step: its decay",                                                         \
-                CLOUD_MEMBER(scatter.decay)},                                                      \
-      RecipeKey {                                                                                  \
-    section, "vary_level", "", 0, 2, "of each step: its strength", CLOUD_MEMBER(scatter.level)     \
-  }
-
-// NOLINTEND(bugprone-macro-parentheses)
-
-constexpr RecipeKey kKeys[] = {
-    {"", "level", "", 0, 1e4, "of the whole, heard and felt", MEMBER(level)},
-    {"", "felt", "1/Pa", 0, 1e4, "drives for the sound pressure of the whole", MEMBER(felt)},
-    {"", "felt_ball", "", 0, 100, "of the drive under the ball", MEMBER(felt_ball)},
-    {"", "radiation", "Hz", 1, 8000, "below, less and less is heard", MEMBER(radiation_hz)},
-    {"", "vary_frequency", "", 0, 2, "of each step: all sections' frequencies alike",
-     MEMBER(vary_frequency)},
-    {"", "vary_decay", "", 0, 2, "of each step: all sections' decay times alike",
-     MEMBER(vary_decay)},
-    MODES("solid", solid),
-    {"solid", "stiffness", "N/m^exponent", 1, 1e15, "of the ground itself; the sole's is in series",
-     MEMBER(solid.law.stiffness)},
-    {"solid", "exponent", "", 1, 6, "of the contact", MEMBER(solid.law.exponent)},
-    {"solid", "dissipation", "s/m", 0, 100, "of the ground itself",
-     MEMBER(solid.law.dissipation_s_per_m)},
-    {"solid", "heel", "kg", 1e-4, 100, "mass that lands with the heel", MEMBER(solid.heel_kg)},
-    {"solid", "ball_mass", "kg", 1e-4, 100, "mass that lands with the ball", MEMBER(solid.ball_kg)},
-    {"solid", "ball", "", 0, 10, "times the ball's landing speed", MEMBER(solid.ball)},
-    {"solid", "patches", "", 1, kMaxPatches, "parts of the sole that touch one after the other",
-     MEMBER(solid.patches)},
-    {"solid", "unevenness", "m", 0, 0.1, "mean height of the later ones when the first touches",
-     MEMBER(solid.unevenness_m)},
-    {"solid", "roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of a sole that slides",
-     MEMBER(solid.roughness)},
-    {"solid", "level", "", 0, 1e4, "strength of the sound", MEMBER(solid.level)},
-    SCATTER("solid", solid),
-    MODES("friction", friction),
-    {"friction", "mu_s", "", 0.01, 10, "static coefficient",
-     MEMBER(friction.law.static_coefficient)},
-    {"friction", "mu_d", "", 0.01, 10, "dynamic coefficient",
-     MEMBER(friction.law.dynamic_coefficient)},
-    {"friction", "stribeck", "m/s", 1e-4, 10, "speed at which it lets go",
-     MEMBER(friction.law.stribeck_m_per_s)},
-    {"friction", "breakaway", "", 0.01, 0.99, "elastic share", MEMBER(friction.law.breakaway)},
-    {"friction", "stiffness", "N/m", 1, 1e9, "of the bristles",
-     MEMBER(friction.law.stiffness_n_per_m)},
-    {"friction", "damping", "N s/m", 0, 1e5, "of the bristles",
-     MEMBER(friction.law.damping_ns_per_m)},
-    {"friction", "viscosity", "N s/m", 0, 1e4, "between the surfaces",
-     MEMBER(friction.law.viscosity_ns_per_m)},
-    {"friction", "roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of the surfaces",
-     MEMBER(friction.law.roughness)},
-    {"friction", "pressed", "N", 0, 1e4, "in the joint without load", MEMBER(friction.preload_n)},
-    {"friction", "joint", "Hz", 5, 2000, "the joint's mass on its spring",
-     MEMBER(friction.joint_hz)},
-    {"friction", "joint_mass", "kg", 0.001, 100, "of the joint", MEMBER(friction.joint_kg)},
-    {"friction", "joint_t60", "s", 0.001, 5, "decay time of the joint",
-     MEMBER(friction.joint_t60_s)},
-    {"friction", "load", "N", 0, 1e4, "more under 700 N", MEMBER(friction.load_n)},
-    {"friction", "slip", "m/s", 0, 10, "while 7000 N/s move from heel to ball",
-     MEMBER(friction.slip_m_per_s)},
-    {"friction", "wobble", "", 0, 2, "slow unevenness of pressure and slip",
-     MEMBER(friction.wobble)},
-    {"friction", "level", "", 0, 1e4, "strength of the sound", MEMBER(friction.level)},
-    SCATTER("friction", friction),
-    EVENTS("grains"),
-    CLOUD("grains"),
-    {"grains", "quality", "", 0.1, 200, "Q of a grain's band-pass", CLOUD_MEMBER(settings.quality)},
-    {"grains", "length", "s", 1e-5, 1, "median of a grain's decay",
-     CLOUD_MEMBER(settings.length_s)},
-    EVENTS("bubbles"),
-    CLOUD("bubbles"),
-    {"bubbles", "rise", "", 0, 1, "of a bubble's pitch", CLOUD_MEMBER(settings.rise)},
-    CLOUD("rustle"),
-    {"rustle", "quality", "", 0.1, 200, "Q of its band-passes", CLOUD_MEMBER(settings.quality)},
-    {"room", "level", "dB", Room::kMinLevel, 40, "energy of its answer over the direct sound's",
-     MEMBER(room.level_db)},
-    {"room", "t60", "s", 0.02, 10, "decay time", MEMBER(room.t60_s)},
-    {"room", "bright", "Hz", 100, 20000, "where the decay time is half", MEMBER(room.bright_hz)},
+/// A key without its section: several sections have parts of the same kind.
+template <class Part> struct PartKey {
+  std::string_view name, unit;
+  double lowest, highest;
+  std::string_view text;
+  double Part::*member;
 };
 
-#undef MEMBER
-#undef CLOUD_MEMBER
-#undef SCATTER
-#undef MODES
-#undef EVENTS
-#undef CLOUD
+constexpr PartKey<Recipe> kWhole[] = {
+    {"level", "", 0, 1e4, "of the whole, heard and felt", &Recipe::level},
+    {"felt", "1/Pa", 0, 1e4, "drives for the sound pressure of the whole", &Recipe::felt},
+    {"felt_ball", "", 0, 100, "of the drive under the ball", &Recipe::felt_ball},
+    {"radiation", "Hz", 1, 8000, "below, less and less is heard", &Recipe::radiation_hz},
+    {"vary_frequency", "", 0, 2, "of each step: all sections' frequencies alike",
+     &Recipe::vary_frequency},
+    {"vary_decay", "", 0, 2, "of each step: all sections' decay times alike", &Recipe::vary_decay}};
+
+constexpr PartKey<ModesRecipe> kModes[] = {
+    {"modes", "", 1, kMaxModes, "number of modes", &ModesRecipe::count},
+    {"frequency", "Hz", 20, 12000, "of the lowest mode", &ModesRecipe::frequency_hz},
+    {"ratio", "", 1.01, 4, "from mode to mode", &ModesRecipe::ratio},
+    {"detune", "", 0, 1, "how irregular they are", &ModesRecipe::detune},
+    {"t60", "s", 0.001, 20, "decay time of the lowest mode", &ModesRecipe::t60_s},
+    {"t60_tilt", "", -2, 3, "T60 ~ f^-this", &ModesRecipe::t60_tilt},
+    {"tilt", "", -3, 4, "loudness ~ f^-this", &ModesRecipe::tilt},
+    {"mass", "kg", 0.001, 1000, "of each mode", &ModesRecipe::mass_kg},
+    {"place", "", 0, 2, "how the place of the step changes the modes' shares",
+     &ModesRecipe::mode_share_scatter}};
+
+constexpr PartKey<Scatter> kScatter[] = {
+    {"vary_frequency", "", 0, 2, "of each step: its frequencies", &Scatter::frequency},
+    {"vary_decay", "", 0, 2, "of each step: its decay times", &Scatter::decay},
+    {"vary_level", "", 0, 2, "of each step: its strength", &Scatter::level}};
+
+constexpr PartKey<contact::ImpactLaw> kImpact[] = {
+    {"stiffness", "N/m^exponent", 1, 1e15, "of the ground itself; the sole's is in series",
+     &contact::ImpactLaw::stiffness},
+    {"exponent", "", 1, 6, "of the contact", &contact::ImpactLaw::exponent},
+    {"dissipation", "s/m", 0, 100, "of the ground itself",
+     &contact::ImpactLaw::dissipation_s_per_m}};
+
+constexpr PartKey<SolidRecipe> kSolid[] = {
+    {"heel", "kg", 1e-4, 100, "mass that lands with the heel", &SolidRecipe::heel_kg},
+    {"ball_mass", "kg", 1e-4, 100, "mass that lands with the ball", &SolidRecipe::ball_kg},
+    {"ball", "", 0, 10, "times the ball's landing speed", &SolidRecipe::ball},
+    {"patches", "", 1, kMaxPatches, "parts of the sole that touch one after the other",
+     &SolidRecipe::patches},
+    {"unevenness", "m", 0, 0.1, "mean height of the later ones when the first touches",
+     &SolidRecipe::unevenness_m},
+    {"roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of a sole that slides", &SolidRecipe::roughness},
+    {"level", "", 0, 1e4, "strength of the sound", &SolidRecipe::level}};
+
+constexpr PartKey<contact::FrictionLaw> kRubbing[] = {
+    {"mu_s", "", 0.01, 10, "static coefficient", &contact::FrictionLaw::static_coefficient},
+    {"mu_d", "", 0.01, 10, "dynamic coefficient", &contact::FrictionLaw::dynamic_coefficient},
+    {"stribeck", "m/s", 1e-4, 10, "speed at which it lets go",
+     &contact::FrictionLaw::stribeck_m_per_s},
+    {"breakaway", "", 0.01, 0.99, "elastic share", &contact::FrictionLaw::breakaway},
+    {"stiffness", "N/m", 1, 1e9, "of the bristles", &contact::FrictionLaw::stiffness_n_per_m},
+    {"damping", "N s/m", 0, 1e5, "of the bristles", &contact::FrictionLaw::damping_ns_per_m},
+    {"viscosity", "N s/m", 0, 1e4, "between the surfaces",
+     &contact::FrictionLaw::viscosity_ns_per_m},
+    {"roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of the surfaces", &contact::FrictionLaw::roughness}};
+
+constexpr PartKey<FrictionRecipe> kFriction[] = {
+    {"pressed", "N", 0, 1e4, "in the joint without load", &FrictionRecipe::preload_n},
+    {"joint", "Hz", 5, 2000, "the joint's mass on its spring", &FrictionRecipe::joint_hz},
+    {"joint_mass", "kg", 0.001, 100, "of the joint", &FrictionRecipe::joint_kg},
+    {"joint_t60", "s", 0.001, 5, "decay time of the joint", &FrictionRecipe::joint_t60_s},
+    {"load", "N", 0, 1e4, "more under 700 N", &FrictionRecipe::load_n},
+    {"slip", "m/s", 0, 10, "while 7000 N/s move from heel to ball", &FrictionRecipe::slip_m_per_s},
+    {"wobble", "", 0, 2, "slow unevenness of pressure and slip", &FrictionRecipe::wobble},
+    {"level", "", 0, 1e4, "strength of the sound", &FrictionRecipe::level}};
+
+using particle::CloudSettings;
+constexpr PartKey<CloudSettings> kEvents[] = {
+    {"count", "", 0, 50000, "events for each unit of energy", &CloudSettings::count},
+    {"exponent", "", 0.05, 20, "of the event energies' power law", &CloudSettings::exponent},
+    {"largest", "", 1.001, 1e6, "event over the smallest, in energy", &CloudSettings::largest},
+    {"lower_by_size", "", 0, 2, "frequency ~ event energy^-this", &CloudSettings::lower_by_size}};
+
+constexpr PartKey<CloudSettings> kCloudSound[] = {
+    {"attack", "s", 1e-4, 5, "in which a landing's energy arrives", &CloudSettings::attack_s},
+    {"decay", "s", 1e-4, 10, "in which it dies down", &CloudSettings::decay_s},
+    {"frequency", "Hz", 20, 20000, "median", &CloudSettings::frequency_hz},
+    {"spread", "", 0, 3, "standard deviation of its logarithm", &CloudSettings::spread},
+    {"level", "", 0, 1e4, "strength of the sound", &CloudSettings::level}};
+
+constexpr PartKey<CloudRecipe> kCloudEnergy[] = {
+    {"heel", "", 0, 100, "energy of the heel's landing at 0.5 m/s", &CloudRecipe::heel},
+    {"ball", "", 0, 100, "energy of the ball's landing at 0.5 m/s", &CloudRecipe::ball},
+    {"load", "", 0, 100, "energy for each 700 N that come", &CloudRecipe::load},
+    {"release", "", 0, 100, "energy for each 700 N that go", &CloudRecipe::release},
+    {"slide", "", 0, 1000, "energy for each metre slid under 700 N", &CloudRecipe::slide}};
+
+constexpr PartKey<CloudSettings> kGrains[] = {
+    {"quality", "", 0.1, 200, "Q of a grain's band-pass", &CloudSettings::quality},
+    {"length", "s", 1e-5, 1, "median of a grain's decay", &CloudSettings::length_s}};
+constexpr PartKey<CloudSettings> kBubbles[] = {
+    {"rise", "", 0, 1, "of a bubble's pitch", &CloudSettings::rise}};
+constexpr PartKey<CloudSettings> kRustle[] = {
+    {"quality", "", 0.1, 200, "Q of its band-passes", &CloudSettings::quality}};
+
+constexpr PartKey<Room::Settings> kRoom[] = {
+    {"level", "dB", Room::kMinLevel, 40, "energy of its answer over the direct sound's",
+     &Room::Settings::level_db},
+    {"t60", "s", 0.02, 10, "decay time", &Room::Settings::t60_s},
+    {"bright", "Hz", 100, 20000, "where the decay time is half", &Room::Settings::bright_hz}};
+
+// Where the parts lie in a recipe; a cloud's in its last cloud.
+Recipe& whole(Recipe& r) { return r; }
+SolidRecipe& solid(Recipe& r) { return r.solid; }
+ModesRecipe& solid_modes(Recipe& r) { return r.solid.modes; }
+contact::ImpactLaw& solid_law(Recipe& r) { return r.solid.law; }
+Scatter& solid_scatter(Recipe& r) { return r.solid.scatter; }
+FrictionRecipe& friction(Recipe& r) { return r.friction; }
+ModesRecipe& friction_modes(Recipe& r) { return r.friction.modes; }
+contact::FrictionLaw& friction_law(Recipe& r) { return r.friction.law; }
+Scatter& friction_scatter(Recipe& r) { return r.friction.scatter; }
+CloudRecipe& cloud(Recipe& r) { return r.cloud[r.clouds - 1]; }
+CloudSettings& cloud_settings(Recipe& r) { return cloud(r).settings; }
+Scatter& cloud_scatter(Recipe& r) { return cloud(r).scatter; }
+Room::Settings& room(Recipe& r) { return r.room; }
+
+template <auto part, auto& keys, std::size_t i> double& member_of(Recipe& r) {
+  return part(r).*keys[i].member;
+}
+/// The keys of a part, in a section.
+template <auto part, auto& keys> constexpr auto keys_of(std::string_view section) {
+  return [section]<std::size_t... i>(std::index_sequence<i...>) {
+    return std::array{RecipeKey{section, keys[i].name, keys[i].unit, keys[i].lowest,
+                                keys[i].highest, keys[i].text, &member_of<part, keys, i>}...};
+  }
+  (std::make_index_sequence<std::size(keys)>());
+}
+template <std::size_t... counts>
+constexpr auto joined(const std::array<RecipeKey, counts>&... parts) {
+  std::array<RecipeKey, (counts + ...)> all{};
+  auto* next = all.data();
+  ((next = std::copy(parts.begin(), parts.end(), next)), ...);
+  return all;
+}
+constexpr auto cloud_keys(std::string_view section) {
+  return joined(keys_of<cloud_settings, kCloudSound>(section),
+                keys_of<cloud, kCloudEnergy>(section), keys_of<cloud_scatter, kScatter>(section));
+}
+
+constexpr auto kKeys = joined(
+    keys_of<whole, kWhole>(""), keys_of<solid_modes, kModes>("solid"),
+    keys_of<solid_law, kImpact>("solid"), keys_of<solid, kSolid>("solid"),
+    keys_of<solid_scatter, kScatter>("solid"), keys_of<friction_modes, kModes>("friction"),
+    keys_of<friction_law, kRubbing>("friction"), keys_of<friction, kFriction>("friction"),
+    keys_of<friction_scatter, kScatter>("friction"), keys_of<cloud_settings, kEvents>("grains"),
+    cloud_keys("grains"), keys_of<cloud_settings, kGrains>("grains"),
+    keys_of<cloud_settings, kEvents>("bubbles"), cloud_keys("bubbles"),
+    keys_of<cloud_settings, kBubbles>("bubbles"), cloud_keys("rustle"),
+    keys_of<cloud_settings, kRustle>("rustle"), keys_of<room, kRoom>("room"));
 
 } // namespace
 
