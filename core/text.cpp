@@ -1,6 +1,8 @@
 #include "core/text.hpp"
 
 #include <algorithm>
+#include <cstdarg>
+#include <cstdio>
 
 namespace tactus {
 namespace {
@@ -36,6 +38,18 @@ std::string printable(std::string_view text, std::size_t max_bytes) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
       c = '?';
   return text.size() > max_bytes ? result + "..." : result;
+}
+
+std::string format(const char* pattern, ...) {
+  va_list list, again;
+  va_start(list, pattern);
+  va_copy(again, list);
+  const int size = std::vsnprintf(nullptr, 0, pattern, list);
+  va_end(list);
+  std::string text(static_cast<std::size_t>(size > 0 ? size : 0), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  va_end(again);
+  return text;
 }
 
 } // namespace tactus

@@ -67,6 +67,9 @@ template <class Number>
 /// `max_bytes` is cut and ends with "...".
 [[nodiscard]] std::string printable(std::string_view, std::size_t max_bytes = 256);
 
+/// printf into a string.
+[[gnu::format(printf, 1, 2)]] [[nodiscard]] std::string format(const char* pattern, ...);
+
 /// Whether a text is `name`, which is in lower case, but for the case of its letters.
 [[nodiscard]] bool is_word(std::string_view text, std::string_view name) noexcept;
 

@@ -116,4 +116,28 @@ std::string mesh_hash(const Mesh& mesh) {
   return sha256(bytes);
 }
 
+std::string meta_head(const MetaHead& h, const Mesh& mesh, std::span<const Material> materials) {
+  std::string out =
+      format("{\"format\": \"%s\", \"version\": \"1.0\", \"generator\": \"tactus %s\"", h.format,
+             h.program);
+  if (!h.created.empty())
+    out += ", \"created\": " + files::quoted_json(h.created);
+  out += format(", \"units\": %s, \"%s\": ", h.units, h.name) + files::quoted_json(h.body_name) +
+         ", \"mesh_sha256\": \"" + mesh_hash(mesh) + "\"" +
+         format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", mesh.nodes.size(),
+                mesh.elements.size(), mesh.dofs()) +
+         ", \"element\": " + files::quoted_json(mesh.element_names()) +
+         ", \"material\": " + json_of(materials[0], mesh.regions[0]) + ", \"materials\": [";
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    out += (i ? ", " : "") + json_of(materials[i], mesh.regions[i]);
+  return out;
+}
+
+std::vector<double> coordinates(std::span<const Vec3> points) {
+  std::vector<double> out;
+  for (const Vec3& p : points)
+    out.insert(out.end(), {p.x, p.y, p.z});
+  return out;
+}
+
 } // namespace tactus::fem

@@ -20,6 +20,18 @@ namespace tactus::fem {
 [[nodiscard]] std::string list(std::span<const double> values);
 [[nodiscard]] std::string json_of(const Material&, const std::string& region);
 
+/// The beginning of the object: format ("modal-table"), program, date where there is one, `units`,
+/// the body under `name`, mesh and materials; ends within the list of materials, before its
+/// bracket.
+struct MetaHead {
+  const char *format, *program, *units, *name;
+  const std::string &created, &body_name;
+};
+[[nodiscard]] std::string meta_head(const MetaHead&, const Mesh&, std::span<const Material>);
+
+/// The coordinates of points, x y z, for an array.
+[[nodiscard]] std::vector<double> coordinates(std::span<const Vec3> points);
+
 /// SHA-256 of the nodes' coordinates and the elements' nodes.
 [[nodiscard]] std::string mesh_hash(const Mesh&);
 

@@ -16,18 +16,9 @@ namespace {
 
 std::string meta_of(const ModalTable& t) {
   const TableMetadata& metadata = t.metadata;
-  std::string out =
-      "{\"format\": \"modal-table\", \"version\": \"1.0\", \"generator\": \"tactus modal_fem\"";
-  if (!metadata.created.empty())
-    out += ", \"created\": " + files::quoted_json(metadata.created);
-  out += ", \"units\": \"SI\", \"body_name\": " + files::quoted_json(metadata.body_name) +
-         ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
-         format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
-                t.mesh.elements.size(), t.mesh.dofs()) +
-         ", \"element\": " + files::quoted_json(t.mesh.element_names()) +
-         ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
-  for (std::size_t i = 0; i < t.materials.size(); ++i)
-    out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
+  std::string out = meta_head(
+      {"modal-table", "modal_fem", "\"SI\"", "body_name", metadata.created, metadata.body_name},
+      t.mesh, t.materials);
   out +=
       "], \"bc\": " + files::quoted_json(metadata.support) +
       format(", \"rigid_modes\": %zu", t.modes.rigid) +
@@ -47,12 +38,10 @@ double decay_time(double frequency_hz, double loss_factor) noexcept {
 namespace {
 
 void add_shape(NpzWriter& npz, const ShapeDerivatives& shape, std::size_t modes) {
-  std::vector<double> points, rows;
-  for (const Vec3& p : shape.control_points)
-    points.insert(points.end(), {p.x, p.y, p.z});
+  std::vector<double> rows;
   for (const auto& [control, axis, low, high] : shape.parameters)
     rows.insert(rows.end(), {static_cast<double>(control), static_cast<double>(axis), low, high});
-  npz.add("control_points", points, {shape.control_points.size(), 3});
+  npz.add("control_points", coordinates(shape.control_points), {shape.control_points.size(), 3});
   npz.add("parameters", rows, {shape.parameters.size(), 4});
   npz.add("trust", std::span(&shape.trust, 1), {});
   npz.add("domega2_dp", shape.by_parameter, {shape.parameters.size(), modes});

@@ -21,19 +21,10 @@ std::string joined(const std::vector<std::string>& words) {
 
 std::string meta_of(const StressTable& t) {
   const StressMetadata& metadata = t.metadata;
-  std::string out = "{\"format\": \"stress-table\", \"version\": \"1.0\", \"generator\": \"tactus "
-                    "part_stress\"";
-  if (!metadata.created.empty())
-    out += ", \"created\": " + files::quoted_json(metadata.created);
-  out += ", \"units\": {\"stress\": \"Pa\", \"length\": \"m\"}, \"name\": " +
-         files::quoted_json(metadata.body_name) + ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) +
-         "\"" +
-         format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
-                t.mesh.elements.size(), t.mesh.dofs()) +
-         ", \"element\": " + files::quoted_json(t.mesh.element_names()) +
-         ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
-  for (std::size_t i = 0; i < t.materials.size(); ++i)
-    out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
+  std::string out =
+      meta_head({"stress-table", "part_stress", "{\"stress\": \"Pa\", \"length\": \"m\"}", "name",
+                 metadata.created, metadata.body_name},
+                t.mesh, t.materials);
   out += "], \"supports\": " + list(metadata.supports) +
          ", \"loads\": " + files::quoted_json(joined(metadata.loads)) +
          ", \"load_list\": " + list(metadata.loads) +
@@ -48,13 +39,6 @@ std::string meta_of(const StressTable& t) {
 
 std::vector<float> singles(std::span<const double> values) {
   return {values.begin(), values.end()};
-}
-
-std::vector<double> coordinates(std::span<const Vec3> points) {
-  std::vector<double> out;
-  for (const Vec3& p : points)
-    out.insert(out.end(), {p.x, p.y, p.z});
-  return out;
 }
 
 /// The skin in fewer triangles, whose corners are some of its vertices.

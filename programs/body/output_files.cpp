@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -115,6 +116,15 @@ void draw_sheet(const std::string& script, const std::string& table, const std::
   if (!python(words))
     throw InputError("the picture sheet " + picture + " was not drawn by " +
                      beside_program(script));
+}
+
+std::string date_of_now() {
+  if (std::getenv("SOURCE_DATE_EPOCH"))
+    return {};
+  const std::time_t time = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
+  return text;
 }
 
 } // namespace tactus::fem

@@ -30,4 +30,8 @@ void check_sheet(const std::string& script);
 void draw_sheet(const std::string& script, const std::string& table, const std::string& picture,
                 const std::vector<std::string>& more = {});
 
+/// "2026-11-28T14:05:09Z", for a table; empty where SOURCE_DATE_EPOCH is set, so that equal bodies
+/// are equal files.
+[[nodiscard]] std::string date_of_now();
+
 } // namespace tactus::fem

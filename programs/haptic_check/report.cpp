@@ -1,9 +1,9 @@
 #include "programs/haptic_check/report.hpp"
 
+#include "core/text.hpp"
 #include "devices/driver.hpp"
 
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 #include <thread>
 
@@ -14,21 +14,12 @@
 namespace tactus::haptic_check {
 namespace {
 
-[[gnu::format(printf, 2, 3)]] void add(std::string& text, const char* format, ...) {
-  char line[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line, sizeof line, format, arguments);
-  va_end(arguments);
-  text += line;
-}
-
 /// A limit of the device; 0 is one that it does not state.
 void add_limit(std::string& text, const char* name, const char* unit, int digits, double limit) {
   if (limit > 0)
-    add(text, "%s %.*f %s", name, digits, limit, unit);
+    text += format("%s %.*f %s", name, digits, limit, unit);
   else
-    add(text, "%s not stated", name);
+    text += format("%s not stated", name);
 }
 
 std::string machine() {
@@ -47,14 +38,14 @@ void add_loop(std::string& text, const Finding& finding) {
   const Intervals& all = finding.intervals;
   const auto& late = finding.statistics.lateness;
   const auto& work = finding.statistics.work;
-  add(text,
+  text += format(
       "  loop: %s, %.1f Hz, interval +- %.0f us, longest %.2f ms, overruns %llu, skipped %llu\n",
       finding.scheduling.c_str(), 1 / all.mean_s, 1e6 * all.deviation_s, 1e3 * all.max_s,
       static_cast<unsigned long long>(finding.statistics.overruns),
       static_cast<unsigned long long>(finding.statistics.skipped));
-  add(text, "  late p50 %.0f p99 %.0f max %.0f us; work p50 %.0f p99 %.0f max %.0f us\n",
-      1e6 * late.quantile_s(0.5), 1e6 * late.quantile_s(0.99), 1e6 * late.max_s(),
-      1e6 * work.quantile_s(0.5), 1e6 * work.quantile_s(0.99), 1e6 * work.max_s());
+  text += format("  late p50 %.0f p99 %.0f max %.0f us; work p50 %.0f p99 %.0f max %.0f us\n",
+                 1e6 * late.quantile_s(0.5), 1e6 * late.quantile_s(0.99), 1e6 * late.max_s(),
+                 1e6 * work.quantile_s(0.5), 1e6 * work.quantile_s(0.99), 1e6 * work.max_s());
 }
 
 void add_histogram(std::string& text, const std::vector<Finding>& findings) {
@@ -72,7 +63,8 @@ void add_histogram(std::string& text, const std::vector<Finding>& findings) {
     const double share = static_cast<double>(counts[i]) / static_cast<double>(total);
     const bool last = i + 1 == counts.size();
     const double edge_us = 1e6 * Intervals::kEdges_s[last ? i - 1 : i];
-    add(text, "  %s %5.0f us %9zu %6.2f %% ", last ? ">=" : " <", edge_us, counts[i], 100 * share);
+    text +=
+        format("  %s %5.0f us %9zu %6.2f %% ", last ? ">=" : " <", edge_us, counts[i], 100 * share);
     text += std::string(static_cast<std::size_t>(40 * share + 0.5), '#') + "\n";
   }
 }
@@ -116,17 +108,17 @@ std::string report(const Options& options, const DeviceDescription& device, doub
           (identity.vendor.empty() ? "" : " ") + identity.model +
           (identity.serial.empty() ? "" : ", has a serial number") + "\n";
   const Vec3 low = caps.workspace_min * 1e3, high = caps.workspace_max * 1e3;
-  add(text, "axes %d in, %d out; limits:", caps.axes_in, caps.axes_out);
+  text += format("axes %d in, %d out; limits:", caps.axes_in, caps.axes_out);
   add_limit(text, " peak", "N", 2, caps.peak_force_n);
   add_limit(text, ", continuous", "N", 2, caps.continuous_force_n);
   add_limit(text, ", stiffness", "N/m", 0, caps.stiffness_limit_n_per_m);
   add_limit(text, ", damping", "N s/m", 1, caps.damping_limit_n_s_per_m);
   text += "\n";
-  add(text, "workspace x %.0f..%.0f y %.0f..%.0f z %.0f..%.0f mm; rate %.0f Hz; velocity %s\n",
-      low.x, high.x, low.y, high.y, low.z, high.z, caps.rate_hz,
-      caps.has_velocity ? "measured" : "estimated");
-  add(text, "asked: %.0f Hz, at most %.2f N, %.1f s a station\n", options.rate_hz, force_limit_n,
-      options.seconds);
+  text += format("workspace x %.0f..%.0f y %.0f..%.0f z %.0f..%.0f mm; rate %.0f Hz; velocity %s\n",
+                 low.x, high.x, low.y, high.y, low.z, high.z, caps.rate_hz,
+                 caps.has_velocity ? "measured" : "estimated");
+  text += format("asked: %.0f Hz, at most %.2f N, %.1f s a station\n", options.rate_hz,
+                 force_limit_n, options.seconds);
   for (const auto& words : options.device.settings) {
     text += "set:";
     for (const std::string& word : words)

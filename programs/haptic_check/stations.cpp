@@ -1,10 +1,10 @@
 #include "programs/haptic_check/stations.hpp"
 
+#include "core/text.hpp"
 #include "programs/haptic_check/terminal.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <numbers>
 
@@ -17,19 +17,10 @@ constexpr double kRise_s = 1.2; // the motors' rise and a little more
 constexpr double kHome_s = 60;
 constexpr int kHomedPolls = 40; // about 5 ms apart
 
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  char line[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line, sizeof line, format, arguments);
-  va_end(arguments);
-  return line;
-}
-
 std::string live(const haptic::Report& report) {
   const Vec3 mm = report.state.position * 1e3, f = report.force_n;
-  return text("  position %7.1f %7.1f %7.1f mm   force %5.2f %5.2f %5.2f N   buttons %u", mm.x,
-              mm.y, mm.z, f.x, f.y, f.z, report.state.buttons);
+  return format("  position %7.1f %7.1f %7.1f mm   force %5.2f %5.2f %5.2f N   buttons %u", mm.x,
+                mm.y, mm.z, f.x, f.y, f.z, report.state.buttons);
 }
 
 } // namespace
@@ -91,15 +82,15 @@ std::string Stations::finish(Finding finding, const Recording& recording, bool h
         "the motors were stopped: the device reported a fault or fell silent");
   if (has_force)
     finding.lines.push_back(
-        text("chain: clamped %llu, slewed %llu, watchdog %llu, lowest energy %.3g mJ",
-             static_cast<unsigned long long>(recording.counters.clamped),
-             static_cast<unsigned long long>(recording.counters.slewed),
-             static_cast<unsigned long long>(recording.counters.watchdog_trips),
-             1e3 * recording.lowest_energy_j));
+        format("chain: clamped %llu, slewed %llu, watchdog %llu, lowest energy %.3g mJ",
+               static_cast<unsigned long long>(recording.counters.clamped),
+               static_cast<unsigned long long>(recording.counters.slewed),
+               static_cast<unsigned long long>(recording.counters.watchdog_trips),
+               1e3 * recording.lowest_energy_j));
   if (recording.lost > 0)
     finding.lines.push_back(
-        text("%llu ticks were not taken down: the computer is too busy for this program",
-             static_cast<unsigned long long>(recording.lost)));
+        format("%llu ticks were not taken down: the computer is too busy for this program",
+               static_cast<unsigned long long>(recording.lost)));
   for (const std::string& line : finding.lines)
     std::printf("  %s\n", line.c_str());
   finding.answer =
@@ -147,13 +138,13 @@ std::string Stations::look() {
   Finding finding;
   finding.name = "position";
   finding.lines = {
-      text("x %.1f..%.1f  y %.1f..%.1f  z %.1f..%.1f mm", low.x, high.x, low.y, high.y, low.z,
-           high.z),
-      text("fastest %.2f m/s, smallest step %.4f mm, new readings in %.0f %% of the ticks",
-           motion.max_speed_m_per_s, 1e3 * motion.min_step_m, 100 * motion.changed_fraction),
-      text("buttons seen 0x%x, readings that failed %llu of %llu", motion.buttons,
-           static_cast<unsigned long long>(recording.statistics.device_errors),
-           static_cast<unsigned long long>(recording.statistics.ticks))};
+      format("x %.1f..%.1f  y %.1f..%.1f  z %.1f..%.1f mm", low.x, high.x, low.y, high.y, low.z,
+             high.z),
+      format("fastest %.2f m/s, smallest step %.4f mm, new readings in %.0f %% of the ticks",
+             motion.max_speed_m_per_s, 1e3 * motion.min_step_m, 100 * motion.changed_fraction),
+      format("buttons seen 0x%x, readings that failed %llu of %llu", motion.buttons,
+             static_cast<unsigned long long>(recording.statistics.device_errors),
+             static_cast<unsigned long long>(recording.statistics.ticks))};
   return finish(std::move(finding), recording, false);
 }
 
@@ -206,10 +197,10 @@ std::string Stations::wall() {
     finding.lines = {"the wall was not touched"};
   else
     finding.lines = {
-        text("%zu hits, %zu ticks in contact, deepest %.2f mm, largest force %.2f N",
-             recording.hits.size(), result.ticks, 1e3 * result.max_depth_m, result.max_force_n),
-        text("force over depth %.0f N/m of %.0f asked, hum %.1f um RMS", result.stiffness_n_per_m,
-             stiffness_n_per_m_, 1e6 * result.vibration_rms_m)};
+        format("%zu hits, %zu ticks in contact, deepest %.2f mm, largest force %.2f N",
+               recording.hits.size(), result.ticks, 1e3 * result.max_depth_m, result.max_force_n),
+        format("force over depth %.0f N/m of %.0f asked, hum %.1f um RMS", result.stiffness_n_per_m,
+               stiffness_n_per_m_, 1e6 * result.vibration_rms_m)};
   return finish(std::move(finding), recording, true);
 }
 
@@ -257,10 +248,10 @@ std::string Stations::sphere() {
     finding.lines = {"the ball was not touched"};
   else
     finding.lines = {
-        text("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits.size(),
-             angles.size(), 1e3 * max_depth),
-        text("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%,",
-             angles[angles.size() / 2], angles[angles.size() * 19 / 20]),
+        format("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits.size(),
+               angles.size(), 1e3 * max_depth),
+        format("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%,",
+               angles[angles.size() / 2], angles[angles.size() * 19 / 20]),
         "where the brake of the passivity control is part of it"};
   return finish(std::move(finding), recording, true);
 }
@@ -309,12 +300,12 @@ std::string Stations::sines() {
                                                 part.frequency_hz, period_s_)
                                   : Response{};
     if (response.force_n > 0)
-      finding.lines.push_back(text(
+      finding.lines.push_back(format(
           "%.0f Hz: %.3f N moves the handle %.4f mm, %.4f mm/N, %.0f degrees", part.frequency_hz,
           response.force_n, 1e3 * response.motion_m, 1e3 * response.motion_m / response.force_n,
           response.phase_rad * 180 / std::numbers::pi));
     else
-      finding.lines.push_back(text("%.0f Hz: not long enough to measure", part.frequency_hz));
+      finding.lines.push_back(format("%.0f Hz: not long enough to measure", part.frequency_hz));
   }
   return finish(std::move(finding), recording, true);
 }

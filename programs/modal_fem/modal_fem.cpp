@@ -21,8 +21,6 @@
 #include "programs/modal_fem/serve.hpp"
 
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <numbers>
 
 namespace {
@@ -52,13 +50,6 @@ void print(const ModalTable& table) {
   }
 }
 
-std::string now() {
-  const std::time_t time = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
-  return text;
-}
-
 int run(const std::vector<std::string>& words) {
   const ModalOptions options = read_options(words);
   if (!options.sheet.empty() && options.output.empty())
@@ -72,8 +63,7 @@ int run(const std::vector<std::string>& words) {
   if (!body.solved)
     return 0; // only exported
   progress.stage("damping and the table", 0);
-  // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
-  ModalTable table = table_of(options, body, std::getenv("SOURCE_DATE_EPOCH") ? "" : now());
+  ModalTable table = table_of(options, body, date_of_now());
   if (!table.shape.parameters.empty())
     table.metadata.command = words; // for `serve`
   print(table);

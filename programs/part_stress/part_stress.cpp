@@ -15,6 +15,7 @@
 #include "fem/statics/recovery.hpp"
 #include "programs/body/body_program.hpp"
 #include "programs/body/budget.hpp"
+#include "programs/body/output_files.hpp"
 #include "programs/part_stress/petsc_engine.hpp"
 #include "programs/part_stress/picture.hpp"
 #include "programs/part_stress/serve.hpp"
@@ -22,8 +23,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <numeric>
 
 namespace {
@@ -34,13 +33,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
-}
-
-std::string now() {
-  const std::time_t time = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
-  return text;
 }
 
 std::size_t index_of_largest(std::span<const double> values) {
@@ -123,7 +115,7 @@ void write_fields(const std::string& path, const Mesh& mesh, const StaticModel& 
 StressMetadata metadata_of(const PartOptions& options, const std::vector<std::string>& words,
                            const Reanalysis& part, const PictureState& state) {
   StressMetadata metadata{.body_name = options.name(),
-                          .created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now(),
+                          .created = date_of_now(),
                           .supports = {},
                           .loads = {},
                           .mass = mass_properties(part.mesh(), part.model().materials).mass,

@@ -16,13 +16,6 @@
 namespace tactus::fem {
 namespace {
 
-std::vector<double> coordinates(std::span<const Vec3> points) {
-  std::vector<double> out;
-  for (const Vec3& p : points)
-    out.insert(out.end(), {p.x, p.y, p.z});
-  return out;
-}
-
 std::vector<Vec3> positions(const Mesh& mesh, std::span<const int> nodes) {
   std::vector<Vec3> out;
   out.reserve(nodes.size());
