@@ -21,6 +21,12 @@ struct DeviceOptions {
 /// Gives the device its settings, then its WHICH. Empty, or the device's first refusal.
 [[nodiscard]] std::string configure(haptic::Backend& device, const DeviceOptions& options);
 
+/// The options of a command line, or one sentence.
+template <class Options> struct Parsed {
+  Options options;
+  std::string error;
+};
+
 /// What the usage text says of an option, on one line: "0..65535; 0 takes one that is free (7770)".
 /// Empty when it has no line that begins with two spaces and the option.
 [[nodiscard]] std::string option_text(std::string_view usage, std::string_view name);

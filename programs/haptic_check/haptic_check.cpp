@@ -91,7 +91,9 @@ int main(int count, char** words) {
   Options& options = parsed.options;
   if (options.help)
     return std::printf("%s", usage()), 0;
-  listen_for_interrupts();
+  programs::listen_for_interrupts(
+      "\nhaptic_check: a call of the device's driver does not return; the "
+      "program ends without it. Switch the device off and on\n");
   std::printf("Looking for devices\n");
   const std::vector<std::string> drivers = inventory();
   print(drivers);

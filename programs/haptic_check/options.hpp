@@ -14,11 +14,7 @@ struct Options {
   std::string report = "haptic_check.txt";
 };
 
-/// Options, or why not.
-struct ParsedOptions {
-  Options options;
-  std::string error;
-};
+using ParsedOptions = programs::Parsed<Options>;
 [[nodiscard]] ParsedOptions parse_options(int count, const char* const* words);
 [[nodiscard]] const char* usage() noexcept;
 

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "programs/device_options/interrupt.hpp"
+
 #include <string>
 
 namespace tactus::haptic_check {
 
-/// True after Ctrl-C or a request to end; everything then fades out and stops.
-[[nodiscard]] bool interrupted() noexcept;
-/// From then on the program ends within 3 s of an interrupt, whatever call does not return.
-void listen_for_interrupts() noexcept;
+/// After an interrupt everything fades out and stops.
+using programs::interrupted;
 
 /// Prints the question and waits for a line; the answer without blanks around it. Empty at once
 /// when nothing may be asked.

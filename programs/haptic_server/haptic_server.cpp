@@ -1,6 +1,7 @@
 // haptic_server: serves a haptic device over the network; docs/formats/haptic_protocol.md has the
 // protocol.
 #include "externals/phantom/trace.hpp"
+#include "programs/device_options/interrupt.hpp"
 #include "programs/haptic_server/station.hpp"
 
 #include <atomic>
@@ -16,32 +17,17 @@ namespace {
 using namespace tactus;
 using namespace tactus::haptic_server;
 
-std::atomic<bool> stop{false};
 std::atomic<haptic::MotorControl*> motors{nullptr};
 static_assert(std::atomic<haptic::MotorControl*>::is_always_lock_free); // for the handlers
 
-constexpr unsigned kEnd_s = 3;
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
 constexpr int kPollsPerTroubleCheck = 100;
 
-/// A driver's call may never return, and nothing can end it but the process.
-void leave(int) noexcept {
-  constexpr char kSentence[] = "haptic_server: a call of the device's driver does not return; the "
-                               "program ends without it. Switch the device off and on\n";
-  static_cast<void>(!write(STDERR_FILENO, kSentence, sizeof kSentence - 1));
-  _exit(1);
-}
-
 void listen_for_signals() noexcept {
+  programs::listen_for_interrupts(
+      "haptic_server: a call of the device's driver does not return; the "
+      "program ends without it. Switch the device off and on\n");
   struct sigaction action {};
-  action.sa_handler = &leave;
-  sigaction(SIGALRM, &action, nullptr);
-  action.sa_handler = [](int) {
-    if (!stop.exchange(true))
-      alarm(kEnd_s);
-  };
-  for (const int one : {SIGINT, SIGTERM, SIGHUP})
-    sigaction(one, &action, nullptr);
   action.sa_flags = SA_RESTART;
   action.sa_handler = [](int) {
     if (haptic::MotorControl* control = motors)
@@ -78,7 +64,8 @@ int serve(Station& station, const Options& options, phantom::Trace& trace) {
       trace.write(report, report.tick.time_s * 1e3);
   };
   std::string trouble;
-  for (int looks = 0; !stop && !(options.once && station.all_clients_left()); ++looks) {
+  for (int looks = 0; !programs::interrupted() && !(options.once && station.all_clients_left());
+       ++looks) {
     drain();
     for (const std::string& line : station.take_notices())
       say(time_of_day() + line);
@@ -91,7 +78,7 @@ int serve(Station& station, const Options& options, phantom::Trace& trace) {
     std::this_thread::sleep_for(kPollInterval);
   }
   motors = nullptr;
-  alarm(kEnd_s);
+  programs::limit_time_to_end();
   station.close();
   drain();
   for (const std::string& line : station.take_notices())

@@ -14,10 +14,7 @@ struct Options {
   bool once = false, udp = false, help = false;
 };
 
-struct ParsedOptions {
-  Options options;
-  std::string error; ///< one sentence
-};
+using ParsedOptions = programs::Parsed<Options>;
 [[nodiscard]] ParsedOptions parse_options(int count, const char* const* words);
 [[nodiscard]] const char* usage() noexcept;
 

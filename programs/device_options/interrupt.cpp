@@ -1,0 +1,44 @@
+#include "programs/device_options/interrupt.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <cstring>
+
+#include <unistd.h>
+
+namespace tactus::programs {
+namespace {
+
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free); // for the handlers
+const char* g_sentence = "";
+
+// From an interrupt to the end of the program: 0.3 s for the force, a second for the device.
+constexpr unsigned kEnd_s = 3;
+
+void leave(int) noexcept {
+  static_cast<void>(!write(STDERR_FILENO, g_sentence, std::strlen(g_sentence)));
+  _exit(1);
+}
+
+} // namespace
+
+bool interrupted() noexcept { return g_stop; }
+void interrupt() noexcept { g_stop = true; }
+void limit_time_to_end() noexcept { alarm(kEnd_s); }
+
+void listen_for_interrupts(const char* sentence) noexcept {
+  g_sentence = sentence;
+  struct sigaction action {
+  }, last{};
+  last.sa_handler = &leave;
+  sigaction(SIGALRM, &last, nullptr);
+  action.sa_handler = [](int) { // no restart: a question ends, too
+    if (!g_stop.exchange(true))
+      alarm(kEnd_s);
+  };
+  for (const int one : {SIGINT, SIGTERM, SIGHUP})
+    sigaction(one, &action, nullptr);
+}
+
+} // namespace tactus::programs
