@@ -262,7 +262,8 @@ t_max_err class_register(t_symbol*, t_class* c) {
 
 void* object_alloc(t_class* c) {
   const ApiCall api("object_alloc", kMain);
-  auto* object = new Object{.type = require<t_class>(c, "object_alloc")};
+  auto* object = new Object;
+  object->type = require<t_class>(c, "object_alloc");
   auto* memory = static_cast<std::byte*>(std::malloc(kBefore + c->size));
   std::memset(memory, 0xCD, kBefore + c->size); // Max promises no zeros
   std::memcpy(memory, &object, sizeof object);
