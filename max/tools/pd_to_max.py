@@ -49,7 +49,7 @@ class Names:
                 self.sent.add((words + ["-"] * 7)[6])
 
     def _object(self, words):
-        at = {"bng": 5, "tgl": 3, "hsl": 7, "vsl": 7, "nbx": 7, "vradio": 5, "hradio": 5}.get(words[0])
+        at = pd_widgets.SENDS.get(words[0])
         if at:
             self.sent.add(words[at])
             self.received.add(words[at + 1])
@@ -90,10 +90,6 @@ class Converter:
                 text = text[:start].rstrip() + (text[end + 1:] if end >= 0 else "")
         return text
 
-    def fail(self, what, x, y):
-        error = NoEquivalent(f"{self.where.name}: [{what}] at {x} {y} has no equivalent in Max", "where known")
-        raise error
-
 
 class _Canvas:
     """One canvas on its way."""
@@ -101,7 +97,7 @@ class _Canvas:
     def __init__(self, converter, canvas, patcher):
         self.converter, self.canvas, self.patcher = converter, canvas, patcher
         self.made = {}  # index of a Pd box: (box for its inlets, box for its outlets, swapped inlets)
-        self.widgets, self.panels, self.graphs, self.dropped = [], [], [], []
+        self.widgets, self.panels, self.dropped = [], [], []
 
     # -- boxes ------------------------------------------------------------------------------------
 
@@ -114,10 +110,9 @@ class _Canvas:
             try:
                 self._box(index, pd_box)
             except NoEquivalent as error:
-                if error.args[1:] == ("where known",):
-                    raise
-                if not self.converter.omitted(str(error.args[0])):
-                    self.converter.fail(error.args[0], pd_box.x, pd_box.y)
+                if not self.converter.omitted(str(error)):
+                    raise ValueError(f"{self.converter.where.name}: [{error}] at {pd_box.x} {pd_box.y} "
+                                     "has no equivalent in Max") from error
 
     def _menus(self, texts):
         consumed = []
@@ -320,27 +315,10 @@ class _Canvas:
             if pd_target.name == "tabwrite~" and not signal or pd_target.name == "tabwrite" and inlet:
                 self.dropped.append(source)
                 continue
-            if pd_target.name == "prepend":
-                inlet = 0
             self.patcher.connect(source, outlet, destination, inlet)
             if low := getattr(destination, "low_pass", None):
                 self.patcher.connect(source, outlet, low, 0)
-        self._shown_expressions()
         self._prune()
-
-    def _shown_expressions(self):
-        """A logarithmic slider with a cord of its own shows the expression behind it."""
-        for widget in self.widgets:
-            own = [c for c in self.patcher.cords if c[0] is widget.box]
-            if not (widget.after and own):
-                continue
-            x, y, _, h = widget.box.pd
-            behind = Box("newobj", widget.after[0])
-            behind.pd = (x, y + h + 1, 80, 19)
-            self.patcher.add(behind)
-            self.patcher.cords = [(behind, 0, *c[2:]) if c in own else c for c in self.patcher.cords]
-            self.patcher.connect(widget.box, 0, behind, 0)
-            widget.outlet, widget.after_is_shown = behind, True
 
     def _prune(self):
         """Takes away what only drove a tabwrite: scope~ and multislider need no metro."""
@@ -359,24 +337,14 @@ class _Canvas:
         """[t] after each control outlet with several cords; Pd's first cord is its rightmost outlet."""
         groups = {}
         for widget in self.widgets:
-            source = widget.outlet or widget.box
-            if widget.sends and any(c[0] is source for c in self.patcher.cords):
-                self._shown_send(widget, source)
+            if (widget.sends or widget.after) and any(c[0] is widget.box for c in self.patcher.cords):
+                raise ValueError(f"{self.converter.where.name}: a widget has a cord beside a name or a logarithm")
         for cord in self.patcher.cords:
             if cord[0].outlets[cord[1]] != "signal":
                 groups.setdefault((id(cord[0]), cord[1]), []).append(cord)
         for cords in groups.values():
             if len(cords) > 1:
                 self._trigger(cords)
-
-    def _shown_send(self, widget, source):
-        """A widget with cords and a name: the [s] is a box like the others, so that [t] orders it."""
-        x, y, w, h = source.pd
-        box = Box("newobj", f"s {widget.sends}")
-        box.pd = (x + 60, y + h + 18, 7 * len(widget.sends), 19)
-        self.patcher.add(box)
-        self.patcher.connect(source, 0, box, 0)
-        widget.sends = None
 
     def _trigger(self, cords):
         source, outlet = cords[0][0], cords[0][1]

@@ -5,11 +5,8 @@ import max_objects
 from pd_file import plain
 
 
-class NoEquivalent(ValueError):
+class NoEquivalent(Exception):
     """A Pd object that no Max object of the table replaces."""
-
-    def __str__(self):
-        return str(self.args[0])
 
 
 # Same behaviour under another name, or under its own.

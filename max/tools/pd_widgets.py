@@ -11,6 +11,8 @@ from pd_file import plain
 
 COLUMN = 190
 NOTHING = "empty"
+# Where the name stands to which a Pd object sends; behind it are the name that it receives, a label and its place.
+SENDS = {"bng": 5, "tgl": 3, "hsl": 7, "vsl": 7, "nbx": 7, "vradio": 5, "hradio": 5}
 BAR = 36  # a cnv no higher than this is a heading
 
 
@@ -21,21 +23,12 @@ class Widget:
         self.box, self.sends, self.receives, self.receiver = box, sends, receives, receiver
         self.same_name = sends is not None and sends == receives  # set without an output, or it loops
         self.before, self.after = before, after  # texts of objects between the names and the box
-        self.outlet, self.after_is_shown = None, False  # set where `after` is a shown box
         self.labels = []
 
 
 def colour(word):
     """#rrggbb as Max writes it."""
     return [round(int(word[i:i + 2], 16) / 255, 3) for i in (1, 3, 5)] + [1.0]
-
-
-def name_or_none(word):
-    return None if word == NOTHING else word
-
-
-def label_of(word):
-    return "" if word == NOTHING else reworded(plain(word))
 
 
 def reworded(text):
@@ -48,71 +41,51 @@ def reworded(text):
     return text
 
 
-def label_box(widget, text, x, y, width, dx, dy, height):
-    """The comment that replaces a label drawn beside, above or below a widget."""
-    if not text:
-        return
-    if dy < 0:
-        position = (x, y - 18)
-    elif dy > height:
-        position = (x, y + height + 3)
-    else:
-        position = (x + width + 4, y)
-    label = Box("comment", text)
-    label.pd = (*position, label.width / 1.12, 16)
-    widget.labels.append(label)
+def widget(box, x, y, width, height, words, before=(), after=()):
+    """The box in place of a Pd object of these words, with a comment in place of the label beside, above or below it."""
+    at = SENDS[words[0]]
+    sends, receives, label = (None if word == NOTHING else plain(word) for word in words[at:at + 3])
+    box.pd = (x, y, width, height)
+    made = Widget(box, sends, receives, before, after)
+    if label:
+        comment, dy = Box("comment", reworded(label)), int(words[at + 4])
+        position = (x, y - 18) if dy < 0 else (x, y + height + 3) if dy > height else (x + width + 4, y)
+        comment.pd = (*position, comment.width / 1.12, 16)
+        made.labels.append(comment)
+    return made
 
 
 def bang(x, y, words):
     size = int(words[1])
-    box = Box("button", width=max(size, 18), height=max(size, 18))
-    box.pd = (x, y, size, size)
-    widget = Widget(box, name_or_none(words[5]), name_or_none(words[6]))
-    label_box(widget, label_of(words[7]), x, y, size, int(words[8]), int(words[9]), size)
-    return widget
+    return widget(Box("button", width=max(size, 18), height=max(size, 18)), x, y, size, size, words)
 
 
 def toggle(x, y, words):
     size = int(words[1])
-    box = Box("toggle", width=max(size, 20), height=max(size, 20))
-    box.pd = (x, y, size, size)
-    widget = Widget(box, name_or_none(words[3]), name_or_none(words[4]))
-    label_box(widget, label_of(words[5]), x, y, size, int(words[6]), int(words[7]), size)
-    return widget
+    return widget(Box("toggle", width=max(size, 20), height=max(size, 20)), x, y, size, size, words)
 
 
 def slider(x, y, words):
     """hsl and vsl. Max's slider is linear: a logarithmic one gets expressions on both sides."""
     across = words[0] == "hsl"
-    width, height = int(words[1]), int(words[2])
-    low, high, logarithmic = float(words[3]), float(words[4]), int(words[5])
-    shape = dict(orientation=1 if across else 2, floatoutput=1, parameter_enable=0)
-    before = after = ()
-    if logarithmic:
-        shape.update(min=0.0, size=1.0)
-        ratio = high / low
-        after = (f"expr {low:g}*pow({ratio:g}\\, $f1)",)
-        before = (f"expr log($f1/{low:g})/{math.log(ratio):.6g}",)
-    else:
-        shape.update(min=low, size=high - low)
+    width, height, low, high = int(words[1]), int(words[2]), float(words[3]), float(words[4])
+    shape, before, after = dict(min=low, size=high - low), (), ()
+    if int(words[5]):
+        shape = dict(min=0.0, size=1.0)
+        after = (f"expr {low:g}*pow({high / low:g}\\, $f1)",)
+        before = (f"expr log($f1/{low:g})/{math.log(high / low):.6g}",)
     box = Box("slider", width=round(width * 1.12) if across else max(width, 18),
-              height=max(height, 16) if across else round(height * 1.12), **shape)
-    box.pd = (x, y, width, height)
-    widget = Widget(box, name_or_none(words[7]), name_or_none(words[8]), before, after)
-    label_box(widget, label_of(words[9]), x, y, width, int(words[10]), int(words[11]), height)
-    return widget
+              height=max(height, 16) if across else round(height * 1.12),
+              orientation=1 if across else 2, floatoutput=1, parameter_enable=0, **shape)
+    return widget(box, x, y, width, height, words, before, after)
 
 
 def number_box(x, y, words):
     """nbx. Its range is kept."""
-    digits, height = int(words[1]), int(words[2])
-    low, high = float(words[3]), float(words[4])
+    width, height, low, high = 9 * int(words[1]) + 6, int(words[2]), float(words[3]), float(words[4])
     limits = dict(minimum=low, maximum=high) if high > low else {}
-    box = Box("flonum", width=max(50, 9 * digits + 12), height=22, parameter_enable=0, **limits)
-    box.pd = (x, y, 9 * digits + 6, height)
-    widget = Widget(box, name_or_none(words[7]), name_or_none(words[8]))
-    label_box(widget, label_of(words[9]), x, y, 9 * digits + 6, 9 * digits + 10, int(words[11]), height)
-    return widget
+    return widget(Box("flonum", width=max(50, width + 6), height=22, parameter_enable=0, **limits), x, y, width, height,
+                  words)
 
 
 def number_atom(pd_box):
@@ -142,30 +115,29 @@ def menu(x, y, words, texts):
     width = max(text_size.width(item) for item in items) + 36
     listed = [item for pair in ((name, ",") for name in items) for item in pair][:-1]
     box = Box("umenu", width=round(max(width, 70)), height=22, items=listed, parameter_enable=0)
-    box.pd = (x, y, pitch + 4 + 7 * max(map(len, items)), 19)
-    return Widget(box, name_or_none(words[5]), name_or_none(words[6])), used
+    return widget(box, x, y, pitch + 4 + 7 * max(map(len, items)), 19, words), used
 
 
 def panel(x, y, words):
     """cnv: a coloured area, and its label as a comment on it."""
-    width, height, label = int(words[2]), int(words[3]), label_of(words[6])
+    width, height, label = int(words[2]), int(words[3]), "" if words[6] == NOTHING else reworded(plain(words[6]))
     box = Box("panel", width=width, height=height, background=1, bgcolor=colour(words[11]), mode=0,
               border=0, rounded=0, angle=270.0, proportion=0.5)
     box.pd = (x, y, width, height)
-    widget = Widget(box)
-    widget.is_bar = height <= BAR
+    made = Widget(box)
+    made.is_bar = height <= BAR
     dark = sum(colour(words[11])[:3]) < 1.2
     extra = dict(fontface=1, fontsize=18.0 if int(words[10]) > 14 else 12.0, background=1)
     if dark:
         extra["textcolor"] = [1.0, 1.0, 1.0, 1.0]
-    if widget.is_bar:  # a heading: a comment with a background, as wide as the bar
-        widget.box = Box("comment", label, width=round(width * 1.12), bgcolor=colour(words[11]), **extra)
-        widget.box.pd = (x, y, width, height)
+    if made.is_bar:  # a heading: a comment with a background, as wide as the bar
+        made.box = Box("comment", label, width=round(width * 1.12), bgcolor=colour(words[11]), **extra)
+        made.box.pd = (x, y, width, height)
     elif label:
         comment = Box("comment", label, **extra)
         comment.pd = (x + 4, y + 2, comment.width / 1.12, min(16, height - 2))
-        widget.labels.append(comment)
-    return widget
+        made.labels.append(comment)
+    return made
 
 
 def graph(pd_box, values):
@@ -191,19 +163,16 @@ def hide_wires(patcher, widgets):
     left = max((b.right for b in patcher.boxes), default=0) + 40
     columns = []
     for widget in widgets:
-        above = list(widget.before) if widget.receives else []
-        if widget.receives:
-            above = [f"{widget.receiver} {widget.receives}"] + above
-            if widget.same_name:
-                above.append("prepend set")
-        below = ([] if widget.after_is_shown else list(widget.after)) + (
-            [f"s {widget.sends}"] if widget.sends else [])
+        above = [f"{widget.receiver} {widget.receives}", *widget.before] if widget.receives else []
+        if above and widget.same_name:
+            above.append("prepend set")
+        below = [*widget.after, *([f"s {widget.sends}"] if widget.sends else [])]
         if above or below:
-            _wire(patcher, widget, above, below, left, columns)
+            _wire(patcher, widget.box, above, below, left, columns)
 
 
-def _wire(patcher, widget, above, below, left, columns):
-    box, step = widget.box, 28
+def _wire(patcher, box, above, below, left, columns):
+    step = 28
     top, bottom = box.y - step * len(above), box.bottom + step * len(below)
     column = next((c for c, taken in enumerate(columns)
                    if all(bottom < t or b < top for t, b in taken)), len(columns))
@@ -211,16 +180,7 @@ def _wire(patcher, widget, above, below, left, columns):
         columns.append([])
     columns[column].append((top, bottom))
     x = left + COLUMN * column
-    previous = None
-    for i, text in enumerate(above):
-        made = patcher.object(text, x, top + step * i, hidden=1)
-        if previous:
-            patcher.connect(previous, 0, made, 0, hidden=True)
-        previous = made
-    if previous:
-        patcher.connect(previous, 0, box, 0, hidden=True)
-    previous = widget.outlet or box
-    for i, text in enumerate(below):
-        made = patcher.object(text, x, box.bottom + 6 + step * i, hidden=1)
-        patcher.connect(previous, 0, made, 0, hidden=True)
-        previous = made
+    chain = [patcher.object(text, x, top + step * i, hidden=1) for i, text in enumerate(above)] + [box] + [
+        patcher.object(text, x, box.bottom + 6 + step * i, hidden=1) for i, text in enumerate(below)]
+    for source, destination in zip(chain, chain[1:]):
+        patcher.connect(source, 0, destination, 0, hidden=True)

@@ -33,7 +33,7 @@ def test_an_object_becomes_its_equivalent(drawn, expected):
 
 
 def test_an_object_without_equivalent_is_named_with_its_position(tmp_path):
-    with pytest.raises(pd_vocabulary.NoEquivalent, match=r"drawn.pd: \[netsend\] at 30 40"):
+    with pytest.raises(ValueError, match=r"drawn.pd: \[netsend\] at 30 40"):
         convert(tmp_path, "obj 30 40 netsend")
 
 
