@@ -1,7 +1,6 @@
 #include "core/guarded.hpp"
 #include "core/module_object.hpp"
-#include "max/abi/max_abi.h"
-#include "max/shell/max_class.hpp"
+#include "max/shell/max_object.hpp"
 
 // The function that Max calls after loading a module; the only one that a module exports.
 extern "C" MAX_EXPORT void ext_main(void*);

@@ -4,11 +4,30 @@
 #include "max/shell/command_queue.hpp"
 #include "max/shell/output.hpp"
 #include "max/shell/parameter_view.hpp"
-#include "max/shell/token.hpp"
 
 #include <atomic>
 #include <cstddef>
 #include <memory>
+
+namespace tactus::max {
+
+/// The right to use an object, held by one thread at a time. The audio thread never waits for it.
+class Token {
+public:
+  enum class Holder { kNobody, kMessage, kAudio };
+
+  /// One try; false while somebody holds it. What the last holder wrote is visible afterwards.
+  [[nodiscard]] bool take(Holder by) noexcept {
+    Holder expected = Holder::kNobody;
+    return holder_.compare_exchange_strong(expected, by);
+  }
+  void release() noexcept { holder_.store(Holder::kNobody); }
+  [[nodiscard]] Holder holder() const noexcept { return holder_.load(); }
+
+private:
+  // In one order with the queue's own atomics: see Executor::carry_out_all().
+  std::atomic<Holder> holder_{Holder::kNobody};
+};
 
 /// Lets messages of several threads and the audio thread use one object, whose members must never
 /// overlap, without a lock in the audio thread.
@@ -21,8 +40,6 @@
 /// after the command at hand; the audio thread tries for some 30 microseconds, a bounded number of
 /// times. A command that takes longer, such as one that loads, costs the block: the caller gets
 /// false and plays silence.
-namespace tactus::max {
-
 class Executor {
 public:
   /// What the shell does for the executor.

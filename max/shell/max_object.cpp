@@ -2,7 +2,6 @@
 
 #include "core/declaration_text.hpp"
 #include "max/shell/atoms.hpp"
-#include "max/shell/guarded.hpp"
 
 #include <algorithm>
 #include <array>
@@ -47,21 +46,31 @@ double scheduler_ms() noexcept {
 
 } // namespace
 
+// Max's callbacks.
+template <void (MaxObject::*function)()> void MaxObject::on(MaxObject* self) {
+  guarded(&self->instance_, [](MaxObject& object) { (object.*function)(); });
+}
+void MaxObject::on_timer(Timer* timer) {
+  guarded(&timer->owner->instance_,
+          [timer](MaxObject& self) { self.post(QueuedCommand::Kind::kTick, timer->index); });
+}
+
 MaxObject::MaxObject(Instance& instance, const ModuleObject<double>& module,
                      InstanceNumbers& numbers)
     : instance_(instance), traits_(module.traits), declaration_(*module.traits.declaration),
       ports_(instance.object, declaration_, traits_.processes), creation_ms_(scheduler_ms()),
       inlets_(declaration_), files_(box()), timers_(traits_.timers),
-      output_clock_(clock_new(this, method_of(&on_output))),
-      nudge_clock_(clock_new(this, method_of(&on_nudge))),
-      left_element_(qelem_new(this, method_of(&on_left))),
-      changed_element_(qelem_new(this, method_of(&on_changed))), hold_(numbers, nullptr) {
+      output_clock_(clock_new(this, method_of(&on<&MaxObject::deliver_audio_output>))),
+      nudge_clock_(clock_new(this, method_of(&on<&MaxObject::nudge>))),
+      left_element_(qelem_new(this, method_of(&on<&MaxObject::carry_out_left>))),
+      changed_element_(qelem_new(this, method_of(&on<&MaxObject::tell_changes>))),
+      hold_(numbers, nullptr) {
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     timers_[i] = {this, i, nullptr};
     timers_[i].clock = clock_new(&timers_[i], method_of(&on_timer));
   }
   if (traits_.posts)
-    posted_element_ = qelem_new(this, method_of(&on_posted));
+    posted_element_ = qelem_new(this, method_of(&on<&MaxObject::posted>));
   out_.resize(static_cast<std::size_t>(
       std::count_if(declaration_.outlets.begin(), declaration_.outlets.end(),
                     [](const Port& port) { return port.kind == Port::Kind::kSignal; })));
@@ -310,27 +319,6 @@ void MaxObject::deliver_audio_output() {
   const unsigned lost = executor_->lost_outputs();
   if (lost != 0 && std::exchange(lost_outputs_said_, lost) == 0)
     say_error("audio sends more than Max takes: some of it was lost");
-}
-
-// Max's callbacks.
-void MaxObject::on_timer(Timer* timer) {
-  guarded(&timer->owner->instance_,
-          [timer](MaxObject& self) { self.post(QueuedCommand::Kind::kTick, timer->index); });
-}
-void MaxObject::on_posted(MaxObject* self) {
-  guarded(&self->instance_, [](MaxObject& o) { o.post(QueuedCommand::Kind::kPosted); });
-}
-void MaxObject::on_left(MaxObject* self) {
-  guarded(&self->instance_, [](MaxObject& o) { o.carry_out_left(); });
-}
-void MaxObject::on_changed(MaxObject* self) {
-  guarded(&self->instance_, [](MaxObject& o) { o.tell_changes(); });
-}
-void MaxObject::on_nudge(MaxObject* self) {
-  guarded(&self->instance_, [](MaxObject& o) { o.nudge(); });
-}
-void MaxObject::on_output(MaxObject* self) {
-  guarded(&self->instance_, [](MaxObject& o) { o.deliver_audio_output(); });
 }
 
 void MaxObject::prepare(std::span<const short> counts, double sample_rate, long max_frames) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/command.hpp"
+#include "core/guarded.hpp"
 #include "core/instance_numbers.hpp"
 #include "core/module_object.hpp"
 #include "core/published.hpp"
@@ -92,6 +93,7 @@ private:
   [[nodiscard]] bool takes_numbers() const noexcept;
   void send_parameter(std::size_t index);
   void post(QueuedCommand::Kind kind, std::size_t index = 0);
+  void posted() { post(QueuedCommand::Kind::kPosted); }
   void carry_out_left();
   void tell_changes();
   void nudge();
@@ -104,11 +106,7 @@ private:
                  std::size_t frames) noexcept;
 
   static void on_timer(Timer* timer);
-  static void on_output(MaxObject* self);
-  static void on_nudge(MaxObject* self);
-  static void on_posted(MaxObject* self);
-  static void on_left(MaxObject* self);
-  static void on_changed(MaxObject* self);
+  template <void (MaxObject::*function)()> static void on(MaxObject* self);
 
   Instance& instance_;
   const Traits& traits_;
@@ -137,5 +135,16 @@ private:
   InstanceNumbers::Hold hold_;
   std::unique_ptr<Executor> executor_;
 };
+
+/// Calls function(object) for an instance; no exception goes on into Max.
+template <class Function> void guarded(Instance* instance, Function&& function) noexcept {
+  if (instance->self)
+    tactus::guarded([&] { function(*instance->self); },
+                    [&](const char* why) { object_error(&instance->object.z_ob, "%s", why); });
+}
+
+/// Makes the Max class of this module out of its object's declaration: methods, an attribute for
+/// each parameter, Max's callbacks. What is passed lives as long as the module.
+void register_class(const ModuleObject<double>& module);
 
 } // namespace tactus::max

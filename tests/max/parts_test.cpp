@@ -1,6 +1,7 @@
 #include "core/command.hpp"
 #include "core/sentence.hpp"
 #include "max/shell/block_clock.hpp"
+#include "max/shell/output.hpp"
 #include "max/shell/signal_inlets.hpp"
 
 #include <doctest/doctest.h>
@@ -72,6 +73,34 @@ TEST_CASE("an inlet without a signal holds the last number, for blocks of any le
   CHECK(inlets.samples(from_max, 100)[1][0] == -3);
   CHECK(inlets.set(2, 4));
   CHECK(inlets.samples(from_max, 0)[1][2047] == 4);
+}
+
+TEST_CASE(
+    "outputs of audio come in their order, or are refused, however often the ring is passed") {
+  max::OutputRing ring;
+  const std::string text(1000, 'x');
+  int sent = 0, received = 0, refused = 0;
+  const auto receive = [&](const max::Output& output) {
+    CHECK(output.outlet == static_cast<unsigned>(received));
+    CHECK(output.atoms.at(0).word == std::string_view(text).substr(0, received % 997));
+    CHECK(output.atoms.at(1).number == received);
+    ++received;
+  };
+  while (sent < 5000) {
+    const std::array<Atom, 2> atoms{std::string_view(text).substr(0, sent % 997), sent};
+    if (ring.add(max::Output::Kind::kOutlet, static_cast<std::size_t>(sent), atoms))
+      ++sent;
+    else {
+      ++refused;
+      for (int i = 0; i < 50; ++i)
+        CHECK(ring.deliver_one(receive));
+    }
+  }
+  while (ring.deliver_one(receive))
+    continue;
+  CHECK(received == sent);
+  CHECK(ring.empty());
+  CHECK(refused > 10);
 }
 
 TEST_CASE("a sentence that is too long is cut off") {

@@ -43,6 +43,9 @@ def test_control_inlets_take_numbers_and_lists():
     result = run([load("phantom"), "new b phantom", "send b 2 float 1.5", "send b 1 int 2", "send b 0 float 0.25",
                   "send b 0 list 1. 2. 3.", "send b 1 list 4.", "send b 0 bang", "advance 50"])
     assert not result.of("error") and result.sent("b")
+    whole = run([load("stress_haptic"), "new b stress_haptic", "send b 1 list 1. 2.", "send b 1 float 5.",
+                 "send b 1 list 1. 2. 3."]).of("error")
+    assert [error.split(":")[2] for error in whole] == [" 2 numbers", " 1 numbers"], whole
 
 
 def test_a_list_to_the_left_inlet_gives_the_right_one_its_number_first():

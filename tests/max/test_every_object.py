@@ -75,7 +75,8 @@ def test_the_class_is_the_declaration(name):
     assert len(outlets) == len(d["outlets"]) + (0 if info else 1)
     for ports, lines in ((d["inlets"], inlets), (d["outlets"], outlets)):
         for port, line in zip(ports, lines):
-            assert port["name"] in line and line.endswith(port["text"])  # Max has room for 255 characters
+            unit = f", {port['unit']}" if port["unit"] else ""
+            assert line.endswith(f"{port['name']}{unit}: {port['text']}")  # Max has room for 255 characters
             assert (line.split(" ")[2] == "signal") == (port["kind"] == "signal")
 
 
