@@ -149,7 +149,7 @@ std::vector<double> concave_curves() {
   for (const auto& [dimension, curve] : curves) {
     std::vector<std::size_t> elements, nodes;
     gmsh::model::mesh::getElementsByType(1, elements, nodes, curve);
-    std::size_t edge_count = 0, inward = 0;
+    std::size_t edge_count = 0, concave_count = 0;
     for (std::size_t e = 0; e < elements.size(); ++e) {
       const std::size_t a = nodes[2 * e], b = nodes[2 * e + 1];
       const auto owners = at_edge.find({std::min(a, b), std::max(a, b)});
@@ -161,11 +161,11 @@ std::vector<double> concave_curves() {
       for (const std::size_t n : g)
         if (n != a && n != b)
           far = n;
-      const Vec3 outward = position[far] - .5 * (position[a] + position[b]);
+      const Vec3 to_far = position[far] - .5 * (position[a] + position[b]);
       ++edge_count;
-      inward += dot(normal, outward) > limit * length(normal) * length(outward);
+      concave_count += dot(normal, to_far) > limit * length(normal) * length(to_far);
     }
-    if (edge_count > 0 && 2 * inward > edge_count)
+    if (edge_count > 0 && 2 * concave_count > edge_count)
       concave.push_back(curve);
   }
   return concave;

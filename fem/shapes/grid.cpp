@@ -118,9 +118,9 @@ SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target,
     const std::vector<double>& line = grid.line[d];
     if (grid.uniform[d] > 0) {
       const int step = grid.uniform[d];
-      const double target_measure = static_cast<double>(line.size() - 1) / own[0];
+      const double intervals = static_cast<double>(line.size() - 1) / own[0];
       const int count = step * std::max(step > 1 ? 16 / step : 1,
-                                        static_cast<int>(std::ceil(target_measure / step - .1)));
+                                        static_cast<int>(std::ceil(intervals / step - .1)));
       finer.line[d].clear();
       for (int i = 0; i <= count; ++i)
         finer.line[d].push_back(line.front() + (line.back() - line.front()) * i / count);

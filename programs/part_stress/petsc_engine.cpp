@@ -29,10 +29,10 @@ std::string process_list_text(std::span<const Process> processes) {
     text += (k > 0 ? ", " : "") + format_bytes(processes[k].bytes) +
             format(" and %.2g s", processes[k].seconds);
   if (processes.size() > kMaxProcessesListed) {
-    const auto max_ranks =
+    const auto largest =
         std::max_element(processes.begin(), processes.end(),
                          [](const Process& a, const Process& b) { return a.bytes < b.bytes; });
-    text += " ..., at most " + format_bytes(max_ranks->bytes);
+    text += " ..., at most " + format_bytes(largest->bytes);
   }
   return text;
 }
