@@ -9,6 +9,13 @@ std::string SharedLibrary::joined(std::span<const char* const> names) {
   return text;
 }
 
+const char* SharedLibrary::missing() const noexcept {
+  for (const LibraryFunction* function : functions_)
+    if (function->needed_ == LibraryFunction::Needed::kYes && !function->address_)
+      return function->name_;
+  return nullptr;
+}
+
 bool SharedLibrary::load(std::span<const char* const> names) {
   handle_ = nullptr;
   found_ = false;
@@ -18,6 +25,8 @@ bool SharedLibrary::load(std::span<const char* const> names) {
     handle_ = open(name, error, missing);
     if (handle_) {
       name_ = name;
+      for (LibraryFunction* function : functions_)
+        function->address_ = address(function->name_);
       return true;
     }
     if (!found_)

@@ -3,8 +3,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tactus::devices {
+
+class LibraryFunction;
 
 /// A shared library that is loaded at run time, so that a missing one gives an error text and not a
 /// program that does not start. It stays loaded until the process ends: drivers' libraries keep
@@ -16,9 +19,9 @@ public:
   SharedLibrary(const SharedLibrary&) = delete;
   SharedLibrary& operator=(const SharedLibrary&) = delete;
 
-  /// Tries the names in order, all symbols resolved at once and kept from other libraries. False
-  /// when none loads: error() is then why the first one that is there does not load; if none is
-  /// there, the loader's message for the last name.
+  /// Tries the names in order, all symbols resolved at once and kept from other libraries, and
+  /// finds the functions. False when none loads: error() is then why the first one that is there
+  /// does not load; if none is there, the loader's message for the last name.
   bool load(std::span<const char* const> names);
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
   /// After load() without success: whether a file of one of the names was there.
@@ -28,6 +31,8 @@ public:
   /// The name that loaded.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
+  /// The first function that is needed and that the library lacks, or null.
+  [[nodiscard]] const char* missing() const noexcept;
   /// Sets the function pointer; null and false when the library has no such symbol.
   template <class Function> bool symbol(const char* symbol_name, Function*& function) noexcept {
     function = reinterpret_cast<Function*>(address(symbol_name));
@@ -35,32 +40,49 @@ public:
   }
 
 private:
+  friend class LibraryFunction;
   /// One library, or null after a reason; missing: there is no such file.
   /// shared_library_posix.cpp, shared_library_windows.cpp.
   [[nodiscard]] static void* open(const char* name, std::string& error, bool& missing);
   [[nodiscard]] void* address(const char* symbol_name) const noexcept;
 
   void* handle_ = nullptr;
+  std::vector<LibraryFunction*> functions_;
   std::string name_, error_;
   bool found_ = false;
 };
 
-/// Finds the functions that a driver cannot do without.
-class RequiredSymbols {
+/// What Function is, whatever its type.
+class LibraryFunction {
 public:
-  explicit RequiredSymbols(SharedLibrary& library) noexcept : library_(library) {}
-
-  /// Sets the function pointer.
-  template <class Function> void operator()(const char* name, Function*& function) noexcept {
-    if (!library_.symbol(name, function) && !missing_)
-      missing_ = name;
+  enum class Needed { kYes, kNo };
+  LibraryFunction(SharedLibrary& library, const char* name, Needed needed)
+      : name_(name), needed_(needed) {
+    library.functions_.push_back(this);
   }
-  /// The first one that the library lacks, or null.
-  [[nodiscard]] const char* missing() const noexcept { return missing_; }
+  LibraryFunction(const LibraryFunction&) = delete;
+  LibraryFunction& operator=(const LibraryFunction&) = delete;
 
-private:
-  SharedLibrary& library_;
-  const char* missing_ = nullptr;
+protected:
+  friend SharedLibrary;
+  const char* name_;
+  Needed needed_;
+  void* address_ = nullptr;
+};
+
+/// A function of a library: null until that is loaded, or where it has none of the name. `F`: its
+/// type, int(char id).
+template <class F> class Function final : public LibraryFunction {
+public:
+  Function(SharedLibrary& library, const char* name, Needed needed = Needed::kYes)
+      : LibraryFunction(library, name, needed) {}
+  Function& operator=(F* function) noexcept {
+    address_ = reinterpret_cast<void*>(function);
+    return *this;
+  }
+  /// The other's function, under this one's name.
+  Function& operator=(const Function& other) noexcept { return *this = static_cast<F*>(other); }
+  operator F*() const noexcept { return reinterpret_cast<F*>(address_); }
 };
 
 } // namespace tactus::devices

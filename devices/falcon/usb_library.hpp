@@ -9,34 +9,39 @@
 namespace tactus::devices::falcon {
 
 /// The functions of libusb 1.0 that the driver calls, found when they are needed.
-struct UsbLibrary {
-  decltype(&::libusb_init) init = nullptr;
-  decltype(&::libusb_exit) exit = nullptr;
-  decltype(&::libusb_get_device_list) get_device_list = nullptr;
-  decltype(&::libusb_free_device_list) free_device_list = nullptr;
-  decltype(&::libusb_get_device_descriptor) get_device_descriptor = nullptr;
-  decltype(&::libusb_get_bus_number) get_bus_number = nullptr;
-  decltype(&::libusb_get_port_numbers) get_port_numbers = nullptr;
-  decltype(&::libusb_get_string_descriptor_ascii) get_string_descriptor_ascii = nullptr;
-  decltype(&::libusb_open) open = nullptr;
-  decltype(&::libusb_close) close = nullptr;
-  decltype(&::libusb_set_auto_detach_kernel_driver) set_auto_detach_kernel_driver = nullptr;
-  decltype(&::libusb_claim_interface) claim_interface = nullptr;
-  decltype(&::libusb_release_interface) release_interface = nullptr;
-  decltype(&::libusb_control_transfer) control_transfer = nullptr;
-  decltype(&::libusb_bulk_transfer) bulk_transfer = nullptr;
-  decltype(&::libusb_alloc_transfer) alloc_transfer = nullptr;
-  decltype(&::libusb_free_transfer) free_transfer = nullptr;
-  decltype(&::libusb_submit_transfer) submit_transfer = nullptr;
-  decltype(&::libusb_cancel_transfer) cancel_transfer = nullptr;
-  decltype(&::libusb_handle_events_timeout_completed) handle_events_timeout_completed = nullptr;
-  decltype(&::libusb_error_name) error_name = nullptr;
+class UsbLibrary {
+  SharedLibrary library_;
+
+public:
+  Function<decltype(libusb_init)> init{library_, "libusb_init"};
+  Function<decltype(libusb_exit)> exit{library_, "libusb_exit"};
+  Function<decltype(libusb_get_device_list)> get_device_list{library_, "libusb_get_device_list"};
+  Function<decltype(libusb_free_device_list)> free_device_list{library_, "libusb_free_device_list"};
+  Function<decltype(libusb_get_device_descriptor)> get_device_descriptor{
+      library_, "libusb_get_device_descriptor"};
+  Function<decltype(libusb_get_bus_number)> get_bus_number{library_, "libusb_get_bus_number"};
+  Function<decltype(libusb_get_port_numbers)> get_port_numbers{library_, "libusb_get_port_numbers"};
+  Function<decltype(libusb_get_string_descriptor_ascii)> get_string_descriptor_ascii{
+      library_, "libusb_get_string_descriptor_ascii"};
+  Function<decltype(libusb_open)> open{library_, "libusb_open"};
+  Function<decltype(libusb_close)> close{library_, "libusb_close"};
+  Function<decltype(libusb_set_auto_detach_kernel_driver)> set_auto_detach_kernel_driver{
+      library_, "libusb_set_auto_detach_kernel_driver"};
+  Function<decltype(libusb_claim_interface)> claim_interface{library_, "libusb_claim_interface"};
+  Function<decltype(libusb_release_interface)> release_interface{library_,
+                                                                 "libusb_release_interface"};
+  Function<decltype(libusb_control_transfer)> control_transfer{library_, "libusb_control_transfer"};
+  Function<decltype(libusb_bulk_transfer)> bulk_transfer{library_, "libusb_bulk_transfer"};
+  Function<decltype(libusb_alloc_transfer)> alloc_transfer{library_, "libusb_alloc_transfer"};
+  Function<decltype(libusb_free_transfer)> free_transfer{library_, "libusb_free_transfer"};
+  Function<decltype(libusb_submit_transfer)> submit_transfer{library_, "libusb_submit_transfer"};
+  Function<decltype(libusb_cancel_transfer)> cancel_transfer{library_, "libusb_cancel_transfer"};
+  Function<decltype(libusb_handle_events_timeout_completed)> handle_events_timeout_completed{
+      library_, "libusb_handle_events_timeout_completed"};
+  Function<decltype(libusb_error_name)> error_name{library_, "libusb_error_name"};
 
   /// Empty when all are there, else a sentence that says what to install.
   std::string load();
-
-private:
-  SharedLibrary library_;
 };
 
 } // namespace tactus::devices::falcon

@@ -34,46 +34,54 @@ enum ForceOffCause : int {
 /// The vendor's library (DHD, the haptic part of its SDK, and DRD, the robotic part, which leads
 /// the handle by itself), loaded while the program runs; the
 /// functions are declared as public programs use them.
-struct DhdLibrary {
-  int (*device_count)() = nullptr;
-  int (*open_id)(char index) = nullptr;
-  int (*close)(char id) = nullptr;
-  int (*system_type)(char id) = nullptr;
-  int (*position)(double* x, double* y, double* z, char id) = nullptr;        // m
-  int (*linear_velocity)(double* x, double* y, double* z, char id) = nullptr; // m/s
-  int (*set_force)(double x, double y, double z, char id) = nullptr;          // N
-  int (*enable_force)(unsigned char on, char id) = nullptr;
-  const char* (*last_error)() = nullptr;
+class DhdLibrary {
+  SharedLibrary library_;
+  static constexpr auto kOptional = LibraryFunction::Needed::kNo;
+
+public:
+  Function<int()> device_count{library_, "dhdGetDeviceCount"};
+  Function<int(char index)> open_id{library_, "dhdOpenID"};
+  Function<int(char id)> close{library_, "dhdClose"};
+  Function<int(char id)> system_type{library_, "dhdGetSystemType"};
+  Function<int(double* x, double* y, double* z, char id)> position{library_, "dhdGetPosition"}; // m
+  Function<int(double* x, double* y, double* z, char id)> linear_velocity{
+      library_, "dhdGetLinearVelocity"};                                                   // m/s
+  Function<int(double x, double y, double z, char id)> set_force{library_, "dhdSetForce"}; // N
+  Function<int(unsigned char on, char id)> enable_force{library_, "dhdEnableForce"};
+  Function<const char*()> last_error{library_, "dhdErrorGetLastStr"};
   // May be null in some versions:
-  int (*open_serial)(int serial) = nullptr;
-  const char* (*system_name)(char id) = nullptr;
-  int (*serial_number)(unsigned short* serial, char id) = nullptr;
-  unsigned int (*button_mask)(char id) = nullptr;
-  int (*status)(int* all, char id) = nullptr;
-  int (*orientation)(double* a, double* b, double* c, char id) = nullptr; // rad
-  bool (*has_wrist)(char id) = nullptr;
-  bool (*has_active_wrist)(char id) = nullptr;
-  bool (*has_gripper)(char id) = nullptr;
-  bool (*has_active_gripper)(char id) = nullptr;
-  int (*gripper_gap)(double* opening, char id) = nullptr; // m
-  int (*set_all)(double fx, double fy, double fz, double tx, double ty, double tz, double grip,
-                 char id) = nullptr; // N, N m, N
-  int (*reset)(char id) = nullptr;
-  int (*expert_mode)() = nullptr;
-  int (*ordinary_mode)() = nullptr;
-  int (*set_watchdog)(unsigned char steps, char id) = nullptr; // of 125 us
-  int (*set_max_force)(double newton, char id) = nullptr;
+  Function<int(int serial)> open_serial{library_, "dhdOpenSerial", kOptional};
+  Function<const char*(char id)> system_name{library_, "dhdGetSystemName", kOptional};
+  Function<int(unsigned short* serial, char id)> serial_number{library_, "dhdGetSerialNumber",
+                                                               kOptional};
+  Function<unsigned int(char id)> button_mask{library_, "dhdGetButtonMask", kOptional};
+  Function<int(int* all, char id)> status{library_, "dhdGetStatus", kOptional};
+  Function<int(double* a, double* b, double* c, char id)> orientation{
+      library_, "dhdGetOrientationRad", kOptional}; // rad
+  Function<bool(char id)> has_wrist{library_, "dhdHasWrist", kOptional};
+  Function<bool(char id)> has_active_wrist{library_, "dhdHasActiveWrist", kOptional};
+  Function<bool(char id)> has_gripper{library_, "dhdHasGripper", kOptional};
+  Function<bool(char id)> has_active_gripper{library_, "dhdHasActiveGripper", kOptional};
+  Function<int(double* opening, char id)> gripper_gap{library_, "dhdGetGripperGap", kOptional}; // m
+  Function<int(double fx, double fy, double fz, double tx, double ty, double tz, double grip,
+               char id)>
+      set_all{library_, "dhdSetForceAndTorqueAndGripperForce", kOptional}; // N, N m, N
+  Function<int(char id)> reset{library_, "dhdReset", kOptional};
+  Function<int()> expert_mode{library_, "dhdEnableExpertMode", kOptional};
+  Function<int()> ordinary_mode{library_, "dhdDisableExpertMode", kOptional};
+  Function<int(unsigned char steps, char id)> set_watchdog{library_, "dhdSetWatchdog",
+                                                           kOptional}; // of 125 us
+  Function<int(double newton, char id)> set_max_force{library_, "dhdSetMaxForce", kOptional};
   // Of libdrd alone:
-  bool (*robot_supported)(char id) = nullptr;
-  int (*auto_init)(char id) = nullptr;
-  int (*robot_stop)(bool motors_on, char id) = nullptr;
+  Function<int(char index)> robot_open_id{library_, "drdOpenID", kOptional};
+  Function<int(char id)> robot_close{library_, "drdClose", kOptional};
+  Function<bool(char id)> robot_supported{library_, "drdIsSupported", kOptional};
+  Function<int(char id)> auto_init{library_, "drdAutoInit", kOptional};
+  Function<int(bool motors_on, char id)> robot_stop{library_, "drdStop", kOptional};
 
   /// Empty when every function that must be there is; else what is missing and what to do. The
   /// environment's TACTUS_LIBDHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
-
-private:
-  SharedLibrary library_;
 };
 
 } // namespace tactus::devices::force_dimension

@@ -20,16 +20,7 @@ std::string HidLibrary::load(Transport transport) {
   if (!loaded)
     return "hidapi cannot be loaded (" + library_.error() +
            "): install Debian's libhidapi-hidraw0, or hidapi from github.com/libusb/hidapi";
-  RequiredSymbols need(library_);
-  need("hid_init", init);
-  need("hid_enumerate", enumerate);
-  need("hid_free_enumeration", free_enumeration);
-  need("hid_open_path", open_path);
-  need("hid_close", close);
-  need("hid_read_timeout", read_timeout);
-  need("hid_write", write);
-  library_.symbol("hid_get_report_descriptor", get_report_descriptor);
-  if (const char* missing = need.missing())
+  if (const char* missing = library_.missing())
     return library_.name() + " has no " + missing + ": install hidapi 0.8 or newer";
   if (init() != 0)
     return library_.name() + " does not start: is /dev there?";

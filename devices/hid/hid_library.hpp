@@ -14,16 +14,21 @@ enum class Transport { kAny, kHidraw, kLibusb };
 
 /// The functions of hidapi that the driver calls. hidapi has two builds: hidraw goes through the
 /// kernel's HID driver and knows each device's description, libusb takes the device away from it.
-struct HidLibrary {
-  decltype(&::hid_init) init = nullptr;
-  decltype(&::hid_enumerate) enumerate = nullptr;
-  decltype(&::hid_free_enumeration) free_enumeration = nullptr;
-  decltype(&::hid_open_path) open_path = nullptr;
-  decltype(&::hid_close) close = nullptr;
-  decltype(&::hid_read_timeout) read_timeout = nullptr;
-  decltype(&::hid_write) write = nullptr;
+class HidLibrary {
+  SharedLibrary library_;
+  static constexpr auto kOptional = LibraryFunction::Needed::kNo;
+
+public:
+  Function<decltype(hid_init)> init{library_, "hid_init"};
+  Function<decltype(hid_enumerate)> enumerate{library_, "hid_enumerate"};
+  Function<decltype(hid_free_enumeration)> free_enumeration{library_, "hid_free_enumeration"};
+  Function<decltype(hid_open_path)> open_path{library_, "hid_open_path"};
+  Function<decltype(hid_close)> close{library_, "hid_close"};
+  Function<decltype(hid_read_timeout)> read_timeout{library_, "hid_read_timeout"};
+  Function<decltype(hid_write)> write{library_, "hid_write"};
   /// Since hidapi 0.14, else null.
-  int (*get_report_descriptor)(hid_device*, unsigned char*, std::size_t) = nullptr;
+  Function<int(hid_device*, unsigned char*, std::size_t)> get_report_descriptor{
+      library_, "hid_get_report_descriptor", kOptional};
   bool hidraw = false;
 
   /// The library of that transport, kAny: hidraw if it is there. It stays loaded, since
@@ -33,7 +38,6 @@ struct HidLibrary {
 private:
   std::string load(Transport transport);
 
-  SharedLibrary library_;
   bool ready_ = false;
 };
 

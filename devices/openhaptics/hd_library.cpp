@@ -50,27 +50,7 @@ std::string HdLibrary::load() {
            "); install 3D Systems' Touch device driver and OpenHaptics from "
            "support.3dsystems.com, or set PHANTOM_LIBHD to the path of libHD";
   }
-  RequiredSymbols need(library_);
-  need("hdInitDevice", init_device);
-  need("hdDisableDevice", disable_device);
-  need("hdMakeCurrentDevice", make_current_device);
-  need("hdEnable", enable);
-  need("hdDisable", disable);
-  need("hdBeginFrame", begin_frame);
-  need("hdEndFrame", end_frame);
-  need("hdGetDoublev", get_doubles);
-  need("hdGetIntegerv", get_integers);
-  need("hdSetDoublev", set_doubles);
-  need("hdGetString", get_string);
-  need("hdGetError", get_error);
-  need("hdScheduleAsynchronous", schedule);
-  need("hdUnschedule", unschedule);
-  need("hdStartScheduler", start_scheduler);
-  need("hdStopScheduler", stop_scheduler);
-  need("hdCheckCalibration", check_calibration);
-  library_.symbol("hdUpdateCalibration", update_calibration);
-  library_.symbol("hdSetSchedulerRate", set_scheduler_rate);
-  if (const char* missing = need.missing()) {
+  if (const char* missing = library_.missing()) {
     return library_.name() + " has no function " + missing +
            "; it is not OpenHaptics 3.4 or newer: install that, or set "
            "PHANTOM_LIBHD to the path of its libHD";

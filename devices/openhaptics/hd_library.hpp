@@ -83,26 +83,33 @@ enum CalibrationStyle : Code {
 };
 
 /// The vendor's library, loaded while the program runs.
-struct HdLibrary {
-  Handle (*init_device)(const char* name) = nullptr;
-  void (*disable_device)(Handle device) = nullptr;
-  void (*make_current_device)(Handle device) = nullptr;
-  void (*enable)(Code ability) = nullptr;
-  void (*disable)(Code ability) = nullptr;
-  void (*begin_frame)(Handle device) = nullptr;
-  void (*end_frame)(Handle device) = nullptr;
-  void (*get_doubles)(Code value, double* answer) = nullptr;
-  void (*get_integers)(Code value, int* answer) = nullptr;
-  void (*set_doubles)(Code value, const double* wanted) = nullptr;
-  const char* (*get_string)(Code value) = nullptr;
-  ErrorInfo (*get_error)() = nullptr;
-  SchedulerHandle (*schedule)(Callback callback, void* context, unsigned short priority) = nullptr;
-  void (*unschedule)(SchedulerHandle handle) = nullptr;
-  void (*start_scheduler)() = nullptr;
-  void (*stop_scheduler)() = nullptr;
-  Code (*check_calibration)() = nullptr;
-  void (*update_calibration)(Code style) = nullptr;       ///< may be null
-  void (*set_scheduler_rate)(unsigned long hz) = nullptr; ///< may be null
+class HdLibrary {
+  SharedLibrary library_;
+  static constexpr auto kOptional = LibraryFunction::Needed::kNo;
+
+public:
+  Function<Handle(const char* name)> init_device{library_, "hdInitDevice"};
+  Function<void(Handle device)> disable_device{library_, "hdDisableDevice"};
+  Function<void(Handle device)> make_current_device{library_, "hdMakeCurrentDevice"};
+  Function<void(Code ability)> enable{library_, "hdEnable"};
+  Function<void(Code ability)> disable{library_, "hdDisable"};
+  Function<void(Handle device)> begin_frame{library_, "hdBeginFrame"};
+  Function<void(Handle device)> end_frame{library_, "hdEndFrame"};
+  Function<void(Code value, double* answer)> get_doubles{library_, "hdGetDoublev"};
+  Function<void(Code value, int* answer)> get_integers{library_, "hdGetIntegerv"};
+  Function<void(Code value, const double* wanted)> set_doubles{library_, "hdSetDoublev"};
+  Function<const char*(Code value)> get_string{library_, "hdGetString"};
+  Function<ErrorInfo()> get_error{library_, "hdGetError"};
+  Function<SchedulerHandle(Callback callback, void* context, unsigned short priority)> schedule{
+      library_, "hdScheduleAsynchronous"};
+  Function<void(SchedulerHandle handle)> unschedule{library_, "hdUnschedule"};
+  Function<void()> start_scheduler{library_, "hdStartScheduler"};
+  Function<void()> stop_scheduler{library_, "hdStopScheduler"};
+  Function<Code()> check_calibration{library_, "hdCheckCalibration"};
+  Function<void(Code style)> update_calibration{library_, "hdUpdateCalibration",
+                                                kOptional}; ///< may be null
+  Function<void(unsigned long hz)> set_scheduler_rate{library_, "hdSetSchedulerRate",
+                                                      kOptional}; ///< may be null
 
   /// Empty when every function is there; else a sentence that says what is missing and what to do.
   /// The environment's PHANTOM_LIBHD names the file; else the usual names are tried.
@@ -111,9 +118,6 @@ struct HdLibrary {
   /// The errors that have piled up, oldest first out; the most serious one is the answer. warm, if
   /// given, becomes true when warm motors were among them.
   [[nodiscard]] Code take_errors(bool* warm = nullptr) const noexcept;
-
-private:
-  SharedLibrary library_;
 };
 
 } // namespace tactus::devices::openhaptics
