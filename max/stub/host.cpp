@@ -1,6 +1,6 @@
 // Loads externals, and reads the script from standard input.
 #include "files/utf8_path.hpp"
-#include "max/stub/script.hpp"
+#include "max/stub/stub.hpp"
 
 #include <cstdio>
 #include <iostream>

@@ -1,5 +1,5 @@
 // The commands of a script; README.md lists them.
-#include "max/stub/script.hpp"
+#include "max/stub/stub.hpp"
 
 #include "files/utf8_path.hpp"
 
@@ -18,6 +18,12 @@ namespace tactus::stub {
 namespace {
 std::map<std::string, Object*> boxes;
 
+Object& box(const std::string& id) {
+  const auto found = boxes.find(id);
+  if (found == boxes.end())
+    throw std::runtime_error("no box: " + id);
+  return *found->second;
+}
 std::size_t to_size(const std::string& word) { return static_cast<std::size_t>(std::stoull(word)); }
 bool is_first(const std::string& word, const std::string& first, const std::string& second) {
   if (word != first && word != second)
@@ -186,13 +192,6 @@ constexpr std::array kCommands{
     Command{"echo", 1, [](Words w) { print_line(w[0]); }},
 };
 } // namespace
-
-Object& box(const std::string& id) {
-  const auto found = boxes.find(id);
-  if (found == boxes.end())
-    throw std::runtime_error("no box: " + id);
-  return *found->second;
-}
 
 std::function<void()> prepare(const std::string& command, Words w) {
   Object& object = box(w[0]);

@@ -205,6 +205,22 @@ void perform_vector();
 [[nodiscard]] double audio_ms();
 void write_recording(Object& object);
 
+// --- the script (script.cpp, threads.cpp) ---
+
+using Words = std::span<const std::string>;
+
+/// Words of a line: blanks separate, "..." keeps them together.
+[[nodiscard]] std::vector<std::string> split_line(const std::string& text);
+/// Runs a command. Throws std::runtime_error when there is no such one.
+void execute(Words line);
+/// What "send", "get" or "value" do, looked up beforehand.
+[[nodiscard]] std::function<void()> prepare(const std::string& command, Words words);
+/// Messages of two threads, lines that begin with "main" or "scheduler", over and over, while a
+/// third performs at least so many vectors.
+void run_threads(std::uint64_t vectors, std::span<const std::vector<std::string>> lines);
+/// Frees all boxes and writes what is recorded.
+void finish();
+
 } // namespace tactus::stub
 
 /// Max's class, of which externals know only the address.

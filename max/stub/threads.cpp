@@ -1,5 +1,5 @@
 // Messages of two threads while a third performs: for the sanitizers.
-#include "max/stub/script.hpp"
+#include "max/stub/stub.hpp"
 
 #include <stdexcept>
 #include <thread>

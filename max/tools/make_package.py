@@ -30,7 +30,8 @@ ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 # The patches that stand in patchers/, in the order in which they use each other.
 ABSTRACTIONS = ("reed_sigma", "reed_point", "reed_difference", "reed_force", "reed_choice", "reed_guide")
-PATCHES = ("reed/reed_haptic", "haptic/struck_disk")
+PATCHES = [ROOT / "patches" / "reed" / f"{name}.pd" for name in (*ABSTRACTIONS, "reed_haptic")] + [
+    ROOT / "patches" / "haptic" / "struck_disk.pd"]
 DRAWN = "Pd draws its cells by data structures"
 # What of a Pd patch has no equivalent in Max: {patch: {object, label, or beginning of a text or sentence: reason}}.
 WITHOUT = {
@@ -66,18 +67,12 @@ def help_source(name):
     return own if own.exists() else ROOT / "help" / f"{name}-help.pd"
 
 
-def all_names(declarations):
-    paths = [help_source(d["name"]) for d in declarations]
-    paths += [ROOT / "patches" / "reed" / f"{name}.pd" for name in ABSTRACTIONS]
-    paths += [ROOT / "patches" / f"{name}.pd" for name in PATCHES]
-    return pd_to_max.Names([pd_to_max.read(path, ABSTRACTIONS) for path in paths])
-
-
-def patchers(names):
-    """File name -> patcher, of those in patchers/."""
+def patchers(declarations):
+    """File name -> patcher, of those in patchers/ and help/."""
+    sources = {d["name"]: help_source(d["name"]) for d in declarations}
+    names = pd_to_max.Names([pd_to_max.read(path, ABSTRACTIONS) for path in [*sources.values(), *PATCHES]])
     made = {}
-    for path in [ROOT / "patches" / "reed" / f"{n}.pd" for n in ABSTRACTIONS] + [
-            ROOT / "patches" / f"{n}.pd" for n in PATCHES]:
+    for path in PATCHES:
         patcher, left_out = pd_to_max.convert_file(path, names, ABSTRACTIONS, WITHOUT.get(path.stem))
         y = patcher.height
         for what, reason in left_out:
@@ -86,14 +81,8 @@ def patchers(names):
         if path.stem in ABSTRACTIONS:
             max_objects.declare_patcher(path.stem, patcher.ports())
         made[f"patchers/{path.stem}.maxpat"] = patcher.fit()
-    return made
-
-
-def help_patchers(declarations, names):
-    """File name -> patcher, of those in help/."""
-    made = {}
     for d in declarations:
-        source = help_source(d["name"])
+        source = sources[d["name"]]
         made[f"help/{d['name']}.maxhelp"] = help_patcher.help_patcher(source, d, names, ABSTRACTIONS,
                                                                      WITHOUT.get(source.stem))
     return made
@@ -164,8 +153,7 @@ def make(arguments):
                                                  "media")}
     for folder in folders.values():
         folder.mkdir(parents=True)
-    names = all_names(declarations)
-    made = {**patchers(names), **help_patchers(declarations, names)}
+    made = patchers(declarations)
     for name, patcher in made.items():
         (package / name).write_text(patcher.text(), encoding="utf-8")
     for d in declarations:

@@ -11,9 +11,7 @@ import pd_to_max
 from conftest import ROOT
 
 PATCHES = [make_package.help_source(path.stem.removesuffix("-help"))
-           for path in sorted((ROOT / "help").glob("*-help.pd"))] + [
-    ROOT / "patches" / f"{name}.pd" for name in make_package.PATCHES] + [
-    ROOT / "patches" / "reed" / f"{name}.pd" for name in make_package.ABSTRACTIONS]
+           for path in sorted((ROOT / "help").glob("*-help.pd"))] + make_package.PATCHES
 
 
 @pytest.fixture
