@@ -11,7 +11,6 @@ import text_size
 from pd_vocabulary import LARGEST_INTEGER
 
 TEXT_BOXES = ("newobj", "message", "comment")
-COMMON_MESSAGES = {"get", "dump"}
 
 
 def name(box):
@@ -59,7 +58,7 @@ def check_words(patcher):
 
 def _message_words(d, text):
     parameters = {p["name"]: p for p in d["parameters"]}
-    messages = {m["name"]: m for m in d["messages"]}
+    messages = {m["name"]: m for m in max_objects.messages(d)}
     for part in re.split(r",\s*", text.split(";")[0].strip()):
         words = part.split()
         if not words or re.match(r"[-$\d.]", words[0]):
@@ -71,7 +70,7 @@ def _message_words(d, text):
         elif word in parameters and parameters[word]["choices"] and count and "$" not in part and \
                 words[1] not in parameters[word]["choices"]:
             yield f"[{part}]: {word} is one of {', '.join(parameters[word]['choices'])}"
-        elif word not in messages and word not in parameters and word not in COMMON_MESSAGES:
+        elif word not in messages and word not in parameters:
             yield f"[{part}]: {d['name']} has no message {word}"
 
 

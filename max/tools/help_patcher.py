@@ -3,6 +3,7 @@
 The tabs: the example; every parameter as an attrui; every message; inlets and outlets. A tab is a
 subpatcher with `showontab` in a patcher that shows its subpatchers as tabs.
 """
+import max_objects
 import pd_to_max
 import text_size
 from patcher import Box, Patcher
@@ -116,13 +117,8 @@ def message_tab(declaration, listener):
     """Every message; one that needs no argument is a message box that can be clicked."""
     tab = Patcher(WIDTH, 0, tab=True)
     y = title(tab, declaration, "messages") + 6
-    common = [{"name": "get", "arguments": "[name ...]", "fewest": 0,
-               "text": "the value of the named or of all parameters, out of the info outlet"},
-              {"name": "dump", "arguments": "", "fewest": 0,
-               "text": "send all parameters and derived values to the info outlet"}]
-    own = [m for m in declaration["messages"] if m["name"] not in ("get", "dump")]
     clickable = []
-    for m in own + common:
+    for m in max_objects.messages(declaration):
         shown = f"{m['name']} {m['arguments']}".strip()
         if m["fewest"] == 0:
             box = tab.message(m["name"], LEFT, y)

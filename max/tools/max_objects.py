@@ -62,6 +62,20 @@ def declaration(name):
     return _declared.get(name)
 
 
+# What every object takes beside its declared messages.
+COMMON_MESSAGES = [
+    {"name": "get", "arguments": "[name ...]", "fewest": 0, "most": 64,
+     "text": "send the named lines of dump, or all parameters, to the info outlet"},
+    {"name": "dump", "arguments": "", "fewest": 0, "most": 0,
+     "text": "send all parameters and derived values to the info outlet"}]
+
+
+def messages(d):
+    """Of a declared object, with those of every object."""
+    own = {m["name"] for m in d["messages"]}
+    return d["messages"] + [m for m in COMMON_MESSAGES if m["name"] not in own]
+
+
 def declare_patcher(name, ports):
     """Makes an abstraction known by the ports of its patcher."""
     _patchers[name] = ports

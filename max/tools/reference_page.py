@@ -1,6 +1,7 @@
 """Writes NAME.maxref.xml: the page that Max shows as an object's reference, from its declaration alone."""
 import xml.etree.ElementTree as xml
 
+import max_objects
 from help_patcher import initial_text, ports_of, range_text
 
 AUTHOR = "the tactus authors"
@@ -56,13 +57,8 @@ def _arguments(root, d):
 
 def _methods(root, d):
     listed = xml.SubElement(root, "methodlist")
-    messages = [(m["name"], m["arguments"], m["fewest"], m["most"], m["text"]) for m in d["messages"]]
-    own = {m[0] for m in messages}
-    messages += [m for m in (("get", "name", 0, 64, "send the named lines of dump, or all parameters, "
-                              "to the info outlet"),
-                             ("dump", "", 0, 0, "send all parameters and derived values to the "
-                              "info outlet")) if m[0] not in own]
-    for name, arguments, fewest, most, text in messages:
+    for m in max_objects.messages(d):
+        name, arguments, fewest, most, text = (m[key] for key in ("name", "arguments", "fewest", "most", "text"))
         count = "" if most == 0 else f" Takes {fewest} to {most} arguments." if fewest != most else (
             f" Takes {fewest} argument{'s' if fewest != 1 else ''}.")
         method = xml.SubElement(listed, "method", name=name)
