@@ -15,105 +15,127 @@ template <class Part> struct PartKey {
 };
 
 constexpr PartKey<Recipe> kWhole[] = {
-    {"level", "", 0, 1e4, "of the whole, heard and felt", &Recipe::level},
-    {"felt", "1/Pa", 0, 1e4, "drives for the sound pressure of the whole", &Recipe::felt},
-    {"felt_ball", "", 0, 100, "of the drive under the ball", &Recipe::felt_ball},
-    {"radiation", "Hz", 1, 8000, "below, less and less is heard", &Recipe::radiation_hz},
-    {"vary_frequency", "", 0, 2, "of each step: all sections' frequencies alike",
+    {"level", "", 0, 1e4, "gain of the whole: sound and actuators", &Recipe::level},
+    {"felt", "1/Pa", 0, 1e4, "actuator signal for 1 Pa of the whole's sound pressure",
+     &Recipe::felt},
+    {"felt_ball", "", 0, 100, "gain of the actuator under the ball", &Recipe::felt_ball},
+    {"radiation", "Hz", 1, 8000, "cut-off frequency of the floor's radiation",
+     &Recipe::radiation_hz},
+    {"vary_frequency", "", 0, 2,
+     "variation of all frequencies from step to step, common to all sections",
      &Recipe::vary_frequency},
-    {"vary_decay", "", 0, 2, "of each step: all sections' decay times alike", &Recipe::vary_decay}};
+    {"vary_decay", "", 0, 2,
+     "variation of all decay times from step to step, common to all sections",
+     &Recipe::vary_decay}};
 
 constexpr PartKey<ModesRecipe> kModes[] = {
     {"modes", "", 1, kMaxModes, "number of modes", &ModesRecipe::count},
-    {"frequency", "Hz", 20, 12000, "of the lowest mode", &ModesRecipe::frequency_hz},
-    {"ratio", "", 1.01, 4, "from mode to mode", &ModesRecipe::ratio},
-    {"detune", "", 0, 1, "how irregular they are", &ModesRecipe::detune},
+    {"frequency", "Hz", 20, 12000, "frequency of the lowest mode", &ModesRecipe::frequency_hz},
+    {"ratio", "", 1.01, 4, "frequency ratio of one mode to the one below", &ModesRecipe::ratio},
+    {"detune", "", 0, 1, "irregularity of the frequencies", &ModesRecipe::detune},
     {"t60", "s", 0.001, 20, "decay time of the lowest mode", &ModesRecipe::t60_s},
-    {"t60_tilt", "", -2, 3, "T60 ~ f^-this", &ModesRecipe::t60_tilt},
-    {"tilt", "", -3, 4, "loudness ~ f^-this", &ModesRecipe::tilt},
-    {"mass", "kg", 0.001, 1000, "of each mode", &ModesRecipe::mass_kg},
-    {"place", "", 0, 2, "how the place of the step changes the modes' shares",
+    {"t60_tilt", "", -2, 3, "exponent of the decay times: T60 ~ f^-this", &ModesRecipe::t60_tilt},
+    {"tilt", "", -3, 4, "exponent of the loudness: ~ f^-this", &ModesRecipe::tilt},
+    {"mass", "kg", 0.001, 1000, "modal mass of each mode", &ModesRecipe::mass_kg},
+    {"place", "", 0, 2, "variation of the modes' shares with the place of the step",
      &ModesRecipe::mode_share_scatter}};
 
 constexpr PartKey<Scatter> kScatter[] = {
-    {"vary_frequency", "", 0, 2, "of each step: its frequencies", &Scatter::frequency},
-    {"vary_decay", "", 0, 2, "of each step: its decay times", &Scatter::decay},
-    {"vary_level", "", 0, 2, "of each step: its strength", &Scatter::level}};
+    {"vary_frequency", "", 0, 2, "variation of the section's frequencies from step to step",
+     &Scatter::frequency},
+    {"vary_decay", "", 0, 2, "variation of the section's decay times from step to step",
+     &Scatter::decay},
+    {"vary_level", "", 0, 2, "variation of the section's strength from step to step",
+     &Scatter::level}};
 
 constexpr PartKey<contact::ImpactLaw> kImpact[] = {
-    {"stiffness", "N/m^exponent", 1, 1e15, "of the ground itself; the sole's is in series",
-     &contact::ImpactLaw::stiffness},
-    {"exponent", "", 1, 6, "of the contact", &contact::ImpactLaw::exponent},
-    {"dissipation", "s/m", 0, 100, "of the ground itself",
+    {"stiffness", "N/m^exponent", 1, 1e15,
+     "contact stiffness of the ground, in series with the sole's", &contact::ImpactLaw::stiffness},
+    {"exponent", "", 1, 6, "exponent of the contact law", &contact::ImpactLaw::exponent},
+    {"dissipation", "s/m", 0, 100, "contact dissipation of the ground",
      &contact::ImpactLaw::dissipation_s_per_m}};
 
 constexpr PartKey<SolidRecipe> kSolid[] = {
-    {"heel", "kg", 1e-4, 100, "mass that lands with the heel", &SolidRecipe::heel_kg},
-    {"ball_mass", "kg", 1e-4, 100, "mass that lands with the ball", &SolidRecipe::ball_kg},
-    {"ball", "", 0, 10, "times the ball's landing speed", &SolidRecipe::ball},
-    {"patches", "", 1, kMaxPatches, "parts of the sole that touch one after the other",
+    {"heel", "kg", 1e-4, 100, "striking mass of the heel", &SolidRecipe::heel_kg},
+    {"ball_mass", "kg", 1e-4, 100, "striking mass of the ball", &SolidRecipe::ball_kg},
+    {"ball", "", 0, 10, "factor on the ball's landing speed", &SolidRecipe::ball},
+    {"patches", "", 1, kMaxPatches, "number of parts of the sole that touch one after the other",
      &SolidRecipe::patches},
-    {"unevenness", "m", 0, 0.1, "mean height of the later ones when the first touches",
+    {"unevenness", "m", 0, 0.1, "mean height of the later parts when the first touches",
      &SolidRecipe::unevenness_m},
-    {"roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of a sole that slides", &SolidRecipe::roughness},
+    {"roughness", "N^.5 s^.5/m^.5", 0, 1e3, "friction noise of a sliding sole",
+     &SolidRecipe::roughness},
     {"level", "", 0, 1e4, "strength of the sound", &SolidRecipe::level}};
 
 constexpr PartKey<contact::FrictionLaw> kRubbing[] = {
-    {"mu_s", "", 0.01, 10, "static coefficient", &contact::FrictionLaw::static_coefficient},
-    {"mu_d", "", 0.01, 10, "dynamic coefficient", &contact::FrictionLaw::dynamic_coefficient},
-    {"stribeck", "m/s", 1e-4, 10, "speed at which it lets go",
+    {"mu_s", "", 0.01, 10, "static friction coefficient",
+     &contact::FrictionLaw::static_coefficient},
+    {"mu_d", "", 0.01, 10, "dynamic friction coefficient",
+     &contact::FrictionLaw::dynamic_coefficient},
+    {"stribeck", "m/s", 1e-4, 10, "Stribeck velocity of the friction",
      &contact::FrictionLaw::stribeck_m_per_s},
-    {"breakaway", "", 0.01, 0.99, "elastic share", &contact::FrictionLaw::breakaway},
-    {"stiffness", "N/m", 1, 1e9, "of the bristles", &contact::FrictionLaw::stiffness_n_per_m},
-    {"damping", "N s/m", 0, 1e5, "of the bristles", &contact::FrictionLaw::damping_ns_per_m},
-    {"viscosity", "N s/m", 0, 1e4, "between the surfaces",
-     &contact::FrictionLaw::viscosity_ns_per_m},
-    {"roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of the surfaces", &contact::FrictionLaw::roughness}};
+    {"breakaway", "", 0.01, 0.99, "share of the sliding force up to which the bristles only bend",
+     &contact::FrictionLaw::breakaway},
+    {"stiffness", "N/m", 1, 1e9, "bristle stiffness", &contact::FrictionLaw::stiffness_n_per_m},
+    {"damping", "N s/m", 0, 1e5, "bristle damping", &contact::FrictionLaw::damping_ns_per_m},
+    {"viscosity", "N s/m", 0, 1e4, "viscous friction", &contact::FrictionLaw::viscosity_ns_per_m},
+    {"roughness", "N^.5 s^.5/m^.5", 0, 1e3, "friction noise of the surfaces",
+     &contact::FrictionLaw::roughness}};
 
 constexpr PartKey<FrictionRecipe> kFriction[] = {
-    {"pressed", "N", 0, 1e4, "in the joint without load", &FrictionRecipe::preload_n},
-    {"joint", "Hz", 5, 2000, "the joint's mass on its spring", &FrictionRecipe::joint_hz},
-    {"joint_mass", "kg", 0.001, 100, "of the joint", &FrictionRecipe::joint_kg},
+    {"pressed", "N", 0, 1e4, "normal force in the joint without load", &FrictionRecipe::preload_n},
+    {"joint", "Hz", 5, 2000, "resonance of the joint's mass on its spring",
+     &FrictionRecipe::joint_hz},
+    {"joint_mass", "kg", 0.001, 100, "mass of the joint", &FrictionRecipe::joint_kg},
     {"joint_t60", "s", 0.001, 5, "decay time of the joint", &FrictionRecipe::joint_t60_s},
-    {"load", "N", 0, 1e4, "more under 700 N", &FrictionRecipe::load_n},
-    {"slip", "m/s", 0, 10, "while 7000 N/s move from heel to ball", &FrictionRecipe::slip_m_per_s},
-    {"wobble", "", 0, 2, "slow unevenness of pressure and slip", &FrictionRecipe::wobble},
+    {"load", "N", 0, 1e4, "additional normal force in the joint under 700 N",
+     &FrictionRecipe::load_n},
+    {"slip", "m/s", 0, 10, "slip speed of the joint while 7000 N/s move from heel to ball",
+     &FrictionRecipe::slip_m_per_s},
+    {"wobble", "", 0, 2, "slow random variation of normal force and slip speed",
+     &FrictionRecipe::wobble},
     {"level", "", 0, 1e4, "strength of the sound", &FrictionRecipe::level}};
 
 using particle::CloudSettings;
 constexpr PartKey<CloudSettings> kEvents[] = {
-    {"count", "", 0, 50000, "events for each unit of energy", &CloudSettings::count},
-    {"exponent", "", 0.05, 20, "of the event energies' power law", &CloudSettings::exponent},
-    {"largest", "", 1.001, 1e6, "event over the smallest, in energy", &CloudSettings::largest},
-    {"lower_by_size", "", 0, 2, "frequency ~ event energy^-this", &CloudSettings::lower_by_size}};
+    {"count", "", 0, 50000, "number of events for each unit of energy", &CloudSettings::count},
+    {"exponent", "", 0.05, 20, "exponent of the event energies' power law",
+     &CloudSettings::exponent},
+    {"largest", "", 1.001, 1e6, "energy of the largest event over the smallest",
+     &CloudSettings::largest},
+    {"lower_by_size", "", 0, 2,
+     "exponent by which large events sound lower: frequency ~ energy^-this",
+     &CloudSettings::lower_by_size}};
 
 constexpr PartKey<CloudSettings> kCloudSound[] = {
-    {"attack", "s", 1e-4, 5, "in which a landing's energy arrives", &CloudSettings::attack_s},
-    {"decay", "s", 1e-4, 10, "in which it dies down", &CloudSettings::decay_s},
-    {"frequency", "Hz", 20, 20000, "median", &CloudSettings::frequency_hz},
-    {"spread", "", 0, 3, "standard deviation of its logarithm", &CloudSettings::spread},
+    {"attack", "s", 1e-4, 5, "time in which a landing's energy arrives", &CloudSettings::attack_s},
+    {"decay", "s", 1e-4, 10, "time in which the energy falls to 1/e", &CloudSettings::decay_s},
+    {"frequency", "Hz", 20, 20000, "median frequency of the grains", &CloudSettings::frequency_hz},
+    {"spread", "", 0, 3, "standard deviation of the logarithm of the frequency",
+     &CloudSettings::spread},
     {"level", "", 0, 1e4, "strength of the sound", &CloudSettings::level}};
 
 constexpr PartKey<CloudRecipe> kCloudEnergy[] = {
     {"heel", "", 0, 100, "energy of the heel's landing at 0.5 m/s", &CloudRecipe::heel},
     {"ball", "", 0, 100, "energy of the ball's landing at 0.5 m/s", &CloudRecipe::ball},
-    {"load", "", 0, 100, "energy for each 700 N that come", &CloudRecipe::load},
-    {"release", "", 0, 100, "energy for each 700 N that go", &CloudRecipe::release},
+    {"load", "", 0, 100, "energy for each 700 N of rising load", &CloudRecipe::load},
+    {"release", "", 0, 100, "energy for each 700 N of falling load", &CloudRecipe::release},
     {"slide", "", 0, 1000, "energy for each metre slid under 700 N", &CloudRecipe::slide}};
 
 constexpr PartKey<CloudSettings> kGrains[] = {
-    {"quality", "", 0.1, 200, "Q of a grain's band-pass", &CloudSettings::quality},
-    {"length", "s", 1e-5, 1, "median of a grain's decay", &CloudSettings::length_s}};
+    {"quality", "", 0.1, 200, "quality factor of a grain's band-pass", &CloudSettings::quality},
+    {"length", "s", 1e-5, 1, "median decay time of the grains", &CloudSettings::length_s}};
 constexpr PartKey<CloudSettings> kBubbles[] = {
-    {"rise", "", 0, 1, "of a bubble's pitch", &CloudSettings::rise}};
+    {"rise", "", 0, 1, "rise of a bubble's pitch", &CloudSettings::rise}};
 constexpr PartKey<CloudSettings> kRustle[] = {
-    {"quality", "", 0.1, 200, "Q of its band-passes", &CloudSettings::quality}};
+    {"quality", "", 0.1, 200, "quality factor of the band-passes", &CloudSettings::quality}};
 
 constexpr PartKey<Room::Settings> kRoom[] = {
-    {"level", "dB", Room::kMinLevel, 40, "energy of its answer over the direct sound's",
+    {"level", "dB", Room::kMinLevel, 40, "energy of the room's response over the direct sound's",
      &Room::Settings::level_db},
-    {"t60", "s", 0.02, 10, "decay time", &Room::Settings::t60_s},
-    {"bright", "Hz", 100, 20000, "where the decay time is half", &Room::Settings::bright_hz}};
+    {"t60", "s", 0.02, 10, "decay time of the room", &Room::Settings::t60_s},
+    {"bright", "Hz", 100, 20000, "frequency at which the decay time is half",
+     &Room::Settings::bright_hz}};
 
 // Where the parts lie in a recipe; a cloud's in its last cloud.
 Recipe& whole(Recipe& r) { return r; }
