@@ -2,6 +2,7 @@
 
 #include "core/declaration.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <initializer_list>
 #include <limits>
@@ -12,13 +13,10 @@
 #include <vector>
 
 /// The interface between an object (an external) and the program that hosts it, Pd. An object is a
-/// plain struct with a `static constexpr Declaration declaration` and those of the following
-/// members that it needs:
+/// class with a `static const Declaration declaration`, whose rows set its parameters and carry out
+/// its messages (core/rows.hpp), and those of the following members that it needs:
 ///
 ///   void prepare(double sample_rate, std::size_t max_block);   may allocate; keeps physical state
-///   void set(std::size_t parameter, double value) noexcept;    value is finite and within range
-///   double get(std::size_t parameter) const noexcept;
-///   void message(std::size_t index, std::span<const Atom>, Host&);   declared messages
 ///   void scalar(std::size_t inlet, double value, Host&);       a number to a control inlet
 ///   void list(std::size_t inlet, std::span<const Atom>, Host&);  a list to an inlet of that kind
 ///   template <class S> void process(const Block<S>&) noexcept; audio; inputs may alias outputs
@@ -151,30 +149,33 @@ template <class T> constexpr Traits traits_of() {
   return traits;
 }
 
+/// Whether each row of an object's declaration is for that class.
+template <class T> consteval bool has_its_rows() {
+  const Declaration& d = T::declaration;
+  return std::all_of(d.parameters.begin(), d.parameters.end(),
+                     [](const Parameter& row) { return row.owner == &kOwner<T>; }) &&
+         std::all_of(d.messages.begin(), d.messages.end(),
+                     [](const Message& row) { return row.owner == &kOwner<T>; });
+}
+
 /// Adapts a plain object to AnyObject; members that the object lacks do nothing.
 template <class T, class S> class Adapter final : public AnyObject<S> {
+  static_assert(has_its_rows<T>());
+
 public:
   void prepare(double sample_rate, std::size_t max_block) override {
     if constexpr (requires { object_.prepare(sample_rate, max_block); })
       object_.prepare(sample_rate, max_block);
   }
   void set(std::size_t parameter, double value) override {
-    if constexpr (requires { object_.set(parameter, value); })
-      object_.set(parameter, value);
-    else
-      T::declaration.parameters[parameter].set(&object_, value);
+    T::declaration.parameters[parameter].set(&object_, value);
   }
   double get(std::size_t parameter) const override {
-    if constexpr (requires { object_.get(parameter); })
-      return object_.get(parameter);
-    else
-      return T::declaration.parameters[parameter].get(&object_);
+    return T::declaration.parameters[parameter].get(&object_);
   }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) override {
-    if constexpr (requires { object_.message(index, arguments, host); })
-      object_.message(index, arguments, host);
-    else
-      T::declaration.messages[index].run(&object_, T::declaration.messages[index], arguments, host);
+    const Message& row = T::declaration.messages[index];
+    row.run(&object_, row, arguments, host);
   }
   void scalar(std::size_t inlet, double value, Host& host) override {
     if constexpr (requires { object_.scalar(inlet, value, host); })

@@ -145,8 +145,8 @@ void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_
   if (!renders_force())
     return;
   const double own = device().caps().stiffness_limit_n_per_m;
-  const double viscous = driver_ ? 0.0 : values_[kViscous];
-  const double bound = share * (own > 0 ? own : 2 * (values_[kDamp] + viscous) / period_s());
+  const double viscous = driver_ ? 0.0 : given_simulation_.viscous_n_s_per_m;
+  const double bound = share * (own > 0 ? own : 2 * (given_.damp_n_s_per_m + viscous) / period_s());
   if (!(stiffness_n_per_m > bound) || stiffness_n_per_m <= warned_n_per_m_)
     return;
   warned_n_per_m_ = stiffness_n_per_m;

@@ -11,7 +11,7 @@ namespace tactus {
 using namespace phantom;
 
 void Phantom::set_motors() noexcept {
-  if (!on(kMotors))
+  if (!given_.motors)
     return exchange().motors.disable();
   exchange().motors.enable();
   for (const std::string& key : estop_keys_)
@@ -28,13 +28,13 @@ void Phantom::on_estop(Host& host) {
 
 /// Motors off until `motors 1`, as the parameter then says.
 void Phantom::switch_off() noexcept {
-  values_[kMotors] = 0;
+  given_.motors = false;
   exchange().motors.disable();
 }
 
 /// Latches the stop for this name and this device.
 void Phantom::latch_stop() noexcept {
-  values_[kMotors] = 0;
+  given_.motors = false;
   const auto latch = [this](std::string key) {
     latch_estop(key);
     if (std::find(estop_keys_.begin(), estop_keys_.end(), key) == estop_keys_.end())
@@ -54,7 +54,7 @@ void Phantom::inherit_stop(const std::string& key, Host& host) {
     host.log("the estop of an earlier phantom holds for this one, by its name or its device: send "
              "motors 1 to have force");
   exchange().motors.emergency_stop();
-  values_[kMotors] = 0;
+  given_.motors = false;
   estop_keys_.push_back(key);
   send_estop(host);
 }

@@ -32,8 +32,6 @@ using namespace phantom;
 
 Phantom::Phantom() {
   add_net_driver();
-  for (std::size_t i = 0; i < kParameters.size(); ++i)
-    values_[i] = kParameters[i].initial;
   apply_settings();
   apply_simulation_settings();
 }
@@ -46,7 +44,7 @@ Phantom::~Phantom() {
 double Phantom::period_s() const noexcept {
   if (driver_ && open() && device_->owns_thread())
     return 1.0 / std::clamp(device_->caps().rate_hz, 1.0, 1e5);
-  return 1.0 / values_[kRate];
+  return 1.0 / given_.rate_hz;
 }
 
 /// Lets the force fall at the slew limit, for 200 ms at most, and ends the simulated device's
@@ -62,38 +60,37 @@ void Phantom::fade_out() noexcept {
   exchange().motors.pause(false);
 }
 
-void Phantom::set(std::size_t parameter, double value) noexcept {
-  values_[parameter] = value;
-  if (parameter == kMotors)
-    set_motors();
-  if (parameter == kRate || parameter == kOutRate)
-    restart_grids_ = true;
-  if (parameter == kRate && running_ && !device_->owns_thread())
+void Phantom::rate_changed() {
+  restart_grids_ = true;
+  if (running_ && !device_->owns_thread())
     runner_->set_period(period_s());
-  if (parameter == kRate || parameter >= kMass)
-    apply_simulation_settings();
-  else
-    apply_settings();
-  if (parameter == kRate && open())
+  apply_simulation_settings();
+  if (open())
     configure_signals();
+}
+
+void Phantom::switch_motors(bool on) noexcept {
+  given_.motors = on;
+  set_motors();
+  apply_settings();
 }
 
 /// Sends the chain's parameters to the servo.
 void Phantom::apply_settings() noexcept {
   auto& chain = settings_.chain;
-  chain.force_limit_n = values_[kForceMax];
+  chain.force_limit_n = given_.forcemax_n;
   const double peak_n = device().caps().peak_force_n;
   if (peak_n > 0)
     chain.force_limit_n = std::min(chain.force_limit_n, peak_n);
-  chain.slew_n_per_s = values_[kSlew] * 1e3;
-  chain.extrapolation_s = values_[kExtrap] * 1e-3;
-  chain.strict = on(kStrict);
-  chain.resume = !driver_ || on(kResume);
-  chain.passivity = on(kPassivity);
-  chain.tank_j = values_[kTank];
-  chain.allowance_w = values_[kAllowance];
-  chain.damping_n_s_per_m = values_[kDamp];
-  chain.wall_n_per_m = values_[kWalls];
+  chain.slew_n_per_s = given_.slew_n_per_ms * 1e3;
+  chain.extrapolation_s = given_.extrap_ms * 1e-3;
+  chain.strict = given_.strict;
+  chain.resume = !driver_ || given_.resume;
+  chain.passivity = given_.passivity;
+  chain.tank_j = given_.tank_j;
+  chain.allowance_w = given_.allowance_w;
+  chain.damping_n_s_per_m = given_.damp_n_s_per_m;
+  chain.wall_n_per_m = given_.walls_n_per_m;
   exchange().settings.write(settings_);
   rig_->signals->set_workspace(chain.workspace);
 }
@@ -101,13 +98,13 @@ void Phantom::apply_settings() noexcept {
 /// Sets the simulated device's parameters; restarts the thread that steps it, with the present
 /// rate.
 void Phantom::apply_simulation_settings() noexcept {
-  simulation_.mass_kg = values_[kMass];
-  simulation_.viscous_n_s_per_m = values_[kViscous];
-  simulation_.stops = on(kStops);
-  simulation_.resolution_m = values_[kResolution] * 1e-3;
-  simulation_.noise_m = values_[kNoise] * 1e-3;
-  simulation_.seed = simulation_.hand.seed = static_cast<std::uint64_t>(values_[kSeed]);
-  simulation_.latency_ticks = static_cast<int>(values_[kLatency]);
+  simulation_.mass_kg = given_simulation_.mass_kg;
+  simulation_.viscous_n_s_per_m = given_simulation_.viscous_n_s_per_m;
+  simulation_.stops = given_simulation_.stops;
+  simulation_.resolution_m = given_simulation_.resolution_mm * 1e-3;
+  simulation_.noise_m = given_simulation_.noise_mm * 1e-3;
+  simulation_.seed = simulation_.hand.seed = static_cast<std::uint64_t>(given_simulation_.seed);
+  simulation_.latency_ticks = static_cast<int>(given_simulation_.latency_ticks);
   with_simulation([this] {
     const haptic::Caps before = simulated_.caps();
     simulated_.set(simulation_);
@@ -218,7 +215,7 @@ void Phantom::force_changed(Host& host) {
         host.info({"error", "nan", "force", "refused"});
     }
   } else if (input_changed_) {
-    const double unit_n = on(kUnitsParameter) ? settings_.chain.force_limit_n : 1.0;
+    const double unit_n = given_.in_shares_of_limit ? settings_.chain.force_limit_n : 1.0;
     command_.force_n = input_force_ * unit_n;
     ++command_.number;
     command_.last_refused = false;
@@ -257,12 +254,12 @@ void Phantom::tick(std::size_t timer, Host& host) {
   } else {
     publish(devices::ServoThread::now_s());
   }
-  const double rate = values_[kOutRate];
+  const double rate = given_.outrate_hz;
   collect(host);
   if (rate > 0 && output_origin_ms_ + static_cast<double>(outputs_) * 1e3 / rate <= now) {
     ++outputs_;
     send_values(host, false);
-    send_position(host, on(kRepeat));
+    send_position(host, given_.repeat);
   }
   schedule(host);
 }
@@ -270,7 +267,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
 void Phantom::schedule(Host& host) {
   if (!open())
     return; // opening restarts the grids
-  const double now = host.now_ms(), rate = values_[kOutRate], period_ms = 1e3 * period_s();
+  const double now = host.now_ms(), rate = given_.outrate_hz, period_ms = 1e3 * period_s();
   double next = now + kHeartbeat_ms;
   if (!wall_) {
     // After a jump of the host's time, or a change of rate, a late grid restarts now.
@@ -314,75 +311,5 @@ bool Phantom::audio_steps(Host& host) noexcept {
 }
 
 // One piece: a table of the messages.
-void Phantom::message(std::size_t index, Words arguments, Host& host) {
-  switch (index) {
-  case kBang:
-    collect(host);
-    send_values(host, true);
-    return send_position(host, true);
-  case kList:
-    return on_list(arguments, host);
-  case kBackend:
-    return on_backend(arguments, host);
-  case kOpen:
-    return connect(arguments, host);
-  case kClose:
-    return disconnect(host);
-  case kName:
-    return on_name(arguments, host);
-  case kDevices:
-    return on_devices(host);
-  case kDriver:
-    return on_setting(arguments, host);
-  case kFirmware:
-    return on_setting(arguments, host, "firmware");
-  case kHome:
-    return on_setting(arguments, host, "home");
-  case kCalibrate:
-    return on_setting(arguments, host, "calibrate");
-  case kClock:
-    return on_clock(arguments, host);
-  case kWorkspace:
-    return on_workspace(arguments, host);
-  case kMap:
-    return on_map(arguments, host);
-  case kInterp:
-    return on_interp(arguments, host);
-  case kWatchdog:
-    return on_watchdog(arguments, host);
-  case kScene:
-    return on_scene(arguments, host);
-  case kEffect:
-    return on_effect(arguments, host);
-  case kNetwork:
-    return on_network(arguments, host);
-  case kTorques:
-    return on_torques(arguments, host);
-  case kTorque:
-    return on_torque(arguments, host);
-  case kGrip:
-    return on_grip(arguments, host);
-  case kEstop:
-    return on_estop(host);
-  case kReport:
-    return on_report(arguments, host);
-  case kStats:
-    return on_stats(arguments, host);
-  case kTrace:
-    return on_trace(arguments, host);
-  case kHand:
-    return on_hand(arguments, host);
-  case kPath:
-    return on_path(arguments, host);
-  case kTarget:
-    return on_target(arguments, host);
-  case kSeek:
-    return on_seek(arguments, host);
-  case kButton:
-    return on_button(arguments, host);
-  default:
-    return;
-  }
-}
 
 } // namespace tactus

@@ -1,5 +1,6 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/trace.hpp"
+#include "tests/externals/by_name.hpp"
 #include "tests/externals/recording_host.hpp"
 
 #include <doctest/doctest.h>
@@ -51,17 +52,15 @@ TEST_CASE("on the wall clock hits and the trace agree on when the hand met the w
       std::filesystem::temp_directory_path() / ("tactus_hits_" + std::to_string(getpid()));
   test::RecordingHost host({}, true);
   Phantom phantom;
-  const auto send = [&](std::size_t message, std::vector<Atom> words) {
-    phantom.message(message, words, host);
+  const auto send = [&](std::string_view message, const std::vector<Atom>& words) {
+    test::send(phantom, message, std::span<const Atom>(words), host);
   };
-  for (std::size_t i = 0; i < Phantom::declaration.parameters.size(); ++i)
-    phantom.set(i, Phantom::declaration.parameters[i].initial);
-  send(phantom::kHand, {"rigid"});
-  send(phantom::kPath, {"line", 0., 0., 5., 0., 0., -5., 100.});
-  send(phantom::kScene, {"add", "wall", "plane", 0., 0., 1., 0.});
-  send(phantom::kClock, {"wall"});
+  send("hand", {"rigid"});
+  send("path", {"line", 0., 0., 5., 0., 0., -5., 100.});
+  send("scene", {"add", "wall", "plane", 0., 0., 1., 0.});
+  send("clock", {"wall"});
   phantom.created(host);
-  send(phantom::kTrace, {std::string_view(path.native())});
+  send("trace", {std::string_view(path.native())});
   const auto hits = [&] {
     return std::count_if(host.infos.begin(), host.infos.end(),
                          [](const std::string& line) { return line.starts_with("hit"); });
@@ -75,7 +74,7 @@ TEST_CASE("on the wall clock hits and the trace agree on when the hand met the w
     for (std::size_t timer = 0; timer < Phantom::timers; ++timer)
       phantom.tick(timer, host);
   }
-  send(phantom::kTrace, {"stop"});
+  send("trace", {"stop"});
   REQUIRE(hits() >= 6);
   std::ifstream file(path);
   std::string line;

@@ -1,5 +1,7 @@
 #include "max/shell/executor.hpp"
 
+#include "core/rows.hpp"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,29 +26,27 @@ using Clock = std::chrono::steady_clock;
 
 /// Notes what it is told without any protection of its own: whoever overlaps is a race.
 struct Notes {
-  static constexpr std::array kParameters{Parameter{"gain", "", 1, 0, 1e6, ""}};
-  static constexpr std::array kMessages{Message{"strike", "", 0, 0, ""},
-                                        Message{"load", "", 0, 1, ""}};
-  static constexpr std::array kOutlets{Port{Port::Kind::kSignal, "sound", "", ""}};
-  static constexpr Declaration declaration{"notes~", "",       "",          "",
-                                           {},       kOutlets, kParameters, kMessages};
+  static const Declaration declaration;
+  struct Rows;
 
   void prepare(double rate, std::size_t frames) {
     prepared += 1;
     prepared_rate = rate;
     prepared_frames = frames;
   }
-  void set(std::size_t, double value) noexcept {
+  [[nodiscard]] double get_gain() const noexcept { return gain; }
+  void set_gain(double value) noexcept {
     if (plant)
       planted = value;
     gain = std::min(value, limit);
   }
-  [[nodiscard]] double get(std::size_t) const noexcept { return gain; }
-  void message(std::size_t index, std::span<const Atom> words, Host& host) {
-    if (!words.empty() && words[0].is_word)
-      throw std::runtime_error("out of memory");
-    (index == 0 ? strikes : loads) += 1;
-    if (index == 1 && meet_block) { // a block begins while this has the object, and it ends soon
+  void strike(std::span<const Atom> words, Host& host) {
+    note(words, strikes);
+    host.send(0, {heard_gain});
+  }
+  void load(std::span<const Atom> words, Host& host) {
+    note(words, loads);
+    if (meet_block) { // a block begins while this has the object, and it ends soon
       holds = true;
       while (!block_begins)
         continue;
@@ -55,7 +55,13 @@ struct Notes {
         continue;
     }
     heard_gain = gain;
-    host.send(0, {gain});
+    host.send(0, {heard_gain});
+  }
+  void note(std::span<const Atom> words, int& count) const {
+    if (!words.empty() && words[0].is_word)
+      throw std::runtime_error("out of memory");
+    count += 1;
+    heard_gain = gain;
   }
   template <class S> void process(const Block<S>& block) noexcept {
     for (S& sample : block.out(0))
@@ -77,6 +83,16 @@ struct Notes {
   static inline std::atomic<bool> holds{false}, block_begins{false};
   double gain = 1;
 };
+
+struct Notes::Rows {
+  static constexpr std::array parameters{
+      property<&Notes::get_gain, &Notes::set_gain>.row("gain", "", 1, 0, 1e6, "")};
+  static constexpr std::array messages{action<&Notes::strike>("strike", "", 0, 0, ""),
+                                       action<&Notes::load>("load", "", 0, 1, "")};
+  static constexpr std::array outlets{Port{Port::Kind::kSignal, "sound", "", ""}};
+};
+constexpr Declaration Notes::declaration{
+    "notes~", "", "", "", {}, Rows::outlets, Rows::parameters, Rows::messages};
 
 class Rig final : public Executor::Shell, public Host {
 public:
