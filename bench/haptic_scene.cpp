@@ -155,7 +155,7 @@ Times run(Scene scene, Motion motion, std::int64_t work_per_tick) {
     benchmark::DoNotOptimize(model->force({n, static_cast<double>(n) * 1e-3, 1e-3}, handle));
     times.tick_s.push_back(thread_cpu_s() - begin_s);
     times.limited += !model->complete();
-    ContactEvent event;
+    SceneEvent event;
     while (model->events().pop(event)) {
     }
   }

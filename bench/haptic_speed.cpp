@@ -64,7 +64,7 @@ void ticks(benchmark::State& state, Maker make) {
     servo.step({n, static_cast<double>(n) * 1e-3, 1e-3});
     felt += norm(servo.chain().written);
     ++n;
-    ContactEvent event;
+    SceneEvent event;
     while (model.events().pop(event)) {
     }
   }

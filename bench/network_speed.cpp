@@ -76,7 +76,7 @@ void measure(const char* name, const Network& network, int runs) {
       State state;
       state.position = {0.03 * std::cos(3 * t), 0.03 * std::sin(3 * t), 0.004 * std::sin(40 * t)};
       if (n == 500)
-        model->queue_action({NetworkModel::Action::Kind::kGrabNearest, 0, {}, 0});
+        model->queue_action(NetworkModel::GrabNearest{});
       const double begin = cpu_s();
       felt += norm(model->force({n, t, 1e-3}, state));
       const double took_us = 1e6 * (cpu_s() - begin);

@@ -8,9 +8,9 @@
 #include <string>
 
 /// Readers of tables that lie in memory, for their arrays see docs/formats/modal_table.md and
-/// docs/formats/stress_table.md. Each returns a sentence when anything cannot be right (the array, its
-/// shape or value, and what was expected), and then leaves its target as it was; else an empty one.
-/// They allocate; not for the audio path.
+/// docs/formats/stress_table.md. Each returns a sentence when anything cannot be right (the array,
+/// its shape or value, and what was expected), and then leaves its target as it was; else an empty
+/// one. They allocate; not for the audio path.
 namespace tactus::files {
 
 /// A `.modal.npz`.

@@ -194,7 +194,7 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
     return {"arguments", "the first field of this topic is its time, ms after the message's"};
   // 0 is from a sender that does not count.
   if (*sequence != 0 && topic.is_event)
-    count_event(message[0], now_s);
+    count_event(message, now_s);
   const auto stamp = static_cast<std::uint32_t>(*clock_us);
   clock_.add(stamp, now_s);
   const double delay_s = clock_.delay_s(stamp, now_s);
@@ -209,10 +209,10 @@ BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
 }
 
 /// Events are numbered from 1 on, and may begin again there.
-void BusSession::count_event(const Argument& number, double now_s) {
-  if (may_be_rounded(number))
+void BusSession::count_event(const Message& message, double now_s) {
+  if (may_be_rounded(message[0]))
     return send_error("sequence", "numbers of six digits: begin again at 1 before 1000000", now_s);
-  const auto event = static_cast<std::uint32_t>(static_cast<std::int32_t>(number.number));
+  const auto event = static_cast<std::uint32_t>(*message.integer_at(0));
   const std::uint32_t gap = event == 1 ? 0 : event - events_taken_ - 1;
   if (gap != 0) {
     lost_events_ += gap;

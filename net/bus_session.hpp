@@ -72,7 +72,7 @@ private:
   [[nodiscard]] Refusal on_welcome(const Message& message, double now_s);
   [[nodiscard]] Refusal on_clock(const Message& message, double now_s);
   [[nodiscard]] Refusal on_topic(const Message& message, double now_s, const Receiver& receiver);
-  void count_event(const Argument& number, double now_s);
+  void count_event(const Message& message, double now_s);
   void welcome(double now_s);
   void ping(double now_s);
   void send_clock(Address address, std::int32_t sequence, double now_s);

@@ -93,7 +93,7 @@ public:
       put(is_control(c) ? '?' : c);
     }
   }
-  template <class Number> void number(Number value) noexcept {
+  template <class Number> void word(Number value) noexcept {
     std::array<char, 32> digits{};
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
     raw({digits.data(), static_cast<std::size_t>(end - digits.data())});
@@ -164,18 +164,7 @@ std::size_t encode_fudi(const Message& message, std::span<char> out) noexcept {
   }
   for (std::size_t i = 0; i < message.size(); ++i) {
     writer.raw(" ");
-    const Argument& argument = message[i];
-    switch (argument.type) {
-    case Argument::Type::kInteger:
-      writer.number(static_cast<std::int32_t>(argument.number));
-      break;
-    case Argument::Type::kFloat:
-      writer.number(static_cast<float>(argument.number));
-      break;
-    case Argument::Type::kString:
-      writer.word(argument.text);
-      break;
-    }
+    std::visit([&](auto value) { writer.word(value); }, message[i]);
   }
   writer.raw(";\n");
   return writer.size();

@@ -16,15 +16,18 @@ std::optional<std::int32_t> Message::integer_at(std::size_t i) const noexcept {
 }
 
 std::optional<double> Message::number_at(std::size_t i) const noexcept {
-  if (i >= size_ || arguments_[i].type == Argument::Type::kString)
+  if (i >= size_)
     return {};
-  return arguments_[i].number;
+  if (const auto* const integer = std::get_if<std::int32_t>(&arguments_[i]))
+    return *integer;
+  if (const auto* const real = std::get_if<float>(&arguments_[i]))
+    return *real;
+  return {};
 }
 
 std::optional<std::string_view> Message::string_at(std::size_t i) const noexcept {
-  if (i >= size_ || arguments_[i].type != Argument::Type::kString)
-    return {};
-  return arguments_[i].text;
+  const auto* const text = i < size_ ? std::get_if<std::string_view>(&arguments_[i]) : nullptr;
+  return text ? std::optional(*text) : std::nullopt;
 }
 
 bool operator==(const Message& a, const Message& b) noexcept {

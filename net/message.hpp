@@ -7,22 +7,18 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <variant>
 
 namespace tactus::net {
 
-/// One argument of a message: a 32-bit integer, a 32-bit float or a string.
-struct Argument {
-  enum class Type : char { kInteger = 'i', kFloat = 'f', kString = 's' };
-  Type type = Type::kInteger;
-  double number = 0; ///< of kInteger and kFloat, exact
-  std::string_view text{};
-  friend bool operator==(const Argument&, const Argument&) = default;
-};
+/// One argument of a message.
+using Argument = std::variant<std::int32_t, float, std::string_view>;
 
 /// A count that came as a float of a million or more: Pd's text writes six digits, so that it may
 /// stand for the counts beside it.
 [[nodiscard]] constexpr bool may_be_rounded(const Argument& count) noexcept {
-  return count.type == Argument::Type::kFloat && (count.number >= 1e6 || count.number <= -1e6);
+  const float* const number = std::get_if<float>(&count);
+  return number && (*number >= 1e6F || *number <= -1e6F);
 }
 
 /// One message of the protocol, whatever its framing. Strings are views into the bytes it was
@@ -55,16 +51,16 @@ public:
     return true;
   }
   Message& integer(std::int32_t value) noexcept {
-    add({Argument::Type::kInteger, static_cast<double>(value), {}});
+    add(value);
     return *this;
   }
   /// Rounded to the wire's 32 bits.
   Message& real(double value) noexcept {
-    add({Argument::Type::kFloat, static_cast<double>(static_cast<float>(value)), {}});
+    add(static_cast<float>(value));
     return *this;
   }
   Message& string(std::string_view text) noexcept {
-    add({Argument::Type::kString, 0, text});
+    add(text);
     return *this;
   }
 

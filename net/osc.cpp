@@ -68,6 +68,10 @@ public:
       byte(0);
     while (size_ % 4 != 0);
   }
+  void argument(std::string_view text) noexcept { string(text.substr(0, text.find('\0'))); }
+  template <class Number> void argument(Number value) noexcept {
+    word(std::bit_cast<std::uint32_t>(value));
+  }
   void word(std::uint32_t value) noexcept {
     for (int shift = 24; shift >= 0; shift -= 8)
       byte(static_cast<std::uint8_t>(value >> shift));
@@ -221,22 +225,10 @@ std::size_t encode_osc(const Message& message, std::span<std::uint8_t> out) noex
   writer.string(message.address() == Address::kTopic ? kBusPrefix : kPrefix, message.name());
   std::array<char, Message::kMaxArguments + 1> tags{','};
   for (std::size_t i = 0; i < message.size(); ++i)
-    tags[i + 1] = static_cast<char>(message[i].type);
+    tags[i + 1] = "ifs"[message[i].index()];
   writer.string({tags.data(), message.size() + 1});
-  for (std::size_t i = 0; i < message.size(); ++i) {
-    const Argument& argument = message[i];
-    switch (argument.type) {
-    case Argument::Type::kInteger:
-      writer.word(std::bit_cast<std::uint32_t>(static_cast<std::int32_t>(argument.number)));
-      break;
-    case Argument::Type::kFloat:
-      writer.word(std::bit_cast<std::uint32_t>(static_cast<float>(argument.number)));
-      break;
-    case Argument::Type::kString:
-      writer.string(argument.text.substr(0, argument.text.find('\0')));
-      break;
-    }
-  }
+  for (std::size_t i = 0; i < message.size(); ++i)
+    std::visit([&](auto value) { writer.argument(value); }, message[i]);
   return writer.size();
 }
 

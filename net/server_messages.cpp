@@ -31,14 +31,14 @@ enum class Order { kNewer, kOld, kJump };
 
 /// By difference in 32 bits, so that the count may run over. It may begin again at 0 or 1, and what
 /// Pd rounds may stay for a while.
-Order order_of(const std::optional<std::int32_t>& last, const Argument& count) noexcept {
+Order order_of(const std::optional<std::int32_t>& last, const Message& message) noexcept {
   if (!last)
     return Order::kNewer;
-  const auto sequence = static_cast<std::int32_t>(count.number);
+  const std::int32_t sequence = *message.integer_at(0);
   const auto ahead = static_cast<std::int32_t>(static_cast<std::uint32_t>(sequence) -
                                                static_cast<std::uint32_t>(*last));
   const bool begins = ahead < 0 && (sequence == 0 || sequence == 1);
-  if (ahead > 0 || begins || (ahead == 0 && may_be_rounded(count)))
+  if (ahead > 0 || begins || (ahead == 0 && may_be_rounded(message[0])))
     return Order::kNewer;
   return ahead < -kSequenceWindow ? Order::kJump : Order::kOld;
 }
@@ -182,7 +182,7 @@ Server::Refusal Server::on_force(Session& session, Words message) {
   if (controller_ != &session || servo_command_.render.mode != RenderMode::kForce)
     return {"stopped", "send start force first"};
   if (numbered) {
-    const Order order = order_of(session.force_sequence, message[0]);
+    const Order order = order_of(session.force_sequence, message);
     if (order == Order::kJump)
       return {"sequence", kSequenceText, true};
     if (order == Order::kOld)
@@ -208,7 +208,7 @@ Server::Refusal Server::on_feedback(Session& session, Words message) {
   const RenderMode mode = servo_command_.render.mode;
   if (controller_ != &session || (mode != RenderMode::kSpring && mode != RenderMode::kDamper))
     return {"stopped", "send start spring or start damper first"};
-  const Order order = order_of(session.feedback_sequence, message[0]);
+  const Order order = order_of(session.feedback_sequence, message);
   if (order == Order::kJump)
     return {"sequence", kSequenceText, true};
   if (order == Order::kOld)

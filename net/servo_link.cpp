@@ -14,10 +14,10 @@ ServoLink::ServoLink(haptic::Servo& servo, RenderModel& model, const haptic::Cha
 }
 
 void ServoLink::exchange(Server& server, double now_s) {
-  haptic::Event event;
+  haptic::ServoEvent event;
   while (exchange_.events.pop(event))
-    if (event.kind == haptic::Event::Kind::kButton)
-      server.set_button(event.number, event.on);
+    if (const auto* const button = std::get_if<haptic::ButtonEvent>(&event))
+      server.set_button(button->number, button->on);
   exchange_.reports.read();
   const haptic::Report& report = exchange_.reports.latest();
   server.advance({report.state, exchange_.motors.request().stopped, report.faults, report.clipping,

@@ -15,8 +15,8 @@ struct ModesReady {
 };
 
 /// The fixed part of an answer. `shares` modal::ModeShares follow
-/// (core/modal/table/resolved_modes.hpp), then to the end a modal table (NPZ) of the new shape, whose
-/// array `displacement` [P] holds the parameters that were reached.
+/// (core/modal/table/resolved_modes.hpp), then to the end a modal table (NPZ) of the new shape,
+/// whose array `displacement` [P] holds the parameters that were reached.
 struct ModesAnswer {
   double seconds = 0;  ///< that the solve took
   double fraction = 1; ///< of the move that keeps the mesh valid

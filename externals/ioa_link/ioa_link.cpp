@@ -43,7 +43,7 @@ void IoaLink::send(std::span<const Atom> arguments, Host& host) {
     timed.real(message_time_since(arguments[1].number, now_ms + bus_ahead_ms_));
     for (std::size_t i = 1; i < topic.size(); ++i)
       timed.add(topic[i]);
-    if (!std::isfinite(timed[0].number))
+    if (!std::isfinite(timed.number_at(0).value_or(0)))
       return host.error("send " + text_of(arguments[0]) + ": its time is out of range");
     topic = timed;
   }
@@ -58,10 +58,10 @@ void IoaLink::deliver(const net::BusLink::Delivered& delivered, Host& host) {
   std::array<Atom, net::Message::kMaxArguments + 1> atoms{
       topic.name(), 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.};
   for (std::size_t i = 0; i < topic.size(); ++i)
-    atoms[i + 1] =
-        topic[i].type == net::Argument::Type::kString ? Atom(topic[i].text) : Atom(topic[i].number);
+    atoms[i + 1] = std::visit([](auto value) { return Atom(value); }, topic[i]);
   if (net::bus_topic(topic.name()).has_time && topic.size() > 0)
-    atoms[1] = message_time(topic[0].number + kPerSecond * delivered.sent_s + bus_ahead_ms_);
+    atoms[1] = message_time(topic.number_at(0).value_or(0) + kPerSecond * delivered.sent_s +
+                            bus_ahead_ms_);
   host.send(0, std::span(atoms).first(topic.size() + 1));
 }
 

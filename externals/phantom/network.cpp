@@ -6,7 +6,7 @@
 namespace tactus {
 
 using namespace phantom;
-using Action = haptic::NetworkModel::Action;
+using haptic::NetworkModel;
 
 void Phantom::on_network(Words words, Host& host) {
   if (!is(words[0], "pluck") && !is(words[0], "reset")) {
@@ -28,7 +28,7 @@ void Phantom::on_network(Words words, Host& host) {
     warn_of_stiffness("network grab", network.grab.stiffness_n_per_m, host, kLate);
     warn_of_damping("network grab", network.grab.damping_n_s_per_m, host);
   }
-  Action action;
+  NetworkModel::Action action;
   if (is(words[0], "pluck")) {
     constexpr Range ranges[] = {{"fx", "N", -100, 100},
                                 {"fy", "N", -100, 100},
@@ -43,14 +43,14 @@ void Phantom::on_network(Words words, Host& host) {
       refusal = read_numbers(words.subspan(2), ranges, v);
     if (!refusal.empty())
       return host.error("network pluck: " + refusal);
-    action = {Action::Kind::kPluck, found.key, {v[0], v[1], v[2]}, v[3] * 1e-3};
+    action = NetworkModel::Pluck{found.key, {v[0], v[1], v[2]}, v[3] * 1e-3};
   } else if (is(words[0], "grab")) {
     if (is(words[1], "off"))
-      action.kind = Action::Kind::kRelease;
+      action = NetworkModel::Release{};
     else if (is(words[1], "nearest"))
-      action.kind = Action::Kind::kGrabNearest;
+      action = NetworkModel::GrabNearest{};
     else
-      action = {Action::Kind::kGrab, network_.movable(words[1]).key, {}, 0};
+      action = NetworkModel::Grab{network_.movable(words[1]).key};
   }
   if (!rig_->network.queue_action(action))
     host.error("network " + std::string(words[0].word) +

@@ -39,12 +39,12 @@ void Phantom::collect(Host& host) {
       rig_->signals->set_workspace(settings_.chain.workspace);
     }
   }
-  haptic::Event event;
-  for (int taken = 0; taken < 256 && exchange().events.pop(event); ++taken)
-    send_event(event, host);
-  haptic::ContactEvent contact;
-  for (int taken = 0; taken < 256 && rig_->scene.events().pop(contact); ++taken)
-    send_contact(contact, host);
+  const auto send_all = [&](auto& events, auto event) {
+    for (int taken = 0; taken < 256 && events.pop(event); ++taken)
+      std::visit([&](const auto& one) { send(one, host); }, event);
+  };
+  send_all(exchange().events, haptic::ServoEvent());
+  send_all(rig_->scene.events(), haptic::SceneEvent());
   rig_->scene.collect();
   rig_->network.collect();
   watch_queues(host);
@@ -86,40 +86,33 @@ void Phantom::watch_queues(Host& host) {
   lost_reported_ = lost;
 }
 
-void Phantom::send_event(const haptic::Event& event, Host& host) {
-  using Kind = haptic::Event::Kind;
-  switch (event.kind) {
-  case Kind::kButton:
-    if (reported_[kButtonTag])
-      host.info({"button", static_cast<double>(event.number), event.on ? 1.0 : 0.0});
-    break;
-  case Kind::kWatchdog:
-    if (reported_[kStatus])
-      host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
-    break;
-  }
+void Phantom::send(const haptic::ButtonEvent& event, Host& host) {
+  if (reported_[kButtonTag])
+    host.info({"button", static_cast<double>(event.number), event.on ? 1.0 : 0.0});
 }
 
-void Phantom::send_contact(const haptic::ContactEvent& event, Host& host) {
-  using Kind = haptic::ContactEvent::Kind;
-  const Atom body = scene_.name_of(event.key);
-  const double ms = message_time(patch_ms(event.time_s));
-  const Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;
-  switch (event.kind) {
-  case Kind::kHit:
-    if (reported_[kHitTag])
-      host.info({"hit", ms, body, p.x, p.y, p.z, n.x, n.y, n.z, event.approach_m_per_s,
-                 event.slip_m_per_s});
-    break;
-  case Kind::kContact:
-    if (reported_[kContactTag])
-      host.info({"contact", ms, body, event.depth_m * 1e3, f.x, f.y, f.z});
-    break;
-  case Kind::kRelease:
-    if (reported_[kReleaseTag])
-      host.info({"release", ms, body});
-    break;
-  }
+void Phantom::send(const haptic::WatchdogEvent& event, Host& host) {
+  if (reported_[kStatus])
+    host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
+}
+
+void Phantom::send(const haptic::HitEvent& event, Host& host) {
+  const Vec3 p = event.point * 1e3, &n = event.normal;
+  if (reported_[kHitTag])
+    host.info({"hit", message_time(patch_ms(event.time_s)), scene_.name_of(event.key), p.x, p.y,
+               p.z, n.x, n.y, n.z, event.approach_m_per_s, event.slip_m_per_s});
+}
+
+void Phantom::send(const haptic::ContactEvent& event, Host& host) {
+  const Vec3& f = event.force_n;
+  if (reported_[kContactTag])
+    host.info({"contact", message_time(patch_ms(event.time_s)), scene_.name_of(event.key),
+               event.depth_m * 1e3, f.x, f.y, f.z});
+}
+
+void Phantom::send(const haptic::ReleaseEvent& event, Host& host) {
+  if (reported_[kReleaseTag])
+    host.info({"release", message_time(patch_ms(event.time_s)), scene_.name_of(event.key)});
 }
 
 void Phantom::send_position(Host& host, bool always) {

@@ -152,8 +152,11 @@ private:
   void collect(Host& host);
   void send_position(Host& host, bool always);
   void send_values(Host& host, bool all);
-  void send_event(const haptic::Event& event, Host& host);
-  void send_contact(const haptic::ContactEvent& event, Host& host);
+  void send(const haptic::ButtonEvent& event, Host& host);
+  void send(const haptic::WatchdogEvent& event, Host& host);
+  void send(const haptic::HitEvent& event, Host& host);
+  void send(const haptic::ContactEvent& event, Host& host);
+  void send(const haptic::ReleaseEvent& event, Host& host);
   void send_timing(Host& host);
   void send_workspace(Host& host) const;
   void drain_trace();

@@ -7,7 +7,6 @@
 
 namespace tactus::stress {
 
-
 namespace {
 
 constexpr double kM_per_mm = 1e-3, kMaxPosition_mm = 1e6, kMaxSpeed_m_per_s = 100;

@@ -6,7 +6,6 @@
 
 namespace tactus::stress {
 
-
 namespace {
 
 constexpr double kStep_ms = 1;             // update interval of gamma and force while they change

@@ -5,7 +5,6 @@
 
 namespace tactus::stress {
 
-
 namespace {
 
 // A face is sent again when it differs by this much from its last sent state.

@@ -6,7 +6,6 @@
 
 namespace tactus::stress {
 
-
 StressHaptic::StressHaptic(StressJob::SolverFactory solvers) : worker_(std::move(solvers)) {}
 
 StressHaptic::StressHaptic()

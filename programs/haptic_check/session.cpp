@@ -80,10 +80,9 @@ void Session::drain(Recording& recording) {
     recording.records.push_back({report.tick.index, report.tick.time_s, report.state.position,
                                  report.state.velocity, report.force_n, report.state.buttons,
                                  report.state.flags});
-  haptic::ContactEvent event;
+  haptic::SceneEvent event;
   while (scene_.events().pop(event))
-    if (event.kind == haptic::ContactEvent::Kind::kHit)
-      recording.hits.push_back(event);
+    recording.hits += std::holds_alternative<haptic::HitEvent>(event) ? 1 : 0;
   scene_.collect();
 }
 
@@ -125,7 +124,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
   settings.chain.workspace = {caps.workspace_min, caps.workspace_max};
   drain(recording); // what an earlier station left
   recording.records.clear();
-  recording.hits.clear();
+  recording.hits = 0;
   haptic::Exchange& exchange = servo_.exchange();
   const std::uint64_t lost_before = exchange.trace.dropped();
   scene_.publish(std::make_unique<haptic::Scene>(plan.scene));

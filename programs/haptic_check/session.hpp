@@ -33,7 +33,7 @@ private:
 /// What one station recorded.
 struct Recording {
   std::vector<Record> records;
-  std::vector<haptic::ContactEvent> hits;
+  std::size_t hits = 0;
   haptic::ServoStatistics statistics{};
   haptic::ChainCounters counters{};
   double lowest_energy_j = 0;

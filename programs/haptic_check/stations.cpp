@@ -198,7 +198,7 @@ std::string Stations::wall() {
   else
     finding.lines = {
         format("%zu hits, %zu ticks in contact, deepest %.2f mm, largest force %.2f N",
-               recording.hits.size(), result.ticks, 1e3 * result.max_depth_m, result.max_force_n),
+               recording.hits, result.ticks, 1e3 * result.max_depth_m, result.max_force_n),
         format("force over depth %.0f N/m of %.0f asked, hum %.1f um RMS", result.stiffness_n_per_m,
                stiffness_n_per_m_, 1e6 * result.vibration_rms_m)};
   return finish(std::move(finding), recording, true);
@@ -248,8 +248,8 @@ std::string Stations::sphere() {
     finding.lines = {"the ball was not touched"};
   else
     finding.lines = {
-        format("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits.size(),
-               angles.size(), 1e3 * max_depth),
+        format("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits, angles.size(),
+               1e3 * max_depth),
         format("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%,",
                angles[angles.size() / 2], angles[angles.size() * 19 / 20]),
         "where the brake of the passivity control is part of it"};

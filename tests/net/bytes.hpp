@@ -53,8 +53,8 @@ inline Bytes bundle(const std::vector<Bytes>& elements) {
 inline std::string to_text(const Message& message) {
   std::string text(message.name());
   for (std::size_t i = 0; i < message.size(); ++i)
-    text += message[i].type == Argument::Type::kString ? " '" + std::string(message[i].text) + "'"
-                                                       : " " + std::to_string(message[i].number);
+    text += message.string_at(i) ? " '" + std::string(*message.string_at(i)) + "'"
+                                 : " " + std::to_string(*message.number_at(i));
   return text;
 }
 

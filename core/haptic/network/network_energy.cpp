@@ -80,7 +80,7 @@ double NetworkModel::handle_energy_j() const noexcept {
 /// F . (v- + v+)/2 h for each pluck.
 double NetworkModel::work_of_plucks() const noexcept {
   double work = 0;
-  for (const Pluck& pluck : plucks_)
+  for (const RunningPluck& pluck : plucks_)
     if (pluck.key != kNoKey)
       work += dot(pluck.force_n, pluck.velocity_before + velocity(pluck.mass));
   return 0.5 * step_s_ * work;

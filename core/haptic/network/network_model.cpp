@@ -89,7 +89,7 @@ void NetworkModel::take_network() noexcept {
   grabbed_mass_ = find(grabbed_);
   if (grabbed_mass_ == NetworkPickup::kNone)
     grabbed_ = kNoKey;
-  for (Pluck& pluck : plucks_) {
+  for (RunningPluck& pluck : plucks_) {
     pluck.mass = find(pluck.key);
     if (pluck.mass == NetworkPickup::kNone)
       pluck.key = kNoKey;
@@ -105,56 +105,55 @@ std::size_t NetworkModel::find(std::uint64_t key) const noexcept {
 
 void NetworkModel::take_actions(const Vec3& handle) noexcept {
   Action action;
-  for (int taken = 0; taken < kMaxActions && actions_.pop(action); ++taken)
-    apply_action(action, handle);
+  for (int taken = 0; taken < kMaxActions && actions_.pop(action); ++taken) {
+    if (const auto* const pluck = std::get_if<Pluck>(&action))
+      begin(*pluck);
+    else if (const auto* const wanted = std::get_if<Grab>(&action))
+      grab(find(wanted->key));
+    else if (std::holds_alternative<GrabNearest>(action))
+      grab(nearest_movable(handle));
+    else if (std::holds_alternative<Release>(action))
+      grabbed_ = kNoKey;
+    else
+      reset();
+  }
 }
 
-void NetworkModel::apply_action(const Action& action, const Vec3& handle) noexcept {
-  using Kind = Action::Kind;
-  const auto movable = [this](std::size_t i) { return i < count_ && inverse_mass_[i] > 0; };
-  switch (action.kind) {
-  case Kind::kPluck: {
-    const std::size_t mass = find(action.key);
-    if (!movable(mass))
-      return;
-    // The duration is rounded to whole steps; the force is scaled to keep the impulse.
-    const double duration_s = action.duration_s > 0 ? std::min(action.duration_s, 100.0) : 0.0;
-    const double steps = std::max(1.0, std::floor(duration_s / step_s_ + 0.5));
-    Pluck* free = std::find_if(plucks_.begin(), plucks_.end(),
-                               [](const Pluck& pluck) { return pluck.key == kNoKey; });
-    if (free == plucks_.end())
-      free = plucks_.begin();
-    *free = {action.key, mass,
-             limited(action.force_n, kMaxPluck_n) * (duration_s / (steps * step_s_)),
-             steps * step_s_};
+void NetworkModel::begin(const Pluck& pluck) noexcept {
+  const std::size_t mass = find(pluck.key);
+  if (!movable(mass))
     return;
-  }
-  case Kind::kGrab:
-  case Kind::kGrabNearest: {
-    std::size_t nearest = action.kind == Kind::kGrab ? find(action.key) : NetworkPickup::kNone;
-    double best = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; action.kind == Kind::kGrabNearest && i < count_; ++i) {
-      const double distance = norm(position(i) - handle);
-      if (movable(i) && distance < best) {
-        best = distance;
-        nearest = i;
-      }
+  // The duration is rounded to whole steps; the force is scaled to keep the impulse.
+  const double duration_s = pluck.duration_s > 0 ? std::min(pluck.duration_s, 100.0) : 0.0;
+  const double steps = std::max(1.0, std::floor(duration_s / step_s_ + 0.5));
+  RunningPluck* free = std::find_if(plucks_.begin(), plucks_.end(),
+                                    [](const RunningPluck& one) { return one.key == kNoKey; });
+  if (free == plucks_.end())
+    free = plucks_.begin();
+  *free = {pluck.key, mass, limited(pluck.force_n, kMaxPluck_n) * (duration_s / (steps * step_s_)),
+           steps * step_s_};
+}
+
+std::size_t NetworkModel::nearest_movable(const Vec3& position_m) const noexcept {
+  std::size_t nearest = NetworkPickup::kNone;
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double distance = norm(position(i) - position_m);
+    if (movable(i) && distance < best) {
+      best = distance;
+      nearest = i;
     }
-    if (!movable(nearest))
-      return;
-    grabbed_mass_ = nearest;
-    if (grabbed_ != keys_[nearest])
-      grab_gain_ = 0;
-    grabbed_ = keys_[nearest];
-    return;
   }
-  case Kind::kRelease:
-    grabbed_ = kNoKey;
+  return nearest;
+}
+
+void NetworkModel::grab(std::size_t mass) noexcept {
+  if (!movable(mass))
     return;
-  case Kind::kReset:
-    reset();
-    return;
-  }
+  grabbed_mass_ = mass;
+  if (grabbed_ != keys_[mass])
+    grab_gain_ = 0;
+  grabbed_ = keys_[mass];
 }
 
 void NetworkModel::reset() noexcept {

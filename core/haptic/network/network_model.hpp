@@ -8,6 +8,7 @@
 #include <atomic>
 #include <memory>
 #include <span>
+#include <variant>
 
 namespace tactus::haptic {
 
@@ -39,14 +40,19 @@ public:
   /// is opened or when the sphere grows; also of the spring to a grabbed mass.
   static constexpr double kContactRamp_s = 0.1;
 
-  /// An action of the hand on one mass, or a reset.
-  struct Action {
-    enum class Kind { kPluck, kGrab, kGrabNearest, kRelease, kReset };
-    Kind kind = Kind::kReset;
+  /// Actions of the hand on the mass of a key or the nearest one, and a reset.
+  struct Pluck {
     std::uint64_t key = 0;
-    Vec3 force_n{};        ///< of a pluck, constant
-    double duration_s = 0; ///< of a pluck
+    Vec3 force_n{}; ///< constant
+    double duration_s = 0;
   };
+  struct Grab {
+    std::uint64_t key = 0;
+  };
+  struct GrabNearest {};
+  struct Release {};
+  struct Reset {};
+  using Action = std::variant<Reset, Pluck, Grab, GrabNearest, Release>;
 
   NetworkModel() = default;
   ~NetworkModel() override;
@@ -95,7 +101,7 @@ private:
     std::unique_ptr<const Network> network;
     double max_step_s;
   };
-  struct Pluck {
+  struct RunningPluck {
     std::uint64_t key = kNoKey;
     std::size_t mass = 0;
     Vec3 force_n{};
@@ -106,7 +112,12 @@ private:
   void take_network() noexcept;
   [[nodiscard]] double gain_after_growth(double before_m, std::size_t mass) const noexcept;
   void take_actions(const Vec3& handle) noexcept;
-  void apply_action(const Action& action, const Vec3& handle) noexcept;
+  void begin(const Pluck& pluck) noexcept;
+  void grab(std::size_t mass) noexcept;
+  [[nodiscard]] std::size_t nearest_movable(const Vec3& position_m) const noexcept;
+  [[nodiscard]] bool movable(std::size_t mass) const noexcept {
+    return mass < count_ && inverse_mass_[mass] > 0;
+  }
   [[nodiscard]] std::size_t find(std::uint64_t key) const noexcept;
   void reset() noexcept;
   void find_candidates(const Vec3& from, const Vec3& to, double period_s) noexcept;
@@ -145,7 +156,7 @@ private:
   double grab_gain_ = 0; // 0..1 over kContactRamp_s
   std::array<std::uint16_t, kPoints> candidates_{};
   std::size_t candidate_count_ = 0;
-  std::array<Pluck, kMaxPlucks> plucks_{};
+  std::array<RunningPluck, kMaxPlucks> plucks_{};
 
   double budget_j_ = 0; // energy, and losses of the last kBudgetTimeConstant_s
   bool has_budget_ = false;

@@ -167,7 +167,7 @@ Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity)
 }
 
 void NetworkModel::apply_plucks() noexcept {
-  for (Pluck& pluck : plucks_)
+  for (RunningPluck& pluck : plucks_)
     if (pluck.key != kNoKey) {
       add_force(pluck.mass, pluck.force_n);
       pluck.velocity_before = velocity(pluck.mass);
@@ -175,7 +175,7 @@ void NetworkModel::apply_plucks() noexcept {
 }
 
 void NetworkModel::end_plucks() noexcept {
-  for (Pluck& pluck : plucks_) {
+  for (RunningPluck& pluck : plucks_) {
     pluck.remaining_s -= step_s_;
     if (pluck.remaining_s < 0.5 * step_s_)
       pluck.key = kNoKey;

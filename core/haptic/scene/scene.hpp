@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 namespace tactus::haptic {
@@ -33,18 +34,27 @@ struct Scene {
   double tool_radius_m = 0;
 };
 
-/// A hit, a continuing contact or a release between the tool and a body.
-struct ContactEvent {
-  enum class Kind { kHit, kContact, kRelease };
-  Kind kind = Kind::kHit;
-  std::uint64_t key = 0;
+/// The tool has touched a body.
+struct HitEvent {
+  std::uint64_t key = 0; ///< of the body
   double time_s = 0;
   Vec3 point{};                ///< m, on the surface
   Vec3 normal{};               ///< outwards
-  double approach_m_per_s = 0; ///< of a hit: speed into the surface just before
-  double slip_m_per_s = 0;     ///< of a hit: speed along the surface
-  double depth_m = 0;          ///< of a contact
-  Vec3 force_n{};              ///< of a contact
+  double approach_m_per_s = 0; ///< into the surface, just before
+  double slip_m_per_s = 0;     ///< along the surface
 };
+/// It touches the body still.
+struct ContactEvent {
+  std::uint64_t key = 0;
+  double time_s = 0;
+  double depth_m = 0;
+  Vec3 force_n{};
+};
+/// It has left the body.
+struct ReleaseEvent {
+  std::uint64_t key = 0;
+  double time_s = 0;
+};
+using SceneEvent = std::variant<HitEvent, ContactEvent, ReleaseEvent>;
 
 } // namespace tactus::haptic

@@ -4,7 +4,6 @@
 namespace tactus::haptic {
 
 void SceneModel::push_events(const Tick& tick) noexcept {
-  using Kind = ContactEvent::Kind;
   std::array<const Touch*, Scene::kMaxBodies> now{};
   std::array<double, Scene::kMaxBodies> depth{};
   for (const Touch& touch : touches_.all()) {
@@ -15,39 +14,25 @@ void SceneModel::push_events(const Tick& tick) noexcept {
   WorkLimit work(work_per_tick_ / 8);
   for (std::size_t i = 0; i < count_; ++i) {
     Slot& slot = slots_[i];
-    ContactEvent event;
-    event.key = slot.key;
-    event.time_s = tick.time_s;
-    if (now[i]) {
-      event.point = proxy_ - now[i]->normal * (Proxy::kSkin_m + tool_radius_m_);
-      event.normal = now[i]->normal;
-      slot.point = slot.pose.to_local(event.point);
-      slot.normal = slot.pose.rotation.inverse().rotated(event.normal);
-    } else {
-      event.point = slot.pose.to_world(slot.point);
-      event.normal = slot.pose.rotation.rotated(slot.normal);
-    }
     if (now[i] && !slot.touching) {
-      const Vec3 v = previous_velocity_ - velocity_of(slot, event.point, tick.period_s);
-      event.approach_m_per_s = -dot(v, event.normal);
-      event.slip_m_per_s = norm(without_component(v, event.normal));
-      if (slot.armed && slot.overlap_start_s < 0 && event.approach_m_per_s >= kMinHit_m_per_s)
-        events_.push(event);
+      const Vec3& normal = now[i]->normal;
+      const Vec3 point = proxy_ - normal * (Proxy::kSkin_m + tool_radius_m_);
+      const Vec3 v = previous_velocity_ - velocity_of(slot, point, tick.period_s);
+      const HitEvent hit{slot.key, tick.time_s,     point,
+                         normal,   -dot(v, normal), norm(without_component(v, normal))};
+      if (slot.armed && slot.overlap_start_s < 0 && hit.approach_m_per_s >= kMinHit_m_per_s)
+        events_.push(hit);
       slot.armed = slot.separated = false;
       slot.reported_s = -1e9;
     }
     if (now[i] && tick.time_s - slot.reported_s >= kContactEvery_s - 1e-9) {
-      event.kind = Kind::kContact;
-      event.depth_m = depth[i];
-      event.force_n = body_force_[i];
-      events_.push(event);
+      events_.push(ContactEvent{slot.key, tick.time_s, depth[i], body_force_[i]});
       slot.reported_s = tick.time_s;
     }
     // Only a complete search shows that the proxy is free of a body.
     const bool touching = now[i] != nullptr || (slot.touching && !complete_);
     if (!touching && slot.touching) {
-      event.kind = Kind::kRelease;
-      events_.push(event);
+      events_.push(ReleaseEvent{slot.key, tick.time_s});
       slot.released_s = tick.time_s;
       slot.overlap_start_s = -1;
     }

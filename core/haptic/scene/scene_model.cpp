@@ -76,13 +76,8 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
     }
   }
   for (std::size_t j = 0; j < count_; ++j)
-    if (!kept[j] && slots_[j].touching) {
-      ContactEvent event;
-      event.kind = ContactEvent::Kind::kRelease;
-      event.key = slots_[j].key;
-      event.time_s = tick.time_s;
-      events_.push(event);
-    }
+    if (!kept[j] && slots_[j].touching)
+      events_.push(ReleaseEvent{slots_[j].key, tick.time_s});
   std::size_t held = 0;
   for (const Touch& touch : touches_.all())
     if (kept[touch.slot] && !shrinks) {

@@ -50,7 +50,7 @@ public:
   void publish(std::unique_ptr<const Scene> scene);
   /// Frees the scenes that the servo has returned.
   void collect() noexcept;
-  [[nodiscard]] Ring<ContactEvent, 1024>& events() noexcept { return events_; }
+  [[nodiscard]] Ring<SceneEvent, 1024>& events() noexcept { return events_; }
   /// Continuous force of the device, N; 0: not known. At any time.
   void set_continuous_force(double newton) noexcept {
     continuous_force_n_.store(newton, std::memory_order_relaxed);
@@ -80,7 +80,6 @@ private:
     double overlap_start_s = -1;      ///< when it appeared around the handle; negative: it did not
     double overlap_start_force_n = 0; ///< its force just before, where the tool has grown
     double force_n = 0;               ///< its force in the last tick
-    Vec3 point{}, normal{};           ///< of the last contact, in the body's frame
 
     [[nodiscard]] bool moved() const noexcept { return !(pose == before); }
   };
@@ -108,7 +107,7 @@ private:
 
   std::atomic<const Scene*> pending_{nullptr};
   Ring<const Scene*, 64> retired_;
-  Ring<ContactEvent, 1024> events_;
+  Ring<SceneEvent, 1024> events_;
 
   std::atomic<double> continuous_force_n_{0};
   const std::int64_t work_per_tick_;

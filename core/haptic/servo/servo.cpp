@@ -174,11 +174,10 @@ void Servo::push_events(const Tick& tick, const State& state) noexcept {
     int number = 0;
     while (!(changed >> number & 1u))
       ++number;
-    exchange_.events.push(
-        {Event::Kind::kButton, number, (state.buttons >> number & 1u) != 0, tick.time_s});
+    exchange_.events.push(ButtonEvent{number, (state.buttons >> number & 1u) != 0, tick.time_s});
   }
   if (chain_.tripped != tripped_)
-    exchange_.events.push({Event::Kind::kWatchdog, 0, chain_.tripped, tick.time_s});
+    exchange_.events.push(WatchdogEvent{chain_.tripped, tick.time_s});
   tripped_ = chain_.tripped;
 }
 

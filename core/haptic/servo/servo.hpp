@@ -13,6 +13,7 @@
 
 #include <atomic>
 #include <optional>
+#include <variant>
 
 namespace tactus::haptic {
 
@@ -70,14 +71,18 @@ struct Report {
   std::uint32_t faults = 0;   ///< number of faults since the device was attached
 };
 
-/// A change of a button or of the watchdog.
-struct Event {
-  enum class Kind { kButton, kWatchdog };
-  Kind kind = Kind::kButton;
-  int number = 0; ///< of a button
+/// A button has been pressed or let go.
+struct ButtonEvent {
+  int number = 0;
   bool on = false;
   double time_s = 0;
 };
+/// The watchdog has tripped or recovered.
+struct WatchdogEvent {
+  bool on = false;
+  double time_s = 0;
+};
+using ServoEvent = std::variant<ButtonEvent, WatchdogEvent>;
 
 /// Counters and timing since the last reset.
 struct ServoStatistics {
@@ -95,7 +100,7 @@ struct Exchange {
   std::atomic<std::uint32_t> statistics_resets{0}; ///< a change resets the statistics
   Mailbox<Report> reports;
   Mailbox<ServoStatistics> statistics; ///< every kStatisticsTicks ticks
-  Ring<Event, 1024> events;
+  Ring<ServoEvent, 1024> events;
   std::atomic<bool> tracing{false}; ///< true: every tick pushes its report to trace
   Ring<Report, 1024> trace;
 };

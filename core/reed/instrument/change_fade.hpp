@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/reed/instrument/parameters.hpp"
 #include "core/reed/instrument/oversampler.hpp"
+#include "core/reed/instrument/parameters.hpp"
 
 #include <cmath>
 

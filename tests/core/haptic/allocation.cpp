@@ -103,8 +103,8 @@ TEST_CASE("a servo with scene, effects, network and signals allocates and frees 
       else
         rig.servo.exchange().motors.emergency_stop();
       rig.device.set_button(1, block % 3 == 0);
-      network.queue_action({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 1}, 1e-3});
-      network.queue_action({NetworkModel::Action::Kind::kGrabNearest, 0, {}, 0});
+      network.queue_action(NetworkModel::Pluck{3, {0, 0, 1}, 1e-3});
+      network.queue_action(NetworkModel::GrabNearest{});
       player.begin_block(64);
       for (int n = 0; n < 64; ++n)
         static_cast<void>(player.process({{0.1, 0, 0}, 0.1}));

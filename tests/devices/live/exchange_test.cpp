@@ -106,7 +106,7 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
     exchange.tracing = round % 2 == 0;
     scene.publish(scene_of(round));
     network.publish(network_of(round));
-    network.queue_action({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 0.1}, 1e-3});
+    network.queue_action(NetworkModel::Pluck{3, {0, 0, 0.1}, 1e-3});
     EffectSettings felt;
     felt.inertia = {0.01 * (1 + round % 9)};
     felt.relief = {1e-4, 1e-3, {1, 0, 0}};
@@ -120,10 +120,10 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
     Report report;
     while (exchange.trace.pop(report))
       in_order = in_order && is_finite(report.force_n);
-    Event event;
+    ServoEvent event;
     while (exchange.events.pop(event))
       ++events;
-    ContactEvent contact;
+    SceneEvent contact;
     while (scene.events().pop(contact))
       ++events;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -62,10 +62,10 @@ TEST_CASE("a stroke that is reported every 10 ms hits a body with its speed") {
       static_cast<void>(rig.model.force({n, t, kTick_s}, state));
     }
     double approach = -1;
-    ContactEvent event;
+    SceneEvent event;
     while (rig.model.events().pop(event))
-      if (event.kind == ContactEvent::Kind::kHit)
-        approach = event.approach_m_per_s;
+      if (const auto* const hit = std::get_if<HitEvent>(&event))
+        approach = hit->approach_m_per_s;
     CHECK(approach == (gliding ? doctest::Approx(0.2).epsilon(1e-6) : doctest::Approx(-1)));
   }
 }

@@ -13,7 +13,6 @@ using tactus::Random;
 using tactus::Vec3;
 using tactus::test::approx;
 using test::NetworkRig;
-using Kind = NetworkModel::Action::Kind;
 
 namespace {
 
@@ -91,7 +90,7 @@ TEST_CASE("a pressed and a grabbed mass feel as two springs in series") {
   rig.tick({});
   rig.grab(mass);
   CHECK(rig.tick_for(1, {0.004, 0, 0}).x == approx(-0.004 / (1 / 250. + 1 / 200.)));
-  rig.act(Kind::kRelease);
+  rig.act(NetworkModel::Release{});
   CHECK(rig.tick_for(1, {0.004, 0, 0}) == Vec3{});
   CHECK(norm(rig.model.position(mass)) < 1e-9); // plucked, and at rest again
   // Pressed by the sphere from +z, its centre 6 mm away: the mass goes down by u,
@@ -111,7 +110,7 @@ TEST_CASE("a string pressed in the middle has the stiffness 4 T/L of the continu
   rig.add(make_string({41, {-0.05, 0, 0}, {0.05, 0, 0}, 1e-3, 10, 0, 0}));
   rig.publish();
   rig.tick({});
-  rig.act(Kind::kGrabNearest);
+  rig.act(NetworkModel::GrabNearest{});
   const double felt = -rig.tick_for(2, {0, 0, 0.002}).z / 0.002;
   CHECK(felt == approx(1 / (1 / 400. + 1 / 1e4)).epsilon(1e-6)); // 4 T/L = 400 N/m
 }
@@ -438,7 +437,7 @@ TEST_CASE("an edited network keeps the motion of the masses that stay, until the
   rig.tick_for(0.1);
   CHECK(rig.model.position(0) == there);
   CHECK(rig.model.velocity(0) == Vec3{});
-  rig.act(Kind::kReset);
+  rig.act(NetworkModel::Reset{});
   rig.tick();
   CHECK(rig.model.position(0) == Vec3{0.2, 0, 0});
 }
@@ -448,6 +447,21 @@ TEST_CASE("absurd handles and actions leave the network finite, and bounded when
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const double wild_values[] = {0, 1e300, -1e300, std::nan(""), kInfinite, 1e-310, 5};
   const auto wild = [&] { return wild_values[random.next() % std::size(wild_values)]; };
+  const auto wild_action = [&]() -> NetworkModel::Action {
+    const std::uint64_t key = random.next() % 15;
+    switch (random.next() % 5) {
+    case 0:
+      return NetworkModel::Pluck{key, {wild(), wild(), wild()}, std::abs(wild())};
+    case 1:
+      return NetworkModel::Grab{key};
+    case 2:
+      return NetworkModel::GrabNearest{};
+    case 3:
+      return NetworkModel::Release{};
+    default:
+      return NetworkModel::Reset{};
+    }
+  };
   NetworkRig rig;
   rig.network.touch = {0.05, 1000, 1};
   rig.network.grab = {1000, 1};
@@ -456,10 +470,7 @@ TEST_CASE("absurd handles and actions leave the network finite, and bounded when
   rig.publish();
   for (int n = 0; n < 3000; ++n) {
     if (n % 7 == 0)
-      rig.model.queue_action({static_cast<Kind>(random.next() % 5),
-                              random.next() % 15,
-                              {wild(), wild(), wild()},
-                              std::abs(wild())});
+      rig.model.queue_action(wild_action());
     CHECK(is_finite(rig.tick({wild(), wild(), wild()})));
     for (std::size_t i = 0; i < rig.network.masses.size(); ++i) {
       CHECK(is_finite(rig.model.position(i)));

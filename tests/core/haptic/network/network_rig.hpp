@@ -47,12 +47,10 @@ public:
   void publish() { model.publish(std::make_unique<const Network>(network)); }
   std::uint64_t key(std::size_t mass) const { return network.masses[mass].key; }
   void pluck(std::size_t mass, const Vec3& force_n, double duration_s) {
-    model.queue_action({NetworkModel::Action::Kind::kPluck, key(mass), force_n, duration_s});
+    model.queue_action(NetworkModel::Pluck{key(mass), force_n, duration_s});
   }
-  void grab(std::size_t mass) {
-    model.queue_action({NetworkModel::Action::Kind::kGrab, key(mass), {}, 0});
-  }
-  void act(NetworkModel::Action::Kind kind) { model.queue_action({kind, 0, {}, 0}); }
+  void grab(std::size_t mass) { model.queue_action(NetworkModel::Grab{key(mass)}); }
+  void act(const NetworkModel::Action& action) { model.queue_action(action); }
 
   Vec3 tick(const Vec3& handle = {0, 0.5, 0}) {
     State state;

@@ -73,7 +73,7 @@ TEST_CASE("at rest, after a reset and without a network there is no energy and n
   rig.tick_for(0.05);
   REQUIRE(rig.model.velocity(mass).z > 1);
   REQUIRE(norm(rig.model.velocity(other)) > 0.1);
-  rig.act(NetworkModel::Action::Kind::kReset); // ends plucks and grabs
+  rig.act(NetworkModel::Reset{}); // ends plucks and grabs
   for (int n = 0; n < 100; ++n) {
     CHECK(rig.tick() == Vec3{});
     CHECK(rig.model.position(mass) == Vec3{});
@@ -243,7 +243,7 @@ void check_random_networks(int rounds, int ticks) {
       supplied -= dot(rig.tick(now), now - before);
       before = now;
     }
-    rig.act(NetworkModel::Action::Kind::kRelease);
+    rig.act(NetworkModel::Release{});
     supplied -= dot(rig.tick({0.5, 0.5, 0.5}), Vec3{0.5, 0.5, 0.5} - before);
     const auto peak = [&rig, ticks] {
       double largest = 0;

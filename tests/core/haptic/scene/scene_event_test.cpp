@@ -10,7 +10,6 @@
 using namespace tactus::haptic;
 using tactus::Vec3;
 using test::SceneRig;
-using Kind = ContactEvent::Kind;
 
 TEST_CASE("chatter at 40 Hz is a hit for each departure of 0.2 mm and 10 ms, and else one") {
   const struct {
@@ -38,7 +37,7 @@ TEST_CASE("chatter at 40 Hz is a hit for each departure of 0.2 mm and 10 ms, and
       rig.touch(
           {0, 0,
            c.amplitude_mm * std::cos(2 * std::numbers::pi * c.frequency_hz * (n + 0.5) * 1e-3)});
-    CHECK(rig.count(Kind::kHit) == c.hits);
+    CHECK(rig.count<HitEvent>() == c.hits);
   }
 }
 
@@ -51,7 +50,7 @@ TEST_CASE("leaving along the surface, over an edge, counts like leaving away fro
   rig.stroke({25, 9, 0}, {25, 12, 0}, 1);
   rig.stroke({25, 12, 0}, {15, 12, 0}, 1);
   rig.stroke({15, 12, 0}, {15, 9, 0});
-  CHECK(rig.count(Kind::kHit) == 2);
+  CHECK(rig.count<HitEvent>() == 2);
 }
 
 TEST_CASE("bodies reached at one tick are reported in the scene's order, and of two with the same "
@@ -65,9 +64,9 @@ TEST_CASE("bodies reached at one tick are reported in the scene's order, and of 
     rig.touch({1, 1, 0});
     rig.touch({-1, -1.5, 0});
     std::vector<std::uint64_t> hits;
-    for (const ContactEvent& event : rig.events)
-      if (event.kind == Kind::kHit)
-        hits.push_back(event.key);
+    for (const SceneEvent& event : rig.events)
+      if (const auto* const hit = std::get_if<HitEvent>(&event))
+        hits.push_back(hit->key);
     CHECK(hits == std::vector<std::uint64_t>{1, 2});
     SceneRig twice;
     const double first = swapped ? 900 : 300;
@@ -84,8 +83,8 @@ TEST_CASE("a body that appears around a fast hand is no hit") {
       rig.add(Sphere{0.025});
     rig.touch({25 - 0.25 * n, 0, 0});
   }
-  CHECK(rig.count(Kind::kContact) > 0);
-  CHECK(rig.count(Kind::kHit) == 0);
+  CHECK(rig.count<ContactEvent>() > 0);
+  CHECK(rig.count<HitEvent>() == 0);
 }
 
 TEST_CASE("a body that appears around the hand pushes it out with a slowly rising force") {
@@ -95,7 +94,7 @@ TEST_CASE("a body that appears around the hand pushes it out with a slowly risin
   CHECK(norm(rig.touch({18, 0, 0})) < 0.01);
   CHECK(rig.rest(4, {18, 0, 0}).x == doctest::Approx(0.4).epsilon(1e-9)); // 100 N/s
   CHECK(norm(rig.rest(20, {18, 0, 0}) - Vec3{1, 0, 0}) < 1e-9);
-  CHECK(rig.count(Kind::kHit) == 0);
+  CHECK(rig.count<HitEvent>() == 0);
 }
 
 TEST_CASE("a hand that starts inside is pushed out with at most the device's continuous force") {

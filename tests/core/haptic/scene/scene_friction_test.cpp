@@ -273,10 +273,10 @@ TEST_CASE("a body that pushes the tool over a rough floor is felt, and told, fro
   rig.glide(1, {-0.0118, 0, 0.01}, 0.1);
   rig.rest(105, {0, 0, 1}); // the box has pushed the proxy by 0.2 mm
   CHECK(rig.proxy_mm().x == doctest::Approx(0.2).epsilon(1e-6));
-  CHECK(rig.count(ContactEvent::Kind::kHit) == 2);
+  CHECK(rig.count<HitEvent>() == 2);
   double wall_n = 0;
-  for (const ContactEvent& event : rig.events)
-    if (event.kind == ContactEvent::Kind::kContact && event.key == 2)
-      wall_n = event.force_n.x;
+  for (const SceneEvent& event : rig.events)
+    if (const auto* const contact = std::get_if<ContactEvent>(&event); contact && contact->key == 2)
+      wall_n = contact->force_n.x;
   CHECK(wall_n == doctest::Approx(0.1).epsilon(1e-6));
 }

@@ -89,10 +89,10 @@ void check_never_inside(Limits limits, std::uint64_t seeds, int ticks) {
         rig.touch({0, 0, 0});
         REQUIRE(is_outside(rig.scene, rig.model.proxy()));
         for (int n = 0; n < ticks; ++n) {
-          const std::size_t released = rig.count(ContactEvent::Kind::kRelease);
+          const std::size_t released = rig.count<ReleaseEvent>();
           const Vec3 force = rig.touch(random_point(random, n % 7 == 0 ? 300 : 60));
           // What was not searched to the end is not told as a release.
-          REQUIRE((rig.model.complete() || rig.count(ContactEvent::Kind::kRelease) == released));
+          REQUIRE((rig.model.complete() || rig.count<ReleaseEvent>() == released));
           REQUIRE(is_finite(force));
           REQUIRE(is_outside(rig.scene, rig.model.proxy()));
           REQUIRE(norm(rig.model.proxy()) < 0.12);
@@ -252,7 +252,7 @@ TEST_CASE("without work for a single motion the known faces hold, at the full de
     }
     CHECK(!rig.model.complete());
     CHECK(norm(rig.touch({0, 0, 1})) < 1e-9); // away from the face nothing pulls
-    CHECK(rig.count(ContactEvent::Kind::kRelease) == 0);
+    CHECK(rig.count<ReleaseEvent>() == 0);
   }
 }
 

@@ -8,7 +8,6 @@
 using namespace tactus::haptic;
 using tactus::Vec3;
 using test::SceneRig;
-using Kind = ContactEvent::Kind;
 
 namespace {
 
@@ -34,11 +33,12 @@ TEST_CASE("of any number of bodies that move at once each pushes the hand in its
       all_to(-0.005); // 5 mm deep at 0.5 m/s, and then at rest
       CHECK(error(rig.rest(90, at), {500 * 5e-3 + 2 * 0.5, 0, 0}) < 1e-6);
       CHECK(error(rig.touch(at), {2.5, 0, 0}) < 1e-9);
-      REQUIRE(rig.count(Kind::kHit) == 1);
-      CHECK(rig.events[0].approach_m_per_s == doctest::Approx(0.5).epsilon(1e-6));
+      REQUIRE(rig.count<HitEvent>() == 1);
+      CHECK(std::get<HitEvent>(rig.events[0]).approach_m_per_s ==
+            doctest::Approx(0.5).epsilon(1e-6));
       all_to(-0.05);
       CHECK(rig.rest(100, at) == Vec3{});
-      CHECK(rig.count(Kind::kRelease) == 1);
+      CHECK(rig.count<ReleaseEvent>() == 1);
     }
 }
 
@@ -93,12 +93,12 @@ TEST_CASE("edits keep the contact of the bodies that they do not touch") {
     rig.publish();
     CHECK(error(rig.touch({0, 0, -8}), {0, 0, 7}) < 1e-9);
   }
-  CHECK(rig.count(Kind::kHit) == 1);
-  CHECK(rig.count(Kind::kRelease) == 0);
+  CHECK(rig.count<HitEvent>() == 1);
+  CHECK(rig.count<ReleaseEvent>() == 0);
   rig.scene.bodies.clear();
   rig.publish();
   CHECK(rig.touch({0, 0, -8}) == Vec3{});
-  CHECK(rig.count(Kind::kRelease) == 1);
+  CHECK(rig.count<ReleaseEvent>() == 1);
 }
 
 TEST_CASE("a hundred edits between two ticks are one, and none is lost when nobody collects") {

@@ -63,7 +63,7 @@ public:
     last_ = state.position;
     const Vec3 force = model.force({ticks, static_cast<double>(ticks) * 1e-3, 1e-3}, state);
     ++ticks;
-    ContactEvent event;
+    SceneEvent event;
     while (model.events().pop(event))
       events.push_back(event);
     return force;
@@ -84,16 +84,16 @@ public:
       force = touch(from_mm + (to_mm - from_mm) * (static_cast<double>(i) / count));
     return force;
   }
-  std::size_t count(ContactEvent::Kind kind) const {
+  template <class T> std::size_t count() const {
     std::size_t n = 0;
-    for (const ContactEvent& event : events)
-      n += event.kind == kind;
+    for (const SceneEvent& event : events)
+      n += std::holds_alternative<T>(event);
     return n;
   }
   Vec3 proxy_mm() const { return model.proxy() * 1e3; }
   const Vec3& last_m() const { return last_; }
 
-  std::vector<ContactEvent> events;
+  std::vector<SceneEvent> events;
   std::uint64_t ticks = 0;
 
 private:

@@ -6,7 +6,6 @@
 using namespace tactus::haptic;
 using tactus::Vec3;
 using test::SceneRig;
-using Kind = ContactEvent::Kind;
 
 namespace {
 
@@ -86,9 +85,8 @@ TEST_CASE("a strike is one hit, at the tick in which the surface is passed") {
   for (int n = 0; n <= 80; ++n)
     rig.touch({25, 0, 20.1 - 0.25 * n});
   rig.rest(200, {25, 0, 0.1});
-  REQUIRE(rig.count(Kind::kHit) == 1);
-  const ContactEvent& hit = rig.events.front();
-  CHECK(hit.kind == Kind::kHit);
+  REQUIRE(rig.count<HitEvent>() == 1);
+  const auto& hit = std::get<HitEvent>(rig.events.front());
   CHECK(hit.key == key);
   CHECK(hit.time_s == doctest::Approx(57e-3).epsilon(1e-12));
   check(hit.point * 1e3, {25, 0, 6});
@@ -96,9 +94,9 @@ TEST_CASE("a strike is one hit, at the tick in which the surface is passed") {
   CHECK(hit.approach_m_per_s == doctest::Approx(0.25).epsilon(1e-9));
   CHECK(hit.slip_m_per_s == doctest::Approx(0).epsilon(1e-9));
   rig.stroke({25, 0, 0.1}, {25, 0, 20.1});
-  CHECK(rig.count(Kind::kRelease) == 1);
+  CHECK(rig.count<ReleaseEvent>() == 1);
   rig.stroke({25, 0, 20.1}, {25, 0, 4});
-  CHECK(rig.count(Kind::kHit) == 2);
+  CHECK(rig.count<HitEvent>() == 2);
 }
 
 TEST_CASE("contact is reported every fourth millisecond with depth and force") {
@@ -108,10 +106,10 @@ TEST_CASE("contact is reported every fourth millisecond with depth and force") {
   rig.events.clear();
   rig.rest(400, {0, 0, -2});
   CHECK(rig.events.size() == 100);
-  for (const ContactEvent& event : rig.events) {
-    CHECK(event.kind == Kind::kContact);
-    CHECK(event.depth_m == tactus::test::approx(2e-3));
-    check(event.force_n, {0, 0, 1});
+  for (const SceneEvent& event : rig.events) {
+    const auto& contact = std::get<ContactEvent>(event);
+    CHECK(contact.depth_m == tactus::test::approx(2e-3));
+    check(contact.force_n, {0, 0, 1});
   }
 }
 
@@ -120,7 +118,7 @@ TEST_CASE("a contact slower than 5 mm/s is no hit") {
     SceneRig rig;
     rig.add(Plane{});
     rig.stroke({0, 0, 1}, {0, 0, -1}, speed_mm_per_tick);
-    CHECK(rig.count(Kind::kHit) == (speed_mm_per_tick > 0.005 ? 1u : 0u));
-    CHECK(rig.count(Kind::kContact) > 0);
+    CHECK(rig.count<HitEvent>() == (speed_mm_per_tick > 0.005 ? 1u : 0u));
+    CHECK(rig.count<ContactEvent>() > 0);
   }
 }

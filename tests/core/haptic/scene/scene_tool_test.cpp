@@ -13,7 +13,6 @@ using tactus::Vec3;
 using tactus::test::approx;
 using test::random_point;
 using test::SceneRig;
-using Kind = ContactEvent::Kind;
 
 namespace {
 
@@ -145,8 +144,8 @@ TEST_CASE("a sphere on a sphere or a plane is a point on a larger sphere or a hi
     worst = std::max(worst, norm(tool.touch(at) - point.touch(at)));
   }
   CHECK(worst < 1e-9); // the plane's height rounds differently
-  CHECK(tool.count(Kind::kHit) > 10);
-  CHECK(tool.count(Kind::kHit) == point.count(Kind::kHit));
+  CHECK(tool.count<HitEvent>() > 10);
+  CHECK(tool.count<HitEvent>() == point.count<HitEvent>());
 }
 
 TEST_CASE(
@@ -225,8 +224,8 @@ TEST_CASE("a tool's hit lies on the surface, at the tick in which the sphere rea
   rig.with_tool(4);
   for (int n = 0; n <= 60; ++n) // 0.25 m/s down on the edge x = 20 mm, 2 mm beside it
     rig.touch({22, 24.1 - 0.25 * n, 0});
-  REQUIRE(rig.count(Kind::kHit) == 1);
-  const ContactEvent& hit = rig.events.front();
+  REQUIRE(rig.count<HitEvent>() == 1);
+  const auto& hit = std::get<HitEvent>(rig.events.front());
   // The centre is 4 mm from the edge at y = 10 + sqrt(16 - 4) mm: reached between ticks 42 and 43.
   CHECK(hit.time_s == doctest::Approx(43e-3));
   CHECK(norm(hit.point * 1e3 - Vec3{20, 10, 0}) < 1e-6);
@@ -245,7 +244,7 @@ TEST_CASE("a tool that grows, or starts in a body or a mesh, is pushed out gentl
     largest = std::max(largest, norm(rig.touch({0, 13, 0})));
   CHECK(largest == doctest::Approx(1).epsilon(1e-9));
   CHECK(norm(rig.proxy_mm() - Vec3{0, 16, 0}) < 1e-6);
-  CHECK(rig.count(Kind::kHit) == 0);
+  CHECK(rig.count<HitEvent>() == 0);
   CHECK(norm(rig.stroke({0, 13, 0}, {0, 20, 0})) == 0);
   CHECK(norm(rig.stroke({0, 20, 0}, {0, 15, 0}) - Vec3{0, 4, 0}) < 1e-6);
 }
@@ -261,7 +260,7 @@ TEST_CASE("a tool that shrinks rests on the body, or leaves it, also with fricti
   CHECK(rig.touch({0, 0, 8}).z == approx(0.5).epsilon(1e-6)); // 1 mm
   rig.with_tool(7.5);
   CHECK(rig.touch({0, 0, 8}).z == 0);
-  CHECK(rig.count(Kind::kRelease) == 1);
+  CHECK(rig.count<ReleaseEvent>() == 1);
 }
 
 TEST_CASE("a tool that grows in contact continues with the force of before") {

@@ -95,10 +95,9 @@ TEST_CASE("after the host stops the force is half at 125 ms, zero at 150 ms, and
   CHECK(run_to(1.325, true) == approx(1).epsilon(1e-9));
   CHECK(run_to(1.35, true) == approx(2).epsilon(1e-9));
   for (const bool on : {true, false}) {
-    Event event;
+    ServoEvent event;
     REQUIRE(rig.servo.exchange().events.pop(event));
-    CHECK(event.kind == Event::Kind::kWatchdog);
-    CHECK(event.on == on);
+    CHECK(std::get<WatchdogEvent>(event).on == on);
   }
   CHECK(rig.servo.chain().counters.watchdog_trips == 1);
 }
@@ -125,11 +124,12 @@ TEST_CASE("buttons, maps and estimated velocity go through one step") {
   }
   CHECK(norm(rig.device.forces.back() - Vec3{-2, 3, 1}) < 1e-12);
   CHECK(norm(rig.report().state.velocity - Vec3{0, -1, 0}) < 1e-9);
-  Event event;
+  ServoEvent event;
   for (const int number : {0, 2}) {
     REQUIRE(rig.servo.exchange().events.pop(event));
-    CHECK((event.number == number && event.on));
-    CHECK(event.time_s == approx(0.02));
+    const auto& button = std::get<ButtonEvent>(event);
+    CHECK((button.number == number && button.on));
+    CHECK(button.time_s == approx(0.02));
   }
   CHECK_FALSE(rig.servo.exchange().events.pop(event));
 }
@@ -407,9 +407,9 @@ TEST_CASE("a device that finds its origin leaps without a hit, a velocity or a k
       }
       CHECK(largest_rise_n < 2 * 8e-3 / 0.5); // the limit over the enable time, and some
       CHECK(rig.device.forces.back().x > 1.9);
-      ContactEvent event;
+      SceneEvent event;
       while (scene.events().pop(event))
-        CHECK(event.kind != ContactEvent::Kind::kHit);
+        CHECK(!std::holds_alternative<HitEvent>(event));
     }
 }
 
