@@ -2,7 +2,7 @@
 """What modules for another system take and give: nothing that only the compiler's machine has.
 
     check_imports.py --objdump OBJDUMP --definitions pd/pd.def STAGE
-    check_imports.py --objdump OBJDUMP --definitions max/abi/MaxAPI.def --definitions max/abi/MaxAudio.def EXTERNALS
+    check_imports.py --objdump OBJDUMP --definitions BUILD/max/abi/MaxAPI.def --definitions BUILD/max/abi/MaxAudio.def EXTERNALS
 
 Windows: libraries of the system and the host's DLLs alone, of these only what the .def files list. Linux:
 libraries that every system with Pd and FFTW has. Everywhere a module gives one function, its set-up.
