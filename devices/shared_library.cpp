@@ -10,10 +10,11 @@ std::string SharedLibrary::joined(std::span<const char* const> names) {
 }
 
 const char* SharedLibrary::missing() const noexcept {
-  for (const LibraryFunction* function : functions_)
+  const char* first = nullptr;
+  for (const LibraryFunction* function = last_; function; function = function->before_)
     if (function->needed_ == LibraryFunction::Needed::kYes && !function->address_)
-      return function->name_;
-  return nullptr;
+      first = function->name_;
+  return first;
 }
 
 bool SharedLibrary::load(std::span<const char* const> names) {
@@ -25,7 +26,7 @@ bool SharedLibrary::load(std::span<const char* const> names) {
     handle_ = open(name, error, missing);
     if (handle_) {
       name_ = name;
-      for (LibraryFunction* function : functions_)
+      for (LibraryFunction* function = last_; function; function = function->before_)
         function->address_ = address(function->name_);
       return true;
     }

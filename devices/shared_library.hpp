@@ -2,8 +2,6 @@
 
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 namespace tactus::devices {
 
@@ -47,7 +45,7 @@ private:
   [[nodiscard]] void* address(const char* symbol_name) const noexcept;
 
   void* handle_ = nullptr;
-  std::vector<LibraryFunction*> functions_;
+  LibraryFunction* last_ = nullptr; // declared
   std::string name_, error_;
   bool found_ = false;
 };
@@ -56,15 +54,16 @@ private:
 class LibraryFunction {
 public:
   enum class Needed { kYes, kNo };
-  LibraryFunction(SharedLibrary& library, const char* name, Needed needed)
-      : name_(name), needed_(needed) {
-    library.functions_.push_back(this);
+  LibraryFunction(SharedLibrary& library, const char* name, Needed needed) noexcept
+      : before_(library.last_), name_(name), needed_(needed) {
+    library.last_ = this;
   }
   LibraryFunction(const LibraryFunction&) = delete;
   LibraryFunction& operator=(const LibraryFunction&) = delete;
 
 protected:
   friend SharedLibrary;
+  LibraryFunction* before_; // of the library, in the order of the declarations
   const char* name_;
   Needed needed_;
   void* address_ = nullptr;
@@ -74,7 +73,7 @@ protected:
 /// type, int(char id).
 template <class F> class Function final : public LibraryFunction {
 public:
-  Function(SharedLibrary& library, const char* name, Needed needed = Needed::kYes)
+  Function(SharedLibrary& library, const char* name, Needed needed = Needed::kYes) noexcept
       : LibraryFunction(library, name, needed) {}
   Function& operator=(F* function) noexcept {
     address_ = reinterpret_cast<void*>(function);

@@ -16,14 +16,30 @@ namespace {
 
 using namespace test;
 
+// Where the resonance near `near_hz` starts to play; or, where it never grows, where it decays the
+// slowest: the threshold search of linear theory, which knows nothing of the tuning's way.
+double playing_frequency(const LinearStability& theory, double reed_frequency, double near_hz) {
+  const Threshold threshold = theory.threshold(reed_frequency, near_hz);
+  if (threshold.found)
+    return threshold.frequency_hz;
+  const double start = theory.bore_resonance_near(near_hz).frequency_hz;
+  Mode best;
+  for (int i = 1; i <= 24; ++i) {
+    const double pressure = theory.highest_pressure(reed_frequency) * i / 24;
+    const Mode mode = theory.mode_near(pressure, reed_frequency, start);
+    if (mode.found && (!best.found || mode.growth_rate > best.growth_rate))
+      best = mode;
+  }
+  return best.frequency_hz;
+}
+
 TEST_CASE("the tuned bore has its linear playing frequency at f_b") {
   for (const char* name : {"clarinet", "sax", "oboe"})
     for (const double f : {110.0, 175.0, 262.0, 392.0}) {
       const Parameters p = find_preset(name).value();
       const double length = tuned_length(p, f, p.reed_frequency);
       INFO(std::string(name), ", ", f, " Hz");
-      // The threshold search of linear theory, which knows nothing of the tuning's way.
-      const double linear = LinearStability(p, length).threshold(p.reed_frequency, f).frequency_hz;
+      const double linear = playing_frequency(LinearStability(p, length), p.reed_frequency, f);
       CHECK(std::abs(cents(linear, f)) < 1);
     }
 }
